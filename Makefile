@@ -21,6 +21,11 @@ help:
 
 demo: $(VENV)/.run
 	@$(BIN)/fuzzyarm demo
+	@echo
+	@echo "── To type now:"
+	@echo
+	@echo "  $(BIN)/fuzzyarm designer rulebases    the rule bases in a browser; Ctrl-C ends it"
+	@echo "  source $(BIN)/activate                from then on the command is fuzzyarm"
 
 test: lint unit
 

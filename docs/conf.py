@@ -25,7 +25,7 @@ author = "The fuzzyarm developers"
 project_copyright = author
 version = release = __version__
 
-extensions = ["myst_parser", "sphinx.ext.autodoc", "numpydoc"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "numpydoc", "sphinx_copybutton"]
 smartquotes = False  # a command in a sentence can be copied
 exclude_patterns = ["pictures"]
 # A type in a signature is found in the package that shows it and in the module that has it.
@@ -43,6 +43,12 @@ python_use_unqualified_type_names = True
 numpydoc_show_class_members = False
 numpydoc_xref_param_type = False
 maximum_signature_line_length = 80
+
+# What is copied is what is typed: prompts stay, and so does what the program answers.
+copybutton_prompt_text = r"\$ |>>> |\.\.\. "
+copybutton_prompt_is_regexp = True
+copybutton_only_copy_prompt_lines = True
+copybutton_line_continuation_character = "\\"
 
 html_theme = "furo"
 html_title = f"fuzzyarm {version}"

@@ -1,9 +1,9 @@
-"""The pages that are read from the program itself: commands and the Python API.
+"""The pages that are read from the program itself: commands, metrics and the Python API.
 
-    python docs/make_reference.py    # writes docs/commands.md
+    python docs/make_reference.py    # writes docs/commands.md, docs/metrics.md and docs/api.md
 
-The page of commands is kept with the others, so that it can be read without building the site;
-`tests/docs/test_reference.py` holds it to the parser. The pages of the API are written into
+These are kept with the others, so that they can be read without building the site;
+`tests/docs/test_site.py` holds them to the program. The pages of each package are written into
 ``docs/api`` at each build (``conf.py``) and not kept.
 """
 
@@ -15,6 +15,7 @@ import pkgutil
 import re
 import shutil
 from collections.abc import Iterator
+from dataclasses import fields
 from itertools import groupby
 from pathlib import Path
 from types import ModuleType
@@ -22,7 +23,9 @@ from types import ModuleType
 import fuzzyarm
 from fuzzyarm.cli.command import Argument, Command
 from fuzzyarm.cli.main import COMMANDS, HEADINGS, find_command
+from fuzzyarm.loop.metrics import FORMULAS, Metrics
 from fuzzyarm.text.files import write_atomically
+from fuzzyarm.tuning.cost import ERRORS
 
 HERE = Path(__file__).parent
 
@@ -123,7 +126,111 @@ def _plain(found: re.Match[str]) -> str:
     return re.sub(r"([<\[])", r"\\\1", found.group())
 
 
+# --- Metrics ---
+
+
+def metrics_page() -> str:
+    """Return the page of metrics with the tables of today."""
+    names = [each.name for each in fields(Metrics)]
+    rows = [f"| `{name}` | {FORMULAS[name][0]} | {_formula(FORMULAS[name][1])} |" for name in names]
+    words = [
+        f"| {', '.join(f'`{name.strip()}`' for name in told.split(','))} | {_said_of(text)} |"
+        for told, text in _attributes(Metrics)
+    ]
+    errors = [f"| `{name}` | {what} |" for name, what in ERRORS.items()]
+    text = (HERE / "metrics.md").read_text("utf-8")
+    text = _with_rows(text, "| metric | unit | computed as |", rows)
+    text = _with_rows(text, "| metric | in words |", words)
+    return _with_rows(text, "| metric | of the errors |", errors)
+
+
+def _with_rows(text: str, head: str, rows: list[str]) -> str:
+    """Return a page with other rows in the table of this head."""
+    table = re.compile(rf"(?m)^{re.escape(head)}\n(\|[-|]+\n)(?:\|.*\n)*")
+    if len(table.findall(text)) != 1:
+        raise ValueError(f"the page has no table, or several, with the head {head}")
+    return table.sub(lambda found: "\n".join([head, f"{found[1]}" + "\n".join(rows), ""]), text)
+
+
+def _formula(how: str) -> str:
+    """Return a formula as code, and what is said behind it as words."""
+    code, comma, words = how.partition("), ")
+    return f"`{code})`, {words}" if comma else f"`{how}`".replace("|", "\\|")
+
+
+def _attributes(kind: type) -> Iterator[tuple[str, str]]:
+    """Yield the names and the text of each entry under Attributes of a docstring."""
+    text = (inspect.getdoc(kind) or "").partition("Attributes\n----------\n")[2]
+    for entry in re.split(r"\n(?=\S)", text):
+        head, _, body = entry.partition("\n")
+        yield head.partition(" : ")[0], inspect.cleandoc(body)
+
+
+def _said_of(text: str) -> str:
+    return " ".join(text.split()).replace("|", "\\|")
+
+
 # --- The Python API ---
+
+_API = """\
+# The Python API
+
+By purpose. What most programs need is in `fuzzyarm` itself: importing it is instant, and what a
+name needs is loaded when the name is used. The pages of the packages are written from the
+docstrings when the site is built, and have the names of their `__all__`. This page is written by
+`docs/make_reference.py`; [rule bases in Python](python.md) shows how things are used.
+"""
+
+PURPOSES = {
+    "Rule bases and files": (
+        "fuzzyarm", "fuzzyarm.api", "fuzzyarm.builder", "fuzzyarm.model", "fuzzyarm.language",
+        "fuzzyarm.formats", "fuzzyarm.live", "fuzzyarm.expression", "fuzzyarm.text",
+    ),
+    "Evaluate, tabulate, prove": ("fuzzyarm.inference", "fuzzyarm.table", "fuzzyarm.proof"),
+    "Controllers, plants, runs": (
+        "fuzzyarm.controller", "fuzzyarm.plant", "fuzzyarm.loop", "fuzzyarm.tuning",
+        "fuzzyarm.study", "fuzzyarm.control",
+    ),
+    "From data": ("fuzzyarm.learning", "fuzzyarm.sklearn"),
+    "Show and export": (
+        "fuzzyarm.show", "fuzzyarm.show.figures", "fuzzyarm.notebook", "fuzzyarm.designer",
+        "fuzzyarm.export",
+    ),
+    "What other tools are made of": ("fuzzyarm.language.check", "fuzzyarm.language.queries"),
+}  # fmt: skip
+"""Packages with a page of their own, by what one wants of them."""
+
+
+def names_by_purpose() -> dict[str, list[tuple[str, str]]]:
+    """Return the names of ``fuzzyarm`` with their first lines, grouped as ``help`` has them."""
+    text = (inspect.getdoc(fuzzyarm) or "").split("Packages with public names")[0]
+    found: dict[str, list[tuple[str, str]]] = {}
+    for heading, body in re.findall(r"(?m)^(\w.*)\n((?:    \w.*\n(?: {8,}\S.*\n)*)+)", text):
+        entries = [" ".join(each.split()) for each in re.split(r"\n(?=    \w)", body.rstrip())]
+        found[heading] = [(name, said) for name, _, said in (e.partition(" ") for e in entries)]
+    return found
+
+
+def api_index() -> str:
+    """Return the page of the Python API as Markdown: names and packages by purpose."""
+    parts = [_API]
+    for heading, names in names_by_purpose().items():
+        rows = [f"| {_linked(name)} | {_escaped(said)} |" for name, said in names]
+        parts.append("\n".join([f"## {heading}\n", "| name | what it is |\n|---|---|", *rows, ""]))
+    parts.append("## Packages\n")
+    for purpose, packages in PURPOSES.items():
+        pages = [f"api/{package}" for package in packages]
+        words = ["```{toctree}", ":maxdepth: 1", f":caption: {purpose}", "", *pages, "```", ""]
+        parts.append("\n".join(words))
+    return "\n".join(parts).rstrip() + "\n"
+
+
+def _linked(name: str) -> str:
+    """Return a name as a link to where it is told: a module to the page on what it is for."""
+    if inspect.ismodule(getattr(fuzzyarm, name)):
+        return f"[`fuzzyarm.{name}`](kinds.md)"
+    return f"{{py:obj}}`fuzzyarm.{name}`"
+
 
 _NOT_FOR_IMPORT = ("fuzzyarm.cli", "fuzzyarm.lsp", "fuzzyarm.studio")
 """Packages that people call from a terminal or an editor."""
@@ -183,3 +290,5 @@ def _directive(name: str, thing: object) -> list[str]:
 
 if __name__ == "__main__":
     write_atomically(HERE / "commands.md", commands_page())
+    write_atomically(HERE / "metrics.md", metrics_page())
+    write_atomically(HERE / "api.md", api_index())

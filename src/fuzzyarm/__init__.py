@@ -11,6 +11,9 @@ what is named here and in the ``__all__`` of the packages; everything else is pr
 Read, check, write
     load                Return the rule base, controller or lookup table in the file at path, by
                         its suffix.
+    load_rulebase       Return the rule base in the file at path, by its suffix.
+    load_controller     Return the controller in the .frb file at path, with the files that it
+                        uses.
     parse               Read text as a rule base; never raises.
     check_file          Check a file of any kind that load takes.
     check_text          Check the text of a .frb file: mistakes first; without any, doubts and
@@ -18,8 +21,13 @@ Read, check, write
     write               Return canonical text that parses to rulebase again.
     shipped             Return the path of the shipped file name, for instance pd7.frb.
 
-Write in Python
-    RuleBase            A rule base that is being written; what it means by now is its model.
+Rule bases and controllers in Python
+    RuleBase            A whole fuzzy system as a value: variables, rules, and how the rules are
+                        evaluated.
+    RuleBaseBuilder     A rule base that is being written; what it means by now is its model.
+    AnyRuleBase         A rule base: the immutable value that a file means, or one that is being
+                        written.
+    ControllerText      A controller as text, with the rule bases and tables that it uses.
     Shape               The membership function of a term, or the value of a consequent.
     from_live           Return the rule base that a live object of another fuzzy library is.
     kinds               Kinds of shapes, norms and hedges, the built-in ones and a user's own.
@@ -94,15 +102,41 @@ from fuzzyarm.lazy import lazily
 from fuzzyarm.version import __version__ as __version__
 
 if TYPE_CHECKING:
-    from fuzzyarm.api import FileWarning, check_file, check_text, load
-    from fuzzyarm.builder import RuleBase
+    from fuzzyarm import api as api
+    from fuzzyarm import controller as controller
+    from fuzzyarm import export as export
+    from fuzzyarm import expression as expression
+    from fuzzyarm import formats as formats
+    from fuzzyarm import inference as inference
+    from fuzzyarm import language as language
+    from fuzzyarm import learning as learning
+    from fuzzyarm import live as live
+    from fuzzyarm import loop as loop
+    from fuzzyarm import model as model
+    from fuzzyarm import plant as plant
+    from fuzzyarm import proof as proof
+    from fuzzyarm import show as show
+    from fuzzyarm import sklearn as sklearn
+    from fuzzyarm import study as study
+    from fuzzyarm import table as table
+    from fuzzyarm import tuning as tuning
+    from fuzzyarm.api import (
+        FileWarning,
+        check_file,
+        check_text,
+        load,
+        load_controller,
+        load_rulebase,
+    )
+    from fuzzyarm.builder import RuleBaseBuilder
+    from fuzzyarm.controller import ControllerText
     from fuzzyarm.errors import FuzzyarmError
     from fuzzyarm.expression import kinds, op
     from fuzzyarm.inference import compiled, explain, infer, infer_interval
     from fuzzyarm.language import parse, write
     from fuzzyarm.live import from_live
     from fuzzyarm.loop import simulate, simulate_many
-    from fuzzyarm.model import Shape
+    from fuzzyarm.model import AnyRuleBase, RuleBase, Shape
     from fuzzyarm.proof import prove
     from fuzzyarm.shipped_files import shipped
     from fuzzyarm.table import (
@@ -116,10 +150,13 @@ if TYPE_CHECKING:
     from fuzzyarm.tuning import tune
 
 __all__ = [
+    "AnyRuleBase",
+    "ControllerText",
     "FileWarning",
     "FuzzyarmError",
     "LookupTable",
     "RuleBase",
+    "RuleBaseBuilder",
     "RuleBaseError",
     "Shape",
     "check_file",
@@ -133,6 +170,8 @@ __all__ = [
     "infer_interval",
     "kinds",
     "load",
+    "load_controller",
+    "load_rulebase",
     "op",
     "parse",
     "prove",
@@ -167,29 +206,39 @@ PACKAGES = (
 )
 """Packages and modules with public names of their own: those of their ``__all__``."""
 
-__getattr__, __dir__ = lazily(
-    __name__,
-    {
-        "api": ("FileWarning", "check_file", "check_text", "load"),
-        "builder": ("RuleBase",),
-        "errors": ("FuzzyarmError",),
-        "expression.kinds": ("kinds",),
-        "expression.op": ("op",),
-        "inference": ("compiled", "explain", "infer", "infer_interval"),
-        "language": ("RuleBaseError", "Shape", "parse", "write"),
-        "live": ("from_live",),
-        "loop": ("simulate", "simulate_many"),
-        "proof": ("prove",),
-        "shipped_files": ("shipped",),
-        "table": (
-            "LookupTable",
-            "compile_table",
-            "compile_with_report",
-            "read_table",
-            "write_table",
-        ),
-        "tuning": ("tune",),
-    },
-    ("__version__",),
-    PACKAGES,
-)
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = lazily(
+        __name__,
+        {
+            "api": (
+                "FileWarning",
+                "check_file",
+                "check_text",
+                "load",
+                "load_controller",
+                "load_rulebase",
+            ),
+            "builder": ("RuleBaseBuilder",),
+            "controller": ("ControllerText",),
+            "errors": ("FuzzyarmError",),
+            "expression.kinds": ("kinds",),
+            "expression.op": ("op",),
+            "inference": ("compiled", "explain", "infer", "infer_interval"),
+            "language": ("RuleBaseError", "parse", "write"),
+            "live": ("from_live",),
+            "loop": ("simulate", "simulate_many"),
+            "model": ("AnyRuleBase", "RuleBase", "Shape"),
+            "proof": ("prove",),
+            "shipped_files": ("shipped",),
+            "table": (
+                "LookupTable",
+                "compile_table",
+                "compile_with_report",
+                "read_table",
+                "write_table",
+            ),
+            "tuning": ("tune",),
+        },
+        ("__version__",),
+        PACKAGES,
+    )

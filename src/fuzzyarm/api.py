@@ -22,6 +22,7 @@ from fuzzyarm.text.shown import one_line
 
 if TYPE_CHECKING:
     from fuzzyarm.controller.text import ControllerText
+    from fuzzyarm.model.controller import ControllerModel
     from fuzzyarm.plant.plant import Plant
     from fuzzyarm.proof import Verdict
     from fuzzyarm.table import LookupTable
@@ -33,11 +34,14 @@ __all__ = [
     "PlantOf",
     "Review",
     "UnknownKindError",
+    "WrongKindError",
     "check_file",
     "check_parsed",
     "check_text",
     "judge",
     "load",
+    "load_controller",
+    "load_rulebase",
 ]
 
 RULEBASE_SUFFIXES = (".frb", ".fll", ".fcl", ".fis", ".fml", ".xml")
@@ -73,8 +77,25 @@ class UnknownKindError(FuzzyarmError, ValueError):
         self.path = path
 
 
+class WrongKindError(FuzzyarmError, ValueError):
+    """A file is of another kind than the one that was asked for.
+
+    Attributes
+    ----------
+    path : str
+        The file.
+    """
+
+    def __init__(self, path: str, message: str, hint: str) -> None:
+        super().__init__(f"{path} is {message}", hint=hint)
+        self.path = path
+
+
 def load(path: str | os.PathLike[str]) -> RuleBase | LookupTable | ControllerText:
     """Return the rule base, controller or lookup table in the file at `path`, by its suffix.
+
+    Where the kind is known, :func:`load_rulebase`, :func:`load_controller` and
+    :func:`fuzzyarm.read_table` tell a type checker, and a reader, which it is.
 
     Parameters
     ----------
@@ -97,18 +118,12 @@ def load(path: str | os.PathLike[str]) -> RuleBase | LookupTable | ControllerTex
     UnknownKindError
         If the suffix is none of these.
     """
-    name = os.fspath(path)
-    suffix = os.path.splitext(name)[1].lower()
+    name, suffix = _name_and_suffix(path)
     if suffix == ".frb":
         source = read_text(path)
         parsed = parse(source, name)
         if parsed.controller is not None:
-            from fuzzyarm.controller.text import with_files
-
-            text, faults = with_files(parsed.controller, Path(name).parent, name)
-            if faults:
-                raise RuleBaseError(faults)
-            return replace(text, source=source)
+            return _controller(parsed.controller, source, name)
         if parsed.rulebase is None:
             raise RuleBaseError(parsed.diagnostics)
         return parsed.rulebase
@@ -116,17 +131,95 @@ def load(path: str | os.PathLike[str]) -> RuleBase | LookupTable | ControllerTex
         from fuzzyarm.table import read_table
 
         return read_table(name)
-    if suffix in RULEBASE_SUFFIXES:
-        from fuzzyarm.formats import read
+    return _foreign(path, suffix)
 
-        imported = read(path)
-        if imported.rulebase is None:
-            raise RuleBaseError(imported.diagnostics)
-        for diagnostic in imported.diagnostics:
-            if diagnostic.severity is Severity.WARNING:
-                warnings.warn(FileWarning(diagnostic), stacklevel=2)
-        return imported.rulebase
-    raise UnknownKindError(name)
+
+def load_rulebase(path: str | os.PathLike[str]) -> RuleBase:
+    """Return the rule base in the file at `path`, by its suffix.
+
+    Parameters
+    ----------
+    path : path-like
+        ``.frb``, or that of another program: ``.fll``, ``.fcl``, ``.fis``, ``.fml``. Of a
+        controller with a rule base in the same file, the rule base.
+
+    Warns
+    -----
+    FileWarning
+        As :func:`load`.
+
+    Raises
+    ------
+    OSError, RuleBaseError, UnknownKindError
+        As :func:`load`; RuleBaseError also for a controller without a rule base in its file.
+    WrongKindError
+        If it is a table.
+    """
+    name, suffix = _name_and_suffix(path)
+    if suffix == ".frb":
+        from fuzzyarm.language import load_rulebase as load_text
+
+        return load_text(path)
+    if suffix in SUFFIXES:
+        message = "a lookup table, not a rule base"
+        raise WrongKindError(name, message, "fuzzyarm.read_table reads it")
+    return _foreign(path, suffix)
+
+
+def load_controller(path: str | os.PathLike[str]) -> ControllerText:
+    """Return the controller in the ``.frb`` file at `path`, with the files that it uses.
+
+    Parameters
+    ----------
+    path : path-like
+        A ``.frb`` file with a line ``controller``.
+
+    Raises
+    ------
+    OSError, RuleBaseError, UnknownKindError
+        As :func:`load`.
+    WrongKindError
+        If it is a rule base without a controller, or a table.
+    """
+    from fuzzyarm.controller.text import ControllerText
+
+    model = load(path)
+    if isinstance(model, ControllerText):
+        return model
+    is_rules = isinstance(model, RuleBase)
+    what = f"a {'rule base' if is_rules else 'lookup table'}, not a controller"
+    reader = "load_rulebase" if is_rules else "read_table"
+    raise WrongKindError(os.fspath(path), what, f"fuzzyarm.{reader} reads it")
+
+
+def _name_and_suffix(path: str | os.PathLike[str]) -> tuple[str, str]:
+    name = os.fspath(path)
+    return name, os.path.splitext(name)[1].lower()
+
+
+def _controller(model: ControllerModel, source: str, name: str) -> ControllerText:
+    """Return a controller with the files that it uses."""
+    from fuzzyarm.controller.text import with_files
+
+    text, faults = with_files(model, Path(name).parent, name)
+    if faults:
+        raise RuleBaseError(faults)
+    return replace(text, source=source)
+
+
+def _foreign(path: str | os.PathLike[str], suffix: str) -> RuleBase:
+    """Return the rule base in a file of another program, for a caller of the caller."""
+    if suffix not in RULEBASE_SUFFIXES:
+        raise UnknownKindError(os.fspath(path))
+    from fuzzyarm.formats import read
+
+    imported = read(path)
+    if imported.rulebase is None:
+        raise RuleBaseError(imported.diagnostics)
+    for diagnostic in imported.diagnostics:
+        if diagnostic.severity is Severity.WARNING:
+            warnings.warn(FileWarning(diagnostic), stacklevel=3)
+    return imported.rulebase
 
 
 class PlantOf(NamedTuple):

@@ -62,11 +62,13 @@ class MissingExtraError(FuzzyarmError, ImportError):
     Attributes
     ----------
     extra : str
-        Its name in ``fuzzyarm[...]``.
+        Its name in ``pyproject.toml``.
     """
 
     def __init__(self, extra: str, what: str) -> None:
-        super().__init__(f'{what} needs an extra: pip install "fuzzyarm[{extra}]"')
+        from fuzzyarm.extras import installing
+
+        super().__init__(f"{what} needs an extra: {installing(extra)}")
         self.extra = extra
 
 

@@ -3,15 +3,19 @@
 A package writes its public names three times: type checkers read its imports and ``__all__`` as
 they are written, and the program reads a table of where each name lives. They agree: a test
 compares them (``tests/project/test_public_names.py``).
+
+A package binds what :func:`lazily` returns where type checkers do not look
+(``if not TYPE_CHECKING``): a ``__getattr__`` that they see has every name, a slip of the pen too.
 """
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Mapping, Sequence
 from importlib import import_module
 from typing import Any
 
-__all__ = ["lazily"]
+from fuzzyarm.errors import MissingExtraError
 
 
 def lazily(
@@ -21,6 +25,10 @@ def lazily(
     modules: Sequence[str] = (),
 ) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
     """Return ``__getattr__`` and ``__dir__`` of a package.
+
+    A name is looked up once: the package keeps what it loaded, as SPEC 1 of Scientific Python has
+    it. A name whose extra is not installed raises AttributeError, for help, completion and
+    ``hasattr`` go through all names of a package; importing its module says which extra it is.
 
     Parameters
     ----------
@@ -34,16 +42,22 @@ def lazily(
     modules : sequence of str
         Modules of the package that are public themselves.
     """
-    found = {name: name for name in modules}
-    found |= {name: home for home, names in homes.items() for name in names}
+    homes_of = {name: name for name in modules}
+    homes_of |= {name: home for home, names in homes.items() for name in names}
 
     def get(name: str) -> Any:
-        if name not in found:
+        if name not in homes_of:
             raise AttributeError(f"module '{package}' has no attribute '{name}'")
-        module = import_module(f"{package}.{found[name]}")
-        return module if found[name].rpartition(".")[2] == name else getattr(module, name)
+        home = homes_of[name]
+        try:
+            module = import_module(f"{package}.{home}")
+        except MissingExtraError as error:
+            raise AttributeError(str(error)) from error
+        value = module if home.rpartition(".")[2] == name else getattr(module, name)
+        setattr(sys.modules[package], name, value)
+        return value
 
     def names() -> list[str]:
-        return sorted({*found, *others})
+        return sorted({*homes_of, *others})
 
     return get, names

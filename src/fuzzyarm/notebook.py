@@ -10,7 +10,7 @@ from base64 import b64encode
 from collections.abc import Callable, Iterator
 from functools import cache
 from html import escape
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.show.drawing import HeatGrid, make_console, plain_text
@@ -22,8 +22,9 @@ if TYPE_CHECKING:
     from rich.terminal_theme import TerminalTheme
 
     from fuzzyarm.model.rulebase import AnyRuleBase
+    from fuzzyarm.table import LookupTable
 
-__all__ = ["html_of", "html_of_drawing", "text_of"]
+__all__ = ["figure_of", "html_of", "html_of_drawing", "text_of"]
 
 WIDTH = 100
 """Columns of what the terminal would show."""
@@ -129,6 +130,74 @@ def _picture(figure: Figure, what: str) -> str:
     return f'<img alt="{_words(what)}" style="{style}" src="data:image/png;base64,{data}">'
 
 
+def _variable_figure(variable: Any) -> Figure:
+    from fuzzyarm.show.figures.rulebase import variable_figure
+
+    return variable_figure(getattr(variable, "model", variable))
+
+
+def _run_figure(run: Any) -> Figure:
+    from fuzzyarm.show.figures.run import draw_runs
+
+    return draw_runs([run])
+
+
+def _portrait_figure(portrait: Any) -> Figure:
+    from fuzzyarm.show.figures.analysis import portrait_figure
+
+    return portrait_figure(portrait)
+
+
+def _table_figure(table: Any) -> Figure:
+    from fuzzyarm.show.figures.surface import table_figure
+
+    return table_figure(_as_table(table))
+
+
+def _validation_figure(validation: Any) -> Figure:
+    from fuzzyarm.show.figures import validation_figure
+
+    return validation_figure(validation, "observed", repr(validation))
+
+
+_FIGURES: dict[str, Callable[[Any], Figure]] = {
+    "fuzzyarm.builder.rulebase.VariableBuilder": _variable_figure,
+    "fuzzyarm.learning.validation.Validation": _validation_figure,
+    "fuzzyarm.loop.analysis.Portrait": _portrait_figure,
+    "fuzzyarm.loop.run.Run": _run_figure,
+    "fuzzyarm.model.rulebase.Variable": _variable_figure,
+    "fuzzyarm.table.axis.TableHeader": _table_figure,
+}
+"""From the name of a class to its figure."""
+
+
+def figure_of(value: object) -> Figure:
+    """Return the figure of a value.
+
+    Parameters
+    ----------
+    value : object
+        Of a class that is :class:`~fuzzyarm.text.shown.Plotted`.
+    """
+    figure = _by_class(value, _FIGURES)
+    assert figure is not None, f"{type(value).__name__} has no figure"
+    return figure(value)
+
+
+_Answer = TypeVar("_Answer")
+
+
+def _by_class(
+    value: object, answers: dict[str, Callable[[Any], _Answer]]
+) -> Callable[[Any], _Answer] | None:
+    """Return what answers for the class of a value, or for the nearest that it derives from."""
+    for kind in type(value).__mro__:
+        answer = answers.get(f"{kind.__module__}.{kind.__qualname__}")
+        if answer is not None:
+            return answer
+    return None
+
+
 # --- What each value shows ---
 
 
@@ -156,30 +225,12 @@ def _rulebase(rulebase: AnyRuleBase) -> str:
     return html_of_drawing(heading_view(model)) + picture + note + html_of_drawing(parts)
 
 
-def _variable(variable: Any) -> str:
-    from fuzzyarm.show.figures.rulebase import variable_figure
-
-    model = getattr(variable, "model", variable)
-    return _picture(variable_figure(model), f"terms of {model.name}")
+def _plotted(value: Any) -> str:
+    return _picture(figure_of(value), repr(value))
 
 
 def _run(run: Any) -> str:
-    from fuzzyarm.show.figures.run import draw_runs
-
-    return _picture(draw_runs([run]), repr(run)) + _pre(repr(run))
-
-
-def _portrait(portrait: Any) -> str:
-    from fuzzyarm.show.figures.analysis import portrait_figure
-
-    return _picture(portrait_figure(portrait), repr(portrait))
-
-
-def _validation(validation: Any) -> str:
-    from fuzzyarm.show.figures import validation_figure
-
-    figure = validation_figure(validation, "observed", repr(validation))
-    return _picture(figure, repr(validation))
+    return _plotted(run) + _pre(repr(run))
 
 
 def _drawn(value: Any) -> str:
@@ -192,14 +243,14 @@ def _text(value: Any) -> str:
 
 _DRAWINGS: dict[str, Callable[[Any], str]] = {
     "fuzzyarm.api.Review": _text,
-    "fuzzyarm.builder.rulebase.Variable": _variable,
+    "fuzzyarm.builder.rulebase.VariableBuilder": _plotted,
     "fuzzyarm.controller.text.ControllerText": _text,
     "fuzzyarm.inference.trace.Trace": _drawn,
-    "fuzzyarm.learning.validation.Validation": _validation,
-    "fuzzyarm.loop.analysis.Portrait": _portrait,
+    "fuzzyarm.learning.validation.Validation": _plotted,
+    "fuzzyarm.loop.analysis.Portrait": _plotted,
     "fuzzyarm.loop.run.Run": _run,
     "fuzzyarm.model.rulebase.AnyRuleBase": _rulebase,
-    "fuzzyarm.model.rulebase.Variable": _variable,
+    "fuzzyarm.model.rulebase.Variable": _plotted,
     "fuzzyarm.proof.verdicts.Verdict": _text,
     "fuzzyarm.table.axis.TableHeader": _drawn,
 }
@@ -219,11 +270,8 @@ def html_of(value: object) -> str:
     str
         HTML without scripts.
     """
-    for kind in type(value).__mro__:
-        drawing = _DRAWINGS.get(f"{kind.__module__}.{kind.__qualname__}")
-        if drawing is not None:
-            return drawing(value)
-    return _pre(repr(value))
+    drawing = _by_class(value, _DRAWINGS)
+    return _pre(repr(value)) if drawing is None else drawing(value)
 
 
 def text_of(value: object) -> str:
@@ -246,7 +294,11 @@ def _view(value: Any) -> RenderableType:
 
         return trace_view(value)
     from fuzzyarm.show.table import table_view
+
+    return table_view(_as_table(value))
+
+
+def _as_table(value: Any) -> LookupTable:
     from fuzzyarm.table import LookupTable, PlainTable
 
-    table = LookupTable.from_plain(value) if isinstance(value, PlainTable) else value
-    return table_view(table)
+    return LookupTable.from_plain(value) if isinstance(value, PlainTable) else value

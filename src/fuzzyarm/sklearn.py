@@ -13,13 +13,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fuzzyarm.errors import MissingExtraError
+
 try:
     from sklearn.base import BaseEstimator, ClassifierMixin, RegressorMixin
     from sklearn.utils.multiclass import check_classification_targets
     from sklearn.utils.validation import check_is_fitted, validate_data
-except ImportError as error:
-    message = 'fuzzyarm.sklearn needs an extra: pip install "fuzzyarm[data]"'
-    raise ImportError(message) from error
+except ModuleNotFoundError as error:
+    raise MissingExtraError("data", "fuzzyarm.sklearn") from error
 
 from fuzzyarm.learning.data import Samples
 from fuzzyarm.learning.fit import Fit, Options, fit, outputs_of

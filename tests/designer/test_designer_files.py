@@ -26,8 +26,6 @@ from fuzzyarm.table import compile_table, read_table, write_table
 from fuzzyarm.text.files import confined
 from fuzzyarm.text.numbers import outward_text
 
-pytest.importorskip("starlette", reason="the extra designer is not installed")
-
 TOKEN = "b" * 32
 PD7 = shipped("pd7.frb").read_text()
 

@@ -10,18 +10,15 @@ import pytest
 
 from fuzzyarm.cli import main
 from fuzzyarm.designer.changes import applied
+from fuzzyarm.designer.jobs import Job
+from fuzzyarm.designer.server import WORKS, Workspace
 from fuzzyarm.designer.shared import SharedText
+from fuzzyarm.designer.stage import Plants
 from fuzzyarm.language.queries import ReshapeError, add_tuning, apply_edits, read, set_ranges
 from fuzzyarm.lsp.session import Session
 from fuzzyarm.shipped_files import shipped
 from fuzzyarm.table import read_table
 from fuzzyarm.tuning.design import Design, default_ranges, everything
-
-pytest.importorskip("starlette", reason="the extra designer is not installed")
-
-from fuzzyarm.designer.jobs import Job
-from fuzzyarm.designer.server import WORKS, Workspace
-from fuzzyarm.designer.stage import Plants
 
 SOC = """\
 controller servo-soc "self-organising control of a shaft"

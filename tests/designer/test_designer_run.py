@@ -15,8 +15,6 @@ from fuzzyarm.loop import Signal, simulate
 from fuzzyarm.plant import find_plant
 from fuzzyarm.shipped_files import shipped
 
-pytest.importorskip("starlette", reason="the extra designer is not installed")
-
 TOKEN = "b" * 32
 FILES = ("servo", "tanks", "pd7", "ball-and-beam", "heater")
 SERVO = shipped("servo.frb").read_text()

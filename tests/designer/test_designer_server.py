@@ -26,8 +26,6 @@ from fuzzyarm.model.shapes import membership_function, polyline
 from fuzzyarm.shipped_files import shipped
 from tests.strategies import rulebases
 
-pytest.importorskip("starlette", reason="the extra designer is not installed")
-
 TOKEN = "a" * 32
 PD7 = shipped("pd7.frb").read_text()
 

@@ -18,7 +18,8 @@ import pytest
 from fuzzyarm.cli.main import COMMANDS, find_command
 
 ROOT = Path(__file__).parents[2]
-PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+README, LANDING = ROOT / "README.md", ROOT / "docs" / "index.md"
+PAGES = [README, *sorted((ROOT / "docs").rglob("*.md"))]
 ELSEWHERE = {
     "from-fuzzylite.md": "formats/test_coming_pages.py",
     "from-matlab.md": "formats/test_coming_pages.py",
@@ -30,6 +31,9 @@ ELSEWHERE = {
     "type2.md": "inference/test_type2_page.py",
 }
 """Pages whose blocks go on from one another or need files of their own, and what runs them."""
+
+IN_A_CLONE = ("source .venv/", ".venv/bin/")
+"""How commands of the README begin that only a clone with its environment knows."""
 
 RUNNER = Path(__file__).with_name("run_page.py")
 
@@ -157,6 +161,8 @@ def test_every_block_does_what_the_page_shows(page, workplace, runner, update_go
     targets = re.findall(r"(?m)^(\w+):", (ROOT / "Makefile").read_text("utf-8"))
     made = [step for step in steps if step.text.startswith("make ")]
     assert all(step.text.split()[1] in targets for step in made)
+    if page in (README, LANDING):  # test_readme.py types these in a clone
+        made += [step for step in steps if step.text.startswith(IN_A_CLONE)]
     steps = [step for step in steps if step not in made]
     assert all(step.text.startswith("fuzzyarm ") for step in steps if step.kind == "command")
     if all(step.kind == "file" for step in steps):
@@ -226,6 +232,15 @@ def test_every_link_and_picture_exists(page):
 @pytest.fixture(scope="module")
 def pd7_of_the_readme():
     return next(text for text in blocks(ROOT / "README.md", "frb") if "pd7" in text)
+
+
+def test_the_landing_page_begins_as_the_readme_does(pd7_of_the_readme):
+    assert blocks(LANDING, "frb") == [pd7_of_the_readme]
+    typed = [
+        [step.text for body in blocks(page, "console") for step in console_steps(body)]
+        for page in (README, LANDING)
+    ]
+    assert [line for line in typed[0] if line in typed[1]] == typed[1] != []
 
 
 def test_the_rule_base_of_the_readme_is_what_is_shipped(pd7_of_the_readme):

@@ -29,6 +29,8 @@ def scripts():
     ("page", "script", "function"),
     [
         ("commands.md", "make_reference", "commands_page"),
+        ("metrics.md", "make_reference", "metrics_page"),
+        ("api.md", "make_reference", "api_index"),
         ("gallery.md", "make_gallery", "gallery_page"),
     ],
 )
@@ -51,6 +53,16 @@ def test_the_page_of_commands_has_every_option(scripts):
         for argument in find_command(name).arguments:
             if argument.names[0].startswith("-"):
                 assert all(f"`{option}" in section for option in argument.names), (name, argument)
+
+
+def test_the_python_api_has_every_name_and_package_once(scripts):
+    import fuzzyarm
+
+    reference = scripts["make_reference"]
+    named = [name for names in reference.names_by_purpose().values() for name, _ in names]
+    assert sorted(named) == sorted(fuzzyarm.__all__)
+    packages = [name for group in reference.PURPOSES.values() for name in group]
+    assert sorted(packages) == sorted(reference.public_packages())
 
 
 def globs(page):

@@ -241,6 +241,48 @@ def test_a_nearly_empty_grid_is_not_symmetric_by_its_zeros():
     assert not {"broken-symmetry", "broken-antisymmetry"} & set(names(text))
 
 
+def rising(low, high, rows, columns, cells, terms="A B C D"):
+    """Return a grid over two inputs of one range that rises from corner to corner."""
+    body = "".join(f"  {row}  {line}\n" for row, line in zip(rows, cells, strict=True))
+    return (
+        f"rulebase t\ninput a {low} .. {high}\ninput b {low} .. {high}\noutput u 0 .. 1\n"
+        f"terms a: triangles {' '.join(rows)}\nterms b: triangles {' '.join(columns)}\n"
+        f"terms u: triangles {terms}\nrules u\n  a \\ b  {'  '.join(columns)}\n{body}"
+    )
+
+
+FAN = (
+    ("KMWH", "DFW", ["A A B", "A B B", "B C D", "C D D"]),
+    ("KMH", "DFW", ["A B B", "B C D", "C D E"], "A B C D E"),
+)
+"""Two fans of which five pairs of six, and four of five, happen to mirror each other."""
+
+
+@pytest.mark.parametrize("fan", FAN)
+@pytest.mark.parametrize("ends", [(0, 40), (10, 30), (-10, 50), (-40, 0)])
+def test_a_grid_over_inputs_without_opposites_has_no_slip_of_symmetry(fan, ends):
+    assert of_symmetry(rising(*ends, *fan)) == []
+
+
+@pytest.mark.parametrize("fan", FAN)
+@pytest.mark.parametrize("ends", [(-1, 1), (-40, 38), (-3, 3.2)])
+def test_the_same_grid_about_zero_has_one(fan, ends):
+    (found,) = of_symmetry(rising(*ends, *fan))
+    assert found.name == "broken-antisymmetry"
+
+
+def test_one_input_without_opposites_is_enough():
+    text = rising(-1, 1, *FAN[0]).replace("input b -1 .. 1", "input b 0 .. 1")
+    assert of_symmetry(text) == []
+
+
+def test_a_condition_without_opposites_stays_as_it_is():
+    """What is on either side of `p` need not mirror; each grid by itself may."""
+    slip = two_grids({**mirrored_cells(), ("P", "P", "Z"): "NB"})
+    assert len(of_symmetry(slip)) == 1
+    assert of_symmetry(slip.replace("input p -1 .. 1", "input p 0 .. 1")) == []
+
+
 # --- Points at which no rule fires, whatever the shapes and however many the inputs ---
 
 ALL_BUT_THE_MIDDLE = "".join(

@@ -192,7 +192,9 @@ def test_where_every_period_has_a_set_point_the_three_are_one():
 
 def test_of_any_plant_the_path_is_the_reference():
     """A shaft that stands still: errors are those of the reference alone, at each period."""
-    still = "controller still\nperiod 1 ms\nset-point every 4\naxis shaft\n  u = error of position * 0\n  drive voltage = u\n"
+    lines = ["controller still", "period 1 ms", "set-point every 4", "axis shaft"]
+    lines += ["  u = error of position * 0", "  drive voltage = u", ""]
+    still = "\n".join(lines)
     slope = {"position": Signal("ramp", (2.0,))}
     run = simulate(controller_in(still, "s.frb"), "motor", references=slope, duration=0.4)
     ticks = np.arange(400) * 0.001

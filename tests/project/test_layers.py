@@ -13,8 +13,9 @@ MODULES = sorted(path for path in SOURCE.rglob("*.py"))
 
 ORDER = (
     "version",
-    "lazy",
+    "extras",
     "errors",
+    "lazy",
     "text",
     "kernels",
     "expression",

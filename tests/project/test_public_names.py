@@ -44,6 +44,23 @@ def test_every_public_name_is_there(name):
     assert getattr(fuzzyarm, name) is not None
 
 
+@pytest.mark.parametrize("package", ["fuzzyarm", "fuzzyarm.table", "fuzzyarm.learning"])
+def test_a_name_is_looked_up_once(package):
+    """What is loaded is kept: every later access is that of any module, without a call."""
+    code = (
+        f"import {package} as package\n"
+        "look, asked = package.__getattr__, []\n"
+        "package.__getattr__ = lambda name: (asked.append(name), look(name))[1]\n"
+        "first = [getattr(package, name) for name in package.__all__]\n"
+        "count = len(asked)\n"
+        "again = [getattr(package, name) for name in package.__all__]\n"
+        "print(count > 0, len(asked) - count, all(a is b for a, b in zip(first, again)))\n"
+        "print(sorted(package.__all__) == sorted(set(package.__all__) & set(vars(package))))\n"
+    )
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert run.stdout == "True 0 True\nTrue\n"
+
+
 def test_a_name_that_is_not_there():
     with pytest.raises(AttributeError, match="has no attribute 'kind'"):
         _ = fuzzyarm.kind

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, settings
 
 import fuzzyarm
-from fuzzyarm import RuleBase, RuleBaseError, Shape, parse, write
+from fuzzyarm import RuleBaseBuilder, RuleBaseError, Shape, parse, write
 from fuzzyarm.builder import ArgumentError
 from fuzzyarm.formats import FormatError
 from fuzzyarm.formats.registry import same_model
@@ -24,7 +24,7 @@ from tests.strategies import rulebases
 
 @pytest.fixture
 def fan():
-    made = RuleBase("fan")
+    made = RuleBaseBuilder("fan")
     made.input("temp", 0, 40, "°C", terms=["cold", "warm", "hot"])
     made.output("speed", 0, 100, "%", terms={"slow": (0, 0, 50), "fast": (50, 100, 100)})
     made.rule("if temp is hot then speed is fast")
@@ -56,7 +56,7 @@ def test_it_is_the_file_of_the_same_lines(fan):
 
 def rebuilt(rulebase):
     """Write a rule base again, by the methods of the builder alone."""
-    made = RuleBase(rulebase.name, rulebase.description)
+    made = RuleBaseBuilder(rulebase.name, rulebase.description)
     common = ("name", "low", "high", "description")
     for each in rulebase.inputs:
         made.input(
@@ -158,7 +158,11 @@ def test_every_rule_base_can_be_written_with_it(rulebase):
         (lambda fan: fan.expect("temp = 3 -> spd = 1"), "unknown-variable", "expect(text)"),
         (lambda fan: fan.add("# x\nprove speed raises"), "unexpected-token", "add(line 2 of text)"),
         (lambda fan: fan.add("controller c"), "not-a-rule-base", "add(line 1 of text)"),
-        (lambda fan: RuleBase.from_text("input"), "incomplete-statement", "add(line 1 of text)"),
+        (
+            lambda _: RuleBaseBuilder.from_text("input"),
+            "incomplete-statement",
+            "add(line 1 of text)",
+        ),
     ],
 )  # fmt: skip
 def test_a_finding_names_the_argument_and_nothing_is_added(fan, call, name, argument):
@@ -196,15 +200,15 @@ def test_a_line_has_the_finding_that_it_has_in_a_file(fan, line):
 @pytest.mark.parametrize(
     "call",
     [
-        lambda: RuleBase("r").input("x", "0", 1),
-        lambda: RuleBase(3),
-        lambda: RuleBase("r").input("x", 0, 1, terms={"a": (1, 2, 3, 4, 5)}),
-        lambda: RuleBase("r").input("x", 0, 1, terms={"a": (1, "2", 3)}),
-        lambda: RuleBase("r").input("x", 0, 1, terms={"a": None}),
-        lambda: RuleBase("r").rule(None),
-        lambda: RuleBase("r").input("x", 0, 10**400),
-        lambda: RuleBase("r").grid("y", 3),
-        lambda: RuleBase("r").grid("y", [["A"]]),
+        lambda: RuleBaseBuilder("r").input("x", "0", 1),
+        lambda: RuleBaseBuilder(3),
+        lambda: RuleBaseBuilder("r").input("x", 0, 1, terms={"a": (1, 2, 3, 4, 5)}),
+        lambda: RuleBaseBuilder("r").input("x", 0, 1, terms={"a": (1, "2", 3)}),
+        lambda: RuleBaseBuilder("r").input("x", 0, 1, terms={"a": None}),
+        lambda: RuleBaseBuilder("r").rule(None),
+        lambda: RuleBaseBuilder("r").input("x", 0, 10**400),
+        lambda: RuleBaseBuilder("r").grid("y", 3),
+        lambda: RuleBaseBuilder("r").grid("y", [["A"]]),
     ],
 )
 def test_an_argument_of_another_type_is_named(call):
@@ -218,7 +222,7 @@ def test_an_argument_of_another_type_is_named(call):
 
 
 def test_terms_in_every_way():
-    made = RuleBase("r")
+    made = RuleBaseBuilder("r")
     x = made.input("x", 0, 10, terms="gaussians S M L")
     x.term("odd one", "bell 5 1 2")
     made.output(
@@ -257,7 +261,7 @@ AS_A_GRID = f"{TWO}rules u\n  e \\ c  A  B\n  A  L  M*0.5\n  B  .  H\n"
     ],
 )
 def test_a_grid_is_that_of_a_file(cells):
-    made = RuleBase.from_text(TWO)
+    made = RuleBaseBuilder.from_text(TWO)
     made.grid("u", cells)
     assert made.model == parse(AS_A_GRID).rulebase
 
@@ -265,7 +269,7 @@ def test_a_grid_is_that_of_a_file(cells):
 def test_a_frame_names_its_variables():
     frame = pd.DataFrame([["L", "M"], ["M", "H"]], index=["A", "B"], columns=["A", "B"])
     frame = frame.rename_axis(index="c", columns="e")
-    made, given = RuleBase.from_text(TWO), RuleBase.from_text(TWO)
+    made, given = RuleBaseBuilder.from_text(TWO), RuleBaseBuilder.from_text(TWO)
     made.grid("u", frame)
     given.grid("u", frame.to_numpy(), rows="c", columns="e")
     assert made.model == given.model
@@ -274,7 +278,7 @@ def test_a_frame_names_its_variables():
 
 
 def test_rows_that_do_not_fit():
-    made = RuleBase.from_text(TWO)
+    made = RuleBaseBuilder.from_text(TWO)
     with pytest.raises(ArgumentError, match=r"3 rows, but 'e' has 2 terms"):
         made.grid("u", [["L", "M"]] * 3)
     with pytest.raises(RuleBaseError, match="wrong-cell-count"):
@@ -303,14 +307,14 @@ def test_copies_go_their_own_way(fan, way):
 
 
 def test_it_goes_on_behind_a_value(fan):
-    other = RuleBase.of(fan.model)
-    assert other.model == RuleBase.of(fan).model == fan.model
+    other = RuleBaseBuilder.of(fan.model)
+    assert other.model == RuleBaseBuilder.of(fan).model == fan.model
     other.rule("if temp is warm then speed is fast")
     assert other.model.blocks[0].rules[:2] == fan.model.rules
 
 
 def test_only_line_ends_end_a_line():
-    made = RuleBase("odd\u2028name\x0b")
+    made = RuleBaseBuilder("odd\u2028name\x0b")
     made.add("# a\u2028comment\r\ninput 'x\\u2028' 0 .. 1\routput y 0 .. 1\n")
     made.term("y", "on\n", 1)
     made.term("x\u2028", "flat", "rectangle 0\n1")
@@ -322,7 +326,7 @@ def test_only_line_ends_end_a_line():
 
 def test_comments_stay():
     text = "# a head\n" + AS_A_FILE + "# the end\n"
-    made = RuleBase.from_text(text)
+    made = RuleBaseBuilder.from_text(text)
     made.expect("temp = 40 -> speed > 50  # hot")
     lines = str(made).splitlines()
     assert lines[0] == "# a head"
@@ -354,11 +358,11 @@ def test_checks_are_those_of_a_file(fan):
 
 
 def test_what_is_missing_is_said_of_the_whole():
-    made = RuleBase("fan")
-    with pytest.raises(RuleBaseError, match=r"RuleBase\('fan'\): error\[no-inputs\]"):
+    made = RuleBaseBuilder("fan")
+    with pytest.raises(RuleBaseError, match=r"RuleBaseBuilder\('fan'\): error\[no-inputs\]"):
         made(temp=3)
-    assert [each.argument for each in made.check().diagnostics] == ["RuleBase('fan')"] * 3
-    assert repr(made) == "<RuleBase fan: 1 statements, no rules yet>"
+    assert [each.argument for each in made.check().diagnostics] == ["RuleBaseBuilder('fan')"] * 3
+    assert repr(made) == "<RuleBaseBuilder fan: 1 statements, no rules yet>"
 
 
 def test_to_file(fan, tmp_path):
@@ -372,7 +376,7 @@ def test_to_file(fan, tmp_path):
 
 
 def test_many_rules_take_no_more_than_their_number():
-    made = RuleBase.from_text(TWO)
+    made = RuleBaseBuilder.from_text(TWO)
     for _ in range(300):
         made.rule("if e is A and c is B then u is M", 0.5)
     assert len(made.model.rules) == 300
@@ -380,7 +384,7 @@ def test_many_rules_take_no_more_than_their_number():
 
 def test_nothing_heavy_is_loaded():
     code = (
-        "import sys, fuzzyarm; fan = fuzzyarm.RuleBase('fan');"
+        "import sys, fuzzyarm; fan = fuzzyarm.RuleBaseBuilder('fan');"
         "fan.input('t', 0, 40, terms=['cold', 'hot']); fan.output('u', 0, 1, terms={'on': 1});"
         "fan.rule('if t is hot then u is on'); fan(t=30); fan.check(); str(fan);"
         "print([m for m in ('numpy', 'rich', 'matplotlib', 'pandas') if m in sys.modules])"

@@ -6,7 +6,7 @@ from html.parser import HTMLParser
 import pytest
 
 import fuzzyarm
-from fuzzyarm import RuleBase, load, notebook, shipped
+from fuzzyarm import RuleBaseBuilder, load, notebook, shipped
 from fuzzyarm.formats import read, write
 from fuzzyarm.language import read_text
 from fuzzyarm.learning import Fit, as_samples, validate
@@ -24,8 +24,8 @@ def values():
 
 def _values():
     pd7, servo = load(shipped("pd7.frb")), load(shipped("servo.frb"))
-    yield "nothing yet", RuleBase("empty")
-    fan = RuleBase("fan")
+    yield "nothing yet", RuleBaseBuilder("empty")
+    fan = RuleBaseBuilder("fan")
     temp = fan.input("temp", 0, 1, terms=["cold", "hot"])
     fan.output("speed", 0, 1, terms={"on": 1}, defuzzifier="weighted-average", no_rule=0)
     fan.rule("if temp is hot then speed is on")
@@ -82,7 +82,7 @@ def test_a_value_is_one_line(values):
 @pytest.mark.parametrize(
     ("name", "line"),
     [
-        ("builder", "<RuleBase fan: temp → speed, 1 rule>"),
+        ("builder", "<RuleBaseBuilder fan: temp → speed, 1 rule>"),
         ("rule base", "<RuleBase pd7: e, ce → u, 49 rules>"),
         ("variable of a builder", "<Input temp 0 .. 1: cold hot>"),
         ("term", "Term(name='NB', shape=Shape('triangle', (-8.0, -6.0, -4.0)), lower=None)"),
@@ -164,7 +164,7 @@ HOSTILE = [
 
 
 def test_hostile_names_are_only_text():
-    made = RuleBase(HOSTILE[0], HOSTILE[1])
+    made = RuleBaseBuilder(HOSTILE[0], HOSTILE[1])
     made.input(HOSTILE[1], 0, 1, HOSTILE[2], terms=HOSTILE)
     made.output(HOSTILE[2], 0, 1, HOSTILE[3], terms=HOSTILE, no_rule=0)
     made.grid(HOSTILE[2], HOSTILE)

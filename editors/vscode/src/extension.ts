@@ -7,7 +7,7 @@ import {
   TransportKind,
 } from "vscode-languageclient/node";
 
-const INSTALL = 'pip install "fuzzyarm[lsp]"';
+const INSTALL = 'pip install ".[lsp]" in a clone of fuzzyarm';
 
 let client: LanguageClient | undefined;
 

@@ -1,9 +1,12 @@
-"""Write a rule base in Python, statement by statement: :class:`fuzzyarm.RuleBase`."""
+"""Write a rule base in Python, statement by statement: :class:`fuzzyarm.RuleBaseBuilder`."""
+
+from typing import TYPE_CHECKING
 
 from fuzzyarm.builder.lines import ArgumentError
-from fuzzyarm.builder.rulebase import RuleBase, Variable
+from fuzzyarm.builder.rulebase import RuleBaseBuilder, VariableBuilder
 from fuzzyarm.lazy import lazily
 
-__all__ = ["ArgumentError", "RuleBase", "Variable"]
+__all__ = ["ArgumentError", "RuleBaseBuilder", "VariableBuilder"]
 
-__getattr__, __dir__ = lazily(__name__, {}, __all__)
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = lazily(__name__, {}, __all__)

@@ -17,7 +17,7 @@ from fuzzyarm.text.names import quote, shortened
 from fuzzyarm.text.numbers import number_text
 
 Corners = float | Sequence[float] | Sequence[tuple[float, float]] | Shape | str
-"""What a term may be given as; see :meth:`fuzzyarm.RuleBase.input`."""
+"""What a term may be given as; see :meth:`fuzzyarm.RuleBaseBuilder.input`."""
 
 Terms = str | Sequence[str] | Mapping[str, Corners]
 
@@ -166,7 +166,7 @@ def _write_corners(lines: Lines, corners: list[Any], argument: str) -> None:
 
 
 def write_terms(lines: Lines, name: str, terms: Terms, inputs: Sequence[str]) -> None:
-    """Write the terms of a variable, as :meth:`fuzzyarm.RuleBase.input` takes them."""
+    """Write the terms of a variable, as :meth:`fuzzyarm.RuleBaseBuilder.input` takes them."""
     if isinstance(terms, str):
         lines.next().write("terms ").name(name, "name").write(": ").raw(terms, "terms")
     elif isinstance(terms, Mapping):

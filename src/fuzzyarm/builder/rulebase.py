@@ -5,7 +5,7 @@ language's own reader reads and judges. What is wrong with an argument is theref
 wrong with the line, and is raised by the call that brings it.
 
     >>> import fuzzyarm
-    >>> fan = fuzzyarm.RuleBase("fan")
+    >>> fan = fuzzyarm.RuleBaseBuilder("fan")
     >>> temp = fan.input("temp", 0, 40, "°C", terms=["cold", "warm", "hot"])
     >>> speed = fan.output("speed", 0, 100, "%", terms={"slow": (0, 0, 50), "fast": (50, 100, 100)})
     >>> fan.rule("if temp is hot then speed is fast")
@@ -57,11 +57,10 @@ from fuzzyarm.language.statements import (
     VariableNode,
 )
 from fuzzyarm.language.writer import write
-from fuzzyarm.model.rulebase import AnyRuleBase, Defuzzifier, Input, Output
-from fuzzyarm.model.rulebase import RuleBase as Model
+from fuzzyarm.model.rulebase import AnyRuleBase, Defuzzifier, Input, Output, RuleBase, outline
 from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Span, split_lines
 from fuzzyarm.text.names import shortened
-from fuzzyarm.text.shown import Shown
+from fuzzyarm.text.shown import Plotted, one_line
 
 if TYPE_CHECKING:
     from fuzzyarm.language.declarations import Scope
@@ -73,14 +72,14 @@ _OF_THE_WHOLE = ("missing-heading", "no-inputs", "no-outputs", "no-rules")
 """Findings of what is missing, which no argument has brought."""
 
 
-class RuleBase(AnyRuleBase):
+class RuleBaseBuilder(AnyRuleBase):
     """A rule base that is being written; what it means by now is its :attr:`model`.
 
     Why two classes: a value that many hold (in a cache, a table's origin, another process) must
     not change under them, and what is written statement by statement must. So a builder
-    adds, and its `model`, what a file of the same lines would give, never changes, compares and
-    hashes. There is no other difference: either can be called, drawn, checked, compiled and
-    written, and every function of fuzzyarm takes both.
+    adds, and its `model`, the :class:`fuzzyarm.RuleBase` that a file of the same lines would
+    give, never changes, compares and hashes. There is no other difference: either can be called,
+    drawn, checked, compiled and written, and every function of fuzzyarm takes both.
 
     Names are declared before they are used. Everything of the language can be written: what
     has no method of its own goes through :meth:`add`. Controllers are text only.
@@ -94,12 +93,12 @@ class RuleBase(AnyRuleBase):
 
     Examples
     --------
-    >>> fan = RuleBase("fan")
+    >>> fan = RuleBaseBuilder("fan")
     >>> temp = fan.input("temp", 0, 40, "°C", terms=["cold", "warm", "hot"])
     >>> speed = fan.output("speed", 0, 100, "%", terms={"slow": 0, "fast": 100})
     >>> fan.grid("speed", ["slow", "slow", "fast"])
     >>> fan
-    <RuleBase fan: temp → speed, 3 rules>
+    <RuleBaseBuilder fan: temp → speed, 3 rules>
     >>> fan.rule("if tmp is hot then speed is fast")
     Traceback (most recent call last):
     fuzzyarm.text.diagnostic.RuleBaseError: rule('if tmp is hot then speed is fast'): \
@@ -120,7 +119,7 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
 
     def __init__(self, name: str, description: str = "") -> None:
         self._start()
-        lines = Lines("RuleBase(")
+        lines = Lines("RuleBaseBuilder(")
         lines.write("rulebase ").name(name, "name")
         if description:
             lines.write(" ").string(description, "description")
@@ -134,10 +133,10 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
         self._allowed: dict[int, frozenset[str]] = {}
         self._memory = ParseMemory()
         self._scope: Scope | None = None
-        self._model: Model | None = None
+        self._model: RuleBase | None = None
 
     @classmethod
-    def from_text(cls, text: str) -> RuleBase:
+    def from_text(cls, text: str) -> RuleBaseBuilder:
         """Return a builder that goes on behind a text.
 
         Parameters
@@ -156,7 +155,7 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
         return made
 
     @classmethod
-    def of(cls, rulebase: AnyRuleBase) -> RuleBase:
+    def of(cls, rulebase: AnyRuleBase) -> RuleBaseBuilder:
         """Return a builder that goes on behind a rule base, which itself does not change.
 
         Parameters
@@ -164,7 +163,7 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
         rulebase : value or builder
             For instance what :func:`fuzzyarm.load` returns.
         """
-        if isinstance(rulebase, RuleBase):
+        if isinstance(rulebase, RuleBaseBuilder):
             return cls.from_text(str(rulebase))
         return cls.from_text(write(rulebase.model))
 
@@ -179,7 +178,7 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
         *,
         terms: Terms = (),
         outside: str | None = None,
-    ) -> Variable:
+    ) -> VariableBuilder:
         """Declare an input.
 
         Parameters
@@ -200,7 +199,7 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
 
         Returns
         -------
-        Variable
+        VariableBuilder
             To add further terms to.
 
         Raises
@@ -225,7 +224,7 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
         defuzzifier: str | Defuzzifier | None = None,
         no_rule: float | str | None = None,
         outside: str | None = None,
-    ) -> Variable:
+    ) -> VariableBuilder:
         """Declare an output.
 
         Parameters
@@ -242,7 +241,7 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
 
         Returns
         -------
-        Variable
+        VariableBuilder
             To add further terms to.
 
         Raises
@@ -267,7 +266,7 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
         description: str,
         terms: Terms,
         settings: Mapping[str, object],
-    ) -> Variable:
+    ) -> VariableBuilder:
         lines = Lines(f"{role}({shortened(repr(name))}")
         lines.write(f"{role} ").name(name, "name").write(" ")
         lines.number(low, "low").write(" .. ").number(high, "high")
@@ -278,14 +277,14 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
             lines.next().write("inference ").name(name, "name")
             write_settings(lines.write(":"), settings)
         self._add(lines)
-        return Variable(self, name)
+        return VariableBuilder(self, name)
 
-    def term(self, variable: str | Variable, name: str, shape: Corners) -> None:
+    def term(self, variable: str | VariableBuilder, name: str, shape: Corners) -> None:
         """Add a term to a variable, or replace one that was spread evenly.
 
         Parameters
         ----------
-        variable : str or Variable
+        variable : str or VariableBuilder
             Whose.
         name : str
             Of the term.
@@ -326,18 +325,18 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
 
     def grid(
         self,
-        output: str | Variable,
+        output: str | VariableBuilder,
         cells: Any,
         *,
-        rows: str | Variable | None = None,
-        columns: str | Variable | None = None,
+        rows: str | VariableBuilder | None = None,
+        columns: str | VariableBuilder | None = None,
         when: str = "",
     ) -> None:
         r"""Add a grid of rules: the term of an output for each pair of terms of two inputs.
 
         Parameters
         ----------
-        output : str or Variable
+        output : str or VariableBuilder
             Which.
         cells : list of lists, mapping of lists, or DataFrame
             Term names. None, NaN, an empty text or a dot is a cell without a rule, a tuple
@@ -345,7 +344,7 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
             variable that goes down and a cell for each term of the one that goes across, in the
             order in which the terms were declared. A mapping or a DataFrame names its rows, a
             DataFrame its columns too. Over one input it is one list.
-        rows, columns : str or Variable, optional
+        rows, columns : str or VariableBuilder, optional
             The inputs that go down and across. By default the names of the index and the
             columns of a DataFrame, else the first and the second input of the rule base.
         when : str, optional
@@ -373,7 +372,7 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
         self._add(lines)
 
     def _sides(
-        self, grid: Grid, rows: str | Variable | None, columns: str | Variable | None
+        self, grid: Grid, rows: str | VariableBuilder | None, columns: str | VariableBuilder | None
     ) -> tuple[str | None, str]:
         """Return the variables that go down and across; none goes down over one input."""
         down, across = _name_of(rows) or grid.names[0], _name_of(columns) or grid.names[1]
@@ -626,7 +625,7 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
         return "unnamed"
 
     @property
-    def model(self) -> Model:
+    def model(self) -> RuleBase:
         """The rule base as it is now: the value that a file of the same text gives.
 
         Raises
@@ -662,7 +661,7 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
 
     def _with_argument(self, finding: Diagnostic) -> Diagnostic:
         if finding.name in _OF_THE_WHOLE:
-            return replace(finding, argument=f"RuleBase({shortened(repr(self.name))})")
+            return replace(finding, argument=f"RuleBaseBuilder({shortened(repr(self.name))})")
         for first, lines in self._calls:
             if first <= finding.line < first + lines.count:
                 return replace(finding, argument=lines.argument_of(_moved(finding.span, 1 - first)))
@@ -677,8 +676,8 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
         rules = sum(lines.text.startswith(("rule ", "rules ")) for _, lines in self._calls)
         if not rules or self._names("output") == []:
             count = len(self._statements)
-            return f"<RuleBase {shortened(self.name)}: {count} statements, no rules yet>"
-        return repr(self.model)
+            return one_line(self, f"{shortened(self.name)}: {count} statements, no rules yet")
+        return one_line(self, outline(self.model))
 
     def __reduce__(self) -> tuple[Any, tuple[str]]:
         return type(self).from_text, (str(self),)
@@ -718,7 +717,7 @@ def _by_input(
     return list(given.items()) if isinstance(given, Mapping) else [(None, given)]
 
 
-class Variable(Shown):
+class VariableBuilder(Plotted):
     """An input or output of a rule base that is being written.
 
     Attributes
@@ -727,19 +726,19 @@ class Variable(Shown):
         Its name.
     """
 
-    def __init__(self, rulebase: RuleBase, name: str) -> None:
+    def __init__(self, rulebase: RuleBaseBuilder, name: str) -> None:
         self._rulebase = rulebase
         self.name = name
 
     def term(self, name: str, shape: Corners) -> None:
-        """Add a term; as :meth:`RuleBase.term`.
+        """Add a term; as :meth:`RuleBaseBuilder.term`.
 
         Parameters
         ----------
         name : str
             Of the term.
         shape : float, sequence, Shape or str
-            As in the mapping of :meth:`RuleBase.input`.
+            As in the mapping of :meth:`RuleBaseBuilder.input`.
         """
         self._rulebase.term(self.name, name, shape)
 
@@ -753,6 +752,6 @@ class Variable(Shown):
         return repr(self.model)
 
 
-def _name_of(variable: str | Variable | None) -> Any:
+def _name_of(variable: str | VariableBuilder | None) -> Any:
     """Return the name of a variable, however it is given."""
-    return variable.name if isinstance(variable, Variable) else variable
+    return variable.name if isinstance(variable, VariableBuilder) else variable

@@ -3,7 +3,7 @@
 The text stays what counts: a corner that is dragged and a cell that is chosen are edits of the
 text, and what is typed is drawn at once. With a folder its files are offered; nothing outside it
 is read or written. The page is served to this machine only, under an address with a token, which
-is the first line of the output. Ctrl-C ends it. Needs: pip install "fuzzyarm[designer]"
+is the first line of the output. Ctrl-C ends it.
 
 With --export one page is written that needs neither a server nor a network: the rule base with
 its text, terms, rules, surface and inference, to be mailed or linked.
@@ -23,7 +23,7 @@ import contextlib
 from pathlib import Path
 
 from fuzzyarm.cli.command import WordError, argument, command, flag, hush, require_suffix, say
-from fuzzyarm.errors import FuzzyarmError, demand_extra
+from fuzzyarm.errors import FuzzyarmError
 
 
 class DesignerError(FuzzyarmError, OSError):
@@ -37,9 +37,6 @@ def _run(arguments: argparse.Namespace) -> int:
     if arguments.export is not None:
         _export(path, arguments)
         return 0
-    demand_extra("starlette", "designer", "the designer")
-    demand_extra("uvicorn", "designer", "the designer")
-    demand_extra("websockets", "designer", "the designer")
     from fuzzyarm.designer.folder import SUFFIXES
     from fuzzyarm.designer.server import serve
 

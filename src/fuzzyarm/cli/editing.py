@@ -37,7 +37,7 @@ _STUDIO = """Write a rule base and see what it means, as you type.
 The text is on the left; on the right stands what it means: the control surface, the rules,
 the terms, and which rules fire at the crisp inputs, which the arrow keys move. Findings
 stand below. Works in a terminal of 80 × 24, over ssh, with the mouse or without; F1 shows
-the keys. Needs: pip install "fuzzyarm[studio]"
+the keys. Needs the extra `studio`, see docs/install.md.
 """
 
 
@@ -213,7 +213,7 @@ _LSP = """The language server for editors: diagnostics, completion, hover, renam
 
 Editors start it themselves and talk to it over its standard input and output; with
 `--tcp PORT` (or HOST:PORT) it waits for one connection instead. docs/authoring.md says how
-to set up VS Code, Neovim and Helix. Needs: pip install "fuzzyarm[lsp]"
+to set up VS Code, Neovim and Helix. Needs the extra `lsp`, see docs/install.md.
 """
 
 _HOST = "127.0.0.1"

@@ -59,8 +59,8 @@ PLANT = (
 
 
 def time_of(text: str, option: str) -> float:
-    """Read a time with its unit, s; see :func:`fuzzyarm.loop.words.read_time`."""
-    from fuzzyarm.loop.words import read_time
+    """Read a time with its unit, s; see :func:`fuzzyarm.loop.reference.read_time`."""
+    from fuzzyarm.loop.reference import read_time
 
     return read_time(text, option)
 

@@ -12,17 +12,21 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from fuzzyarm.controller.catalogue import CATALOGUE, Sources, UnknownControllerError, controller
 from fuzzyarm.controller.controller import CompiledController, Controller, Sum
 from fuzzyarm.controller.law import Gain, GainError
 from fuzzyarm.controller.own import OwnControllerError, find_controller
 from fuzzyarm.controller.program import SourceError
+from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.lazy import lazily
 
 __all__ = [
     "CATALOGUE",
     "CompiledController",
     "Controller",
+    "ControllerText",
     "Gain",
     "GainError",
     "OwnControllerError",
@@ -34,4 +38,5 @@ __all__ = [
     "find_controller",
 ]
 
-__getattr__, __dir__ = lazily(__name__, {}, __all__)
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = lazily(__name__, {}, __all__)

@@ -5,9 +5,12 @@ text. `server` holds the open files, `scene` says what a page draws, `written` w
 needs no server; the page itself is in ``page/``.
 """
 
+from typing import TYPE_CHECKING
+
 from fuzzyarm.designer.written import page_of
 from fuzzyarm.lazy import lazily
 
 __all__ = ["page_of"]
 
-__getattr__, __dir__ = lazily(__name__, {}, __all__)
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = lazily(__name__, {}, __all__)

@@ -34,8 +34,9 @@ from fuzzyarm.errors import FuzzyarmError, WordError
 from fuzzyarm.loop.course import Motion, Options, arm_motion
 from fuzzyarm.loop.open_run import OpenRun, StructureError
 from fuzzyarm.loop.program import scales, shown_units
+from fuzzyarm.loop.reference import read_time
 from fuzzyarm.loop.run import ClosedLoop, text_of
-from fuzzyarm.loop.words import PlantWords, read_time
+from fuzzyarm.loop.words import PlantWords
 from fuzzyarm.lsp.session import Session
 from fuzzyarm.plant.driven_arm import Arm
 from fuzzyarm.plant.plant import Plant, PlantError

@@ -181,7 +181,7 @@ def order_of(session: Session, asked: dict[str, Any], job: Job) -> Order:
 
 def _search_time(text: str) -> float:
     """Return how long may be searched, s."""
-    from fuzzyarm.loop.words import read_time
+    from fuzzyarm.loop.reference import read_time
 
     return read_time(text, "--time") if text else math.inf
 

@@ -8,6 +8,8 @@ C against, and what the figures in the head of an exported file are measured wit
 controller is a :class:`~fuzzyarm.export.controllers.ControllerProgram`.
 """
 
+from typing import TYPE_CHECKING
+
 from fuzzyarm.export.controllers import ControllerProgram, with_tables
 from fuzzyarm.export.cost import StepCost, step_cost
 from fuzzyarm.export.numbers import ExportError
@@ -44,4 +46,5 @@ __all__ = [
     "write_export",
 ]
 
-__getattr__, __dir__ = lazily(__name__, {}, __all__)
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = lazily(__name__, {}, __all__)

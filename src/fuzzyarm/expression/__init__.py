@@ -27,10 +27,11 @@ __all__ = [
     "op",
 ]
 
-__getattr__, __dir__ = lazily(
-    __name__,
-    {
-        "kinds": ("kinds",),
-        "op": ("op",),
-    },
-)
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = lazily(
+        __name__,
+        {
+            "kinds": ("kinds",),
+            "op": ("op",),
+        },
+    )

@@ -58,4 +58,5 @@ __all__ = [
     "write_fll",
 ]
 
-__getattr__, __dir__ = lazily(__name__, {"skfuzzy": ("from_skfuzzy", "to_skfuzzy")}, __all__)
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = lazily(__name__, {"skfuzzy": ("from_skfuzzy", "to_skfuzzy")}, __all__)

@@ -45,7 +45,7 @@ __all__ = [
     "prepare",
 ]
 
-
-__getattr__, __dir__ = lazily(
-    __name__, {"engine": ("Compiled", "compiled"), "trace": ("Trace", "explain")}, __all__
-)
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = lazily(
+        __name__, {"engine": ("Compiled", "compiled"), "trace": ("Trace", "explain")}, __all__
+    )

@@ -3,6 +3,8 @@
 Only the standard library is used here, so importing it is instant.
 """
 
+from typing import TYPE_CHECKING
+
 from fuzzyarm.language.reading import Parsed, format_text, load_rulebase, parse, read_text
 from fuzzyarm.language.writer import write
 from fuzzyarm.lazy import lazily
@@ -64,4 +66,5 @@ __all__ = [
     "write",
 ]
 
-__getattr__, __dir__ = lazily(__name__, {}, __all__)
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = lazily(__name__, {}, __all__)

@@ -201,7 +201,10 @@ def without_rulebase(parsed: Parsed, path: str) -> list[Diagnostic]:
     found = list(parsed.diagnostics)
     if parsed.controller is not None:
         span = parsed.document.statements[0].node.span
-        hint = "fuzzyarm simulate runs it; its rule bases stand in its use lines"
+        hint = (
+            "`fuzzyarm simulate` runs it, fuzzyarm.load_controller reads it; "
+            "its rule bases stand in its use lines"
+        )
         message = "this is a controller, not a rule base"
         found.append(Diagnostic("not-a-rule-base", message, span, hint=hint, path=path))
     return found

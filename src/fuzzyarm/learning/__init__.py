@@ -53,30 +53,31 @@ __all__ = [
     "wang_mendel",
 ]
 
-__getattr__, __dir__ = lazily(
-    __name__,
-    {
-        "data": (
-            "ColumnError",
-            "Columns",
-            "DataError",
-            "Samples",
-            "as_samples",
-            "frame_samples",
-            "function_samples",
-            "read_samples",
-            "rulebase_samples",
-            "table_samples",
-        ),
-        "self_organizing": (
-            "Snapshot",
-            "train",
-        ),
-        "validation": (
-            "Validation",
-            "ValidationError",
-            "validate",
-        ),
-    },
-    __all__,
-)
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = lazily(
+        __name__,
+        {
+            "data": (
+                "ColumnError",
+                "Columns",
+                "DataError",
+                "Samples",
+                "as_samples",
+                "frame_samples",
+                "function_samples",
+                "read_samples",
+                "rulebase_samples",
+                "table_samples",
+            ),
+            "self_organizing": (
+                "Snapshot",
+                "train",
+            ),
+            "validation": (
+                "Validation",
+                "ValidationError",
+                "validate",
+            ),
+        },
+        __all__,
+    )

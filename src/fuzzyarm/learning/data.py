@@ -375,11 +375,15 @@ def column_names(path: str | os.PathLike[str]) -> tuple[str, ...]:
 
 def _frame(name: str) -> Any:
     """Return the data frame in a Parquet file."""
-    try:
-        import pandas
-    except ImportError:
-        hint = 'pip install "fuzzyarm[data]"'
-        raise _refused("missing-extra", "a Parquet file needs pandas", name, hint) from None
+    from importlib.util import find_spec
+
+    from fuzzyarm.extras import installing
+
+    if not (find_spec("pandas") and find_spec("pyarrow")):
+        message = "a Parquet file needs pandas and pyarrow"
+        raise _refused("missing-extra", message, name, installing("data"))
+    import pandas
+
     try:
         return pandas.read_parquet(name)
     except OSError as error:

@@ -23,7 +23,7 @@ from fuzzyarm.language.writer import rule_node
 from fuzzyarm.learning.data import Samples
 from fuzzyarm.learning.written import output_names
 from fuzzyarm.model.rulebase import AnyRuleBase, Input, RuleBase
-from fuzzyarm.text.shown import Shown, one_line
+from fuzzyarm.text.shown import Plotted, one_line
 
 Array = NDArray[np.float64]
 
@@ -104,7 +104,7 @@ class Bin(NamedTuple):
 
 
 @dataclass(frozen=True, repr=False)
-class Validation(Shown):
+class Validation(Plotted):
     """What samples say of a rule base.
 
     Attributes

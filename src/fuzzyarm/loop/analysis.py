@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
@@ -17,15 +18,16 @@ from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.errors import FuzzyarmError, demand_extra
 from fuzzyarm.inference import infer
 from fuzzyarm.loop.course import Options
-from fuzzyarm.loop.reference import Signal
-from fuzzyarm.loop.run import as_controller, simulate, text_of
+from fuzzyarm.loop.reference import AnySignal, AnyTime, Signal, as_seconds, as_signals
+from fuzzyarm.loop.run import AnyController, as_controller, simulate, text_of
 from fuzzyarm.model.controller import Drive, Learn
 from fuzzyarm.model.controller import Signal as SignalLine
 from fuzzyarm.model.rulebase import AnyRuleBase, RuleBase
 from fuzzyarm.plant.adapters import EnvironmentPlant, UnitPlant
 from fuzzyarm.plant.control_systems import rate_of
+from fuzzyarm.plant.own import find_plant
 from fuzzyarm.plant.plant import Plant
-from fuzzyarm.text.shown import Shown, one_line
+from fuzzyarm.text.shown import Plotted, one_line
 
 Vector = NDArray[np.float64]
 
@@ -214,7 +216,7 @@ def nonlinearity(thing: AnyRuleBase | ControllerText) -> Any:
 
 
 @dataclass(frozen=True, repr=False)
-class Portrait(Shown):
+class Portrait(Plotted):
     """Motions from many starts in the plane of two quantities.
 
     Attributes
@@ -251,30 +253,30 @@ INTERVALS = 250
 
 
 def phase_portrait(
-    thing: AnyRuleBase | ControllerText | Controller,
-    plant: Plant | None = None,
+    thing: AnyRuleBase | AnyController,
+    plant: Plant | str | os.PathLike[str] | None = None,
     *,
-    references: Mapping[str, Signal] | None = None,
+    references: Mapping[str, AnySignal] | None = None,
     starts: Sequence[tuple[float, float]] | None = None,
-    duration: float | None = None,
+    duration: AnyTime | None = None,
     options: Options | None = None,
 ) -> Portrait:
     """Return the phase portrait of a rule base alone, or of a controller on a plant.
 
     Parameters
     ----------
-    thing : RuleBase, ControllerText or Controller
+    thing : RuleBase, ControllerText, Controller, str or path-like
         A rule base with two inputs, error and its rate, needs no plant: it then drives a double
         integrator, ``ë = -u(e, ė)``.
-    plant : Plant, optional
+    plant : Plant, str or path-like, optional
         Whose first tracked output and its rate (or its second output) span the plane. Both have
-        to be states.
-    references : mapping of str to Signal, optional
-        By default the tracked output is to be in the middle of its range.
+        to be states. A string is its name or file.
+    references : mapping of str to Signal, str or float, optional
+        As of :func:`simulate`; by default the tracked output is to be in the middle of its range.
     starts : sequence of pair of float, optional
         By default twelve around the target, within the ranges of inputs or ports.
-    duration : float, optional
-        s; by default the plant's own, and 20 s for a rule base alone.
+    duration : float or str, optional
+        s, or with its unit; by default the plant's own, and 20 s for a rule base alone.
     options : Options, optional
         Of the runs on a plant.
 
@@ -283,6 +285,7 @@ def phase_portrait(
     AnalysisError
         If there is nothing that spans a plane.
     """
+    seconds = None if duration is None else as_seconds(duration, "duration")
     if isinstance(thing, AnyRuleBase):
         thing = thing.model
         if plant is not None:
@@ -292,11 +295,13 @@ def phase_portrait(
             )
             message = f"'{thing.name}' is a rule base, which no plant can be driven by"
             raise AnalysisError(message, name=thing.name, hint=hint)
-        return _of_double_integrator(thing, starts, duration or 20.0)
+        return _of_double_integrator(thing, starts, seconds or 20.0)
     if plant is None:
         message = "a controller needs a plant for a phase portrait"
         raise AnalysisError(message, name="plant")
-    return _on_plant(as_controller(thing), plant, references, starts, duration, options)
+    plant = find_plant(plant) if isinstance(plant, str | os.PathLike) else plant
+    signals = as_signals(references)
+    return _on_plant(as_controller(thing), plant, signals, starts, seconds, options)
 
 
 def _around(target: tuple[float, float], reach: tuple[float, float]) -> list[tuple[float, float]]:

@@ -15,7 +15,7 @@ from fuzzyarm.controller.law import view
 from fuzzyarm.controller.on_plant import site_of
 from fuzzyarm.kernels import has_machine_code
 from fuzzyarm.loop.loop import CHANGES, ERRORS, SENSOR, Setting
-from fuzzyarm.loop.reference import Signal
+from fuzzyarm.loop.reference import AnySignal, AnyTime, Signal, as_seconds, as_signal
 from fuzzyarm.plant.arm import ArmParameters
 from fuzzyarm.plant.driven_arm import ERROR_BOUND, JOINTS, ROOM, Arm
 from fuzzyarm.plant.plant import (
@@ -46,7 +46,7 @@ Vector = NDArray[np.float64]
 # --- How to run ---
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, init=False)
 class Sensor:
     """What a sensor makes of an output.
 
@@ -56,21 +56,30 @@ class Sensor:
         Standard deviation of white noise, in the unit of the port.
     resolution : float, optional
         Step of the values, which are multiples of it and end at the range of the port; 0 for none.
-    delay : float, optional
-        s; rounded to whole control periods, a half up.
-    difference : float, optional
+    delay : float or str, optional
+        s, or with its unit, as in ``"2ms"``; rounded to whole control periods, a half up.
+    difference : float or str, optional
         Form this rate from what the sensor of its port says, by difference, with a filter of
-        this time constant (s, 0 for none), in place of a sensor of its own.
+        this time constant (s or with its unit, 0 for none), in place of a sensor of its own.
     """
 
-    noise: float = 0.0
-    resolution: float = 0.0
-    delay: float = 0.0
-    difference: float | None = None
+    noise: float
+    resolution: float
+    delay: float
+    difference: float | None
 
-    def __post_init__(self) -> None:
-        for name in ("noise", "resolution", "delay", "difference"):
-            value = getattr(self, name)
+    def __init__(
+        self,
+        noise: float = 0.0,
+        resolution: float = 0.0,
+        delay: AnyTime = 0.0,
+        difference: AnyTime | None = None,
+    ) -> None:
+        if difference is not None:
+            difference = as_seconds(difference, "difference")
+        values = (noise, resolution, as_seconds(delay, "delay"), difference)
+        for name, value in zip(("noise", "resolution", "delay", "difference"), values, strict=True):
+            object.__setattr__(self, name, value)
             if value is not None and not 0.0 <= value < 1e12:
                 hint = "zero or a positive number"
                 raise PlantError(f"{name} = {value} is out of range", name=name, hint=hint)
@@ -106,8 +115,8 @@ class Options:
         of being held.
     sensors : mapping of str to Sensor, optional
         By port; the others are exact.
-    loads : mapping of str to Signal, optional
-        By input: what is added to a drive behind its limits.
+    loads : mapping of str to Signal, str or float, optional
+        By input: what is added to a drive behind its limits; as references of a run.
     """
 
     torque_limits: Pair = (math.inf, math.inf)
@@ -119,7 +128,7 @@ class Options:
     compiled: bool | None = None
     interpolate: bool = False
     sensors: Mapping[str, Sensor] = field(default_factory=dict)
-    loads: Mapping[str, Signal] = field(default_factory=dict)
+    loads: Mapping[str, AnySignal] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         for limit in self.torque_limits:
@@ -515,7 +524,7 @@ class Course:
 
     def _pushes(self) -> Any:
         loads = {
-            port: signal
+            port: as_signal(signal)
             for name, signal in self.options.loads.items()
             for port in self.site.interface.every_port(name)
         }

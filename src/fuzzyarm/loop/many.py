@@ -21,8 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from fuzzyarm.controller.controller import Controller
 from fuzzyarm.controller.on_plant import timing_of
-from fuzzyarm.controller.text import ControllerText
-from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.errors import FuzzyarmError, demand_extra
 from fuzzyarm.loop.blocks import (
     Block,
     Rows,
@@ -35,8 +34,10 @@ from fuzzyarm.loop.blocks import (
 from fuzzyarm.loop.course import Course, Motion, Options, Sensor, arm_motion, arm_of
 from fuzzyarm.loop.metrics import Metrics, metric_unit
 from fuzzyarm.loop.program import shown_units
-from fuzzyarm.loop.reference import Signal
+from fuzzyarm.loop.reference import AnySignal, AnyTime
 from fuzzyarm.loop.run import (
+    AnyController,
+    AnyWay,
     ClosedLoop,
     Run,
     as_controller,
@@ -151,6 +152,7 @@ class Many:
 
     def frame(self) -> Any:
         """Return it as a pandas DataFrame with a row for each run."""
+        demand_extra("pandas", "data", "a DataFrame")
         import pandas as pd
 
         return pd.DataFrame(self.columns(), index=pd.RangeIndex(len(self), name="run"))
@@ -179,8 +181,8 @@ class Experiment:
     shared: Changes = field(default_factory=dict)
     conventions: Conventions = PLAIN
     options: Options = field(default_factory=Options)
-    references: Mapping[str, Signal] | None = None
-    duration: float | None = None
+    references: Mapping[str, AnySignal] | None = None
+    duration: AnyTime | None = None
     connect: Mapping[str, str] | None = None
 
 
@@ -457,8 +459,8 @@ def _column(name: str, runs: Sequence[Changes]) -> Vector:
 
 
 def simulate_many(
-    controller: Controller | ControllerText | str,
-    on: Trajectory | Plant | Motion | str,
+    controller: AnyController,
+    on: AnyWay,
     runs: Sequence[Changes] | Mapping[str, ArrayLike],
     *,
     executor: Executor | None = None,
@@ -468,8 +470,8 @@ def simulate_many(
     shared: Changes | None = None,
     conventions: Conventions = PLAIN,
     options: Options | None = None,
-    references: Mapping[str, Signal] | None = None,
-    duration: float | None = None,
+    references: Mapping[str, AnySignal] | None = None,
+    duration: AnyTime | None = None,
     connect: Mapping[str, str] | None = None,
     watch: Callable[[int], None] | None = None,
 ) -> Many:
@@ -545,8 +547,8 @@ def simulate_many(
 
 
 def experiment_of(
-    controller: Controller | ControllerText | str,
-    on: Trajectory | Plant | Motion | str,
+    controller: AnyController,
+    on: AnyWay,
     *,
     payload: bool | float = False,
     segments: Sequence[int] | None = None,

@@ -192,3 +192,30 @@ def _step_response(
     if len(outside) and outside[-1] + 1 < len(after):
         settling = float(after[outside[-1] + 1])
     return rise, overshoot, settling
+
+
+# --- How each is computed, for people ---
+
+ERROR, SECONDS, DRIVE = "of the error", "s", "of the drives"
+
+FORMULAS: dict[str, tuple[str, str]] = {
+    "rms": (ERROR, "sqrt(mean(e**2))"),
+    "max": (ERROR, "e[argmax(abs(e))]"),
+    "final": (ERROR, "e[-1]"),
+    "rise": (SECONDS, "t[way >= 0.9][0] - t[way >= 0.1][0]"),
+    "overshoot": (ERROR, "max(0, max(way) - 1) * abs(step)"),
+    "settling": (SECONDS, f"t[last(abs(way - 1) > {SETTLED:g}) + 1]"),
+    "ise": (f"{ERROR}, squared, times s", "sum(e**2) * T"),
+    "iae": (f"{ERROR}, times s", "sum(abs(e)) * T"),
+    "itae": (f"{ERROR}, times s²", "sum(t * abs(e)) * T"),
+    "effort": (DRIVE, "sqrt(mean(d**2))"),
+    "variation": (f"{DRIVE}, per s", "sum(abs(diff(d))) / (n * T)"),
+    "saturated": ("a share, 0 to 1", "mean(any((d <= low) | (d >= high)))"),
+    "chatter": ("of the first drive", "sqrt(mean(diff(d1)**2)), d1 in every control period"),
+    "rms_periods": (ERROR, "sqrt(mean(e**2)), e in every control period"),
+    "rms_path": (ERROR, "sqrt(mean(e**2)), e in every control period, from the reference itself"),
+}
+"""Of each metric the unit, and what it is of what was sampled; ``docs/metrics.md`` has the names.
+
+``tests/docs/test_metrics_page.py`` computes them.
+"""

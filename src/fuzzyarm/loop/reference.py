@@ -1,15 +1,21 @@
-"""References over time: step, ramp, sine, quintic move, a file; each with its derivatives."""
+"""References over time: step, ramp, sine, quintic move, a file; each with its derivatives.
+
+Python takes them as the command line does, ``"step:1"``, and times as ``"300ms"``.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fuzzyarm.errors import WordError
+from fuzzyarm.model.controller import TIMES
 from fuzzyarm.plant.plant import PlantError
 from fuzzyarm.text.names import near_hint
 
@@ -98,6 +104,61 @@ def read_signal(text: str) -> Signal:
         hint = "as in step:1, ramp:0.5, sine:1,0.5, quintic:1,2 or a FILE.csv"
         raise PlantError(f"'{text}' is not a reference", name=text, hint=hint) from None
     return Signal(kind, numbers)
+
+
+AnySignal = Signal | str | float
+"""A signal, the words of the command line that stand for one, or where a step goes to."""
+
+AnyTime = float | str
+"""A time in s, or with its unit: ``"300ms"``."""
+
+
+def as_signals(references: Mapping[str, AnySignal] | None) -> dict[str, Signal] | None:
+    """Return signals by port, whatever they were given as; errors as :func:`read_signal`."""
+    if references is None:
+        return None
+    return {name: as_signal(signal) for name, signal in references.items()}
+
+
+def as_signal(signal: AnySignal) -> Signal:
+    """Return a signal, whatever it was given as; errors as :func:`read_signal`."""
+    if isinstance(signal, Signal):
+        return signal
+    return read_signal(signal) if isinstance(signal, str) else Signal("step", (float(signal),))
+
+
+def as_seconds(time: AnyTime, what: str) -> float:
+    """Return a time in s; errors as :func:`read_time`, with `what` takes it."""
+    return read_time(time, what) if isinstance(time, str) else float(time)
+
+
+def read_time(text: str, option: str) -> float:
+    """Read a time with its unit, s.
+
+    Parameters
+    ----------
+    text : str
+        As in ``2s`` or ``500ms``.
+    option : str
+        What takes it, for the message.
+
+    Raises
+    ------
+    WordError
+        If it is not one.
+    """
+    match = re.fullmatch(r"([0-9.eE+-]+)\s*([a-z]+)", text.strip())
+    try:
+        if match is None or match[2] not in TIMES:
+            raise ValueError
+        times, divisor = TIMES[match[2]]
+        value = float(match[1]) * times / divisor
+        if not (math.isfinite(value) and value >= 0):
+            raise ValueError
+    except ValueError:
+        units = ", ".join(TIMES)
+        raise WordError(f"{option} takes a time with a unit ({units}), not '{text}'") from None
+    return value
 
 
 # --- The kinds ---

@@ -25,6 +25,7 @@ from fuzzyarm.controller.on_plant import (
 )
 from fuzzyarm.controller.program import SourceError
 from fuzzyarm.controller.text import ControllerText
+from fuzzyarm.errors import demand_extra
 from fuzzyarm.loop.course import Course, Motion, Options, arm_motion, delay_notes, motion
 from fuzzyarm.loop.loop import HELD, LED, SQUARES, final, rms, signed_maximum
 from fuzzyarm.loop.metrics import Metrics, metrics_of
@@ -39,7 +40,7 @@ from fuzzyarm.loop.program import (
     shown_means,
     shown_units,
 )
-from fuzzyarm.loop.reference import Signal
+from fuzzyarm.loop.reference import AnySignal, AnyTime, Signal, as_seconds, as_signals
 from fuzzyarm.plant.driven_arm import Arm
 from fuzzyarm.plant.own import find_plant
 from fuzzyarm.plant.plant import (
@@ -55,7 +56,7 @@ from fuzzyarm.plant.setting import (
 )
 from fuzzyarm.plant.trajectory import Schedule, Trajectory, reach_return, schedule
 from fuzzyarm.text.mistaken import CONTROLLER, wrong_kind
-from fuzzyarm.text.shown import Shown, one_line
+from fuzzyarm.text.shown import Plotted, one_line
 
 # --- What came of a run ---
 
@@ -70,7 +71,7 @@ def judged_names(axes: Sequence[str], labels: Sequence[str]) -> tuple[str, ...]:
 
 
 @dataclass(frozen=True, repr=False)
-class Run(Shown):
+class Run(Plotted):
     """What came of it; angles are shown in degrees, all else in the units of the plant.
 
     Attributes
@@ -215,6 +216,7 @@ class Run(Shown):
 
     def frame(self) -> Any:
         """Return the samples as a pandas DataFrame with the time as its index."""
+        demand_extra("pandas", "data", "a DataFrame")
         import pandas as pd
 
         return pd.DataFrame(self.columns(), index=pd.Index(self.time, name="time"))
@@ -243,27 +245,33 @@ class Judged(NamedTuple):
 
 # --- Runs ---
 
+AnyController = Controller | ControllerText | str | os.PathLike[str]
+"""A controller, or the name or the file of one."""
+
+AnyWay = Trajectory | Plant | Motion | str | os.PathLike[str]
+"""What the arm follows, or a plant, or the name or the file of one."""
+
 
 def simulate(
-    controller: Controller | ControllerText | str,
-    on: Trajectory | Plant | Motion | str,
+    controller: AnyController,
+    on: AnyWay,
     *,
     payload: bool = False,
     arms: Schedule | None = None,
     conventions: Conventions = PLAIN,
     options: Options | None = None,
-    references: Mapping[str, Signal] | None = None,
-    duration: float | None = None,
+    references: Mapping[str, AnySignal] | None = None,
+    duration: AnyTime | None = None,
     connect: Mapping[str, str] | None = None,
 ) -> Run:
     """Run a controller along a trajectory of the arm, or on any plant.
 
     Parameters
     ----------
-    controller : Controller, ControllerText or str
+    controller : Controller, ControllerText, str or path-like
         Any on the arm, where sums of compiled ones run as machine code; on other plants
         controllers as text. A string is a name of the catalogue or a file.
-    on : Trajectory, Plant, Motion or str
+    on : Trajectory, Plant, Motion, str or path-like
         What the arm is to follow, the plant, or set points that were made before. A string is
         the name or file of a plant; the arm follows ``reach_return()`` where nothing else is said.
     payload : bool, optional
@@ -274,10 +282,11 @@ def simulate(
         Precision, π, timing.
     options : Options, optional
         Sensors, disturbances, limits, integrator.
-    references : mapping of str to Signal, optional
-        Of a plant, by port; a step to 1 of the first output by default.
-    duration : float, optional
-        Of a run on a plant, s; by default the plant's own.
+    references : mapping of str to Signal, str or float, optional
+        Of a plant, by port: a signal, its words, as in ``"step:1"`` or ``"sine:0.5,2"``, or a
+        number, to which it steps. A step to 1 of the first output by default.
+    duration : float or str, optional
+        Of a run on a plant: s, or with its unit, as in ``"300ms"``; by default the plant's own.
     connect : mapping of str to str, optional
         From names of the controller to ports of the plant, where they differ.
 
@@ -294,6 +303,15 @@ def simulate(
         If the plant does not have a port, or cannot be run.
     SourceError
         If the plant does not have what the controller measures or drives.
+    WordError
+        If words for a reference or a time say nothing.
+
+    Examples
+    --------
+    >>> from fuzzyarm import shipped
+    >>> servo = shipped("servo.frb")
+    >>> simulate(servo, "motor", references={"position": "step:1"}, duration="300ms")
+    <Run servo on motor: 0.3 s, rms position 27.09 degrees>
     """
     options = options or Options()
     chosen = as_controller(controller)
@@ -306,17 +324,15 @@ def simulate(
     return run_along(chosen, on, conventions, options, connect)
 
 
-def as_way(on: Trajectory | Plant | Motion | str, *, along: bool) -> Trajectory | Plant | Motion:
+def as_way(on: AnyWay, *, along: bool) -> Trajectory | Plant | Motion:
     """Return what a name stands for; with `along` the arm follows its trajectory."""
-    if not isinstance(on, str):
+    if not isinstance(on, str | os.PathLike):
         return on
     plant = find_plant(on)
     return reach_return() if isinstance(plant, Arm) and along else plant
 
 
-def as_controller(
-    controller: Controller | ControllerText | str | os.PathLike[str],
-) -> Controller:
+def as_controller(controller: AnyController) -> Controller:
     """Return a controller, of its name, file or text where that is what is given.
 
     Raises
@@ -340,8 +356,8 @@ def as_controller(
 def plant_motion(
     controller: Controller,
     plant: Plant,
-    references: Mapping[str, Signal] | None = None,
-    duration: float | None = None,
+    references: Mapping[str, AnySignal] | None = None,
+    duration: AnyTime | None = None,
     connect: Mapping[str, str] | None = None,
     step: Signal | None = None,
 ) -> Motion:
@@ -352,14 +368,15 @@ def plant_motion(
     """
     site = site_of(plant, connect)
     text = text_of(controller, site)
-    if not references:
+    signals = as_signals(references)
+    if not signals:
         tracked = first_error(text, site)
-        references = {site.interface.label(tracked): step or Signal("step", (1.0,))}
+        signals = {site.interface.label(tracked): step or Signal("step", (1.0,))}
     own_timing(controller)  # tells where addends differ in it
     period, every = text.model.period, text.model.every
     if duration is None:
         duration = plant.duration or 1000 * period * every
-    return motion(plant, references, duration, period, every)
+    return motion(plant, signals, as_seconds(duration, "duration"), period, every)
 
 
 def text_of(controller: Controller, site: Site) -> ControllerText:

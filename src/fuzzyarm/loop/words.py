@@ -15,9 +15,8 @@ from typing import Any, TypeVar
 from fuzzyarm.controller.controller import Controller
 from fuzzyarm.errors import WordError
 from fuzzyarm.loop.course import Motion, Options, Sensor
-from fuzzyarm.loop.reference import Signal, read_signal
+from fuzzyarm.loop.reference import Signal, read_signal, read_time
 from fuzzyarm.loop.run import plant_motion
-from fuzzyarm.model.controller import TIMES
 from fuzzyarm.plant.own import find_plant
 from fuzzyarm.plant.plant import Plant, Port, interface_of, with_actuators
 
@@ -173,35 +172,6 @@ class PlantWords:
         change(read_pairs(self.sensor_delay, "--sensor-delay", time("--sensor-delay")), "delay")
         change(read_pairs(self.difference, "--difference", time("--difference")), "difference")
         return found
-
-
-def read_time(text: str, option: str) -> float:
-    """Read a time with its unit, s.
-
-    Parameters
-    ----------
-    text : str
-        As in ``2s`` or ``500ms``.
-    option : str
-        What takes it, for the message.
-
-    Raises
-    ------
-    WordError
-        If it is not one.
-    """
-    match = re.fullmatch(r"([0-9.eE+-]+)\s*([a-z]+)", text.strip())
-    try:
-        if match is None or match[2] not in TIMES:
-            raise ValueError
-        times, divisor = TIMES[match[2]]
-        value = float(match[1]) * times / divisor
-        if not (math.isfinite(value) and value >= 0):
-            raise ValueError
-    except ValueError:
-        units = ", ".join(TIMES)
-        raise WordError(f"{option} takes a time with a unit ({units}), not '{text}'") from None
-    return value
 
 
 def read_pairs(

@@ -1,8 +1,10 @@
 """The language server: what :mod:`fuzzyarm.language.queries` answers, over the protocol.
 
-Needs the extra ``fuzzyarm[lsp]``: :func:`fuzzyarm.lsp.features.make_server`. The open files
+Needs the extra ``lsp``: :func:`fuzzyarm.lsp.features.make_server`. The open files
 named here know nothing of the protocol's library.
 """
+
+from typing import TYPE_CHECKING
 
 from fuzzyarm.lazy import lazily
 from fuzzyarm.lsp.session import Kind, Session
@@ -10,4 +12,5 @@ from fuzzyarm.lsp.tables import TableText
 
 __all__ = ["Kind", "Session", "TableText"]
 
-__getattr__, __dir__ = lazily(__name__, {}, __all__)
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = lazily(__name__, {}, __all__)

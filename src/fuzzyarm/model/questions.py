@@ -7,6 +7,7 @@ the one place that names what stands above it: by name, so that a model needs no
 from __future__ import annotations
 
 import os
+import warnings
 from abc import abstractmethod
 from collections.abc import Iterable, Mapping
 from importlib import import_module
@@ -168,3 +169,25 @@ class Questions(Shown, OfKind):
         """Return the text of its file, in canonical form."""
         text: str = _function("language", "write")(self.model)
         return text
+
+
+# --- What RuleBase was before RuleBaseBuilder had a name of its own ---
+
+
+def new_or_begun(cls: type, *arguments: Any, **named: Any) -> Any:
+    """Return a new value; of a name and a description alone, a builder, as it once was."""
+    words = (*arguments, *named.values())
+    if words and set(named) <= {"name", "description"} and all(isinstance(w, str) for w in words):
+        return _builder()(*arguments, **named)
+    return object.__new__(cls)
+
+
+def of_builder(name: str) -> Any:
+    """Return a class method of the builder under its old name."""
+    return classmethod(lambda _, *arguments: getattr(_builder(), name)(*arguments))
+
+
+def _builder() -> Any:
+    message = "fuzzyarm.RuleBase is what load returns; what writes one is fuzzyarm.RuleBaseBuilder"
+    warnings.warn(message, DeprecationWarning, stacklevel=3)
+    return _function("builder", "RuleBaseBuilder")

@@ -9,14 +9,15 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.expression.kinds import SHAPES
-from fuzzyarm.model.questions import Questions
+from fuzzyarm.model.questions import Questions, new_or_begun, of_builder
 from fuzzyarm.text.diagnostic import NOWHERE, RuleBaseError, Span
 from fuzzyarm.text.names import near_hint, shortened
 from fuzzyarm.text.numbers import number_text
-from fuzzyarm.text.shown import Shown, one_line
+from fuzzyarm.text.shown import Plotted, one_line
 
 SAMPLINGS = ("endpoints", "midpoints", "left", "trapezoid", "joined")
 """How a sampled defuzzifier spreads N points over the range of an output.
@@ -197,7 +198,7 @@ class Defuzzifier:
 
 
 @dataclass(frozen=True, slots=True, repr=False)
-class Variable(Shown):
+class Variable(Plotted):
     """What inputs and outputs have in common: a name, a range and its terms.
 
     Attributes
@@ -549,9 +550,9 @@ class Tuning:
 class AnyRuleBase(Questions):
     """A rule base: the immutable value that a file means, or one that is being written.
 
-    A file that is loaded gives the value (:class:`fuzzyarm.model.rulebase.RuleBase`), Python
-    writes one statement by statement (:class:`fuzzyarm.RuleBase`). Either can be called, drawn,
-    checked, compiled and written, and every function that takes a rule base takes both.
+    A file that is loaded gives the value (:class:`fuzzyarm.RuleBase`), Python writes one statement
+    by statement (:class:`fuzzyarm.RuleBaseBuilder`). Either can be called, drawn, checked, compiled
+    and written, and every function that takes a rule base takes both.
     """
 
     __slots__ = ()
@@ -567,8 +568,29 @@ class RuleBase(AnyRuleBase):
     """A whole fuzzy system as a value: variables, rules, and how the rules are evaluated.
 
     It never changes; two are equal where they mean the same, wherever their rules stood. It is
-    what :func:`fuzzyarm.load` returns and what :class:`fuzzyarm.RuleBase`, which writes one in
-    Python, has as its `model`.
+    what :func:`fuzzyarm.load` returns and what a :class:`fuzzyarm.RuleBaseBuilder`, which writes
+    one in Python, has as its `model`.
+
+    Parameters
+    ----------
+    name : str
+        Free.
+    inputs : tuple of Input
+        In the order of the file.
+    outputs : tuple of Output
+        Likewise.
+    blocks : tuple of RuleBlock
+        Rules that share their norms, evaluated in order.
+    description : str
+        Free text.
+    lookup : Lookup or None
+        How it is sampled for a table.
+    expectations : tuple of Expectation
+        Its ``expect`` lines.
+    properties : tuple of Property
+        Its ``prove`` lines.
+    tuning : Tuning or None
+        What may move when it is tuned.
     """
 
     name: str
@@ -580,6 +602,11 @@ class RuleBase(AnyRuleBase):
     expectations: tuple[Expectation, ...] = ()
     properties: tuple[Property, ...] = ()
     tuning: Tuning | None = None
+
+    if not TYPE_CHECKING:  # what wrote one by this name before goes on working
+        __new__ = new_or_begun
+        from_text = of_builder("from_text")
+        of = of_builder("of")
 
     @property
     def model(self) -> RuleBase:

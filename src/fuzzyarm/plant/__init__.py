@@ -6,6 +6,8 @@ everything else is SI. See ``docs/arm.md`` and ``docs/plants.md`` for the equati
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from fuzzyarm.lazy import lazily
 from fuzzyarm.plant.arm import ESTIMATE, INEXACT, LOADED, UNLOADED, ArmParameters
 from fuzzyarm.plant.driven_arm import Arm
@@ -73,4 +75,5 @@ __all__ = [
     "through",
 ]
 
-__getattr__, __dir__ = lazily(__name__, {}, __all__)
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = lazily(__name__, {}, __all__)

@@ -1,6 +1,6 @@
 """Plants of other packages: python-control, Gymnasium, FMUs; and python-control systems of ours.
 
-Each package is imported when it is used; together they are the extra ``fuzzyarm[plants]``.
+Each package is imported when it is used; together they are the extra ``plants``.
 """
 
 from __future__ import annotations

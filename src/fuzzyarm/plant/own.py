@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import linecache
+import os
 import sys
 import traceback
 from collections.abc import Callable, Mapping
@@ -31,12 +32,12 @@ ENVIRONMENT = "gym:"
 """Before the id of a Gymnasium environment."""
 
 
-def find_plant(name: str) -> Plant:
+def find_plant(name: str | os.PathLike[str]) -> Plant:
     """Make a plant from a name or a file.
 
     Parameters
     ----------
-    name : str
+    name : str or path-like
         A shipped plant; ``FILE.py`` or ``FILE.py:NAME``, a class of the user's or a
         python-control system, where the file is executed; ``gym:NAME``, a Gymnasium environment;
         ``FILE.fmu``.
@@ -48,6 +49,7 @@ def find_plant(name: str) -> Plant:
     MissingExtraError
         If the package of another's plant is not installed.
     """
+    name = os.fspath(name)
     if name in PLANTS:
         return PLANTS[name]()
     if name.startswith(ENVIRONMENT):

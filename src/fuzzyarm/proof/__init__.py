@@ -7,6 +7,8 @@ pieces on which the output is a quotient of polynomials; everything else goes by
 :mod:`fuzzyarm.proof.controllers` does so with the drives of a controller.
 """
 
+from typing import TYPE_CHECKING
+
 from fuzzyarm.lazy import lazily
 from fuzzyarm.proof.bounds import Bounds, UnprovableError
 from fuzzyarm.proof.prover import Prover
@@ -30,4 +32,5 @@ __all__ = [
     "table_proof",
 ]
 
-__getattr__, __dir__ = lazily(__name__, {}, __all__)
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = lazily(__name__, {}, __all__)

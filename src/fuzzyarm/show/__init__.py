@@ -3,6 +3,8 @@
 The drawings are renderables of rich: ``make_console().print(rulebase_view(model))``.
 """
 
+from typing import TYPE_CHECKING
+
 from fuzzyarm.lazy import lazily
 from fuzzyarm.show.controller import controller_view
 from fuzzyarm.show.controller_diff import compare_controllers, controller_diff_view
@@ -50,4 +52,5 @@ __all__ = [
     "visible_range",
 ]
 
-__getattr__, __dir__ = lazily(__name__, {}, __all__)
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = lazily(__name__, {}, __all__)

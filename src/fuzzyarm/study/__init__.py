@@ -52,12 +52,13 @@ __all__ = [
     "variants",
 ]
 
-__getattr__, __dir__ = lazily(
-    __name__,
-    {
-        "beyond": ("NAMES", "Beyond", "run_beyond"),
-        "comparison": ("Compared", "compare", "compared_names", "cost_of"),
-        "figures": ("draw_chapter", "draw_overview", "draw_profiles", "save_figure"),
-    },
-    __all__,
-)
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = lazily(
+        __name__,
+        {
+            "beyond": ("NAMES", "Beyond", "run_beyond"),
+            "comparison": ("Compared", "compare", "compared_names", "cost_of"),
+            "figures": ("draw_chapter", "draw_overview", "draw_profiles", "save_figure"),
+        },
+        __all__,
+    )

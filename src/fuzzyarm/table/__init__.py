@@ -50,42 +50,43 @@ __all__ = [
     "write_table",
 ]
 
-__getattr__, __dir__ = lazily(
-    __name__,
-    {
-        "axis": (
-            "MODES",
-            "SUFFIXES",
-            "Axis",
-            "PlainTable",
-            "TableError",
-            "TableHeader",
-        ),
-        "compiler": ("compile_table",),
-        "diff": (
-            "TableDiff",
-            "compare_tables",
-        ),
-        "fidelity": (
-            "CompileReport",
-            "Fidelity",
-            "compile_with_report",
-            "measure_fidelity",
-        ),
-        "files": (
-            "TableFileError",
-            "read_table",
-            "write_table",
-        ),
-        "rules": (
-            "RulesOfTable",
-            "rules_of_table",
-        ),
-        "table": ("LookupTable",),
-        "text": (
-            "ParsedTable",
-            "parse_lut",
-            "write_lut",
-        ),
-    },
-)
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = lazily(
+        __name__,
+        {
+            "axis": (
+                "MODES",
+                "SUFFIXES",
+                "Axis",
+                "PlainTable",
+                "TableError",
+                "TableHeader",
+            ),
+            "compiler": ("compile_table",),
+            "diff": (
+                "TableDiff",
+                "compare_tables",
+            ),
+            "fidelity": (
+                "CompileReport",
+                "Fidelity",
+                "compile_with_report",
+                "measure_fidelity",
+            ),
+            "files": (
+                "TableFileError",
+                "read_table",
+                "write_table",
+            ),
+            "rules": (
+                "RulesOfTable",
+                "rules_of_table",
+            ),
+            "table": ("LookupTable",),
+            "text": (
+                "ParsedTable",
+                "parse_lut",
+                "write_lut",
+            ),
+        },
+    )

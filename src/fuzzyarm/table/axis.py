@@ -14,7 +14,7 @@ from typing import Any
 
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.text.mistaken import TABLE, OfKind
-from fuzzyarm.text.shown import Drawn, one_line
+from fuzzyarm.text.shown import Drawn, Plotted, one_line
 
 SUFFIXES = (".lut", ".csv", ".npz", ".json")
 """The formats of files that are read back to an identical table."""
@@ -148,7 +148,7 @@ def _require_increasing(numbers: tuple[float, ...], what: str) -> None:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class TableHeader(Drawn, OfKind):
+class TableHeader(Plotted, Drawn, OfKind):
     """The axes of a table, its output, and where it came from.
 
     Attributes

@@ -27,17 +27,18 @@ __all__ = [
     "write_atomically",
 ]
 
-__getattr__, __dir__ = lazily(
-    __name__,
-    {
-        "diagnostic": (
-            "Diagnostic",
-            "Related",
-            "RuleBaseError",
-            "Severity",
-            "Span",
-            "render_all",
-        ),
-        "files": ("write_atomically",),
-    },
-)
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = lazily(
+        __name__,
+        {
+            "diagnostic": (
+                "Diagnostic",
+                "Related",
+                "RuleBaseError",
+                "Severity",
+                "Span",
+                "render_all",
+            ),
+            "files": ("write_atomically",),
+        },
+    )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from fuzzyarm.text.names import shortened
 
 
@@ -25,6 +27,24 @@ class Shown:
 
         drawing: str = import_module("fuzzyarm.notebook").html_of(self)
         return drawing
+
+
+class Plotted(Shown):
+    """A value that has a figure; notebooks show that."""
+
+    __slots__ = ()
+
+    def plot(self) -> Any:
+        """Return its figure.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            Notebooks show it; ``savefig`` writes it.
+        """
+        from importlib import import_module
+
+        return import_module("fuzzyarm.notebook").figure_of(self)
 
 
 class Drawn(Shown):

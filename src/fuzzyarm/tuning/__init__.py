@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from fuzzyarm.lazy import lazily
 from fuzzyarm.tuning.movement import TuneError
 from fuzzyarm.tuning.scenarios import Scenario, Stage
@@ -11,4 +13,5 @@ from fuzzyarm.tuning.tuned import Tuned
 
 __all__ = ["Journal", "Scenario", "Stage", "TuneError", "Tuned", "tune"]
 
-__getattr__, __dir__ = lazily(__name__, {}, __all__)
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = lazily(__name__, {}, __all__)

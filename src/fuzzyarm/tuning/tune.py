@@ -19,7 +19,7 @@ from fuzzyarm.language.tokens import Cursor, Trivia, tokenize_line
 from fuzzyarm.learning.data import Samples
 from fuzzyarm.learning.fit import linear_outputs
 from fuzzyarm.loop.course import Options
-from fuzzyarm.loop.reference import Signal
+from fuzzyarm.loop.reference import AnySignal, AnyTime, as_seconds, as_signals
 from fuzzyarm.loop.run import plant_motion
 from fuzzyarm.loop.sweep import Range
 from fuzzyarm.model.rulebase import AnyRuleBase, RuleBase, Tuning
@@ -60,8 +60,8 @@ DEFAULT_DATA_COST = "rmse"
 
 
 def tune(
-    subject: ControllerText | RuleBase | str | os.PathLike[str],
-    on: Plant | Trajectory | str | None = None,
+    subject: ControllerText | AnyRuleBase | str | os.PathLike[str],
+    on: Plant | Trajectory | str | os.PathLike[str] | None = None,
     *,
     cost: str | OwnCost | None = None,
     data: Samples | None = None,
@@ -69,13 +69,13 @@ def tune(
     scenarios: int | Sequence[Scenario] | None = None,
     over: Over = "mean",
     stage: Stage | None = None,
-    references: Mapping[str, Signal] | None = None,
-    duration: float | None = None,
+    references: Mapping[str, AnySignal] | None = None,
+    duration: AnyTime | None = None,
     connect: Mapping[str, str] | None = None,
     tuning: Tuning | Sequence[str] | None = None,
     method: Method = "nelder-mead",
     evals: int = 500,
-    seconds: float = math.inf,
+    seconds: AnyTime = math.inf,
     seed: int = 1,
     digits: int = 3,
     unseen: int = UNSEEN,
@@ -97,7 +97,7 @@ def tune(
     ----------
     subject : ControllerText, RuleBase or path-like
         What is tuned. A controller runs in its loop, a rule base alone is fitted to samples.
-    on : Plant, Trajectory or str, optional
+    on : Plant, Trajectory, str or path-like, optional
         Where it runs; by default the shipped plant that has its axes. The arm follows the two
         trajectories of the study, unless one is given.
     cost : str or callable, optional
@@ -121,8 +121,10 @@ def tune(
         What may move, in place of what the file says: lines of a ``tune`` block.
     method : {"nelder-mead", "cma-es", "evolution"}, optional
         See :data:`fuzzyarm.tuning.optimisers.OPTIMISERS`.
-    evals, seconds : int, float, optional
-        Candidates of the search, and of the opponent's; wall time of the whole.
+    evals : int, optional
+        Candidates of the search, and of the opponent's.
+    seconds : float or str, optional
+        Wall time of the whole: s, or with its unit, as in ``"2min"``.
     seed : int, optional
         Of everything that is drawn.
     digits : int, optional
@@ -168,7 +170,7 @@ def tune(
     >>> tuned.found.best.score.cost <= tuned.found.trials[0].score.cost
     True
     """
-    plan = Plan(method, Budget(evals, seconds), seed, digits, unseen, linear)
+    plan = Plan(method, Budget(evals, as_seconds(seconds, "seconds")), seed, digits, unseen, linear)
     path, model = _loaded(subject)
     moving = tuning if isinstance(tuning, Tuning) or tuning is None else read_tuning(tuning)
     if isinstance(model, RuleBase):
@@ -186,7 +188,7 @@ def tune(
 
 
 def _loaded(
-    subject: ControllerText | RuleBase | str | os.PathLike[str],
+    subject: ControllerText | AnyRuleBase | str | os.PathLike[str],
 ) -> tuple[str, ControllerText | RuleBase]:
     if isinstance(subject, ControllerText):
         return subject.path, subject
@@ -248,10 +250,10 @@ TUNE_HINT = "as in  peaks e, ce mirrored, partition  or  gain G_e 0.1 .. 10 time
 
 def stage_of(
     text: ControllerText,
-    on: Plant | Trajectory | str | None,
+    on: Plant | Trajectory | str | os.PathLike[str] | None,
     options: Options,
-    references: Mapping[str, Signal] | None = None,
-    duration: float | None = None,
+    references: Mapping[str, AnySignal] | None = None,
+    duration: AnyTime | None = None,
     connect: Mapping[str, str] | None = None,
     vary: Sequence[Range] = (),
     payload: float = 1.0,
@@ -287,13 +289,15 @@ def stage_of(
         if site is None:
             raise TuneError(f"no shipped plant has the axes of {text.model.name}", hint="name one")
         on = site.name
-    plant = find_plant(on) if isinstance(on, str) else on
+    plant = find_plant(on) if isinstance(on, str | os.PathLike) else on
     if isinstance(plant, Arm):
         first = arm_scenarios(payload)
         return Stage(plant, first, options, tuple(vary), connect=connect)
-    motion = plant_motion(controller_of(text), plant, references, duration, connect)
+    signals = as_signals(references)
+    seconds = None if duration is None else as_seconds(duration, "duration")
+    motion = plant_motion(controller_of(text), plant, signals, seconds, connect)
     first = (Scenario(motion.name, motion),)
-    return Stage(plant, first, options, tuple(vary), references, duration, connect)
+    return Stage(plant, first, options, tuple(vary), signals, seconds, connect)
 
 
 def _in_loop(

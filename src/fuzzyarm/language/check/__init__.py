@@ -1,8 +1,11 @@
 """Checks that know fuzzy control: what is allowed but probably not meant."""
 
+from typing import TYPE_CHECKING
+
 from fuzzyarm.language.check.registry import CHECKS, Check, check, judged
 from fuzzyarm.lazy import lazily
 
 __all__ = ["CHECKS", "Check", "check", "judged"]
 
-__getattr__, __dir__ = lazily(__name__, {}, __all__)
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = lazily(__name__, {}, __all__)

@@ -181,15 +181,15 @@ CHECKS: dict[str, Check] = {
         Check(
             "broken-antisymmetry",
             Severity.WARNING,
-            "A grid is antisymmetric (opposite inputs give opposite outputs) but for a few cells; "
-            "so are grids under `when` together.",
+            "A grid over inputs about 0 is antisymmetric (opposite inputs give opposite outputs) "
+            "but for a few cells; so are grids under `when` together.",
             broken_symmetries,
         ),
         Check(
             "broken-symmetry",
             Severity.WARNING,
-            "A grid is symmetric (opposite inputs give equal outputs) but for a few cells; so are "
-            "grids under `when` together.",
+            "A grid over inputs about 0 is symmetric (opposite inputs give equal outputs) but for "
+            "a few cells; so are grids under `when` together.",
             broken_symmetries,
         ),
         Check(

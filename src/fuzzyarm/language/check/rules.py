@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Hashable, Iterator, Mapping
 from itertools import combinations, islice
+from math import isfinite
 from typing import NamedTuple
 
 from fuzzyarm.language.check.subject import Subject, plain_propositions
@@ -157,6 +158,9 @@ ALMOST = 0.75
 
 _FEWEST_PAIRS = 4
 
+OFF_CENTRE = 0.1
+"""How far from 0 the two ends of an input may meet, as a share of its range."""
+
 _Position = tuple[tuple[str, int], ...]
 """Variables and the ranks of their terms: of the row, of the column, of the condition."""
 
@@ -183,12 +187,20 @@ class _Break(NamedTuple):
 
 
 def broken_symmetries(subject: Subject) -> Iterator[Diagnostic]:
-    """Yield ``broken-antisymmetry`` or ``broken-symmetry`` for each pair that does not fit."""
+    """Yield ``broken-antisymmetry`` or ``broken-symmetry`` for each pair that does not fit.
+
+    A grid that rises from one corner to the other is nearly antisymmetric by that alone. It is
+    meant to be where its inputs have opposite values, those of opposite sign; the fan that turns
+    faster the warmer and the damper it is has none.
+    """
     for family in _families(subject):
         opposites = _opposites(subject.middles(family.output) or {})
-        mirrors = [_pairs(family, subject, frozenset())]
-        if family.conditions:
-            mirrors.append(_pairs(family, subject, family.conditions))
+        around = {name for name, _ in next(iter(family.cells))}
+        mirrors = [
+            _pairs(family, subject, fixed)
+            for fixed in dict.fromkeys((frozenset[str](), family.conditions))
+            if all(_has_opposites(name, subject) for name in around - fixed)
+        ]
         breaks = [
             found
             for pairs in mirrors
@@ -201,6 +213,16 @@ def broken_symmetries(subject: Subject) -> Iterator[Diagnostic]:
                 first = _term(pair[0])
                 wanted = opposites[first][0] if best.name == "antisymmetric" else first
                 yield _asymmetry(best.name, pair, wanted)
+
+
+def _has_opposites(name: str, subject: Subject) -> bool:
+    """Whether an input lies about 0: its range, or without one its outermost terms."""
+    variable = subject.rulebase.variable(name)
+    low, high = variable.low, variable.high
+    if not isfinite(high - low):
+        middles = list((subject.middles(name) or {}).values())
+        low, high = (middles[0], middles[-1]) if middles else (0.0, 0.0)
+    return abs(low + high) <= OFF_CENTRE * (high - low)
 
 
 def _opposites(middles: Mapping[str, float]) -> dict[str, tuple[str, ...]]:

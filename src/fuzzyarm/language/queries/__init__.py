@@ -4,6 +4,8 @@ Pure functions over a :class:`Reading`, without numerics and without any protoco
 language server, the studio and the tests share them. Lines and columns count from 1.
 """
 
+from typing import TYPE_CHECKING
+
 from fuzzyarm.language.phrases import Kind, Occurrence
 from fuzzyarm.language.queries.completion import Candidate, complete
 from fuzzyarm.language.queries.fixes import Edit, Fix, apply_edits, fixes
@@ -82,4 +84,5 @@ __all__ = [
     "symbols",
 ]
 
-__getattr__, __dir__ = lazily(__name__, {}, __all__)
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = lazily(__name__, {}, __all__)

@@ -6,6 +6,8 @@ state, no window); :func:`save_figure` writes it.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from fuzzyarm.lazy import lazily
 from fuzzyarm.show.figures.analysis import describing_figure, portrait_figure
 from fuzzyarm.show.figures.diagram import controller_figure, diagram_figure
@@ -37,4 +39,5 @@ __all__ = [
     "variable_figure",
 ]
 
-__getattr__, __dir__ = lazily(__name__, {}, __all__)
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = lazily(__name__, {}, __all__)

@@ -1,0 +1,162 @@
+"""What type checkers know of fuzzyarm: a slip is a mistake, README and pages have none."""
+
+import re
+import shutil
+import subprocess
+import sys
+import textwrap
+from pathlib import Path
+
+import pytest
+
+import fuzzyarm
+
+ROOT = Path(__file__).parents[2]
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+GOING_ON = ("python.md", "type2.md", "proofs.md")
+"""Pages whose blocks go on from one another."""
+
+pytest.importorskip("mypy")
+
+SLIPS = """\
+import fuzzyarm
+import fuzzyarm.table
+import fuzzyarm.show.figures
+
+fuzzyarm.inferr
+fuzzyarm.kindz.shape
+fuzzyarm.learning.fitt
+fuzzyarm.table.read_tabel
+fuzzyarm.show.figures.draw_run
+fuzzyarm.sklearn.FuzzyRegresor
+fuzzyarm.load_rulebase("x.frb").inputz
+fuzzyarm.load_controller("x.frb").rules
+fuzzyarm.simulate("x.frb", "motor", reference={})
+fuzzyarm.simulate("x.frb", "motor", duration=[1])
+fuzzyarm.RuleBaseBuilder("fan").imput("x", 0, 1)
+fuzzyarm.RuleBase(3)
+"""
+
+SOUND = """\
+from pathlib import Path
+
+import fuzzyarm
+from fuzzyarm import kinds, op
+
+def width(rulebase: fuzzyarm.RuleBase) -> float:
+    return rulebase.inputs[0].high - rulebase.inputs[0].low
+
+def asked(thing: fuzzyarm.AnyRuleBase) -> str:
+    return thing.model.name
+
+model = fuzzyarm.load("x.frb")
+if isinstance(model, fuzzyarm.RuleBase):
+    width(model), asked(model)
+elif isinstance(model, fuzzyarm.LookupTable):
+    model.lookup(1.0, 2.0)
+else:
+    model.model.name
+pd7 = fuzzyarm.load_rulebase(Path("x.frb"))
+width(pd7)
+table: fuzzyarm.LookupTable = fuzzyarm.compile_table(pd7)
+fan = fuzzyarm.RuleBaseBuilder("fan")
+temp = fan.input("temp", 0, 1, terms=["cold", "hot"])
+temp.term("icy", (0, 0, 1))
+asked(fan), width(fan.model)
+servo: fuzzyarm.ControllerText = fuzzyarm.load_controller("x.frb")
+run = fuzzyarm.simulate(servo, "motor", references={"position": "step:1"}, duration="300ms")
+run.metrics["shaft"].rise
+run.plot().savefig("x.png")
+fuzzyarm.simulate(fuzzyarm.shipped("x.frb"), "motor", references={"position": 1.0}, duration=0.3)
+fuzzyarm.simulate_many(servo, "motor", [{"G_e": 1.0}], duration="1s").rms
+fuzzyarm.tune(pd7, seconds="2min")
+fuzzyarm.learning.fit, fuzzyarm.plant.find_plant, fuzzyarm.study.reproduce
+"""
+
+
+@pytest.fixture(scope="module")
+def cache(tmp_path_factory):
+    """What mypy knows of fuzzyarm, kept for all tests here."""
+    return tmp_path_factory.mktemp("mypy")
+
+
+UNTYPED = ("--ignore-missing-imports", "--allow-untyped-defs", "--allow-untyped-calls")
+"""What a page need not say: the types of its own functions, and of packages without any."""
+
+
+def complaints(files, cache, folder, options=()):
+    """Return what ``mypy --strict`` says of files: (name, line, message) each."""
+    for name, text in files.items():
+        (folder / name).write_text(text, "utf-8")
+    words = ["-m", "mypy", "--strict", "--no-error-summary", "--config-file=", "--cache-dir"]
+    done = subprocess.run(
+        [sys.executable, *words, str(cache), *options, *files],
+        cwd=folder, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode in (0, 1), done.stdout + done.stderr
+    found = re.findall(r"(?m)^(\w+\.py):(\d+): error: (.*)$", done.stdout)
+    return [(name, int(line), message) for name, line, message in found]
+
+
+def lines_at_fault(text):
+    """Return the numbers of the lines of SLIPS that have one."""
+    return {n for n, line in enumerate(text.splitlines(), 1) if line and "import" not in line}
+
+
+@pytest.mark.slow
+def test_a_slip_is_a_mistake_and_what_is_sound_is_none(cache, tmp_path):
+    readme = blocks_of_pages()["README_0.py"]
+    files = {"slips.py": SLIPS, "sound.py": SOUND, "readme.py": readme}
+    found = complaints(files, cache, tmp_path)
+    assert [each for each in found if each[0] != "slips.py"] == []
+    assert {line for _, line, _ in found} == lines_at_fault(SLIPS)
+    said = {line: message for _, line, message in found}
+    assert 'maybe "infer"?' in said[5]
+
+
+@pytest.mark.slow
+def test_no_package_has_every_name(cache, tmp_path):
+    packages = ["fuzzyarm", *(f"fuzzyarm.{name}" for name in fuzzyarm.PACKAGES)]
+    text = "import fuzzyarm\n" + "".join(f"{name}.no_such_name\n" for name in packages)
+    found = complaints({"names.py": text}, cache, tmp_path)
+    assert [line for _, line, _ in found] == list(range(2, len(packages) + 2))
+
+
+def blocks_of_pages():
+    """Return the blocks of Python of all pages, by names of files."""
+    found = {}
+    for page in PAGES:
+        if page.name in GOING_ON:
+            continue
+        stem = re.sub(r"\W", "_", str(page.relative_to(ROOT).with_suffix("")))
+        blocks = re.findall(r"(?ms)^( *)```python\n(.*?)^\1```", page.read_text("utf-8"))
+        for number, (_, body) in enumerate(blocks):
+            found[f"{stem}_{number}.py"] = textwrap.dedent(body)
+    return found
+
+
+@pytest.mark.slow
+def test_the_python_of_pages_has_no_mistake_of_types(cache, tmp_path):
+    blocks = blocks_of_pages()
+    assert len(blocks) > 20
+    found = complaints(blocks, cache, tmp_path, UNTYPED)
+    # The page of exports looks into a routine, whose numbers depend on the options it was made by.
+    inward = [each for each in found if '"Routine" has no attribute "core"' in each[2]]
+    assert {name for name, *_ in inward} == {"docs_export_0.py"}
+    assert [each for each in found if each not in inward] == []
+
+
+@pytest.mark.slow
+def test_the_readme_and_slips_are_the_same_to_pyright(tmp_path):
+    pyright = shutil.which("pyright")
+    if pyright is None:
+        pytest.skip("pyright is not installed")
+    files = {"slips.py": SLIPS, "sound.py": SOUND, "readme.py": blocks_of_pages()["README_0.py"]}
+    for name, text in files.items():
+        (tmp_path / name).write_text(text, "utf-8")
+    done = subprocess.run(
+        [pyright, "--pythonpath", sys.executable, *files],
+        cwd=tmp_path, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    found = set(re.findall(r"(\w+\.py):(\d+):\d+ - error", done.stdout))
+    assert found == {("slips.py", str(line)) for line in lines_at_fault(SLIPS)}, done.stdout
