@@ -44,7 +44,7 @@ class Served:
 
     def start(self):
         words = [sys.executable, "-m", "fuzzyarm", "designer", str(self.folder), "--no-browser"]
-        state = {"XDG_STATE_HOME": str(self.folder / ".state")}
+        state = {"XDG_STATE_HOME": f"{self.folder}.state"}
         self.process = subprocess.Popen(
             [*words, "--port", str(self.port)],
             stdout=subprocess.PIPE, text=True, env={**os.environ, **state},

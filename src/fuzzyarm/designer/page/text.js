@@ -2,7 +2,7 @@
 // are the answers of the language server's queries; nothing of the language is known here.
 
 import {
-  EditorState, EditorView, Compartment, StateEffect, StateField, Decoration, ChangeSet, Annotation,
+  EditorState, EditorView, Compartment, StateEffect, StateField, Decoration, ChangeSet,
   keymap, lineNumbers, highlightActiveLine, highlightSpecialChars, drawSelection, hoverTooltip, history, historyKeymap,
   defaultKeymap, undo, redo, autocompletion, completionKeymap, setDiagnostics, searchKeymap,
   highlightSelectionMatches, collab, sendableUpdates, receiveUpdates, getSyncedVersion,
@@ -24,12 +24,24 @@ const colourField = StateField.define({
   provide: (field) => EditorView.decorations.from(field),
 });
 
-const fromServer = Annotation.define();
+/** What has to change from one text to another: all between the ends that they share. */
+export function difference(old, now) {
+  const most = Math.min(old.length, now.length);
+  let [from, end] = [0, 0];
+  while (from < most && old[from] === now[from]) from++;
+  while (end < most - from && old[old.length - 1 - end] === now[now.length - 1 - end]) end++;
+  // A character of two units stays whole.
+  if (from && /[\ud800-\udbff]/.test(old[from - 1])) from--;
+  if (end && /[\udc00-\udfff]/.test(old[old.length - end])) end--;
+  return { from, to: old.length - end, insert: now.slice(from, now.length - end) };
+}
 
 /** The pane and its editor; `link` talks to the server. */
 export function textPane(link, nonce) {
   const { section, bar, body } = pane("text", S.text);
   const shared = new Compartment();
+  const frozen = new Compartment(); // until the file is open there is nothing to write in
+  const revert = el("button", { textContent: S.revert, title: S.revertHint, disabled: true, onclick: () => replace(link.saved()) });
   const list = el("ul", { class: "findings", "aria-label": S.findings });
   const host = el("div", { class: "editor" });
   let epoch = "";
@@ -41,6 +53,7 @@ export function textPane(link, nonce) {
     el("span", { class: "space" }),
     quick(S.undo, "Ctrl+Z", () => undo(view)),
     quick(S.redo, "Ctrl+Shift+Z", () => redo(view)),
+    revert,
     quick(S.format, "Shift+Alt+F", format),
   );
   body.append(host, list);
@@ -54,7 +67,7 @@ export function textPane(link, nonce) {
         EditorView.cspNonce.of(nonce), EditorState.lineSeparator.of("\n"), colourField,
         EditorView.contentAttributes.of({ "aria-label": S.editor, tabindex: "0" }),
         autocompletion({ override: [completions] }), hoverTooltip(hovered),
-        shared.of([]),
+        shared.of([]), frozen.of([EditorState.readOnly.of(true), EditorView.editable.of(false)]),
         keymap.of([
           { key: "Mod-s", run: () => link.save() ?? true },
           { key: "F2", run: () => rename() ?? true },
@@ -111,18 +124,16 @@ export function textPane(link, nonce) {
     send();
   }
 
-  /** Start from the server's text; history stays where it is the one that is here. */
+  /** Start from the server's text. It comes as the change of somebody else, which is no step of this hand. */
   function open(message) {
     epoch = message.epoch;
     sending = false;
-    const text = view.state.doc.toString();
-    const begin = collab({ startVersion: message.version });
+    const change = difference(view.state.doc.toString(), message.text);
     // Without an old state of `collab` in between, the new one starts at its version.
     view.dispatch({ effects: shared.reconfigure([]) });
-    if (text !== message.text) {
-      view.dispatch({ changes: { from: 0, to: text.length, insert: message.text }, annotations: fromServer.of(true) });
-    }
-    view.dispatch({ effects: shared.reconfigure(begin) });
+    view.dispatch({ effects: [shared.reconfigure(collab({ startVersion: message.version - 1 })), frozen.reconfigure([])] });
+    const changes = ChangeSet.of(change, view.state.doc.length);
+    view.dispatch(receiveUpdates(view.state, [{ clientID: epoch, changes }]));
     link.edited(message.text);
   }
 
@@ -258,8 +269,7 @@ export function textPane(link, nonce) {
 
   /** Put another text in the place of this one: one step back undoes it. */
   function replace(words) {
-    const changes = { from: 0, to: view.state.doc.length, insert: words };
-    view.dispatch({ changes, userEvent: "input.replace" });
+    view.dispatch({ changes: difference(view.state.doc.toString(), words), userEvent: "input.replace" });
     send();
   }
 
@@ -271,6 +281,9 @@ export function textPane(link, nonce) {
     replace,
     close: () => view.destroy(),
     open,
+    revertible(changed) {
+      revert.disabled = !changed;
+    },
     receive,
     show,
     settled,
