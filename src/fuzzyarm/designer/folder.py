@@ -452,7 +452,7 @@ def _converted(path: Path) -> dict[str, Any]:
 
 
 def _is_rule_base(path: Path) -> bool:
-    """Whether a file of another program is one of fuzzy rules: what ends with .xml may be anything."""
+    """Whether a file of another program has fuzzy rules: what ends with .xml may be anything."""
     if path.suffix.lower() != ".xml":
         return True
     try:

@@ -12,7 +12,7 @@ from fuzzyarm.inference.block import NotCoveredError
 from fuzzyarm.inference.firing_intervals import UPPER, doubled, is_value
 from fuzzyarm.inference.plan import Plan, plan
 from fuzzyarm.inference.row_functions import norm_number
-from fuzzyarm.inference.trace import sentence
+from fuzzyarm.inference.trace import place_of, sentence
 from fuzzyarm.language.queries import Reading
 from fuzzyarm.language.rules import GridNode, RuleNode
 from fuzzyarm.lsp.session import UTF16, to_position
@@ -238,6 +238,7 @@ def _rules(
         found.append(
             {
                 "text": sentence(rule),
+                "place": place_of(number + 1, rule.span.line, rule.span.column),
                 "written": "" if rule.in_grid else written.get(rule.span.line, ""),
                 "line": rule.span.line,
                 "range": positions.of(rule.span),

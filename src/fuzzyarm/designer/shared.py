@@ -291,6 +291,7 @@ class SharedText:
                     "message": each.message,
                     "hint": each.hint,
                     "range": positions.of(each.span),
+                    "fixes": [fix.preferred for fix in session.kind.fixes(session.reading, each)],
                 }
                 for each in review.diagnostics
             ],
@@ -368,13 +369,14 @@ class SharedText:
         return self._edits(self.session.kind.rename(reading, *place, str(asked["name"])))
 
     def _fixes(self, asked: dict[str, Any]) -> dict[str, Any]:
-        line = self._at(asked)[0]
+        """Return the repairs of a finding, or of all in a line."""
+        line, name = self._at(asked)[0], asked.get("name")
         found = self.session.review().diagnostics if self.session.reviewed else ()
         return {
             "fixes": [
                 {"title": fix.title, "of": each.name, **self._edits(fix.edits)}
                 for each in found
-                if each.span.line <= line <= each.span.end_line
+                if each.span.line <= line <= each.span.end_line and name in (None, each.name)
                 for fix in self.session.kind.fixes(self.session.reading, each)
             ]
         }

@@ -72,7 +72,7 @@ export function rulesPane(store, { setCell, goTo, change }) {
 
   function item(rule, number) {
     const said = goTo ? el("button", { class: "said", textContent: rule.text, onclick: () => goTo(rule.at) }) : rule.text;
-    const li = el("li", { value: number + 1 }, said);
+    const li = el("li", {}, el("span", { class: "place", textContent: rule.place }), said);
     const found = findingsOf(rule.range);
     if (found.length) {
       li.classList.add("found", found[0].severity);
@@ -80,14 +80,14 @@ export function rulesPane(store, { setCell, goTo, change }) {
     }
     if (change && rule.written) {
       const edit = () => {
-        const line = writer(rule.line, rule.written, `${S.rule} ${number + 1}`, build);
+        const line = writer(rule.line, rule.written, S.ruleAt(rule.place), build);
         li.replaceChildren(line);
         line.querySelector("input").focus();
       };
       li.append(
-        el("button", { class: "small", textContent: S.change, "aria-label": `${S.change} ${S.rule} ${number + 1}`, onclick: edit }),
+        el("button", { class: "small", textContent: S.change, "aria-label": `${S.change} ${S.ruleAt(rule.place)}`, onclick: edit }),
         el("button", {
-          class: "small", textContent: "×", title: S.remove, "aria-label": `${S.remove} ${S.rule} ${number + 1}`,
+          class: "small", textContent: "×", title: S.remove, "aria-label": `${S.remove} ${S.ruleAt(rule.place)}`,
           onclick: () => change("rule", { line: rule.line, sentence: "" }),
         }),
       );
@@ -192,7 +192,8 @@ export function rulesPane(store, { setCell, goTo, change }) {
       element.classList.toggle("lit", strength > 0);
       const lower = found?.lower[number] ?? strength;
       const range = lower === strength ? shortNumber(strength, 3) : S.between(shortNumber(lower, 3), shortNumber(strength, 3));
-      element.title = strength > 0 ? `${S.strength} ${range}` : "";
+      const said = strength > 0 ? `${S.strength} ${range}` : S.silent;
+      element.title = S.fires(store.scene.rules[number].place, said);
     });
   }
 

@@ -13,6 +13,24 @@ import { S } from "./strings.js";
 
 const WAIT = 15; // ms after a key stroke before changes are sent
 
+/** The words of a hover as elements: pictures and code in the font of the text, nothing as markup. */
+export function explained(markdown) {
+  const parts = markdown.split(/^```\w*\n([\s\S]*?)\n```$/m);
+  return parts.flatMap((part, i) => (i % 2 ? [el("pre", { textContent: part })] : words(part.trim())));
+}
+
+function words(text) {
+  const found = [];
+  let at = 0;
+  for (const match of text.matchAll(/(`+)(.+?)\1(?!`)|\*\*(.+?)\*\*|\\(.)/gs)) {
+    const [all, , code, strong, plain] = match;
+    found.push(text.slice(at, match.index), code ? el("code", { textContent: code }) : strong
+      ? el("strong", { textContent: strong.replace(/\\(.)/g, "$1") }) : plain);
+    at = match.index + all.length;
+  }
+  return [...found, text.slice(at)].filter((each) => each !== "");
+}
+
 const setColours = StateEffect.define();
 const colourField = StateField.define({
   create: () => Decoration.none,
@@ -182,8 +200,9 @@ export function textPane(link, nonce) {
     view.focus();
   }
 
-  async function fixes(offsetOfFinding) {
-    const found = await question("fixes", { at: position(offsetOfFinding) });
+  /** Offer the repairs of a finding; without its name those of all in the line. */
+  async function fixes(offsetOfFinding, name = null) {
+    const found = await question("fixes", { at: position(offsetOfFinding), name });
     if (!found.fixes?.length) {
       link.say(S.noFix);
       return;
@@ -212,10 +231,9 @@ export function textPane(link, nonce) {
   async function hovered(_view, at) {
     const answer = await question("hover", { at: position(at) });
     if (!answer.markdown) return null;
-    const text = answer.markdown.replace(/\*\*|`/g, "").replace(/\\(.)/g, "$1");
     return {
       pos: offset(answer.range[0]), end: offset(answer.range[1]), above: true,
-      create: () => ({ dom: el("div", { class: "hover", textContent: text }) }),
+      create: () => ({ dom: el("div", { class: "hover" }, ...explained(answer.markdown)) }),
     };
   }
 
@@ -247,10 +265,12 @@ export function textPane(link, nonce) {
   function item(each) {
     const place = view.state.doc.lineAt(each.from).number;
     const text = `${place}: ${each.message}${each.hint ? ` (${each.hint})` : ""}`;
+    // What only silences a finding does not mend it.
+    const fix = el("button", { textContent: each.fixes.some(Boolean) ? S.fix : S.allow, onclick: () => fixes(each.from, each.name) });
     return el("li", {},
       el("span", { class: each.severity, textContent: each.severity }),
       el("button", { class: "go", textContent: text, onclick: () => select(each.from, each.to) }),
-      el("button", { textContent: S.fix, onclick: () => fixes(each.from) }));
+      ...(each.fixes.length ? [fix] : []));
   }
 
   function select(from, to) {
