@@ -15,7 +15,7 @@ from pathlib import Path
 from fuzzyarm.api import check_text
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language import format_text
-from fuzzyarm.language.queries import apply_edits, fixes
+from fuzzyarm.language.queries import apply_edits, fixes, graded
 from fuzzyarm.language.tokens import name_text
 from fuzzyarm.model.rulebase import Input, Output, RuleBase
 from fuzzyarm.text.names import printable, quote, typed
@@ -386,15 +386,7 @@ def _grid(inputs: list[Wish], output: Wish) -> list[str]:
 
 
 def _cell(share: float, output: Wish) -> str:
-    # Ties go away from the middle on both sides alike, so that the grid stays antisymmetric.
-    position = share * (len(output.terms) - 1)
-    middle = 0.5 * (len(output.terms) - 1)
-    distance = abs(position - middle)
-    steps = int(distance + 0.5 + 1e-9) if middle == int(middle) else int(distance) + 0.5
-    index = middle + (steps if position > middle else -steps)
-    if abs(position - middle) < 1e-9:
-        index = int(middle)
-    return name_text(output.terms[int(min(max(index, 0), len(output.terms) - 1))])
+    return name_text(graded(share, output.terms))
 
 
 def _levels(inputs: list[Wish]) -> list[str]:
