@@ -290,24 +290,25 @@ def test_terms_are_added_renamed_and_removed_and_ranges_set(served, window):
     page = window(put(served, "whole.frb")[1])
     before = text_of(page)
 
-    def ask(button, answer):
-        page.locator(".details").get_by_role("button", name=button).click()
-        page.locator("dialog input").fill(answer)
+    def ask(button, **answers):
+        button.click()
+        for name, answer in answers.items():
+            page.locator(f"dialog input[name={name}]").fill(answer)
         page.keyboard.press("Enter")
 
-    page.locator('text[data-variable="ce"][data-term="ZE"]').focus()
-    ask("Add …", "about zero")
+    ask(page.get_by_role("button", name="ce: Add a term"), term="about zero", peak="0")
     until(lambda: "term ce 'about zero': triangle " in text_of(page), "the new term")
     until(lambda: page.locator('text[data-term="about zero"]').count() == 1, "drawn")
     page.locator('text[data-term="about zero"]').focus()
-    ask("Rename", "near")
+    page.locator(".details").get_by_role("button", name="Rename").click()
+    page.locator("dialog input").fill("near")
+    page.keyboard.press("Enter")
     until(lambda: "term ce near: " in text_of(page), "the new name")
     until(lambda: page.locator('text[data-term="near"]').count() == 1, "drawn")
     page.locator('text[data-term="near"]').focus()
     page.locator(".details").get_by_role("button", name="Remove").click()
     until(lambda: text_of(page) == before, "removed")
-    page.locator('text[data-variable="u"][data-term="PB"]').focus()
-    ask("Range …", "-6 .. 8")
+    ask(page.get_by_role("button", name="u: Its range"), high="8")
     until(lambda: "output u   -6 .. 8  " in text_of(page), "the range")
 
 
@@ -541,7 +542,7 @@ def test_the_page_outlives_the_server(served, window):
 def test_a_hostile_file_is_text(served, window, tmp_path):
     path, address = put(served, "hostile.frb", HOSTILE)
     page = window(address)
-    page.wait_for_selector(".rules select")
+    page.wait_for_selector(".rules td select")
     (tmp_path / "page.html").write_text(page_of(path))
     written = window((tmp_path / "page.html").as_uri())
     for each in (page, written):

@@ -187,8 +187,8 @@ def starting_text(
 
 
 _BLANK = """\
-# Inputs and outputs with their ranges come first, then their terms, then the rules.
-# Check it with `fuzzyarm check`, see it with `fuzzyarm designer`.
+# First inputs and outputs, then their terms, then the rules.
+# `fuzzyarm check` says what is missing.
 rulebase {} "what it is for"
 """
 

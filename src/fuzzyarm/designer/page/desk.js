@@ -3,7 +3,7 @@
 // Every file that is looked at has a desk of its own, of which one is shown. So what belongs to a file
 // stays with it: steps back, the cursor, the point, the view, what a search or a run has found.
 
-import { ask } from "./dialogs.js";
+import { ask, choose, fill } from "./dialogs.js";
 import { clean, el } from "./draw.js";
 import { frame } from "./frame.js";
 import { askServer } from "./remote.js";
@@ -77,7 +77,8 @@ export function makeDesk(file, page, views) {
   const hand = {
     edit: (shapes) => text.edit("shapes", { shapes }),
     change: (what, details) => text.edit(what, details), // an edit that the server makes
-    askFor: ask,
+    attempt: (what, details) => text.attempt(what, details), // the same, of a dialog that says what is wrong
+    askFor: ask, choose, fill,
     numbers: (variable) => text.numbers(variable),
     ask: link.ask,
     start,

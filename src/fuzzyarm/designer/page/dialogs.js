@@ -79,7 +79,7 @@ export function fill(title, fields, button, act, note = "") {
   document.body.append(dialog);
   dialog.showModal();
   const text = controls.find((each) => each.tagName === "INPUT");
-  text?.focus();
+  (text ?? go).focus();
   text?.setSelectionRange(0, text.value.replace(/\.[^.]*$/, "").length);
   return new Promise((resolve) => {
     dialog.addEventListener("close", () => {

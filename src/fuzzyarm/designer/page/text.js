@@ -313,6 +313,12 @@ export function textPane(link, nonce) {
     version: () => getSyncedVersion(view.state),
     goTo: (at) => select(offset(at), offset(at)),
     edit: async (what, details) => apply(await question(what, details), `input.${what}`),
+    /** Make an edit; what is wrong with it is in the answer. */
+    async attempt(what, details) {
+      const answer = await question(what, details);
+      if (!answer.error) apply(answer, `input.${what}`);
+      return answer;
+    },
     numbers: async (variable) => (await question("numbers", { variable })).numbers ?? null,
   };
 }

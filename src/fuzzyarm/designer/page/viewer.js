@@ -61,6 +61,11 @@ export function viewerPane(store) {
       range.value = store.point[i];
       if (document.activeElement !== number) number.value = shortNumber(store.point[i], 6);
     });
+    if (store.scene.missing.length) {
+      why.replaceChildren();
+      for (const part of [head, rows, foot]) part.hidden = true;
+      return;
+    }
     const found = store.fired();
     const isKnown = found || store.running;
     for (const part of [head, rows, foot]) part.hidden = !found;

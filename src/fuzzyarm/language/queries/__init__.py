@@ -25,7 +25,7 @@ from fuzzyarm.language.queries.grids import (
     remove_row,
 )
 from fuzzyarm.language.queries.hover import Hover, hover, plain
-from fuzzyarm.language.queries.lines import ReshapeError
+from fuzzyarm.language.queries.lines import INCOMPLETE, ReshapeError
 from fuzzyarm.language.queries.outline import (
     COLOURS,
     Coloured,
@@ -61,6 +61,7 @@ from fuzzyarm.lazy import lazily
 __all__ = [
     "COLOURS",
     "FILLS",
+    "INCOMPLETE",
     "Candidate",
     "Coloured",
     "Edit",
