@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import shlex
+from pathlib import Path
 
 import pytest
 
@@ -50,6 +51,45 @@ def test_new_wants_a_name(name, tmp_path, monkeypatch, capsys):
     assert main(["new", name]) == 1
     assert f"'{name}' is not a name for a rule base" in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("kind", "plant", "reference", "settled"),
+    [("pd", "motor", "position=step:1", 0.3), ("pi", "room", "temperature=step:21", 3600)],
+)
+def test_new_writes_a_controller_that_settles(
+    kind, plant, reference, settled, tmp_path, monkeypatch, capsys
+):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "sub").mkdir()
+    assert main(["new", "my rules", "--kind", kind]) == 0
+    assert main(["new", "sub/c", "--kind", "controller", "--around", "my rules.frb"]) == 0
+    assert main(["check", "sub/c.frb"]) == 0
+    assert '"../my rules.frb"' in Path("sub/c.frb").read_text()
+    capsys.readouterr()
+    words = ["sub/c.frb", "--plant", plant, "--reference", reference, "--json"]
+    assert main(["simulate", *words]) == 0
+    (metrics,) = json.loads(capsys.readouterr().out)["metrics"].values()
+    assert metrics["settling"] < settled
+    assert abs(metrics["final"]) < 0.01
+
+
+def test_new_says_what_a_controller_cannot_be_around(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["new", "c", "--kind", "controller"]) == 0  # around a shipped one
+    assert main(["check", "c.frb"]) == 0
+    for words, said in {
+        ("--kind", "controller", "--around", "nix.frb"): "there is no file nix.frb",
+        ("--kind", "controller", "--around", "c.frb"): "this is a controller",
+        ("--kind", "controller", "--input", "e 0..1 A B"): "inputs and outputs of its rule base",
+        ("--around", "c.frb"): "--around names the rules of a controller",
+        ("--kind", "blank", "--input", "e 0..1 A B"): "a blank file has no variables",
+    }.items():
+        assert main(["new", "d", *words]) == 1
+        assert said in capsys.readouterr().err
+    assert not Path("d.frb").exists()
+    assert main(["new", "d", "--kind", "blank"]) == 0
+    assert "\nrulebase d " in Path("d.frb").read_text()
 
 
 def test_shipped_lists_every_file_with_what_it_is(capsys):

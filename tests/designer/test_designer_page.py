@@ -44,7 +44,7 @@ class Served:
 
     def start(self):
         words = [sys.executable, "-m", "fuzzyarm", "designer", str(self.folder), "--no-browser"]
-        state = {"XDG_STATE_HOME": str(self.folder / ".state")}
+        state = {"XDG_STATE_HOME": f"{self.folder}.state"}
         self.process = subprocess.Popen(
             [*words, "--port", str(self.port)],
             stdout=subprocess.PIPE, text=True, env={**os.environ, **state},
@@ -290,24 +290,25 @@ def test_terms_are_added_renamed_and_removed_and_ranges_set(served, window):
     page = window(put(served, "whole.frb")[1])
     before = text_of(page)
 
-    def ask(button, answer):
-        page.locator(".details").get_by_role("button", name=button).click()
-        page.locator("dialog input").fill(answer)
+    def ask(button, **answers):
+        button.click()
+        for name, answer in answers.items():
+            page.locator(f"dialog input[name={name}]").fill(answer)
         page.keyboard.press("Enter")
 
-    page.locator('text[data-variable="ce"][data-term="ZE"]').focus()
-    ask("Add …", "about zero")
+    ask(page.get_by_role("button", name="ce: Add a term"), term="about zero", peak="0")
     until(lambda: "term ce 'about zero': triangle " in text_of(page), "the new term")
     until(lambda: page.locator('text[data-term="about zero"]').count() == 1, "drawn")
     page.locator('text[data-term="about zero"]').focus()
-    ask("Rename", "near")
+    page.locator(".details").get_by_role("button", name="Rename").click()
+    page.locator("dialog input").fill("near")
+    page.keyboard.press("Enter")
     until(lambda: "term ce near: " in text_of(page), "the new name")
     until(lambda: page.locator('text[data-term="near"]').count() == 1, "drawn")
     page.locator('text[data-term="near"]').focus()
     page.locator(".details").get_by_role("button", name="Remove").click()
     until(lambda: text_of(page) == before, "removed")
-    page.locator('text[data-variable="u"][data-term="PB"]').focus()
-    ask("Range …", "-6 .. 8")
+    ask(page.get_by_role("button", name="u: Its range"), high="8")
     until(lambda: "output u   -6 .. 8  " in text_of(page), "the range")
 
 
@@ -370,14 +371,16 @@ def test_the_rules_are_those_that_fire_or_all_in_their_order(served, window):
     model = fuzzyarm.load(shipped("pd7.frb"))
     point = page.evaluate("designer.store.point")
     trace = fuzzyarm.explain(model, e=point[0], ce=point[1])
-    expected = [f"{each.number}: {each.strength:.3g}" for each in trace.fired]
+    expected = [f"{each.place}\n{each.strength:.3g}" for each in trace.fired]
     said = page.locator(".degree")
     until(lambda: sorted(said.all_inner_texts()) == sorted(expected), "their strengths")
+    cell = page.locator(".rules td").nth(trace.fired[0].number - 1)
+    assert cell.get_attribute("title") == f"{trace.fired[0].place}: strength 0.6"
     page.locator(".inference select").select_option("text")
-    until(lambda: fired.first.inner_text().startswith("1: 0"), "from the first on")
+    until(lambda: fired.first.inner_text().startswith("line 14:11\n0"), "from the first on")
     assert fired.count() < 30  # those that are seen
     page.evaluate("document.querySelector('.rules-fired').scrollTop = 1e6")
-    until(lambda: fired.last.inner_text().startswith("49: "), "to the last")
+    until(lambda: fired.last.inner_text().startswith("line 20:35\n"), "to the last")
 
 
 def test_both_strengths_and_both_ends_of_an_interval_are_shown(served, window):
@@ -388,7 +391,7 @@ def test_both_strengths_and_both_ends_of_an_interval_are_shown(served, window):
     model = fuzzyarm.load(shipped("tipper2.frb"))
     trace = fuzzyarm.explain(model, service=2, food=3)
     first = trace.fired[0]
-    said = f"{first.number}: {first.lower:.3g} … {first.strength:.3g}"
+    said = f"{first.place}\n{first.lower:.3g} … {first.strength:.3g}"
     until(lambda: page.locator(".degree").first.inner_text() == said, "both strengths")
     until(lambda: page.locator(".foot .interval").count() == 1, "the interval")
     assert page.locator(".foot path.cut").count() == 2
@@ -398,11 +401,11 @@ def test_sentences_are_written_in_the_list_and_findings_stand_there(served, wind
     page = window(put(served, "found.frb", FOUND)[1])
     signs = page.locator(".rules li .sign")
     assert "already stands on line 6" in signs.get_attribute("aria-label")
-    page.get_by_label("remove rule 3", exact=False).click()
+    page.get_by_label("remove the rule of line 7:1", exact=False).click()
     until(lambda: text_of(page).count("\nrule") == 2, "removed")
     until(lambda: signs.count() == 0, "no finding is left")
-    page.get_by_label("edit rule 2", exact=False).click()
-    field = page.get_by_label("rule 2", exact=True)
+    page.get_by_label("edit the rule of line 6:1", exact=False).click()
+    field = page.get_by_label("the rule of line 6:1", exact=True)
     field.fill("if a is NONE then y is LOW")
     field.press("Enter")
     page.locator('.write[aria-invalid="true"]').wait_for()
@@ -427,6 +430,47 @@ def test_mistakes_are_found_and_the_last_sound_picture_stays(served, window):
     until(lambda: "\nterm e XX" in text_of(page), "the fix")
     until(lambda: page.evaluate("!designer.store.stale"), "!designer.store.stale")
     assert page.locator('text[data-variable="e"]').count() == 8
+
+
+DOUBTS = """\
+rulebase doubts "what can be mended, what can be allowed, and what can only be thought over"
+input a 0 .. 10
+output y 0 .. 10
+terms a, y: triangles LOW HIGH
+rule if a is LOW then y is HIGH
+rule if a is HIHG then y is LOW
+expect a = 0 -> y = 3
+"""
+
+
+def test_a_fix_is_offered_where_there_is_one(served, window):
+    page = window(put(served, "doubts.frb", DOUBTS.replace("HIHG", "HIGH"))[1])
+    findings = page.locator(".findings li")
+    until(lambda: findings.count() == 2, "what is doubted")
+    assert "expect" in findings.nth(0).inner_text() or "expect" in findings.nth(1).inner_text()
+    kinds = {each.split("\n")[0]: each.split("\n")[-1] for each in findings.all_inner_texts()}
+    assert kinds["error"] != "Fix …"  # an expectation that fails: nobody knows which side is meant
+    page.evaluate("text => designer.text.replace(text)", DOUBTS)
+    page.get_by_role("button", name="Fix …").click()
+    choices = page.locator("dialog .choices button").all_inner_texts()
+    assert choices == ["change 'HIHG' to 'HIGH'"]
+
+
+def test_a_picture_of_a_term_is_in_the_font_of_the_text(served, window):
+    page = window(put(served, "hover.frb")[1])
+    word = page.locator(".cm-line", has_text="terms e, ce, u").get_by_text("ZE", exact=True)
+    word.hover()
+    picture = page.locator(".cm-tooltip .hover pre").first
+    picture.wait_for()
+    said = picture.inner_text()
+    assert "\u2588" in said
+    assert "─" in said
+    assert "```" not in said
+    font = "element => getComputedStyle(element).fontFamily"
+    assert picture.evaluate(font) == page.locator(".cm-scroller").evaluate(font)
+    rows = picture.evaluate("e => [e.textContent.split('\\n').length, e.getClientRects()[0].width]")
+    assert rows[0] == 5
+    assert rows[1] > 200
 
 
 def test_two_windows_share_a_text(served, window):
@@ -498,7 +542,7 @@ def test_the_page_outlives_the_server(served, window):
 def test_a_hostile_file_is_text(served, window, tmp_path):
     path, address = put(served, "hostile.frb", HOSTILE)
     page = window(address)
-    page.wait_for_selector(".rules select")
+    page.wait_for_selector(".rules td select")
     (tmp_path / "page.html").write_text(page_of(path))
     written = window((tmp_path / "page.html").as_uri())
     for each in (page, written):

@@ -11,7 +11,7 @@ import pytest
 
 from fuzzyarm.controller import find_controller
 from fuzzyarm.language.queries import ReshapeError, apply_edits, read, set_gain
-from fuzzyarm.loop import Signal, simulate
+from fuzzyarm.loop import Options, Sensor, Signal, simulate
 from fuzzyarm.plant import find_plant
 from fuzzyarm.shipped_files import shipped
 
@@ -169,6 +169,51 @@ def test_a_page_runs_what_simulate_runs(open_page, folder):
     assert page.stop()["end"] == "stopped"
 
 
+def test_a_run_stands_at_its_time_with_the_bits_of_simulate_and_goes_on(open_page, folder):
+    noisy = {"noise": ["position=0.01"], "seed": "7", "duration": "", "until": "500ms"}
+    page = open_page("servo.frb")
+    page.start("run", **{**FAST, **noisy})
+    heard = page.until("reached")
+    ready = next(each for each in heard if each.get("news") == "ready")
+    assert (ready["duration"], ready["window"]) == (None, pytest.approx(0.5))
+    assert heard[-1]["at"] == 0.5
+    metrics = next(each for each in reversed(heard) if each.get("news") == "metrics")["metrics"]
+    run = simulate(
+        find_controller(str(folder / "servo.frb")),
+        find_plant("motor"),
+        duration=0.5,
+        options=Options(seed=7, sensors={"position": Sensor(noise=0.01)}),
+    )
+    for name, value in run.metrics["shaft"].as_dict().items():
+        assert metrics["shaft"][name] == pytest.approx(value, rel=1e-4), name
+    page.say(pull=[0.5, 0.0])  # a hand takes it further
+    assert page.until("samples")[-1]["paused"] is False
+    page.say(restart=True, pause=False)
+    assert page.until("reached")[-1]["at"] == 0.5
+    page.say(pause=False)
+    page.hear(lambda news: (news.get("time") or 0) > 0.6)
+    assert page.stop()["end"] == "stopped"
+
+
+@pytest.mark.parametrize(
+    ("name", "onto_the_arm"), [("tipper", False), ("fan", False), ("pd7", True), ("servo", None)]
+)
+def test_a_rule_base_is_told_from_a_controller(open_page, name, onto_the_arm):
+    page = open_page("servo.frb")
+    page.start("plants", text=shipped(f"{name}.frb").read_text())
+    found = page.hear(lambda news: "plants" in news)[-1]
+    assert found["alone"] is (onto_the_arm is not None)
+    fitting = {each["name"] for each in found["plants"] if not each["why"]}
+    assert fitting == {None: {"motor"}, True: {"arm"}, False: set()}[onto_the_arm]
+
+
+def test_a_table_says_that_it_does_not_run(open_page, folder):
+    shutil.copy(shipped("thesis-6.1.lut"), folder)
+    page = open_page("thesis-6.1.lut")
+    page.start("plants")
+    assert "a controller looks it up" in page.hear(lambda news: False)[-1]["message"]
+
+
 def test_a_page_hears_which_plants_its_text_controls(open_page):
     page = open_page("heater.frb")
     page.start("plants")
@@ -209,6 +254,9 @@ def test_what_cannot_be_run_is_said(open_page, folder):
         ({"disturb": ["voltage=../outside.csv"]}, "not a file of this folder"),
         ({"duration": "500"}, "takes a time with a unit"),
         ({"duration": "9h"}, "up to 2,000,000 set points"),
+        ({"duration": "", "until": "9h"}, "up to 2,000,000 set points"),
+        ({"duration": "", "until": "2"}, "takes a time with a unit"),
+        ({"duration": "", "window": "2"}, "takes a time with a unit"),
         ({"noise": ["position"]}, "takes NAME=VALUE"),
         ({"plant": "tanks"}, "the tanks has no reference value 'position'"),
         ({"speed": -1}, "not understood"),

@@ -76,6 +76,8 @@ def test_the_motor_runs_is_pushed_and_tuned_and_stops(server, chromium):
     page.locator(".run").get_by_role("button", name="Start").click()
     until(lambda: clock(page) > 0.6, "it moves")
     until(lambda: abs(final_error(page)) < 1e-3, "it arrives")
+    page.get_by_text("2 s, as asked for").wait_for()  # the time of the plant; all of it is in view
+    assert clock(page) == 2
     drawn = page.locator(".run-picture canvas").evaluate("canvas => canvas.toDataURL()")
 
     # Pushed by the mouse and by the keyboard: it gives way while it is held, and comes back.
@@ -130,6 +132,43 @@ def test_the_motor_runs_is_pushed_and_tuned_and_stops(server, chromium):
     assert clock(page) == stopped
     assert page.faults == []
     page.context.close()
+
+
+def test_what_is_changed_at_the_end_is_run_from_the_start(server, chromium):
+    page = open_run(server, chromium, "servo")
+    page.locator(".run").get_by_label("Speed").select_option("")  # as fast as possible
+    page.locator(".run").get_by_role("button", name="Start").click()
+    page.get_by_text("2 s, as asked for").wait_for()
+    rms = page.locator(".metrics tr.first td").first
+    before = rms.inner_text()
+    page.get_by_label("G_u: value").fill("2")
+    page.keyboard.press("Enter")
+    until(lambda: rms.inner_text() not in {"", before}, "another response")
+    page.get_by_text("2 s, as asked for").wait_for()
+    page.locator(".run").get_by_label("open end").check()
+    page.locator(".run").get_by_role("button", name="Restart").click()
+    until(lambda: clock(page) > 3, "it goes on")
+    assert page.faults == []
+    page.context.close()
+
+
+def test_a_rule_base_alone_says_what_to_do_and_a_click_does_it(server, chromium):
+    put(server, "servo.frb", shipped("servo.frb").read_text())
+    address = put(server, "tipper.frb", shipped("tipper.frb").read_text())[1]
+    context = chromium.new_context(viewport={"width": 1280, "height": 720})
+    page = context.new_page()
+    page.goto(address)
+    page.get_by_role("tab", name="Run").click()
+    page.get_by_text("tipper.frb is a rule base, not a controller").wait_for()
+    assert page.locator(".around").get_by_role("button", name="servo.frb").is_visible()
+    assert page.locator(".run").get_by_role("button", name="Start").is_disabled()
+    page.get_by_role("button", name="Make a controller").click()
+    page.keyboard.press("Enter")
+    until(lambda: page.title().startswith("tipper-controller.frb"), "it is shown")
+    until(lambda: 'use tipper from "tipper.frb"' in text_of(page), "around the rule base")
+    until(lambda: page.locator(".run-form select").nth(1).input_value() == "motor", "the plant")
+    assert page.locator(".run").get_by_label("For", exact=True).input_value() == "2s"
+    context.close()
 
 
 def test_a_rule_base_runs_on_the_arm_and_a_dragged_corner_counts(server, chromium):

@@ -150,7 +150,8 @@ console.log(JSON.stringify(JSON.parse(readFileSync(0)).map(([kind, p]) => [
 
 @pytest.mark.skipif(shutil.which("node") is None, reason="node is not installed")
 def test_widths_lead_to_handles_and_back_and_mirrors_are_mirrors(tmp_path):
-    for name in ("engine.js", "store.js", "terms.js", "draw.js", "strings.js"):
+    names = ("engine.js", "store.js", "terms.js", "variables.js", "draw.js", "strings.js")
+    for name in names:
         (tmp_path / name).write_bytes(asset(name)[0])
     (tmp_path / "package.json").write_text('{"type": "module"}')
     (tmp_path / "run.js").write_text(WIDTHS_AND_MIRRORS)

@@ -1,20 +1,24 @@
-"""The text of a file to start from: a rule base with comments, which passes a check.
+"""The text of a file to start from, with comments: what ``fuzzyarm new`` and the designer write.
 
-A grid whose terms rise with the inputs, for one or two inputs, and what must come out. It is what
-``fuzzyarm new`` writes and what the designer begins a file with.
+A rule base that passes a check (a grid whose terms rise with the inputs, for one or two inputs, and
+what must come out), a controller of the motor around a rule base, or a heading alone.
 """
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 from fuzzyarm.api import check_text
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language import format_text
-from fuzzyarm.language.queries import apply_edits, fixes
+from fuzzyarm.language.queries import apply_edits, fixes, graded
 from fuzzyarm.language.tokens import name_text
+from fuzzyarm.model.rulebase import Input, Output, RuleBase
+from fuzzyarm.text.names import printable, quote, typed
 from fuzzyarm.text.numbers import number_text
 
 
@@ -70,7 +74,16 @@ STARTS = {
         "y 0..1 LOW MIDDLE HIGH",
     ),
 }
-"""Kinds of starting files by name."""
+"""Kinds of starting rule bases by name."""
+
+BLANK, CONTROLLER = "blank", "controller"
+
+PURPOSES = {
+    BLANK: "A heading alone: variables, terms and rules are yours.",
+    **{name: start.purpose for name, start in STARTS.items()},
+    CONTROLLER: "A rule base on a plant: where its errors come from, gains, and what is driven.",
+}
+"""All kinds of starting files by name: what each is for."""
 
 
 class NewFileError(FuzzyarmError, ValueError):
@@ -121,7 +134,7 @@ def starting_text(
     name : str
         Of the rule base.
     kind : str
-        What it is for, one of `STARTS`.
+        What it is for, one of `STARTS`; or `BLANK`, a heading without anything below it.
     inputs, output : Wish, optional
         The variables; those of the kind by default.
 
@@ -130,6 +143,12 @@ def starting_text(
     NewFileError
         If the variables cannot stand in such a file.
     """
+    if kind == BLANK:
+        if inputs or output:
+            raise NewFileError(
+                "a blank file has no variables", hint="leave them out, or take another kind"
+            )
+        return _BLANK.format(name_text(name))
     start = STARTS[kind]
     inputs = list(inputs or map(read_wish, start.inputs))
     output = output or read_wish(start.output)
@@ -165,6 +184,132 @@ def starting_text(
         "",
     ]
     return _with_allowances(format_text("\n".join(lines)))
+
+
+_BLANK = """\
+# First inputs and outputs, then their terms, then the rules.
+# `fuzzyarm check` says what is missing.
+rulebase {} "what it is for"
+"""
+
+# --- A controller around a rule base ---
+
+
+@dataclass(frozen=True, slots=True)
+class Ground:
+    """The plant of a starting controller, and what its lines are there.
+
+    `signals` make an input each, with the unit of its gain and the value at which the input is at
+    its end; `drive` makes the port of what the rules say.
+    """
+
+    plant: str
+    what: str
+    period: str
+    axis: str
+    first: tuple[str, ...]
+    signals: tuple[tuple[str, str, float], ...]
+    gain: tuple[str, str, float]
+    drive: tuple[str, ...]
+
+
+_SHAFT = Ground(
+    "motor",
+    "A motor turns a shaft to a reference",
+    "1 ms",
+    "shaft",
+    (),
+    (("e = error of position", "1/rad", 0.375), ("ce = error of velocity", "s/rad", 8.5)),
+    ("u", "V", 24.0),
+    ("drive voltage = u, within -24 .. 24",),
+)
+
+_ROOM = Ground(
+    "room",
+    "A heating keeps a room at a reference: increments of its power are added up",
+    "10 s",
+    "room",
+    ("error = error of temperature",),
+    (("e = error", "1/K", 5.0), ("ce = rate of error, filter 60 s", "s/K", 0.01)),
+    ("du", "%/s", 0.4),
+    ("power = integral of du, within 0 .. 100, start 0", "drive power = power"),
+)
+
+
+def controller_text(name: str, file: str, rulebase: RuleBase) -> str:
+    """Return a controller around a rule base, with comments, in canonical form.
+
+    The inputs are an error and its rate, with gains that bring them to the ends of their ranges;
+    the first output drives the plant. That is the motor, or for an output that calls itself an
+    increment or a change (PI) the room.
+
+    Parameters
+    ----------
+    name : str
+        Of the controller.
+    file : str
+        Where the rule base stands, beside the controller.
+    rulebase : RuleBase
+        What is to be in it.
+
+    Raises
+    ------
+    NewFileError
+        If it has more than two inputs.
+    """
+    if len(rulebase.inputs) > 2:
+        raise NewFileError(
+            f"{file} has {len(rulebase.inputs)} inputs; a starting controller makes two, an error"
+            " and its rate",
+            hint="write the others as signals of a controller",
+        )
+    adds_up = re.search(r"\b(increment|change)\b", rulebase.outputs[0].description)
+    ground = _ROOM if adds_up else _SHAFT
+    result, unit, end = ground.gain
+    gains, lines = [], list(ground.first)
+    for (signal, of, at), each in zip(ground.signals, rulebase.inputs, strict=False):
+        gain = f"G_{signal.split()[0]}"
+        gains.append(_gain(gain, _reach(each) / at, of))
+        source, comma, filtered = signal.partition(",")
+        lines.append(f"{source} * {gain}{comma}{filtered}")
+    gains.append(_gain(f"G_{result}", end / _reach(rulebase.outputs[0]), unit))
+    given = ", ".join(line.split()[0] for line in lines[len(ground.first) :])
+    asked = f"rules {name_text(Path(file).stem)}({given})"
+    if len(rulebase.outputs) > 1:
+        several = [f"{result}{number}" for number, _ in enumerate(rulebase.outputs, 1)]
+        lines += [f"{', '.join(several)} = {asked}", f"{result} = {several[0]} * G_{result}"]
+    else:
+        lines.append(f"{result} = {asked} * G_{result}")
+    shown = printable(file).replace('"', "'")
+    text = [
+        f"# {ground.what}, by the rules of {shown}.",
+        f"# Run it with `fuzzyarm simulate {typed(f'{name}.frb')} --plant {ground.plant}`.",
+        "# For another plant other ports stand behind `of` and `drive`, and gains fit its units.",
+        f'controller {name_text(name)} "{shown} on the plant {ground.plant}"',
+        "",
+        f"use {name_text(Path(file).stem)} from {quote(file, chr(34))}",
+        "",
+        f"period {ground.period}",
+        "",
+        *gains,
+        "",
+        f"axis {ground.axis}",
+        *(f"  {line}" for line in [*lines, *ground.drive]),
+        "",
+    ]
+    return format_text("\n".join(text))
+
+
+def _reach(variable: Input | Output) -> float:
+    """Return how far a variable goes from 0; 1 where it has no end."""
+    ends = [abs(end) for end in (variable.low, variable.high) if math.isfinite(end)]
+    return max(ends, default=1.0) or 1.0
+
+
+def _gain(name: str, value: float, unit: str) -> str:
+    near = float(f"{value:.2g}")
+    low, high = (number_text(float(f"{factor * near:.2g}")) for factor in (0.1, 10.0))
+    return f'gain {name} = {number_text(near)} "{unit}", tune {low} .. {high} log'
 
 
 def _demand_sound(wishes: list[Wish]) -> None:
@@ -241,15 +386,7 @@ def _grid(inputs: list[Wish], output: Wish) -> list[str]:
 
 
 def _cell(share: float, output: Wish) -> str:
-    # Ties go away from the middle on both sides alike, so that the grid stays antisymmetric.
-    position = share * (len(output.terms) - 1)
-    middle = 0.5 * (len(output.terms) - 1)
-    distance = abs(position - middle)
-    steps = int(distance + 0.5 + 1e-9) if middle == int(middle) else int(distance) + 0.5
-    index = middle + (steps if position > middle else -steps)
-    if abs(position - middle) < 1e-9:
-        index = int(middle)
-    return name_text(output.terms[int(min(max(index, 0), len(output.terms) - 1))])
+    return name_text(graded(share, output.terms))
 
 
 def _levels(inputs: list[Wish]) -> list[str]:

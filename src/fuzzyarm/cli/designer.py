@@ -32,15 +32,18 @@ class DesignerError(FuzzyarmError, OSError):
 
 def _run(arguments: argparse.Namespace) -> int:
     path = Path(arguments.file)
-    if not path.exists():
-        raise DesignerError(f"there is no file or folder {arguments.file}")
+    if not path.exists() and (path.suffix or arguments.export is not None):
+        raise DesignerError(
+            f"there is no file {arguments.file}",
+            hint="`fuzzyarm designer FOLDER` makes new files, in a new folder too",
+        )
     if arguments.export is not None:
         _export(path, arguments)
         return 0
     from fuzzyarm.designer.folder import SUFFIXES
     from fuzzyarm.designer.server import serve
 
-    if not path.is_dir() and not (path.is_file() and path.suffix.lower() in SUFFIXES):
+    if path.exists() and not path.is_dir() and path.suffix.lower() not in SUFFIXES:
         raise DesignerError(f"{arguments.file} is neither a .frb nor a .lut file")
 
     hush()
@@ -80,7 +83,7 @@ COMMANDS = (
         "designer",
         __doc__,
         _run,
-        argument("file FILE", "a .frb or .lut file, or a folder of them"),
+        argument("file FILE", "a .frb or .lut file, or a folder of them; it may be empty, or new"),
         argument(
             "--port N",
             "where to serve; 0: any free port (default: the same for a folder, where it is free)",

@@ -4,11 +4,20 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import os
 import sys
 import tempfile
 from pathlib import Path
 
-from fuzzyarm.builder.starting import STARTS, NewFileError, Wish, read_wish, starting_text
+from fuzzyarm.builder.starting import (
+    CONTROLLER,
+    PURPOSES,
+    NewFileError,
+    Wish,
+    controller_text,
+    read_wish,
+    starting_text,
+)
 from fuzzyarm.cli.command import (
     argument,
     command,
@@ -21,15 +30,19 @@ from fuzzyarm.cli.command import (
     write_text,
 )
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.shipped_files import shipped, shipped_names, what_it_is
+from fuzzyarm.language import load_rulebase
+from fuzzyarm.shipped_files import NotShippedError, shipped, shipped_names, what_it_is
 from fuzzyarm.text.files import write_atomically
 from fuzzyarm.text.names import typed
 
-_NEW = r"""A commented rule base to start from, which passes `check`.
+_NEW = r"""A commented rule base to start from, or a controller around one; both pass `check`.
 
     fuzzyarm new joint                       error and error rate, 7 × 7 rules (PD)
     fuzzyarm new joint --kind pi             the same for the increment of the control (PI)
     fuzzyarm new fan --kind single           one input
+    fuzzyarm new motor --kind controller --around joint.frb
+                                             runs the rules of joint.frb on a motor
+    fuzzyarm new mine --kind blank           a heading; the rest is yours, and `check` waits for it
     fuzzyarm new hand --input "e -6..6 NB NM ZE PM PB" --input "ce -3..3 N Z P" \
                       --output "u -10..10 NB NM ZE PM PB"
 
@@ -49,12 +62,40 @@ def _new(arguments: argparse.Namespace) -> int:
     if not path.name.removesuffix(".frb").strip("."):
         message = f"'{arguments.name}' is not a name for a rule base"
         raise NewFileError(message, hint="take one such as joint")
-    text = starting_text(path.stem, arguments.kind, arguments.input, arguments.output)
+    text = (
+        _controller(path, arguments)
+        if arguments.kind == CONTROLLER
+        else _rule_base(path, arguments)
+    )
     if path.exists() and not arguments.force:
         raise NewFileError(f"{path} is there already", hint="--force replaces it")
     write_atomically(path, text)
     say(f"{path}: written; see it with  fuzzyarm studio {typed(path)}")
     return 0
+
+
+def _rule_base(path: Path, arguments: argparse.Namespace) -> str:
+    if arguments.around is not None:
+        raise NewFileError("--around names the rules of a controller", hint="--kind controller")
+    return starting_text(path.stem, arguments.kind, arguments.input, arguments.output)
+
+
+def _controller(path: Path, arguments: argparse.Namespace) -> str:
+    """Return a controller around a rule base; where no such file is there, a shipped one."""
+    if arguments.input or arguments.output:
+        raise NewFileError(
+            "a controller has the inputs and outputs of its rule base", hint="--around names it"
+        )
+    around = Path(arguments.around or "pd7.frb")
+    rules = around
+    if not around.exists():
+        try:
+            rules = shipped(str(around))
+        except NotShippedError:
+            message = f"there is no file {around}, and no shipped one of that name"
+            raise NewFileError(message, hint="`fuzzyarm new` writes a rule base as well") from None
+    file = os.path.relpath(around, path.parent).replace(os.sep, "/")
+    return controller_text(path.stem, file, load_rulebase(rules))
 
 
 # --- The files that come with the program ---
@@ -202,9 +243,10 @@ COMMANDS = (
         _NEW,
         _new,
         argument("name NAME", "name of the rule base; writes NAME.frb"),
-        argument("--kind", "what it is for; pd by default", choices=tuple(STARTS), default="pd"),
+        argument("--kind", "what it is for; pd by default", choices=tuple(PURPOSES), default="pd"),
         argument("--input SPEC", f"an input: {_FORM}", action="append", type=_wish),
         argument("--output SPEC", "the output, likewise", type=_wish),
+        argument("--around FILE", "the rule base of a controller; pd7.frb by default"),
         flag("--force", "replace a file that is there"),
     ),
     command(

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 from fuzzyarm.export.javascript import engine_source, script_json
 from fuzzyarm.version import __version__
@@ -39,9 +41,8 @@ def asset(name: str) -> tuple[bytes, str] | None:
     return (PAGE / name).read_bytes(), KINDS[Path(name).suffix]
 
 
-def index_page(files: list[str], nonce: str, *, only: bool = False, largest: int = 0) -> str:
-    """Return the page that talks to the server; `largest` bytes of a dropped file are taken."""
+def index_page(facts: Mapping[str, Any], nonce: str) -> str:
+    """Return the page that talks to the server, with what it has to know at once."""
     page = (PAGE / "index.html").read_text(encoding="utf-8")
-    start = {"files": files, "nonce": nonce, "version": __version__, "only": only}
-    start["largest"] = largest
+    start = {**facts, "nonce": nonce, "version": __version__}
     return page.replace("START", script_json(start))

@@ -7,13 +7,19 @@ becomes a path: it must be one that every system takes, and it never leads out o
 from __future__ import annotations
 
 import contextlib
+import os
 import re
 import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from fuzzyarm.builder.starting import STARTS, starting_text
+from fuzzyarm.builder.starting import (
+    CONTROLLER,
+    PURPOSES,
+    controller_text,
+    starting_text,
+)
 from fuzzyarm.designer.names import (
     OutsideError,
     clean_name,
@@ -28,9 +34,9 @@ from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.formats import read as read_foreign
 from fuzzyarm.formats.conversion import converted, findings_of
 from fuzzyarm.formats.registry import READABLE
-from fuzzyarm.language import read_text
+from fuzzyarm.language import load_rulebase, read_text
 from fuzzyarm.lsp.session import Session
-from fuzzyarm.shipped_files import what_it_is
+from fuzzyarm.shipped_files import shipped, what_it_is
 from fuzzyarm.table import SUFFIXES as TABLES
 from fuzzyarm.table import read_table
 from fuzzyarm.table.files import table_as
@@ -51,6 +57,15 @@ SUFFIXES = (".frb", ".lut")
 IMPORTS = (*READABLE, *TABLES)
 """Files that are taken where they are dropped."""
 
+FOREIGN = tuple(suffix for suffix in READABLE if suffix not in SUFFIXES)
+"""Rule bases of other programs."""
+
+RULE_BASE, TABLE = "rule base", "table"
+"""Kinds of files beside `CONTROLLER`, as a page says them."""
+
+MOST_TRIED = 8
+"""Rule bases that are read until one without mistakes is found to begin with."""
+
 LARGEST_IMPORT = 8_000_000
 """Bytes of a file that is dropped."""
 
@@ -61,13 +76,14 @@ class Workspace:
     Parameters
     ----------
     path : Path
-        The folder, or the file; nothing else is read or written.
+        The folder, or the file; nothing else is read or written. A folder that does not exist
+        is made with its first file.
     """
 
     def __init__(self, path: Path) -> None:
         path = path.resolve()
-        self.only = None if path.is_dir() else path.name
-        self.folder = path if path.is_dir() else path.parent
+        self.only = path.name if path.is_file() else None
+        self.folder = path.parent if path.is_file() else path
         self._open: dict[str, SharedText] = {}
         self._checked: dict[str, tuple[Any, dict[str, Any]]] = {}
 
@@ -77,7 +93,10 @@ class Workspace:
         """Return the names of the folder's files of some kinds; with one file open, none."""
         if self.only is not None:
             return []
-        found = (each for each in self.folder.iterdir() if each.suffix.lower() in suffixes)
+        try:
+            found = [each for each in self.folder.iterdir() if each.suffix.lower() in suffixes]
+        except OSError:  # it does not exist yet, or may not be read: `trouble` says so
+            return []
         return sorted(
             each.name for each in found if each.is_file() and is_inside(each, self.folder)
         )
@@ -85,6 +104,59 @@ class Workspace:
     def files(self) -> list[str]:
         """Return the names of the files that can be opened."""
         return self.listed(*SUFFIXES) if self.only is None else [self.only]
+
+    def stamp(self) -> int:
+        """Return what changes when a file comes or goes."""
+        try:
+            return self.folder.stat().st_mtime_ns
+        except OSError:
+            return 0
+
+    def first(self) -> str:
+        """Return the file to begin with: a rule base without mistakes, else what comes nearest.
+
+        Empty where there is none.
+        """
+        names = self.files()
+        kinds: dict[str, list[str]] = {}
+        for name in names:
+            kinds.setdefault(self._row(name)["kind"], []).append(name)
+        for name in kinds.get(RULE_BASE, [])[:MOST_TRIED]:
+            with contextlib.suppress(OSError, FuzzyarmError):
+                if self.session(name).reading.parsed.rulebase is not None:
+                    return name
+        ranked = [name for kind in (CONTROLLER, RULE_BASE, TABLE) for name in kinds.get(kind, [])]
+        return next(iter([*ranked, *names]), "")
+
+    @property
+    def trouble(self) -> str:
+        """Why the folder cannot be read or written, in a sentence; else empty."""
+        if not self.folder.exists():
+            return ""
+        try:
+            next(self.folder.iterdir(), None)
+        except OSError as error:
+            return f"The folder {printable(self.folder.name)} cannot be read: {in_words(error)}."
+        if not os.access(self.folder, os.W_OK):
+            name = printable(self.folder.name)
+            return f"The folder {name} cannot be written: nothing new can be made or saved here."
+        return ""
+
+    def foreign(self) -> list[str]:
+        """Return the names of the folder's rule bases of other programs."""
+        return [name for name in self.listed(*FOREIGN) if _is_rule_base(self.folder / name)]
+
+    def foreign_data(self, name: str) -> bytes:
+        """Return the content of one of those.
+
+        Raises
+        ------
+        OutsideError
+            If it is not one of them.
+        """
+        if name not in self.foreign():
+            raise OutsideError(f"'{printable(name)}' is not a rule base of another program here")
+        return (self.folder / name).read_bytes()
 
     def beside(self, name: str, suffix: str) -> Path:
         """Return where a file of the folder stands that may be written.
@@ -173,7 +245,9 @@ class Workspace:
         """Return the files with what is quickly known of them."""
         return {
             "only": self.only is not None,
-            "starts": {name: start.purpose for name, start in STARTS.items()},
+            "starts": PURPOSES,
+            "foreign": self.foreign(),
+            "trouble": self.trouble,
             "files": [self._row(name) for name in self.files()],
         }
 
@@ -183,9 +257,9 @@ class Workspace:
             text = shared.text if shared else _beginning(self.folder / name)
             kind, words = what_it_is(text)
         if name.lower().endswith(".lut"):
-            kind = "table"
-        elif kind != "controller":
-            kind = "rule base"
+            kind = TABLE
+        elif kind != CONTROLLER:
+            kind = RULE_BASE
         changed = shared is not None and shared.text != shared.saved
         return {"name": name, "kind": kind, "description": words, "changed": changed}
 
@@ -210,9 +284,22 @@ class Workspace:
 
     def _new(self, asked: Mapping[str, Any]) -> dict[str, Any]:
         name, kind = with_suffix(str(asked["name"]), ".frb"), str(asked["kind"])
-        if kind not in STARTS:
+        if kind not in PURPOSES:
             raise KeyError(kind)
-        return self._written(name, starting_text(Path(name).stem, kind))
+        if kind != CONTROLLER:
+            return self._written(name, starting_text(Path(name).stem, kind))
+        return self._written(name, self._around(name, str(asked.get("around", ""))))
+
+    def _around(self, name: str, file: str) -> str:
+        """Return the text of a controller around a rule base of the folder, or a shipped one."""
+        if file in self.files():
+            rulebase = self.session(file).reading.parsed.rulebase
+        else:
+            file = file or "pd7.frb"
+            rulebase = load_rulebase(shipped(file))
+        if rulebase is None:
+            raise OutsideError(f"'{printable(file)}' has mistakes, or is not a rule base")
+        return controller_text(Path(name).stem, file, rulebase)
 
     def _duplicate(self, asked: Mapping[str, Any]) -> dict[str, Any]:
         old = str(asked["file"])
@@ -255,7 +342,7 @@ class Workspace:
     def put(self, name: str, text: str) -> dict[str, Any]:
         """Write what was dropped under a free name near to `name`."""
         self._demand_folder()
-        taken = {each.name.casefold() for each in self.folder.iterdir()}
+        taken = self._taken()
         path, number = Path(name), 1
         while name.casefold() in taken:
             number += 1
@@ -274,6 +361,7 @@ class Workspace:
     def _reserved(self, name: str) -> Path:
         """Create an empty file, so that nobody else takes the name."""
         self._demand_free(name)
+        self.folder.mkdir(parents=True, exist_ok=True)
         target = self.folder / name
         with target.open("x"):
             return target
@@ -282,10 +370,14 @@ class Workspace:
         path = self.beside(name, Path(name).suffix.lower())
         if path.name != name or path.suffix.lower() not in SUFFIXES:
             raise OutsideError(f"'{printable(name)}' is not the name of a file that is opened")
-        # Some systems do not tell small letters from capital ones.
-        taken = {each.name.casefold() for each in self.folder.iterdir()}
-        if name.casefold() in taken:
+        if name.casefold() in self._taken():
             raise OutsideError(f"'{name}' is there already")
+
+    def _taken(self) -> set[str]:
+        """Return the names in the folder; some systems do not tell small letters from capitals."""
+        if not self.folder.exists():
+            return set()
+        return {each.name.casefold() for each in self.folder.iterdir()}
 
     def _demand_folder(self) -> None:
         if self.only is not None:
@@ -357,6 +449,16 @@ def _converted(path: Path) -> dict[str, Any]:
     if exported is None or exported.text is None:
         raise OutsideError("; ".join(finding_words(each) for each in found if each.is_error))
     return {"text": exported.text, "findings": [finding_words(each) for each in found]}
+
+
+def _is_rule_base(path: Path) -> bool:
+    """Whether a file of another program has fuzzy rules: what ends with .xml may be anything."""
+    if path.suffix.lower() != ".xml":
+        return True
+    try:
+        return "<fuzzy" in _beginning(path).lower()
+    except OSError:
+        return False
 
 
 def _beginning(path: Path) -> str:

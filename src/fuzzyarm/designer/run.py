@@ -6,7 +6,11 @@ shown; between two parts a hand may pause it, push the plant, move a gain, or ch
 The page says, in an object each: ``speed`` (simulated for real time; null: as fast as possible),
 ``pause``, ``step`` (samples), ``restart``, ``pull`` (right and up, -1 to 1), ``gains``, ``text``.
 It hears, under ``news``: ``ready`` (what is drawn), ``samples`` (what came since the last ones,
-with the picture), ``metrics``, ``over``, ``text`` (whether a text was taken up) and ``note``.
+with the picture), ``metrics``, ``reached``, ``over``, ``text`` (whether a text was taken up) and
+``note``.
+
+A run with ``until`` stands still at that time, with all of it in view; to go on, or a hand that
+pushes the plant, takes it further. One with ``duration`` is over then.
 """
 
 from __future__ import annotations
@@ -26,11 +30,13 @@ from fuzzyarm.controller.controller import CompiledController
 from fuzzyarm.controller.findings import site_by_axes
 from fuzzyarm.controller.law import Gain
 from fuzzyarm.controller.on_plant import TextLaw, driven_by, site_of, timing_of
+from fuzzyarm.controller.program import SourceError
 from fuzzyarm.controller.text import ControllerText, sheet_path
-from fuzzyarm.designer.grounds import check_words, trajectory_named, words_of
+from fuzzyarm.designer.grounds import at_field, check_words, trajectory_named, words_of
 from fuzzyarm.designer.jobs import Job
 from fuzzyarm.designer.stage import Painter, Plants, loads_of, short
 from fuzzyarm.errors import FuzzyarmError, WordError
+from fuzzyarm.language import parse
 from fuzzyarm.loop.course import Motion, Options, arm_motion
 from fuzzyarm.loop.open_run import OpenRun, StructureError
 from fuzzyarm.loop.program import scales, shown_units
@@ -89,7 +95,18 @@ class Running:
     def describe(self, session: Session, asked: dict[str, Any], job: Job) -> None:
         """Tell which plants there are, and which of them the text fits."""
         text = str(asked.get("text", session.text))
-        controller = _controller_of(text, session.path)
+        if session.path.lower().endswith(".lut"):
+            raise FuzzyarmError(
+                "a table does not run by itself",
+                hint='a controller looks it up: use NAME from "FILE", u = table NAME(e, ce)',
+            )
+        try:
+            controller = _controller_of(text, session.path)
+        except SourceError:
+            if not _is_rule_base(text, session.path):
+                raise
+            job.tell({"plants": [], "chosen": "", "trajectories": [], "direct": "", "alone": True})
+            return
         found = self.plants.described(controller)
         fitting = [each["name"] for each in found if not each["why"]]
         site = site_by_axes(_text(controller).model)
@@ -101,6 +118,7 @@ class Running:
                 "trajectories": list(TRAJECTORIES),
                 # A rule base takes the place of that of a controller of the catalogue.
                 "direct": "" if _is_in(controller, text) else controller.name,
+                "alone": _is_rule_base(text, session.path),
             }
         )
 
@@ -112,6 +130,12 @@ def _controller_of(text: str, path: str) -> CompiledController:
     except RuleBaseError as error:
         first = error.diagnostics[0].message
         raise FuzzyarmError(f"the text has mistakes: {first}") from error
+
+
+def _is_rule_base(text: str, path: str) -> bool:
+    """Whether a text has rules, and no controller around them."""
+    parsed = parse(text, path)
+    return parsed.rulebase is not None and parsed.controller is None
 
 
 def _is_in(controller: CompiledController, text: str) -> bool:
@@ -159,6 +183,7 @@ class LiveRun:
         self.controller = _controller_of(self.text, self.path)
         self.used = self._used()
         self._forget_written()
+        self.until: int | None = None  # the set point to stand at
         words = words_of(self.asked, Path(self.path).parent)
         check_words(words, self.plants.new(str(self.asked["plant"])))
         plant = words.driven(self.plants.new(str(self.asked["plant"])))
@@ -169,7 +194,7 @@ class LiveRun:
         self.plant, self.motion = self.loop.course.plant, motion
         self.painter = Painter(self.plant)
         self.sent = 0
-        self.told_over = False
+        self.told_over = self.reached = self.told_reached = False
         self.measured, self.measuring = -math.inf, 0.0
         # Samples in a second of the loop: what is probable, until it is known.
         self.rate_of_loop = 20_000.0 if self.loop.compiled else 500.0
@@ -190,10 +215,18 @@ class LiveRun:
         site = site_of(plant, words.connections())
         model = text_of(self.controller, site).model
         period = model.period * model.every
+        word = words.duration or str(self.asked.get("until") or "")
+        if word:
+            with at_field("duration"):
+                seconds = read_time(word, "the duration")
+                if seconds > MOST_POINTS * period:
+                    raise WordError(
+                        f"the page runs up to {MOST_POINTS:,} set points, here of {period:g} s"
+                    )
         if words.duration is None:
-            words = _lasting(words, OPEN_ENDED * period)
-        elif read_time(words.duration, "the duration") > MOST_POINTS * period:
-            raise WordError(f"the page runs up to {MOST_POINTS:,} set points, here of {period:g} s")
+            most = OPEN_ENDED * period
+            words = _lasting(words, max(most, seconds) if word else most)
+            self.until = math.ceil(seconds / period - 1e-9) if word else None
         return words.motion(self.controller, plant), options
 
     # --- Going on ---
@@ -222,12 +255,16 @@ class LiveRun:
         due = self.anchor_at + (now - self.anchor) * self.speed / samples
         until = int(min(due, self.run.next + most))
         late = due - until
+        if self.until is not None:
+            until = min(until, self.until)
         if until > self.run.next:
             before, count = self.run.seconds, until - self.run.next
             self.run.advance(until)
             spent = max(self.run.seconds - before, 1e-6)
             # The first call of a kernel may compile it: that tells nothing of the next.
             self.rate_of_loop += 0.5 * (min(count / spent, 1e7) - self.rate_of_loop)
+        if self.until is not None and self.run.next >= self.until and not self.run.over:
+            self.paused, self.until, self.reached = True, None, True
         if late > 0.25 * self.speed / samples:  # it cannot keep up
             if self.speed < FASTEST:
                 self.behind = now
@@ -255,11 +292,11 @@ class LiveRun:
             self.behind = -math.inf
         if "pause" in said:
             self.paused = bool(said["pause"])
+            self.reached = False
         if "calm" in said:
             self.rate = CALM if said["calm"] else PICTURES
         if "pull" in said:
-            x, y = said["pull"] or (0.0, 0.0)
-            self.pull = (float(x), float(y))
+            self._pull(*(said["pull"] or (0.0, 0.0)))
         self._anchor()
         if "gains" in said:
             self._move_gains(said["gains"])
@@ -274,6 +311,12 @@ class LiveRun:
             if isinstance(said.get("asked"), dict):
                 self.asked = dict(said["asked"])
             self._try_again()
+
+    def _pull(self, x: float, y: float) -> None:
+        """Have a hand push the plant; one that stands at its time goes on."""
+        self.pull = (float(x), float(y))
+        if self.reached and any(self.pull):
+            self.paused = self.reached = False
 
     def _try_again(self) -> None:
         """Begin anew; what does not work now is said, and the page may change it."""
@@ -359,7 +402,9 @@ class LiveRun:
         period = motion.period * motion.every
         ends = isinstance(self.plant, Arm) or bool(self.asked.get("duration"))
         whole = self.run.count * period
-        window = whole if ends else min(whole, self.plant.duration or 1000 * period)
+        # A run that is to stand somewhere is in view from its start to there.
+        far = self.until * period if self.until is not None else self._window(period)
+        window = whole if ends else min(whole, far)
         self.window = math.ceil(window / period)
         self.every = max(1, math.ceil(self.window / WINDOW_POINTS))
         shown = zip(motion.tracked, shown_units(course), strict=True)
@@ -393,6 +438,14 @@ class LiveRun:
             }
         )
 
+    def _window(self, period: float) -> float:
+        """Return how much of a run without an end stays in view, s."""
+        word = str(self.asked.get("window") or "")
+        if not word:
+            return self.plant.duration or 1000 * period
+        with at_field("duration"):
+            return max(period, read_time(word, "the duration"))
+
     def _show(self) -> None:
         """Tell what has happened since the last time, and the picture."""
         rows = self.run.record.rows
@@ -411,6 +464,9 @@ class LiveRun:
             self.job.tell({"news": "samples", **state, "t": [], "low": []})
         self.told = tuple(state.values())
         self._measure()
+        if self.reached and not self.told_reached:
+            self.told_reached = True
+            self.job.tell({"news": "reached", "at": short(self._time(self.run.next))})
         if self.run.over and not self.told_over:
             self.told_over = True
             self.job.tell({"news": "over", **self._end()})

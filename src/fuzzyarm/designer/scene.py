@@ -12,9 +12,11 @@ from fuzzyarm.inference.block import NotCoveredError
 from fuzzyarm.inference.firing_intervals import UPPER, doubled, is_value
 from fuzzyarm.inference.plan import Plan, plan
 from fuzzyarm.inference.row_functions import norm_number
-from fuzzyarm.inference.trace import sentence
-from fuzzyarm.language.queries import Reading
+from fuzzyarm.inference.trace import place_of, sentence
+from fuzzyarm.language.phrases import SETTINGS, SettingNode
+from fuzzyarm.language.queries import INCOMPLETE, Reading
 from fuzzyarm.language.rules import GridNode, RuleNode
+from fuzzyarm.language.statements import BlockNode, InferenceNode
 from fuzzyarm.lsp.session import UTF16, to_position
 from fuzzyarm.model.alike import KINDS
 from fuzzyarm.model.rulebase import (
@@ -23,6 +25,7 @@ from fuzzyarm.model.rulebase import (
     Output,
     Rule,
     RuleBase,
+    RuleBlock,
     Shape,
     Term,
     propositions,
@@ -97,6 +100,8 @@ def scene_of(rulebase: RuleBase, reading: Reading) -> dict[str, Any]:
         ],
         "rules": _rules(rulebase, made, reading, positions),
         "grids": _grids(rulebase, reading, positions),
+        "methods": _methods(rulebase, reading),
+        "missing": [each.name for each in reading.parsed.diagnostics if each.name in INCOMPLETE],
         "numbers": numbers,
         "kinds": KINDS,
         "functions": functions.described,  # those of the curves to be drawn among them
@@ -235,6 +240,7 @@ def _rules(
         found.append(
             {
                 "text": sentence(rule),
+                "place": place_of(number + 1, rule.span.line, rule.span.column),
                 "written": "" if rule.in_grid else written.get(rule.span.line, ""),
                 "line": rule.span.line,
                 "range": positions.of(rule.span),
@@ -260,6 +266,41 @@ def _parts(rule: Rule, names: list[str]) -> Iterable[list[Any]]:
             yield [names.index(part.variable), part.term, hedges]
 
 
+def _methods(rulebase: RuleBase, reading: Reading) -> list[dict[str, Any]]:
+    """Return how rules are evaluated: settings with their choices, and what blocks say themselves.
+
+    A variable with a line of its own for a setting has a row of its own.
+    """
+    nodes = [statement.node for statement in reading.document.statements]
+    written = {
+        ("" if node.target is None else node.target.text, each.key.text): _value(each)
+        for node in nodes
+        if isinstance(node, InferenceNode)
+        for each in node.settings
+    }
+    norms = RuleBlock()
+    usual = {"and": norms.conjunction, "or": norms.disjunction, "implication": norms.implication}
+    found = [_method(key, written.get(("", key), value)) for key, value in usual.items()]
+    for key in ("aggregation", "defuzzifier"):
+        own = [each for each in rulebase.outputs if (each.name, key) in written]
+        others = [each for each in rulebase.outputs if each not in own]
+        for output in [*others[:1], *own]:
+            target = output.name if output in own else ""
+            found.append(_method(key, str(getattr(output, key)).removesuffix(" exact"), target))
+    said = [str(node) for node in nodes if isinstance(node, BlockNode) and node.settings]
+    return [*found, *({"block": each} for each in said)]
+
+
+def _value(setting: SettingNode) -> str:
+    return str(setting).removeprefix(f"{setting.key.text} ").removesuffix(" exact")
+
+
+def _method(key: str, value: str, target: str = "") -> dict[str, Any]:
+    values = SETTINGS[key].values
+    options = [value, *values] if value not in values else list(values)
+    return {"key": key, "value": value, "options": options, "target": target}
+
+
 def _grids(rulebase: RuleBase, reading: Reading, positions: Positions) -> list[dict[str, Any]]:
     numbers = {
         (rule.span.line, rule.span.column, consequent.variable): number
@@ -271,6 +312,7 @@ def _grids(rulebase: RuleBase, reading: Reading, positions: Positions) -> list[d
     grids = [node for node in nodes if isinstance(node, GridNode)]
     return [
         {
+            "line": grid.span.line,
             "output": part.output.text,
             "condition": "" if part.condition is None else str(part.condition),
             "row": None if part.row is None else part.row.text,

@@ -13,7 +13,7 @@ file it sends ``say`` and ``stop`` with the ``id`` of such work, and ``folder`` 
 ``id`` about the files, or what is to be done with one: `Workspace.answer`). It hears, of its files,
 ``opened`` or ``reopened``, ``updates``, ``findings``, ``scene``, ``status`` and ``moved`` (``to``
 another name, or none); besides ``answer``, ``job`` (news of long work; the last has ``end``) and
-``failed``, each under ``is``.
+``failed``, each under ``is``; and ``names``, those of the folder's files, when some come or go.
 """
 
 from __future__ import annotations
@@ -179,7 +179,13 @@ class Designer:
         )
         folder = self.workspace
         page = index_page(
-            folder.files(), nonce, only=folder.only is not None, largest=LARGEST_IMPORT
+            {
+                "files": folder.files(),
+                "first": await asyncio.to_thread(folder.first),
+                "only": folder.only is not None,
+                "largest": LARGEST_IMPORT,
+            },
+            nonce,
         )
         headers = {"Content-Security-Policy": policy}
         return Response(page, media_type="text/html; charset=utf-8", headers=headers)
@@ -290,7 +296,11 @@ class Designer:
             if what == "findings":
                 found = await asyncio.to_thread(self.workspace.findings, str(asked["file"]))
             elif what == "import":
-                found = await self._imported(str(asked["name"]), asked["data"])
+                data = base64.b64decode(asked["data"], validate=True)
+                found = await self._imported(str(asked["name"]), data)
+            elif what == "convert":  # a file of another program that stands in the folder
+                name = str(asked["name"])
+                found = await self._imported(name, self.workspace.foreign_data(name))
             else:
                 found = self.workspace.answer(asked)
         except (FuzzyarmError, OSError) as error:
@@ -309,9 +319,9 @@ class Designer:
         await asyncio.gather(*told)
         await window.tell({"is": "answer", "id": asked.get("id"), **found})
 
-    async def _imported(self, name: str, data: str) -> dict[str, Any]:
-        """Convert what was dropped, and write it; with one file open it is to replace its text."""
-        found = await asyncio.to_thread(converted_file, name, base64.b64decode(data, validate=True))
+    async def _imported(self, name: str, data: bytes) -> dict[str, Any]:
+        """Convert a file, and write it; with one file open it is to replace its text."""
+        found = await asyncio.to_thread(converted_file, name, data)
         if self.workspace.only is not None:
             return {**found, "only": True}
         put = self.workspace.put(found["name"], found["text"])
@@ -414,14 +424,25 @@ class Designer:
                 return
 
     async def _watch(self) -> None:
-        """Look at the open files now and then."""
+        """Look at the open files now and then, and which there are."""
+        stamp = self.workspace.stamp()
+        names = self.workspace.files()
         while True:
             await asyncio.sleep(LOOK_EVERY)
+            before, stamp = stamp, self.workspace.stamp()
+            if stamp != before and names != (names := self.workspace.files()):
+                await self._tell_names(names)
             for name in {name for window in self.windows for name in window.files}:
                 shared = self.workspace.opened(name)
                 before = shared.version if shared else 0
                 if shared and shared.look():
                     await self._changed(name, shared, before, disk=True)
+
+    async def _tell_names(self, names: list[str]) -> None:
+        """Tell all windows which files there are: some have come or gone."""
+        first = "" if not names else await asyncio.to_thread(self.workspace.first)
+        for window in self.windows:
+            await window.tell({"is": "names", "names": names, "first": first})
 
 
 def _of_file(message: Any) -> dict[str, Any]:

@@ -24,19 +24,31 @@ from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.language import read_text
 from fuzzyarm.language.queries import (
+    INCOMPLETE,
     Coloured,
     Edit,
     Reading,
     Reshaped,
+    add_column,
+    add_grid,
+    add_row,
+    add_rule,
     add_term,
     add_tuning,
+    add_variable,
+    remove_column,
+    remove_grid,
+    remove_row,
     remove_term,
+    remove_variable,
     rename_term,
+    rename_variable,
     set_cell,
     set_gain,
     set_kind,
     set_ranges,
     set_rule,
+    set_setting,
     set_shapes,
     set_variable_range,
 )
@@ -291,6 +303,7 @@ class SharedText:
                     "message": each.message,
                     "hint": each.hint,
                     "range": positions.of(each.span),
+                    "fixes": [fix.preferred for fix in session.kind.fixes(session.reading, each)],
                 }
                 for each in review.diagnostics
             ],
@@ -306,7 +319,9 @@ class SharedText:
         found, why = None, "mistakes" if session.review().failed else "other"
         if isinstance(reading, Reading):
             rulebase = session.review().rulebase
-            if rulebase is not None and rulebase.inputs and rulebase.outputs:
+            if rulebase is None and _is_begun(reading):
+                rulebase = reading.model  # it is not finished; what is there is drawn
+            if rulebase is not None:
                 found = scene_of(rulebase, reading)
         return {"is": "scene", "version": session.version, "scene": found, "why": why}
 
@@ -368,13 +383,14 @@ class SharedText:
         return self._edits(self.session.kind.rename(reading, *place, str(asked["name"])))
 
     def _fixes(self, asked: dict[str, Any]) -> dict[str, Any]:
-        line = self._at(asked)[0]
+        """Return the repairs of a finding, or of all in a line."""
+        line, name = self._at(asked)[0], asked.get("name")
         found = self.session.review().diagnostics if self.session.reviewed else ()
         return {
             "fixes": [
                 {"title": fix.title, "of": each.name, **self._edits(fix.edits)}
                 for each in found
-                if each.span.line <= line <= each.span.end_line
+                if each.span.line <= line <= each.span.end_line and name in (None, each.name)
                 for fix in self.session.kind.fixes(self.session.reading, each)
             ]
         }
@@ -407,6 +423,43 @@ class SharedText:
         if "name" in asked:
             return self._edits(rename_term(reading, variable, term, str(asked["name"])))
         return self._edits(remove_term(reading, variable, term))
+
+    def _variable(self, asked: dict[str, Any]) -> dict[str, Any]:
+        """Add a variable, remove one, or give it another name."""
+        reading, variable = self.session.reading, str(asked["variable"])
+        if "role" in asked:
+            ends = float(asked["low"]), float(asked["high"])
+            terms = [str(name) for name in asked.get("terms", ())]
+            return self._edits(add_variable(reading, str(asked["role"]), variable, ends, terms))
+        if "name" in asked:
+            return self._edits(rename_variable(reading, variable, str(asked["name"])))
+        return self._edits(remove_variable(reading, variable))
+
+    def _setting(self, asked: dict[str, Any]) -> dict[str, Any]:
+        words = (str(asked[name]) for name in ("key", "value", "target"))
+        return self._edits(set_setting(self.session.reading, *words))
+
+    def _grid(self, asked: dict[str, Any]) -> dict[str, Any]:
+        """Add a grid, or remove one."""
+        reading = self.session.reading
+        if "line" in asked:
+            return self._edits(remove_grid(reading, int(asked["line"])))
+        row = str(asked["row"]) or None
+        names = str(asked["output"]), str(asked["column"])
+        return self._edits(add_grid(reading, *names, row, str(asked["fill"])))
+
+    def _head(self, asked: dict[str, Any]) -> dict[str, Any]:
+        """Add a row or a column to a grid, maybe of a new term, or remove one."""
+        reading, line, term = self.session.reading, int(asked["line"]), str(asked["term"])
+        row = bool(asked["row"])
+        if asked.get("remove"):
+            return self._edits((remove_row if row else remove_column)(reading, line, term))
+        shape = _shape(asked["shape"]) if asked.get("shape") else None
+        return self._edits((add_row if row else add_column)(reading, line, term, shape))
+
+    def _compose(self, asked: dict[str, Any]) -> dict[str, Any]:
+        parts = _pairs(asked["if"]), _pairs(asked["then"])
+        return self._edits(add_rule(self.session.reading, *parts, str(asked.get("join", "and"))))
 
     def _range(self, asked: dict[str, Any]) -> dict[str, Any]:
         low, high = float(asked["low"]), float(asked["high"])
@@ -488,6 +541,11 @@ _QUESTIONS = {
     "movable": SharedText._movable,
     "shapes": SharedText._shapes,
     "term": SharedText._term,
+    "variable": SharedText._variable,
+    "setting": SharedText._setting,
+    "grid": SharedText._grid,
+    "head": SharedText._head,
+    "compose": SharedText._compose,
     "range": SharedText._range,
     "cell": SharedText._cell,
     "gain": SharedText._gain,
@@ -498,6 +556,17 @@ _QUESTIONS = {
     "exports": SharedText._exports,
 }
 """What a page may ask → who answers."""
+
+
+def _is_begun(reading: Reading) -> bool:
+    """Whether the only mistake of a text is that something is not there yet."""
+    wrong = {each.name for each in reading.parsed.diagnostics if each.is_error}
+    return bool(wrong) and wrong <= INCOMPLETE
+
+
+def _pairs(asked: Any) -> list[tuple[str, str]]:
+    """Return pairs of names as a page gives them."""
+    return [(str(variable), str(term)) for variable, term in asked]
 
 
 def _shape(asked: dict[str, Any]) -> Shape:

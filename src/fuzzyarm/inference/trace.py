@@ -99,6 +99,16 @@ class RuleTrace:
     consequents: tuple[tuple[str, str], ...]
     lower: float | None = None
 
+    @property
+    def place(self) -> str:
+        """What the rule is called: where it stands."""
+        return place_of(self.number, self.line, self.column)
+
+
+def place_of(number: int, line: int, column: int) -> str:
+    """Return what a rule is called: its line and column, or its number where it has no text."""
+    return f"rule {number}" if (line, column) == (1, 1) else f"line {line}:{column}"
+
 
 @dataclass(frozen=True, slots=True)
 class ConsequentTrace:

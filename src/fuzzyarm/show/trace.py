@@ -139,9 +139,7 @@ def _rules(trace: Trace, path: str = "", *, all_rules: bool = False) -> Text:
 
 
 def _position(rule: RuleTrace, path: str) -> str:
-    if (rule.line, rule.column) == (1, 1):  # a rule that came from no text of the language
-        return f"rule {rule.number}"
-    return f"{path}:{rule.line}:{rule.column}" if path else f"line {rule.line}:{rule.column}"
+    return rule.place.replace("line ", f"{path}:", 1) if path else rule.place
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,7 @@ const MOST_DESKS = 8; // of the files of late: each holds its pictures
 const start = JSON.parse(document.getElementById("start").textContent);
 const desks = new Map(); // by file, the one shown last at the end
 const renamed = new Map(); // old names → those of now, for steps back
+const { first } = start; // the file to begin with
 let names = start.files;
 let shown = null;
 
@@ -30,6 +31,7 @@ const connection = connect({
   },
   take(message) {
     if (message.is === "moved") moved(message);
+    else if (message.is === "names") changedFiles(message);
     else (desks.get(message.file) ?? (message.file ? null : shown))?.take(message);
   },
 });
@@ -52,6 +54,13 @@ function listed(found) {
   for (const desk of desks.values()) desk.offer(names);
 }
 
+/** Files have come or gone by themselves; a page that has none shows the first that comes. */
+function changedFiles({ names: found, first: likeliest }) {
+  listed(found);
+  if (!shown.file() && likeliest && !document.querySelector("dialog[open]")) turnTo(likeliest);
+  else shown.store.emit("files");
+}
+
 // --- which file is shown ---
 
 const address = (name) => `#${new URLSearchParams({ file: name })}`;
@@ -65,10 +74,9 @@ function show(name) {
   let desk = desks.get(name);
   if (desk) desks.delete(name); // to the end
   else {
-    desk = makeDesk(name, page, VIEWS);
+    desk = makeDesk(name, page, name ? VIEWS : [FILES]);
     desk.offer(names);
-    if (!name) desk.turn(FILES.name);
-    else if (isTable(name)) desk.turn(TABLE.name);
+    if (isTable(name)) desk.turn(TABLE.name);
     else if (before && ![FILES.name, TABLE.name].includes(before.view())) desk.turn(before.view());
     if (connection.isOpen()) desk.open();
     else if (before) desk.lose();
@@ -97,15 +105,20 @@ function turnTo(name) {
     history.pushState(null, "", address(name));
     show(name);
   }
-  if (shown.view() === FILES.name) shown.turn(isTable(name) ? TABLE.name : DESIGN.name);
+  if (name && shown.view() === FILES.name) shown.turn(isTable(name) ? TABLE.name : DESIGN.name);
 }
 
 /** Show the file of the address: after a step back, or when the address was written by hand. */
 async function turnBack() {
-  const asked = fromAddress() ?? names[0] ?? "";
+  const begun = first || names[0] || "";
+  const asked = fromAddress() ?? begun;
   let name = asked;
   while (renamed.has(name) && !names.includes(name)) name = renamed.get(name);
-  if (!names.includes(name)) listed(((await connection.folder({ what: "list" })).files ?? []).map((each) => each.name));
+  if (!names.includes(name)) {
+    const found = await connection.folder({ what: "list" });
+    if ((fromAddress() ?? begun) !== asked) return; // one has turned to another meanwhile
+    listed((found.files ?? []).map((each) => each.name));
+  }
   if (!names.includes(name)) {
     name = shown.file();
     shown.say(S.notThere(asked));
@@ -128,7 +141,9 @@ function moved({ file, to }) {
     desk.offer(names);
   }
   if (desk !== shown) return;
-  if (!to) show(names[0] ?? "");
+  const view = desk.view();
+  if (!to) show(names.includes(first) ? first : names[0] ?? "");
+  if (view === FILES.name) shown.turn(view);
   history.replaceState(null, "", address(shown.file()));
 }
 
@@ -154,8 +169,9 @@ window.addEventListener("keydown", (event) => {
   }
 });
 
-const first = fromAddress();
-show(names.includes(first) ? first : names[0] ?? "");
+const wanted = fromAddress();
+show(names.includes(wanted) ? wanted : first);
+if (wanted && shown.file() !== wanted) history.replaceState(null, "", address(shown.file()));
 connection.open();
 window.designer = { // for tests and the curious
   get store() { return shown.store; },

@@ -8,10 +8,13 @@ const AGAIN = 700; // ms until the next try
 export function connect({ opened, closed, take }) {
   let socket = null;
   let asked = 0;
+  let begun = false; // whether there has ever been a connection
+  const early = []; // what is said before
   const answers = new Map(); // what waits for an answer, by its number
   const jobs = new Map(); // what hears of long work, by its number
 
   function send(message) {
+    if (!begun) return early.push(message) > 0;
     if (socket?.readyState !== WebSocket.OPEN) return false;
     socket.send(JSON.stringify(message));
     return true;
@@ -42,7 +45,11 @@ export function connect({ opened, closed, take }) {
     address.protocol = "ws:";
     address.hash = "";
     socket = new WebSocket(address);
-    socket.onopen = opened;
+    socket.onopen = () => {
+      begun = true;
+      opened();
+      for (const message of early.splice(0)) send(message);
+    };
     socket.onmessage = (event) => {
       const message = JSON.parse(event.data);
       (ANSWERS[message.is] ?? take)(message);

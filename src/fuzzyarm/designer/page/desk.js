@@ -3,7 +3,7 @@
 // Every file that is looked at has a desk of its own, of which one is shown. So what belongs to a file
 // stays with it: steps back, the cursor, the point, the view, what a search or a run has found.
 
-import { ask } from "./dialogs.js";
+import { ask, choose, fill } from "./dialogs.js";
 import { clean, el } from "./draw.js";
 import { frame } from "./frame.js";
 import { askServer } from "./remote.js";
@@ -11,17 +11,25 @@ import { Store } from "./store.js";
 import { textPane } from "./text.js";
 import { S } from "./strings.js";
 
+const FILES = "files"; // the view of the folder
+
 /** Make the desk of a file; `page` is what all desks share, `views` which views it has. */
 export function makeDesk(file, page, views) {
   const { connection } = page;
   const store = new Store();
   const status = el("span", { id: "status", role: "status" });
   const save = el("button", { textContent: S.save, title: "Ctrl+S", disabled: true, onclick: () => link.save() });
-  const files = el("select", { "aria-label": S.file, onchange: () => page.turnTo(files.value) });
+  const files = el("select", {
+    "aria-label": S.file, onchange() {
+      const to = files.value;
+      files.value = file; // here it says what is shown here
+      page.turnTo(to);
+    },
+  });
   let saved = null; // the text on disk, as the server knows it
   let apart = false; // whether the file says something else than what was saved, or is gone
   let dirty = false;
-  let lost = !connection.isOpen();
+  let lost = false;
   let latest = null; // findings, which come in front of the picture of the same text
   let working = 0; // long works that go on
   let bring = null; // takes files that are dropped
@@ -46,11 +54,13 @@ export function makeDesk(file, page, views) {
     edited(now) {
       mark(saved !== null && (apart || now !== saved));
     },
+    saved: () => saved,
   };
 
   function mark(changed) {
     dirty = changed;
     save.disabled = !changed;
+    text.revertible(changed);
     if (!lost) status.textContent = changed ? S.unsaved : S.saved;
     page.marked();
   }
@@ -67,7 +77,8 @@ export function makeDesk(file, page, views) {
   const hand = {
     edit: (shapes) => text.edit("shapes", { shapes }),
     change: (what, details) => text.edit(what, details), // an edit that the server makes
-    askFor: ask,
+    attempt: (what, details) => text.attempt(what, details), // the same, of a dialog that says what is wrong
+    askFor: ask, choose, fill,
     numbers: (variable) => text.numbers(variable),
     ask: link.ask,
     start,
@@ -90,8 +101,9 @@ export function makeDesk(file, page, views) {
   askServer(store, start);
   const banner = el("div", { class: "banner", role: "alert", hidden: true });
   const chooser = page.only ? el("strong", { textContent: file }) : files;
-  const controls = [chooser, save, status, el("span", { class: "space" })];
-  const { root, turn } = frame(store, hand, text.section, controls, views);
+  // Where there is no file there is nothing to be typed and saved.
+  const controls = [...(file ? [chooser, save, status] : [status]), el("span", { class: "space" })];
+  const { root, turn } = frame(store, hand, file ? text.section : null, controls, views);
   root.querySelector("main").before(banner);
 
   function tell(words, ...buttons) {
@@ -110,9 +122,12 @@ export function makeDesk(file, page, views) {
   }
 
   function back() {
-    if (lost) link.say(S.back);
+    const before = lost;
     lost = false;
     tell("");
+    if (!before) return;
+    if (file) link.say(S.back);
+    store.emit("view"); // what was asked for meanwhile has not been answered
   }
 
   const TAKEN = {
@@ -157,7 +172,8 @@ export function makeDesk(file, page, views) {
     },
     failed(message) {
       if (text.state().epoch && !lost) link.say(message.message);
-      else tell(message.message); // the file cannot be opened
+      else tell(message.message);
+      if (!text.state().epoch) turn(FILES); // the file cannot be opened; from there others can
     },
   };
 
@@ -185,7 +201,7 @@ export function makeDesk(file, page, views) {
     isDirty: () => dirty,
     /** Whether nothing is lost with this desk but the steps back. */
     isIdle: () => text.settled() && !working && banner.hidden,
-    focus: (onChooser) => (onChooser ? files : text.view).focus(),
+    focus: (onChooser) => (onChooser || !file ? files : text.view).focus(),
     take: (message) => TAKEN[message.is]?.(message),
     undo: text.undo,
     redo: text.redo,
@@ -193,7 +209,8 @@ export function makeDesk(file, page, views) {
     say: link.say,
     bring: (dropped) => bring(dropped),
     offer(names) {
-      files.replaceChildren(...names.map((name) => el("option", { value: name, textContent: name })));
+      const all = names.includes(file) ? names : [file, ...names]; // one that has gone is still shown
+      files.replaceChildren(...all.map((name) => el("option", { value: name, textContent: name })));
       files.value = file;
     },
     move(to) {

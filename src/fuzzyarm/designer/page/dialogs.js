@@ -45,14 +45,15 @@ export async function tellAll(title, lines) {
 }
 
 /**
- * Fields to be filled in: `{ name, label, value }`, or with `options` as pairs of value and words.
+ * Fields to be filled in: `{ name, label, value }`, or with `options` as pairs of value and words;
+ * one with `when` counts only where other fields have these values.
  * `act` takes their values and answers; while that has an `error` the dialog stays. Null if nothing is done.
  */
 export function fill(title, fields, button, act, note = "") {
   const wrong = el("p", { class: "error", role: "alert" });
-  const controls = fields.map(({ name, value, options }) => (options
-    ? el("select", { name }, ...options.map(([key, words]) => el("option", { value: key, textContent: words })))
-    : el("input", { type: "text", name, value, autocomplete: "off" })));
+  const controls = fields.map(({ name, value, options, hint }) => (options
+    ? el("select", { name }, ...options.map(([key, words]) => el("option", { value: key, textContent: words, selected: key === value })))
+    : el("input", { type: "text", name, value, placeholder: hint ?? "", autocomplete: "off", spellcheck: false })));
   const labels = fields.map(({ label }, i) => el("label", { class: "field" }, el("span", { textContent: label }), controls[i]));
   const go = el("button", { type: "submit", textContent: button });
   const stop = el("button", { type: "button", textContent: S.cancel, onclick: () => dialog.close() });
@@ -60,6 +61,11 @@ export function fill(title, fields, button, act, note = "") {
     el("div", { class: "row" }, stop, go));
   const dialog = el("dialog", { "aria-label": title }, form);
   let done = null;
+  const dim = () => fields.forEach(({ when = {} }, i) => {
+    labels[i].hidden = controls[i].disabled = Object.entries(when).some(([name, value]) => (form.elements[name]?.value ?? value) !== value);
+  });
+  form.addEventListener("change", dim);
+  dim();
   form.addEventListener("submit", async (event) => {
     event.preventDefault();
     go.disabled = true;
@@ -73,7 +79,7 @@ export function fill(title, fields, button, act, note = "") {
   document.body.append(dialog);
   dialog.showModal();
   const text = controls.find((each) => each.tagName === "INPUT");
-  text?.focus();
+  (text ?? go).focus();
   text?.setSelectionRange(0, text.value.replace(/\.[^.]*$/, "").length);
   return new Promise((resolve) => {
     dialog.addEventListener("close", () => {

@@ -3,6 +3,7 @@
 import { clean, el, pane } from "./draw.js";
 import { choose, fill, tellAll } from "./dialogs.js";
 import { exportPane } from "./exports.js";
+import { invitation, offers } from "./starts.js";
 import { S } from "./strings.js";
 import { isTable } from "./table.js";
 
@@ -21,12 +22,14 @@ function folderPane(store, hand) {
   let starts = {};
   let standing = ""; // what is said where there is nothing else
   let round = 0; // of asking for findings
-  const create = el("button", { textContent: S.newFile, onclick: begin });
+  const create = el("button", { textContent: S.newFile, onclick: () => begin() });
   bar.append(el("span", { class: "space" }), create,
     el("button", { textContent: S.importFile, title: S.importHint, onclick: () => chosen.click() }), chosen);
   const heads = [S.file, S.kind, S.description, S.findings, ""].map((words) =>
     (words ? el("th", { scope: "col", textContent: words }) : el("td")));
-  body.append(said, el("table", { class: "files" }, el("thead", {}, el("tr", {}, ...heads)), list));
+  const table = el("table", { class: "files" }, el("thead", {}, el("tr", {}, ...heads)), list);
+  const below = el("div", { class: "beginning" });
+  body.append(said, table, below);
 
   async function ask(question) {
     const answer = await hand.folder(question);
@@ -42,7 +45,10 @@ function folderPane(store, hand) {
     hand.listed(files.map((each) => each.name));
     create.disabled = answer.only;
     list.replaceChildren(...files.map((each) => row(each, answer.only)));
-    standing = answer.only ? S.onlyOne : files.length ? "" : S.emptyFolder;
+    table.hidden = !files.length;
+    const act = { begin, convert, choose: () => chosen.click() };
+    below.replaceChildren(...(files.length ? offers(answer.foreign, act) : invitation(answer, act)));
+    standing = [answer.trouble, answer.only ? S.onlyOne : ""].filter(Boolean).join(" ");
     check(++round);
   }
 
@@ -76,12 +82,23 @@ function folderPane(store, hand) {
     }
   }
 
-  async function begin() {
-    const made = await fill(S.newFile, [
-      { name: "kind", label: S.template, options: Object.entries(starts).map(([kind, words]) => [kind, `${kind}: ${words}`]) },
-      { name: "name", label: S.nameOfFile, value: S.unnamed },
-    ], S.create, (values) => ask({ what: "new", ...values }));
+  /** Make a file: its kind is chosen before, or in the dialog. */
+  async function begin(kind = "") {
+    const ruleBases = files.filter((each) => each.kind === "rule base").map((each) => [each.name, each.name]);
+    const kinds = Object.entries(starts).map(([name, words]) => [name, `${S.startTitles[name]}: ${words}`]);
+    const around = { name: "around", label: S.around, options: ruleBases.length ? ruleBases : [["", S.shippedRules]], when: { kind: "controller" } };
+    const made = await fill(kind ? S.startTitles[kind] : S.newFile, [
+      { name: "name", label: S.nameOfFile, value: S.startNames[kind] ?? S.unnamed },
+      ...(kind ? [] : [{ name: "kind", label: S.template, options: kinds, value: "pd" }]),
+      ...(kind && kind !== "controller" ? [] : [around]),
+    ], S.create, (values) => ask({ what: "new", kind, ...values }), kind ? starts[kind] : "");
     if (made?.open) hand.turnTo(made.open);
+  }
+
+  /** Bring a file of the folder, which another program wrote, into the language. */
+  async function convert(name) {
+    said.textContent = S.converting(clean(name));
+    await taken(name, await ask({ what: "convert", name }), true);
   }
 
   async function duplicate(file) {
@@ -116,10 +133,14 @@ function folderPane(store, hand) {
     if (each.size > hand.largest) return tellAll(each.name, [S.tooLarge(each.size, hand.largest)]);
     said.textContent = S.converting(clean(each.name));
     const data = await encoded(each);
-    const answer = await ask({ what: "import", name: each.name, data });
-    if (answer.error) return tellAll(S.notImported(each.name), [answer.error]);
-    if (answer.only) return instead(each.name, answer);
-    if (answer.findings.length) await tellAll(S.importedAs(each.name, answer.open), answer.findings);
+    return taken(each.name, await ask({ what: "import", name: each.name, data }), alone);
+  }
+
+  /** Say what came of a conversion, and open what it has made. */
+  async function taken(name, answer, alone) {
+    if (answer.error) return tellAll(S.notImported(name), [answer.error]);
+    if (answer.only) return instead(name, answer);
+    if (answer.findings.length) await tellAll(S.importedAs(name, answer.open), answer.findings);
     if (alone) hand.turnTo(answer.open);
     return null;
   }
@@ -142,10 +163,14 @@ function folderPane(store, hand) {
     names[Math.min(names.length - 1, Math.max(0, at + step))].focus();
   });
   hand.onDrop(bring);
-  store.on("view", () => {
+  store.on("view", look);
+  store.on("files", look);
+
+  function look() {
     if (store.view === "files") ask({ what: "list" });
     else round++;
-  });
+  }
+
   return section;
 }
 

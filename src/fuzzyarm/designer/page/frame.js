@@ -28,7 +28,7 @@ export function frame(store, hand, text, controls, shownViews = [DESIGN]) {
     return el("div", { class: `pictures view-${name}${drawn ? " drawn" : ""}`, id: `view-${name}`, hidden: true, ...panel }, ...made);
   });
   const area = el("div", { class: "area" }, note, ...views);
-  const main = el("main", { class: "design" }, text, area);
+  const main = el("main", { class: text ? "design" : "design alone" }, ...(text ? [text] : []), area);
   const header = el("header", {}, el("h1", { textContent: S.designer }), ...controls, themeButton(store));
   let shown = 0;
   const tabs = shownViews.map(({ name, title }, i) => el("button", {

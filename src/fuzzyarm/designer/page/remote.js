@@ -11,7 +11,7 @@ export function askServer(store, start) {
   let waiting = 0;
 
   const wanted = () => {
-    if (!store.scene || store.stale || store.busy || (store.running && !store.coarse)) return "";
+    if (!store.scene || store.scene.missing.length || store.stale || store.busy || (store.running && !store.coarse)) return "";
     return store.surfaceKey() + (store.running ? "" : JSON.stringify(store.point));
   };
 

@@ -2,6 +2,8 @@
 // of the check where they are.
 
 import { el, pane, heat, shortNumber, eachFrame } from "./draw.js";
+import { addGrid, addHead, canConclude, composer, headDialog } from "./gridtools.js";
+import { methodLines } from "./methods.js";
 import { rangeOf } from "./store.js";
 import { S } from "./strings.js";
 
@@ -12,18 +14,26 @@ const MOST_SENTENCES = 400;
  * The pane; `setCell` writes a term into a cell, `goTo` shows a position of the text, and `change`
  * writes sentences. A page without a server has none of them.
  */
-export function rulesPane(store, { setCell, goTo, change }) {
-  const { section, body } = pane("rules", S.rules);
+export function rulesPane(store, hand) {
+  const { setCell, goTo, change, attempt } = hand;
+  const { section, bar, body } = pane("rules", S.rules);
+  const methods = methodLines(change);
+  const grid = el("button", { textContent: S.gridDots, title: S.gridHint, onclick: () => addGrid(hand, store.scene) });
+  if (attempt) bar.append(el("span", { class: "space" }), grid);
   let lit = []; // for each rule its element
   let shown = []; // and the strength that it shows
 
   function build() {
     const { grids, rules, outputs } = store.scene;
+    const isReady = canConclude(store.scene);
+    grid.disabled = !isReady;
+    methods.show(store.scene.methods);
     const writing = document.activeElement?.closest?.(".rules .write");
     const draft = writing?.dataset.line === "new" ? writing.value : null;
     lit = [];
     shown = [];
-    body.replaceChildren();
+    const seen = body.scrollTop;
+    body.replaceChildren(...(outputs.length ? [methods.element] : []));
     const cells = grids.reduce((sum, grid) => sum + grid.rows.length * grid.columns.length, 0);
     for (const grid of grids) body.append(table(grid, outputs, setCell && cells <= MOST_CELLS));
     const sentences = rules.map((rule, number) => [rule, number]).filter(([rule]) => !rule.inGrid);
@@ -32,12 +42,14 @@ export function rulesPane(store, { setCell, goTo, change }) {
       for (const [rule, number] of sentences.slice(0, MOST_SENTENCES)) list.append(item(rule, number));
       body.append(list);
     }
-    if (!rules.length) body.append(el("p", { class: "note", textContent: S.tooManyRules }));
-    if (change) {
+    if (!rules.length) body.append(el("p", { class: "note", textContent: grids.length || !store.scene.missing.includes("no-rules") ? S.tooManyRules : S.noRulesYet }));
+    if (attempt && isReady) body.append(composer(attempt, store.scene));
+    if (change && isReady) {
       const line = writer(null, draft ?? "", S.newRule);
       body.append(line);
       if (draft !== null) line.querySelector("input").focus();
     }
+    body.scrollTop = seen;
     light();
   }
 
@@ -72,7 +84,7 @@ export function rulesPane(store, { setCell, goTo, change }) {
 
   function item(rule, number) {
     const said = goTo ? el("button", { class: "said", textContent: rule.text, onclick: () => goTo(rule.at) }) : rule.text;
-    const li = el("li", { value: number + 1 }, said);
+    const li = el("li", {}, el("span", { class: "place", textContent: rule.place }), said);
     const found = findingsOf(rule.range);
     if (found.length) {
       li.classList.add("found", found[0].severity);
@@ -80,14 +92,14 @@ export function rulesPane(store, { setCell, goTo, change }) {
     }
     if (change && rule.written) {
       const edit = () => {
-        const line = writer(rule.line, rule.written, `${S.rule} ${number + 1}`, build);
+        const line = writer(rule.line, rule.written, S.ruleAt(rule.place), build);
         li.replaceChildren(line);
         line.querySelector("input").focus();
       };
       li.append(
-        el("button", { class: "small", textContent: S.change, "aria-label": `${S.change} ${S.rule} ${number + 1}`, onclick: edit }),
+        el("button", { class: "small", textContent: S.change, "aria-label": `${S.change} ${S.ruleAt(rule.place)}`, onclick: edit }),
         el("button", {
-          class: "small", textContent: "×", title: S.remove, "aria-label": `${S.remove} ${S.rule} ${number + 1}`,
+          class: "small", textContent: "×", title: S.remove, "aria-label": `${S.remove} ${S.ruleAt(rule.place)}`,
           onclick: () => change("rule", { line: rule.line, sentence: "" }),
         }),
       );
@@ -126,14 +138,14 @@ export function rulesPane(store, { setCell, goTo, change }) {
     const when = grid.condition ? ` when ${grid.condition}` : "";
     const corner = grid.row ? `${grid.row} \\ ${grid.column}` : grid.column;
     const head = el("tr", {}, el("th", { scope: "col", textContent: corner }));
-    for (const name of grid.columns) head.append(el("th", { scope: "col", textContent: name, title: name }));
-    const caption = el("caption", { textContent: `${grid.output}${when}` });
+    for (const name of grid.columns) head.append(el("th", { scope: "col" }, label(grid, name, false)));
+    const caption = el("caption", {}, el("span", { textContent: `${grid.output}${when}` }), ...tools(grid));
     const found = findingsOf(grid.range);
     if (found.length) caption.append(" ", sign(found));
     const made = el("table", {}, caption, el("thead", {}, head));
     const rows = el("tbody");
     for (const row of grid.rows) {
-      const line = el("tr", {}, el("th", { scope: "row", textContent: row.label, title: row.label }));
+      const line = el("tr", {}, el("th", { scope: "row" }, grid.row ? label(grid, row.label, true) : row.label));
       row.cells.forEach((cell, i) => {
         const label = S.ruleOf(row.label, grid.columns[i]);
         const change = editable && !(grid.joined && cell.term === null);
@@ -148,6 +160,32 @@ export function rulesPane(store, { setCell, goTo, change }) {
     }
     made.append(rows);
     return made;
+  }
+
+  /** What names a row or a column, and leads to what is done with it. */
+  function label(grid, term, row) {
+    if (!attempt) return el("span", { textContent: term, title: term });
+    const variable = row ? grid.row : grid.column;
+    return el("button", {
+      textContent: term, title: row ? S.rowOf(variable, term) : S.columnOf(variable, term),
+      onclick: () => headDialog(hand, store.scene, { line: grid.line, row, variable, term, present: present(grid, row) }),
+    });
+  }
+
+  const present = (grid, row) => (row ? grid.rows.map((each) => each.label) : grid.columns);
+
+  /** Buttons of a grid: a row, a column, away with it. */
+  function tools(grid) {
+    if (!attempt) return [];
+    const adding = (words, title, row) => el("button", {
+      class: "small", textContent: words, title,
+      onclick: () => addHead(hand, store.scene, { line: grid.line, row, variable: row ? grid.row : grid.column, present: present(grid, row) }),
+    });
+    return [
+      ...(grid.row ? [adding(S.rowDots, S.addRowOf(grid.row), true)] : []), adding(S.columnDots, S.addColumnOf(grid.column), false),
+      el("button", { class: "small", textContent: "×", title: S.removeGrid(grid.output), "aria-label": S.removeGrid(grid.output),
+        onclick: () => change("grid", { line: grid.line }) }),
+    ];
   }
 
   const said = (cell) => (cell.term === null ? "·" : cell.weight ? `${cell.term} ×${cell.weight}` : cell.term);
@@ -192,7 +230,8 @@ export function rulesPane(store, { setCell, goTo, change }) {
       element.classList.toggle("lit", strength > 0);
       const lower = found?.lower[number] ?? strength;
       const range = lower === strength ? shortNumber(strength, 3) : S.between(shortNumber(lower, 3), shortNumber(strength, 3));
-      element.title = strength > 0 ? `${S.strength} ${range}` : "";
+      const said = strength > 0 ? `${S.strength} ${range}` : S.silent;
+      element.title = S.fires(store.scene.rules[number].place, said);
     });
   }
 

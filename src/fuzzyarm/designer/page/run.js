@@ -1,5 +1,6 @@
 // Run: the text controls a plant. The loop of the server steps it; here are its form, its gains and its metrics.
 
+import { aroundLine } from "./around.js";
 import { curvePane } from "./curves.js";
 import { el, pane, shortNumber } from "./draw.js";
 import { experimentFields, markField, optionsOf, textField, wordsOf } from "./experiment.js";
@@ -9,6 +10,9 @@ import { S } from "./strings.js";
 const SPEEDS = [0.2, 1, 5, 60, 600];
 const FIRST = ["rms", "max", "final", "chatter"];
 const STEPS = 1000; // of a slider
+
+/** A time in seconds as the words of the command line have it. */
+const timeWords = (seconds) => (seconds % 3600 === 0 ? `${seconds / 3600}h` : seconds % 60 === 0 ? `${seconds / 60}min` : `${seconds}s`);
 
 const lasting = (seconds) => (seconds <= 30 ? 1 : seconds <= 1000 ? 60 : 600);
 
@@ -20,7 +24,10 @@ function runView(store, hand) {
   const state = { job: null, ready: null, paused: false, over: false, sent: "", described: "" };
   const picture = picturePane(store, (pull) => state.job?.say({ pull }));
   const curves = curvePane(store);
-  const gains = gainPane(hand, (values) => state.job?.say({ gains: values }));
+  const gains = gainPane(hand, (values, done) => {
+    say({ gains: values });
+    if (done && state.over) say({ restart: true, asked: asked(), pause: false });
+  });
   const metrics = metricPane();
   const form = formPane(hand, changed);
   const view = el("div", { class: "run" }, form.section, picture.section, curves.section, gains.section, metrics.section);
@@ -50,7 +57,9 @@ function runView(store, hand) {
     state.described = text;
     hand.start("plants", { text }, (news) => {
       if (news.plants) form.offer(news);
-      else if (news.end === "failed") form.note(news.message);
+      if (news.end !== "failed") return;
+      form.note(news.message);
+      state.described = ""; // it may be asked again
     });
   }
 
@@ -96,9 +105,18 @@ function runView(store, hand) {
       form.time(news.time, news.behind);
       if (news.low.length) curves.add(news);
       if (news.drawing) picture.show(news.drawing);
-      if (before !== state.paused) form.running(state);
+      if (before === state.paused) return;
+      if (!state.paused) {
+        state.over = false;
+        form.note("");
+      }
+      form.running(state);
     },
     metrics: (news) => metrics.show(news.metrics),
+    reached(news) {
+      state.over = true; // what is changed now is seen from the start
+      form.note(S.runReached(news));
+    },
     over(news) {
       state.over = true;
       form.note(S.runOver[news.how](news), news.how === "diverged");
@@ -125,11 +143,22 @@ function runView(store, hand) {
   store.on("judged", () => {
     if (!store.sound) return;
     const text = hand.text();
-    if (state.job && text !== state.sent) say({ text });
-    state.sent = text;
+    const isNew = text !== state.sent;
+    if (state.job && isNew && state.over) rerun();
+    else if (state.job && isNew) say({ text });
+    if (!state.over) state.sent = text;
     describe();
   });
-  store.on("view", describe);
+  store.on("view", () => {
+    describe();
+    rerun();
+  });
+
+  /** A run that has ended shows what has been changed since: it runs again where one looks at it. */
+  function rerun() {
+    if (state.job && state.over && store.view === RUN.name && store.sound && hand.text() !== state.sent) again();
+  }
+
   let waits = false;
   store.on("left", () => { // nobody watches it
     waits = Boolean(state.job) && !state.paused && !state.over;
@@ -158,7 +187,7 @@ function formPane(hand, changed) {
   const suggestions = el("datalist", { id: "run-signals" });
   reference.field.setAttribute("list", "run-signals");
   const duration = text(S.runFor, S.runForHint, 7);
-  duration.field.placeholder = S.runOpenEnded;
+  const endless = el("input", { type: "checkbox", onchange: () => open(true) });
   const trajectory = el("select", { onchange: changed });
   const payload = el("input", { type: "checkbox", onchange: changed });
   const speed = el("select", {},
@@ -175,7 +204,9 @@ function formPane(hand, changed) {
   const said = el("p", { class: "said", role: "status" });
   const onArm = el("span", { class: "fields" },
     el("label", { class: "small" }, S.runTrajectory, trajectory), el("label", { class: "small" }, payload, S.runPayload));
-  const elsewhere = el("span", { class: "fields" }, reference.shown, suggestions, duration.shown);
+  const elsewhere = el("span", { class: "fields" }, reference.shown, suggestions, duration.shown,
+    el("label", { class: "small", title: S.runOpenEndedHint }, endless, S.runOpenEnded));
+  const around = aroundLine(hand);
   const more = experimentFields(changed);
   const seed = text(S.runSeed, S.runSeedHint, 5);
   const line = el("code", { class: "command", tabIndex: 0 });
@@ -185,8 +216,13 @@ function formPane(hand, changed) {
   details.addEventListener("toggle", () => showLine());
   body.addEventListener("change", showLine);
   bar.append(start, pause, step, again, stop, el("label", { class: "small" }, S.runSpeed, speed), clock);
-  body.append(
-    el("div", { class: "fields" }, el("label", { class: "small" }, S.runPlant, plant), onArm, elsewhere), details, said);
+  const choice = el("div", { class: "fields" }, el("label", { class: "small" }, S.runPlant, plant), onArm, elsewhere);
+  body.append(around.line, choice, details, said);
+
+  function open(byHand) {
+    if (byHand) changed();
+    showLine();
+  }
 
   function chosen(byHand) {
     touched ||= byHand;
@@ -199,6 +235,9 @@ function formPane(hand, changed) {
     const port = one.reference.split("=")[0];
     suggestions.replaceChildren(...S.runSignals.map((signal) => el("option", { value: `${port}=${signal}` })));
     speed.value = String(arm ? 1 : lasting(one.duration ?? 10));
+    endless.checked = !one.duration;
+    duration.field.value = one.duration ? timeWords(one.duration) : "";
+    open(false);
     note(one.why, Boolean(one.why));
     if (byHand) changed();
     showLine();
@@ -208,7 +247,13 @@ function formPane(hand, changed) {
     const before = JSON.stringify(plants);
     plants = news.plants;
     direct = news.direct;
-    start.disabled = false;
+    start.disabled = !plants.length;
+    choice.hidden = details.hidden = !plants.length;
+    around.show(news.alone, Boolean(direct));
+    if (!plants.length) {
+      note("");
+      return;
+    }
     if (JSON.stringify(plants) === before) return;
     const kept = touched && plants.some((each) => each.name === plant.value) ? plant.value : news.chosen || plants[0].name;
     plant.replaceChildren(...plants.map((each) => el("option", {
@@ -225,7 +270,10 @@ function formPane(hand, changed) {
   function asked() {
     const found = { plant: plant.value, speed: speed.value === "" ? null : Number(speed.value), ...more.asked() };
     if (plant.value === "arm") Object.assign(found, { trajectory: trajectory.value, payload: payload.checked });
-    else Object.assign(found, { reference: wordsOf(reference.field.value), duration: duration.field.value.trim() });
+    else {
+      const lasts = duration.field.value.trim();
+      Object.assign(found, { reference: wordsOf(reference.field.value), [endless.checked ? "window" : "until"]: lasts });
+    }
     if (seed.field.value.trim()) found.seed = seed.field.value.trim();
     return found;
   }
@@ -238,7 +286,7 @@ function formPane(hand, changed) {
     if (want.plant !== "arm") words.push("--plant", want.plant);
     if (want.trajectory) words.push("--trajectory", want.trajectory, ...(want.payload ? ["--payload"] : []));
     words.push(...optionsOf(want));
-    if (want.duration) words.push("--for", want.duration);
+    if (want.until) words.push("--for", want.until);
     if (want.seed !== undefined) words.push("--seed", String(want.seed));
     line.textContent = words.map(quoted).join(" ");
   }
@@ -253,7 +301,7 @@ function formPane(hand, changed) {
   function running({ job, paused, over }) {
     start.hidden = Boolean(job);
     again.hidden = !job;
-    for (const each of [pause, step]) each.disabled = !job || over;
+    for (const each of [pause, step]) each.disabled = !job || (over && !paused);
     stop.disabled = !job;
     pause.textContent = paused ? S.runResume : S.runPause;
   }
@@ -263,7 +311,7 @@ function formPane(hand, changed) {
   }
 
   note("");
-  const mark = (name, message) => markField({ reference: reference.field, ...more.inputs }, name, message);
+  const mark = (name, message) => markField({ reference: reference.field, duration: duration.field, ...more.inputs }, name, message);
   return { section, start, pause, step, again, stop, speed, offer, asked, note, mark, running, time };
 }
 
@@ -329,7 +377,7 @@ function gainPane(hand, move) {
       for (const each of rows) if (each.gain.name === gain.name) each.gain.values[k] = value;
       number.value = shortNumber(value, 6);
       range.setAttribute("aria-valuetext", `${shortNumber(value)} ${gain.unit}`);
-      move({ [gain.name]: gain.values });
+      move({ [gain.name]: gain.values }, done && !gain.written);
       if (done && gain.written) hand.setGain(gain.name, gain.values);
     }
 

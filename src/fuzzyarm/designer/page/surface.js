@@ -58,7 +58,13 @@ export function surfacePane(store, { start }) {
     const focused = [...bar.querySelectorAll("select")].indexOf(document.activeElement);
     while (bar.childNodes.length > 1) bar.lastChild.remove();
     bar.append(el("span", { class: "space" }));
-    const { inputs, outputs } = store.scene;
+    const { inputs, outputs, missing } = store.scene;
+    if (missing.length) {
+      below.hidden = true;
+      others.replaceChildren();
+      redraw();
+      return;
+    }
     const names = inputs.map((each, i) => [String(i), each.name]);
     if (inputs.length > 2) {
       bar.append(
@@ -120,6 +126,10 @@ export function surfacePane(store, { start }) {
   function draw() {
     const { scene, axes } = store;
     if (!scene || !size.width) return;
+    if (scene.missing.length) {
+      nothing(S.notYet(Object.keys(S.missing).filter((name) => scene.missing.includes(name)).map((name) => S.missing[name])));
+      return;
+    }
     const [x, y] = [scene.inputs[axes.x], scene.inputs[axes.y]];
     const output = scene.outputs[axes.output];
     for (const { i, range, said } of sliders) {
@@ -133,10 +143,7 @@ export function surfacePane(store, { start }) {
     const source = found?.isFar ? S.byServer : found && store.coarse ? S.coarse : "";
     canvas.setAttribute("aria-label", `${label} ${source}`.trim());
     if (!found) {
-      g.fillStyle = colourOf("--soft");
-      g.font = "13px system-ui, sans-serif";
-      const said = store.refused || (start ? S.asking(scene.reason) : S.notHere(scene.reason));
-      wrapped(g, clean(said), 12, 24, width - 24);
+      nothing(store.refused || (start ? S.asking(scene.reason) : S.notHere(scene.reason)));
       return;
     }
     const [low, high] = limits(found.z, output);
@@ -153,6 +160,15 @@ export function surfacePane(store, { start }) {
       g.fillText(source, 8, height - 6);
     }
     if (cut) drawSection(picture);
+  }
+
+  /** Say why nothing is drawn. */
+  function nothing(words) {
+    const { g, width } = context(canvas, size.width, size.height);
+    g.fillStyle = colourOf("--soft");
+    g.font = "13px system-ui, sans-serif";
+    wrapped(g, clean(words), 12, 24, width - 24);
+    canvas.setAttribute("aria-label", clean(words));
   }
 
   function limits(z, output) {

@@ -3,9 +3,12 @@
 import { el, svg, pane, hue, shortNumber, ticks, eachFrame } from "./draw.js";
 import { rangeOf, cornersOf, sidesOf, shapeKey, WIDTHS } from "./store.js";
 import { S } from "./strings.js";
+import { addVariable, variableHead } from "./variables.js";
 
-const HEIGHT = 101;
-const [LEFT, RIGHT, TOP, BOTTOM] = [14, 14, 34, 17];
+const [LEFT, RIGHT, TOP, BOTTOM] = [14, 14, 20, 17];
+const HEAD = 22; // of the line above a plot
+const DETAILS = 34; // below all, for the term that is chosen
+const [LEAST, MOST] = [80, 240]; // height of a plot
 const SMOOTH = 161;
 const LEAST_HEIGHT = 0.05;
 const DIAMOND = 5.5;
@@ -41,11 +44,17 @@ export function mirrorOf(kind, p, sum) {
   return WIDTHS[kind] ? [flip(p[0]), ...p.slice(1)] : null;
 }
 
+/** The height of each of so many plots in a pane: they share it, within bounds. */
+export const plotHeight = (room, count) =>
+  Math.round(Math.min(MOST, Math.max(LEAST, (room - DETAILS) / Math.max(1, count) - HEAD)));
+
 /**
  * The pane; `edit` takes the shapes when a hand lets go, `numbers` brings those of a variable.
- * Where the text can be edited, `change` adds, removes and renames terms, and `askFor` asks.
+ * Where the text can be edited, `change` removes and renames terms, `askFor` asks, and `attempt`
+ * makes the edits of dialogs.
  */
-export function termsPane(store, { edit, numbers, change, askFor }) {
+export function termsPane(store, hand) {
+  const { edit, numbers, change, askFor } = hand;
   const { section, bar, body: all } = pane("terms", S.terms);
   const body = el("div", { class: "plots" });
   const details = el("div", { class: "details", hidden: true });
@@ -55,11 +64,15 @@ export function termsPane(store, { edit, numbers, change, askFor }) {
     bar.append(el("label", { class: "small", title }, box, text));
     return box;
   };
+  const adding = (words, role) => el("button", { textContent: words, title: S.addRole[role], onclick: () => addVariable(hand, role) });
+  if (hand.attempt) bar.append(adding(S.addInput, "input"), adding(S.addOutput, "output"));
   bar.append(el("span", { class: "space" }));
   const partition = option(S.partition, S.partitionHint, false);
   const mirror = option(S.mirror, S.mirrorHint, false);
   const snap = option(S.snap, S.snapHint, true);
   const plots = new Map();
+  const heads = new Map();
+  let tall = LEAST;
   let chosen = ""; // "variable term" whose handles are shown
   let fields = null; // the numbers of the chosen term
   let rebuilding = false; // while they are put in the place of others
@@ -82,19 +95,33 @@ export function termsPane(store, { edit, numbers, change, askFor }) {
   function build() {
     const names = each().map((variable) => variable.name);
     // A plot that a hand is on stays where it is.
-    if (JSON.stringify(names) === JSON.stringify([...plots.keys()])) {
+    if (body.firstChild && JSON.stringify(names) === JSON.stringify([...plots.keys()])) {
       if (store.busy) grip(each().find((variable) => variable.name === moving));
     } else {
-      body.replaceChildren();
+      body.replaceChildren(...(names.length ? [] : [el("p", { class: "note", textContent: S.noVariables })]));
       plots.clear();
+      heads.clear();
       for (const variable of each()) {
-        const plot = svg("svg", { height: HEIGHT, role: "group", "aria-label": variable.name });
+        const plot = svg("svg", { role: "group", "aria-label": variable.name });
+        const head = variableHead(hand, peakOfNew);
         plots.set(variable.name, plot);
-        body.append(plot);
+        heads.set(variable.name, head);
+        body.append(head.element, plot);
       }
     }
+    tall = plotHeight(all.clientHeight, names.length);
+    each().forEach((variable, v) => heads.get(variable.name).show(variable, roleOf(v)));
     describe();
     draw();
+  }
+
+  const roleOf = (v) => (v < store.scene.inputs.length ? S.inputs : S.outputs);
+
+  /** Where a new term of a variable stands: at the point, or in the middle. */
+  function peakOfNew(variable) {
+    const [low, high] = rangeOf(variable);
+    const input = store.scene.inputs.indexOf(variable);
+    return rounded(input < 0 ? 0.5 * (low + high) : store.point[input], variable);
   }
 
   function scale(variable) {
@@ -102,8 +129,8 @@ export function termsPane(store, { edit, numbers, change, askFor }) {
     const [low, high] = rangeOf(variable);
     const x = (value) => LEFT + ((value - low) / (high - low)) * (width - LEFT - RIGHT);
     const back = (pixel) => low + ((pixel - LEFT) / (width - LEFT - RIGHT)) * (high - low);
-    const y = (degree) => HEIGHT - BOTTOM - degree * (HEIGHT - TOP - BOTTOM);
-    const degree = (pixel) => (HEIGHT - BOTTOM - pixel) / (HEIGHT - TOP - BOTTOM);
+    const y = (degree) => tall - BOTTOM - degree * (tall - TOP - BOTTOM);
+    const degree = (pixel) => (tall - BOTTOM - pixel) / (tall - TOP - BOTTOM);
     return { width, low, high, x, y, back, degree };
   }
 
@@ -128,14 +155,11 @@ export function termsPane(store, { edit, numbers, change, askFor }) {
     const plot = plots.get(variable.name);
     const at = scale(variable);
     const parts = [];
-    const role = v < store.scene.inputs.length ? S.inputs : S.outputs;
-    parts.push(svg("text", { x: 4, y: 10, class: "name" }, variable.name));
-    parts.push(svg("text", { x: at.width - 4, y: 10, "text-anchor": "end" }, role));
     parts.push(svg("line", { class: "axis", x1: LEFT, x2: at.width - RIGHT, y1: at.y(0), y2: at.y(0) }));
     for (const tick of ticks(at.low, at.high, at.width / 80)) {
-      parts.push(svg("text", { x: at.x(tick), y: HEIGHT - 4, "text-anchor": "middle" }, shortNumber(tick)));
+      parts.push(svg("text", { x: at.x(tick), y: tall - 4, "text-anchor": "middle" }, shortNumber(tick)));
     }
-    if (role === S.inputs) {
+    if (v < store.scene.inputs.length) {
       const x = at.x(store.point[v]);
       parts.push(svg("line", { class: "at", x1: x, x2: x, y1: TOP, y2: at.y(0) }));
     }
@@ -156,6 +180,7 @@ export function termsPane(store, { edit, numbers, change, askFor }) {
       handles.push(...handlesOf(variable, term, t, at, isChosen));
     });
     plot.setAttribute("width", at.width);
+    plot.setAttribute("height", tall);
     plot.replaceChildren(...parts, ...handles);
   }
 
@@ -272,9 +297,8 @@ export function termsPane(store, { edit, numbers, change, askFor }) {
       const button = (text, act) => el("button", { textContent: text, onclick: act });
       parts.push(
         el("span", { class: "space" }),
-        button(S.addTerm, () => add(variable)), button(S.rename, () => rename(variable, term)),
+        button(S.rename, () => rename(variable, term)),
         button(S.remove, () => change("term", { variable: variable.name, term: term.name })),
-        button(S.range, () => stretch(variable)),
       );
     }
     const onKind = document.activeElement?.closest(".details .kind");
@@ -363,35 +387,11 @@ export function termsPane(store, { edit, numbers, change, askFor }) {
     finish(variable.name);
   }
 
-  async function add(variable) {
-    const name = await askFor(S.nameOfTerm(variable.name), "", S.addTerm);
-    if (!name) return;
-    const [low, high] = rangeOf(variable);
-    const input = store.scene.inputs.indexOf(variable);
-    const middle = rounded(input < 0 ? 0.5 * (low + high) : store.point[input], variable);
-    const half = rounded((high - low) / (variable.terms.length + 1), variable);
-    const discrete = variable.terms.length && variable.terms.every((term) => term.kind === "singleton");
-    const shape = discrete ? { kind: "singleton", parameters: [middle] }
-      : { kind: "triangle", parameters: [middle - half, middle, middle + half] };
-    shape.parameters = shape.parameters.map((x) => Number(x.toPrecision(12)));
-    if (await change("term", { variable: variable.name, term: name, shape })) {
-      chosen = `${variable.name}\n${name}`;
-    }
-  }
-
   async function rename(variable, term) {
     const name = await askFor(`${S.renameTo} ${term.name}`, term.name, S.rename);
     if (!name || name === term.name) return;
     const taken = await change("term", { variable: variable.name, term: term.name, name });
     if (taken) chosen = `${variable.name}\n${name}`;
-  }
-
-  async function stretch(variable) {
-    const said = (x) => (x === null ? "inf" : shortNumber(x, 12));
-    const low = variable.low === null ? "-inf" : said(variable.low);
-    const text = await askFor(S.rangeOf(variable.name), `${low} .. ${said(variable.high)}`, S.range);
-    const ends = text?.split("..").map((each) => Number(each.trim().replace("inf", "Infinity")));
-    if (ends?.length === 2) change("range", { variable: variable.name, low: ends[0], high: ends[1] });
   }
 
   // --- moving ---
@@ -618,9 +618,12 @@ export function termsPane(store, { edit, numbers, change, askFor }) {
     partly = "";
     redraw();
   });
-  new ResizeObserver(() => {
+  const watch = new ResizeObserver(() => {
     wide = body.clientWidth;
+    tall = plotHeight(all.clientHeight, plots.size);
     redraw();
-  }).observe(body);
+  });
+  watch.observe(body);
+  watch.observe(all);
   return section;
 }

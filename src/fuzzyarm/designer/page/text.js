@@ -2,7 +2,7 @@
 // are the answers of the language server's queries; nothing of the language is known here.
 
 import {
-  EditorState, EditorView, Compartment, StateEffect, StateField, Decoration, ChangeSet, Annotation,
+  EditorState, EditorView, Compartment, StateEffect, StateField, Decoration, ChangeSet,
   keymap, lineNumbers, highlightActiveLine, highlightSpecialChars, drawSelection, hoverTooltip, history, historyKeymap,
   defaultKeymap, undo, redo, autocompletion, completionKeymap, setDiagnostics, searchKeymap,
   highlightSelectionMatches, collab, sendableUpdates, receiveUpdates, getSyncedVersion,
@@ -12,6 +12,24 @@ import { ask, choose } from "./dialogs.js";
 import { S } from "./strings.js";
 
 const WAIT = 15; // ms after a key stroke before changes are sent
+
+/** The words of a hover as elements: pictures and code in the font of the text, nothing as markup. */
+export function explained(markdown) {
+  const parts = markdown.split(/^```\w*\n([\s\S]*?)\n```$/m);
+  return parts.flatMap((part, i) => (i % 2 ? [el("pre", { textContent: part })] : words(part.trim())));
+}
+
+function words(text) {
+  const found = [];
+  let at = 0;
+  for (const match of text.matchAll(/(`+)(.+?)\1(?!`)|\*\*(.+?)\*\*|\\(.)/gs)) {
+    const [all, , code, strong, plain] = match;
+    found.push(text.slice(at, match.index), code ? el("code", { textContent: code }) : strong
+      ? el("strong", { textContent: strong.replace(/\\(.)/g, "$1") }) : plain);
+    at = match.index + all.length;
+  }
+  return [...found, text.slice(at)].filter((each) => each !== "");
+}
 
 const setColours = StateEffect.define();
 const colourField = StateField.define({
@@ -24,12 +42,24 @@ const colourField = StateField.define({
   provide: (field) => EditorView.decorations.from(field),
 });
 
-const fromServer = Annotation.define();
+/** What has to change from one text to another: all between the ends that they share. */
+export function difference(old, now) {
+  const most = Math.min(old.length, now.length);
+  let [from, end] = [0, 0];
+  while (from < most && old[from] === now[from]) from++;
+  while (end < most - from && old[old.length - 1 - end] === now[now.length - 1 - end]) end++;
+  // A character of two units stays whole.
+  if (from && /[\ud800-\udbff]/.test(old[from - 1])) from--;
+  if (end && /[\udc00-\udfff]/.test(old[old.length - end])) end--;
+  return { from, to: old.length - end, insert: now.slice(from, now.length - end) };
+}
 
 /** The pane and its editor; `link` talks to the server. */
 export function textPane(link, nonce) {
   const { section, bar, body } = pane("text", S.text);
   const shared = new Compartment();
+  const frozen = new Compartment(); // until the file is open there is nothing to write in
+  const revert = el("button", { textContent: S.revert, title: S.revertHint, disabled: true, onclick: () => replace(link.saved()) });
   const list = el("ul", { class: "findings", "aria-label": S.findings });
   const host = el("div", { class: "editor" });
   let epoch = "";
@@ -41,6 +71,7 @@ export function textPane(link, nonce) {
     el("span", { class: "space" }),
     quick(S.undo, "Ctrl+Z", () => undo(view)),
     quick(S.redo, "Ctrl+Shift+Z", () => redo(view)),
+    revert,
     quick(S.format, "Shift+Alt+F", format),
   );
   body.append(host, list);
@@ -54,7 +85,7 @@ export function textPane(link, nonce) {
         EditorView.cspNonce.of(nonce), EditorState.lineSeparator.of("\n"), colourField,
         EditorView.contentAttributes.of({ "aria-label": S.editor, tabindex: "0" }),
         autocompletion({ override: [completions] }), hoverTooltip(hovered),
-        shared.of([]),
+        shared.of([]), frozen.of([EditorState.readOnly.of(true), EditorView.editable.of(false)]),
         keymap.of([
           { key: "Mod-s", run: () => link.save() ?? true },
           { key: "F2", run: () => rename() ?? true },
@@ -111,18 +142,16 @@ export function textPane(link, nonce) {
     send();
   }
 
-  /** Start from the server's text; history stays where it is the one that is here. */
+  /** Start from the server's text. It comes as the change of somebody else, which is no step of this hand. */
   function open(message) {
     epoch = message.epoch;
     sending = false;
-    const text = view.state.doc.toString();
-    const begin = collab({ startVersion: message.version });
+    const change = difference(view.state.doc.toString(), message.text);
     // Without an old state of `collab` in between, the new one starts at its version.
     view.dispatch({ effects: shared.reconfigure([]) });
-    if (text !== message.text) {
-      view.dispatch({ changes: { from: 0, to: text.length, insert: message.text }, annotations: fromServer.of(true) });
-    }
-    view.dispatch({ effects: shared.reconfigure(begin) });
+    view.dispatch({ effects: [shared.reconfigure(collab({ startVersion: message.version - 1 })), frozen.reconfigure([])] });
+    const changes = ChangeSet.of(change, view.state.doc.length);
+    view.dispatch(receiveUpdates(view.state, [{ clientID: epoch, changes }]));
     link.edited(message.text);
   }
 
@@ -171,8 +200,9 @@ export function textPane(link, nonce) {
     view.focus();
   }
 
-  async function fixes(offsetOfFinding) {
-    const found = await question("fixes", { at: position(offsetOfFinding) });
+  /** Offer the repairs of a finding; without its name those of all in the line. */
+  async function fixes(offsetOfFinding, name = null) {
+    const found = await question("fixes", { at: position(offsetOfFinding), name });
     if (!found.fixes?.length) {
       link.say(S.noFix);
       return;
@@ -201,10 +231,9 @@ export function textPane(link, nonce) {
   async function hovered(_view, at) {
     const answer = await question("hover", { at: position(at) });
     if (!answer.markdown) return null;
-    const text = answer.markdown.replace(/\*\*|`/g, "").replace(/\\(.)/g, "$1");
     return {
       pos: offset(answer.range[0]), end: offset(answer.range[1]), above: true,
-      create: () => ({ dom: el("div", { class: "hover", textContent: text }) }),
+      create: () => ({ dom: el("div", { class: "hover" }, ...explained(answer.markdown)) }),
     };
   }
 
@@ -236,10 +265,12 @@ export function textPane(link, nonce) {
   function item(each) {
     const place = view.state.doc.lineAt(each.from).number;
     const text = `${place}: ${each.message}${each.hint ? ` (${each.hint})` : ""}`;
+    // What only silences a finding does not mend it.
+    const fix = el("button", { textContent: each.fixes.some(Boolean) ? S.fix : S.allow, onclick: () => fixes(each.from, each.name) });
     return el("li", {},
       el("span", { class: each.severity, textContent: each.severity }),
       el("button", { class: "go", textContent: text, onclick: () => select(each.from, each.to) }),
-      el("button", { textContent: S.fix, onclick: () => fixes(each.from) }));
+      ...(each.fixes.length ? [fix] : []));
   }
 
   function select(from, to) {
@@ -258,8 +289,7 @@ export function textPane(link, nonce) {
 
   /** Put another text in the place of this one: one step back undoes it. */
   function replace(words) {
-    const changes = { from: 0, to: view.state.doc.length, insert: words };
-    view.dispatch({ changes, userEvent: "input.replace" });
+    view.dispatch({ changes: difference(view.state.doc.toString(), words), userEvent: "input.replace" });
     send();
   }
 
@@ -271,6 +301,9 @@ export function textPane(link, nonce) {
     replace,
     close: () => view.destroy(),
     open,
+    revertible(changed) {
+      revert.disabled = !changed;
+    },
     receive,
     show,
     settled,
@@ -280,6 +313,12 @@ export function textPane(link, nonce) {
     version: () => getSyncedVersion(view.state),
     goTo: (at) => select(offset(at), offset(at)),
     edit: async (what, details) => apply(await question(what, details), `input.${what}`),
+    /** Make an edit; what is wrong with it is in the answer. */
+    async attempt(what, details) {
+      const answer = await question(what, details);
+      if (!answer.error) apply(answer, `input.${what}`);
+      return answer;
+    },
     numbers: async (variable) => (await question("numbers", { variable })).numbers ?? null,
   };
 }

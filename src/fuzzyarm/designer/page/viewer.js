@@ -46,7 +46,7 @@ export function viewerPane(store) {
       return { range, number };
     });
     const { scene } = store;
-    const first = scene.rules.some((rule) => rule.readings.length > 1) ? "8.4em" : "4.6em";
+    const first = scene.rules.some((rule) => rule.readings.length > 1) ? "8.4em" : "5.4em";
     const columns = `${first} repeat(${scene.inputs.length + scene.outputs.length}, minmax(0, 1fr))`;
     for (const part of [head, foot]) part.style.gridTemplateColumns = columns;
     rows.style.setProperty("--columns", columns);
@@ -61,6 +61,11 @@ export function viewerPane(store) {
       range.value = store.point[i];
       if (document.activeElement !== number) number.value = shortNumber(store.point[i], 6);
     });
+    if (store.scene.missing.length) {
+      why.replaceChildren();
+      for (const part of [head, rows, foot]) part.hidden = true;
+      return;
+    }
     const found = store.fired();
     const isKnown = found || store.running;
     for (const part of [head, rows, foot]) part.hidden = !found;
@@ -96,7 +101,7 @@ export function viewerPane(store) {
         if (concludes && strength > (first < 0 ? 0 : found.strengths[first])) first = number;
       });
       const reason = first >= 0
-        ? ` ${S.because} ${store.scene.rules[first].text} (${S.strength} ${degree(found, first)})`
+        ? ` ${S.because} ${store.scene.rules[first].text} (${S.strength} ${degree(found, first)}, ${store.scene.rules[first].place})`
         : ` – ${S.nothingFires}`;
       line.append(clean(reason));
       return line;
@@ -125,8 +130,8 @@ export function viewerPane(store) {
   function row(found, number) {
     const { scene } = store;
     const rule = scene.rules[number];
-    const made = el("div", { class: found.strengths[number] > 0 ? "fired" : "fired silent", title: `${rule.text} (${S.strength} ${degree(found, number)})` });
-    made.append(el("span", { class: "degree", textContent: `${number + 1}: ${degree(found, number)}` }));
+    const made = el("div", { class: found.strengths[number] > 0 ? "fired" : "fired silent", title: `${rule.place}: ${rule.text} (${S.strength} ${degree(found, number)})` });
+    made.append(el("span", { class: "degree" }, el("span", { textContent: rule.place }), degree(found, number)));
     scene.inputs.forEach((variable, i) => made.append(premise(variable, i, rule)));
     scene.outputs.forEach((output, o) => made.append(conclusion(output, o, rule, found, number)));
     return made;

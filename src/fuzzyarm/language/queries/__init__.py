@@ -7,9 +7,27 @@ language server, the studio and the tests share them. Lines and columns count fr
 from typing import TYPE_CHECKING
 
 from fuzzyarm.language.phrases import Kind, Occurrence
+from fuzzyarm.language.queries.building import (
+    add_rule,
+    add_variable,
+    remove_variable,
+    rename_variable,
+    set_setting,
+)
 from fuzzyarm.language.queries.completion import Candidate, complete
 from fuzzyarm.language.queries.fixes import Edit, Fix, apply_edits, fixes
+from fuzzyarm.language.queries.grids import (
+    FILLS,
+    add_column,
+    add_grid,
+    add_row,
+    graded,
+    remove_column,
+    remove_grid,
+    remove_row,
+)
 from fuzzyarm.language.queries.hover import Hover, hover, plain
+from fuzzyarm.language.queries.lines import INCOMPLETE, ReshapeError
 from fuzzyarm.language.queries.outline import (
     COLOURS,
     Coloured,
@@ -28,7 +46,6 @@ from fuzzyarm.language.queries.references import (
 )
 from fuzzyarm.language.queries.reshape import (
     Reshaped,
-    ReshapeError,
     add_term,
     add_tuning,
     remove_term,
@@ -45,6 +62,8 @@ from fuzzyarm.lazy import lazily
 
 __all__ = [
     "COLOURS",
+    "FILLS",
+    "INCOMPLETE",
     "Candidate",
     "Coloured",
     "Edit",
@@ -59,26 +78,38 @@ __all__ = [
     "ReshapeError",
     "Reshaped",
     "Symbol",
+    "add_column",
+    "add_grid",
+    "add_row",
+    "add_rule",
     "add_term",
     "add_tuning",
+    "add_variable",
     "apply_edits",
     "coloured",
     "complete",
     "fixes",
     "folds",
+    "graded",
     "hover",
     "occurrence_at",
     "plain",
     "read",
     "references",
+    "remove_column",
+    "remove_grid",
+    "remove_row",
     "remove_term",
+    "remove_variable",
     "rename",
     "rename_term",
+    "rename_variable",
     "set_cell",
     "set_gain",
     "set_kind",
     "set_ranges",
     "set_rule",
+    "set_setting",
     "set_shapes",
     "set_variable_range",
     "symbols",

@@ -6,17 +6,30 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
-from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language.controllers import ControllerHeading, GainNode
 from fuzzyarm.language.phrases import Kind
 from fuzzyarm.language.queries.fixes import Edit, apply_edits
+from fuzzyarm.language.queries.lines import (
+    ReshapeError,
+    aligned_word,
+    declaration_of,
+    demand_sound,
+    last_line,
+    last_lines,
+    line_of_rules,
+    lines_behind,
+    names_term,
+    nodes_of,
+    without_lines,
+    without_statement,
+    without_word,
+)
 from fuzzyarm.language.queries.reading import Reading, read
 from fuzzyarm.language.queries.references import rename
 from fuzzyarm.language.rules import CellNode, GridNode, RuleNode
 from fuzzyarm.language.statements import (
     EvenTermsNode,
     Heading,
-    StatementNode,
     TermNode,
     VariableNode,
 )
@@ -26,11 +39,6 @@ from fuzzyarm.language.writer import shape_node, tuning_node
 from fuzzyarm.model.alike import UnlikeError, alike
 from fuzzyarm.model.rulebase import PeakTuning, Shape, Tuning
 from fuzzyarm.text.diagnostic import Span
-
-
-class ReshapeError(FuzzyarmError, ValueError):
-    """A change that has no single place in the text."""
-
 
 # --- Terms ---
 
@@ -72,7 +80,7 @@ def set_shapes(reading: Reading, shapes: Sequence[Reshaped | tuple[str, str, Sha
             continue
         line = _line_behind_family(reading, variable, term)
         behind.setdefault(line, []).append(_term_text(reading, variable, term, shape, lower))
-    edits += [_behind(reading, line, added) for line, added in behind.items()]
+    edits += [lines_behind(reading, line, added) for line, added in behind.items()]
     return edits
 
 
@@ -94,7 +102,7 @@ def set_kind(reading: Reading, variable: str, term: str, kind: str) -> list[Edit
         If the text declares no such term, the shape has nothing of the kind, or the text would
         have a mistake with it.
     """
-    declared = _declaration(reading, variable)
+    declaration_of(reading, variable)
     model = reading.model.variable(variable)
     found = model.term(term) if any(each.name == term for each in model.terms) else None
     if found is None:
@@ -109,14 +117,7 @@ def set_kind(reading: Reading, variable: str, term: str, kind: str) -> list[Edit
     except UnlikeError as error:
         raise ReshapeError(error.message, hint=error.hint) from error
     edits = set_shapes(reading, [Reshaped(variable, term, made[0], made[1] if made[1:] else None)])
-    parsed = read(apply_edits(reading.text, edits), reading.path).parsed
-    before = sum(each.is_error for each in reading.parsed.diagnostics)
-    wrong = [each for each in parsed.diagnostics if each.is_error]
-    if len(wrong) > before:
-        line = declared.span.line
-        first = next((each for each in wrong if each.span.line >= line), wrong[0])
-        raise ReshapeError(f"as '{kind}': {first.message}", hint=first.hint)
-    return edits
+    return demand_sound(reading, edits, f"as '{kind}': ")
 
 
 def _shape_text(reading: Reading, shape: Shape, lower: Shape | None = None) -> str:
@@ -141,20 +142,10 @@ def _term_text(
     return f"term {name_text(variable)} {name_text(term)}: {words}"
 
 
-def _behind(reading: Reading, line: int, added: Sequence[str]) -> Edit:
-    """Return the edit that puts lines behind another one."""
-    end = len(reading.raw_line(line)) + 1
-    return Edit(Span(line, end, line, end), "".join(f"\n{words}" for words in added))
-
-
 def _terms(reading: Reading, variable: str) -> Iterator[TermNode]:
-    for node in _nodes(reading):
+    for node in nodes_of(reading):
         if isinstance(node, TermNode) and node.variable.text == variable:
             yield node
-
-
-def _nodes(reading: Reading) -> Iterator[StatementNode]:
-    return (statement.node for statement in reading.document.statements)
 
 
 def _own_line(reading: Reading, variable: str, term: str) -> Span | None:
@@ -166,7 +157,7 @@ def _own_line(reading: Reading, variable: str, term: str) -> Span | None:
 
 
 def _family_of(reading: Reading, variable: str, term: str) -> EvenTermsNode | None:
-    for node in _nodes(reading):
+    for node in nodes_of(reading):
         if not isinstance(node, EvenTermsNode) or term not in {word.text for word in node.names}:
             continue
         if variable in {word.text for word in node.variables}:
@@ -179,17 +170,12 @@ def _line_behind_family(reading: Reading, variable: str, term: str) -> int:
     node = _family_of(reading, variable, term)
     if node is None:
         raise ReshapeError(f"the text declares no term '{term}' of '{variable}'")
-    last = _last_lines(reading)
+    last = last_lines(reading)
     lines = {each.span.line for each in _terms(reading, variable)}
     line = last[node.span.line]
     while line + 1 in lines:
         line = last[line + 1]
     return line
-
-
-def _last_lines(reading: Reading) -> dict[int, int]:
-    """Return the last line of every statement by its first one."""
-    return {start: end for _, start, end in reading.extents}
 
 
 def add_term(reading: Reading, variable: str, term: str, shape: Shape) -> list[Edit]:
@@ -209,29 +195,28 @@ def add_term(reading: Reading, variable: str, term: str, shape: Shape) -> list[E
     ReshapeError
         If there is no such variable, or it has a term of that name.
     """
-    declared = _declaration(reading, variable)
+    declaration_of(reading, variable)
     if not term.strip():
         raise ReshapeError("a term needs a name")
-    lines = [declared.span.line]
-    for node in _nodes(reading):
+    own = 0
+    for node in nodes_of(reading):
         if isinstance(node, TermNode) and node.variable.text == variable:
             names = [node.name.text]
         elif isinstance(node, EvenTermsNode) and variable in {w.text for w in node.variables}:
             names = [word.text for word in node.names]
         else:
             continue
-        lines.append(node.span.line)
+        own = node.span.line
         if term in names:
-            raise ReshapeError(f"'{variable}' has a term '{term}' already, on line {lines[-1]}")
-    line = _last_lines(reading)[max(lines)]
-    return [_behind(reading, line, [_term_text(reading, variable, term, shape)])]
-
-
-def _declaration(reading: Reading, variable: str) -> VariableNode:
-    for node in _nodes(reading):
-        if isinstance(node, VariableNode) and node.name.text == variable:
-            return node
-    raise ReshapeError(f"the text declares no variable '{variable}'")
+            raise ReshapeError(f"'{variable}' has a term '{term}' already, on line {own}")
+    words = [_term_text(reading, variable, term, shape)]
+    if own:
+        return [lines_behind(reading, last_lines(reading)[own], words)]
+    # Its first term: behind those of others, or below the variables.
+    termed, declared = last_line(reading, TermNode, EvenTermsNode), last_line(reading, VariableNode)
+    if termed > declared:
+        return [lines_behind(reading, termed, words)]
+    return [lines_behind(reading, declared, ["", *words])]
 
 
 def remove_term(reading: Reading, variable: str, term: str) -> list[Edit]:
@@ -255,37 +240,18 @@ def remove_term(reading: Reading, variable: str, term: str) -> list[Edit]:
     if family is not None:
         edits += _without_family(reading, family, variable, term)
     gone = {node.span.line for node in own}
-    edits += [_without_lines(reading, line, _last_lines(reading)[line]) for line in sorted(gone)]
-    for node in _nodes(reading):
-        if isinstance(node, RuleNode) and _names(node, variable, term):
+    edits += [without_lines(reading, line, last_lines(reading)[line]) for line in sorted(gone)]
+    for node in nodes_of(reading):
+        if isinstance(node, RuleNode) and names_term(node, variable, term):
             gone.add(node.span.line)
-            edits.append(_without_statement(reading, node))
+            edits.append(without_statement(reading, node))
         elif isinstance(node, GridNode):
             edits += _without_parts(reading, node, variable, term)
-        elif not isinstance(node, TermNode | EvenTermsNode) and _names(node, variable, term):
+        elif not isinstance(node, TermNode | EvenTermsNode) and names_term(node, variable, term):
             raise ReshapeError(
                 f"'{variable} is {term}' stands on line {node.span.line}: change that first"
             )
     return edits
-
-
-def _names(node: StatementNode, variable: str, term: str) -> bool:
-    return any(
-        each.kind is Kind.TERM and each.name == term and variable in each.owners
-        for each in node.mentions()
-    )
-
-
-def _without_lines(reading: Reading, first: int, last: int) -> Edit:
-    if last < len(reading.raw_lines):
-        return Edit(Span(first, 1, last + 1, 1), "")
-    before = max(1, first - 1)  # the end of the text: the line break in front goes
-    start = len(reading.raw_line(before)) + 1 if first > 1 else 1
-    return Edit(Span(before, start, last, len(reading.raw_line(last)) + 1), "")
-
-
-def _without_statement(reading: Reading, node: StatementNode) -> Edit:
-    return _without_lines(reading, node.span.line, _last_lines(reading)[node.span.line])
 
 
 def _without_family(reading: Reading, node: EvenTermsNode, variable: str, term: str) -> list[Edit]:
@@ -301,8 +267,8 @@ def _without_family(reading: Reading, node: EvenTermsNode, variable: str, term: 
     others = tuple(word for word in node.variables if word.text != variable)
     if others:
         rest = Edit(node.span, str(node._replace(variables=others)))
-        return [rest, _behind(reading, _last_lines(reading)[node.span.line], lines)]
-    return [Edit(node.span, "\n".join(lines))] if lines else [_without_statement(reading, node)]
+        return [rest, lines_behind(reading, last_lines(reading)[node.span.line], lines)]
+    return [Edit(node.span, "\n".join(lines))] if lines else [without_statement(reading, node)]
 
 
 def _without_parts(reading: Reading, node: GridNode, variable: str, term: str) -> list[Edit]:
@@ -315,30 +281,23 @@ def _without_parts(reading: Reading, node: GridNode, variable: str, term: str) -
     heads = [i for i, word in enumerate(node.columns) if word.text == term]
     columns = heads if node.column.text == variable else []
     if columns and len(node.columns) == 1:
-        return [_without_statement(reading, node)]
-    edits = [_without_word(reading, node.columns[i].span) for i in columns]
+        return [without_statement(reading, node)]
+    edits = [without_word(reading, node.columns[i].span) for i in columns]
     for row in node.rows:
         if node.row is not None and node.row.text == variable and row.label.text == term:
             if len(node.rows) == 1:
-                return [_without_statement(reading, node)]
-            edits.append(_without_lines(reading, row.label.span.line, row.label.span.line))
+                return [without_statement(reading, node)]
+            edits.append(without_lines(reading, row.label.span.line, row.label.span.line))
             continue
         for i, cell in enumerate(row.cells):
             concluded = node.output.text == variable and cell.term and cell.term.text == term
             if i in columns and not node.joined:
-                edits.append(_without_word(reading, cell.span))
+                edits.append(without_word(reading, cell.span))
             elif (i in columns or concluded) and node.joined:
                 raise ReshapeError(f"a cell of several outputs, on line {cell.span.line}, names it")
             elif concluded:
-                edits.append(_aligned(reading.raw_line(cell.span.line), cell.span, "."))
+                edits.append(aligned_word(reading.raw_line(cell.span.line), cell.span, "."))
     return edits
-
-
-def _without_word(reading: Reading, span: Span) -> Edit:
-    """Remove a word of a grid with the blanks in front of it."""
-    text = reading.raw_line(span.line)[: span.column - 1]
-    start = len(text.rstrip(" ")) + 1
-    return Edit(Span(span.line, start, span.line, span.end_column), "")
 
 
 def rename_term(reading: Reading, variable: str, term: str, name: str) -> list[Edit]:
@@ -365,7 +324,7 @@ def set_variable_range(reading: Reading, variable: str, low: float, high: float)
     ReshapeError
         If there is no such variable, or the ends are the wrong way round.
     """
-    node = _declaration(reading, variable)
+    node = declaration_of(reading, variable)
     if not low < high:
         raise ReshapeError("the range must go from a lower to a higher number")
     if node.low is None or node.high is None:
@@ -400,29 +359,16 @@ def set_cell(reading: Reading, line: int, column: int, term: str | None) -> list
             raise ReshapeError("a cell of several outputs is filled or emptied in the text")
         weight = f"*{cell.weight}" if cell.weight is not None and term is not None else ""
         new = "." if term is None else f"{name_text(term)}{weight}"
-        return [_aligned(reading.raw_line(line), cell.span, new)]
+        return [aligned_word(reading.raw_line(line), cell.span, new)]
     raise ReshapeError("no cell of a grid begins here")
 
 
 def _cells(reading: Reading) -> Iterator[tuple[GridNode, CellNode]]:
-    for node in _nodes(reading):
+    for node in nodes_of(reading):
         if isinstance(node, GridNode):
             for part in node.parts:
                 for row in part.rows:
                     yield from ((node, cell) for cell in row.cells)
-
-
-def _aligned(text: str, span: Span, new: str) -> Edit:
-    """Put a word in the place of another; blanks behind it give way, or are added."""
-    end = span.end_column
-    longer = len(new) - (end - span.column)
-    rest = text[end - 1 :]
-    blanks = len(rest) - len(rest.lstrip(" "))
-    if not rest.strip() or rest[:1] != " ":
-        return Edit(span, new)
-    if longer > 0:
-        end += min(longer, blanks - 1)
-    return Edit(Span(span.line, span.column, span.line, end), new + " " * max(0, -longer))
 
 
 # --- Rules that are sentences ---
@@ -450,23 +396,15 @@ def set_rule(reading: Reading, line: int | None, sentence: str) -> list[Edit]:
     if line is None:
         if not words:
             raise ReshapeError("a rule reads: if … then …")
-        behind = _last_rule(reading)
-        edits = [_behind(reading, behind, [f"rule {words}"])]
+        behind = line_of_rules(reading)
+        edits = [lines_behind(reading, behind, [f"rule {words}"])]
         return _understood(reading, edits, behind + 1)
-    for node in _nodes(reading):
+    for node in nodes_of(reading):
         if isinstance(node, RuleNode) and node.span.line == line:
             if not words:
-                return [_without_statement(reading, node)]
+                return [without_statement(reading, node)]
             return _understood(reading, [Edit(node.span, f"rule {words}")], line)
     raise ReshapeError(f"no rule begins on line {line}")
-
-
-def _last_rule(reading: Reading) -> int:
-    """Return the line behind which a rule is added: that of the last rule, or of the text."""
-    found = [end for node, _, end in reading.extents if isinstance(node, RuleNode | GridNode)]
-    if found:
-        return found[-1]
-    return max((end for _, _, end in reading.extents), default=1)
 
 
 def _understood(reading: Reading, edits: list[Edit], line: int) -> list[Edit]:

@@ -1,0 +1,36 @@
+// A rule base where a controller is wanted: what to do, and which files of the folder can run.
+
+import { fill } from "./dialogs.js";
+import { clean, el } from "./draw.js";
+import { S } from "./strings.js";
+
+/** Ask for a name, make a controller around the rule base that is open, and turn to it. */
+export async function makeAround(hand) {
+  const file = hand.file();
+  const made = await fill(S.aroundTitle(file), [
+    { name: "name", label: S.nameOfFile, value: S.aroundName(file) },
+  ], S.create, (values) => hand.folder({ what: "new", kind: "controller", around: file, ...values }));
+  if (made?.open) hand.turnTo(made.open);
+}
+
+/** The line that says it; `show` takes whether it is wanted, and whether the arm takes the rules as they are. */
+export function aroundLine(hand) {
+  const line = el("p", { class: "around", hidden: true });
+  const go = (name) => el("button", { textContent: clean(name), onclick: () => hand.turnTo(name) });
+  const links = (words, names) => (names.length ? [` ${words} `, ...names.slice(0, 8).map(go)] : []);
+
+  async function show(wanted, onArm) {
+    line.hidden = !wanted;
+    if (!wanted) return;
+    const listing = await hand.folder({ what: "list" });
+    const using = (await hand.folder({ what: "users", file: hand.file() })).users ?? [];
+    const others = (listing.files ?? []).filter((each) => each.kind === "controller" && !using.includes(each.name));
+    const make = el("button", { class: "main", textContent: S.makeAround, onclick: () => makeAround(hand) });
+    line.replaceChildren(
+      clean(S.aloneRuns(hand.file(), onArm)), " ", ...(listing.only ? [S.onlyOneAround] : [make]),
+      ...links(S.usedIn, using), ...links(S.canRun, others.map((each) => each.name)),
+    );
+  }
+
+  return { line, show };
+}

@@ -1,0 +1,156 @@
+"""Small edits of a text by its statements and lines, of which those of a hand are made."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+
+from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.language.phrases import Kind
+from fuzzyarm.language.queries.fixes import Edit, apply_edits
+from fuzzyarm.language.queries.reading import Reading, read
+from fuzzyarm.language.rules import GridNode, RuleNode
+from fuzzyarm.language.statements import (
+    BlockNode,
+    EvenTermsNode,
+    Heading,
+    InferenceNode,
+    StatementNode,
+    TermNode,
+    VariableNode,
+)
+from fuzzyarm.text.diagnostic import Diagnostic, Span
+
+INCOMPLETE = frozenset({"no-rules", "no-inputs", "no-outputs"})
+"""Mistakes of a text that is not finished: what is there is sound."""
+
+
+class ReshapeError(FuzzyarmError, ValueError):
+    """A change that has no single place in the text."""
+
+
+def nodes_of(reading: Reading) -> Iterator[StatementNode]:
+    """Return the statements of a text."""
+    return (statement.node for statement in reading.document.statements)
+
+
+def declaration_of(reading: Reading, variable: str) -> VariableNode:
+    """Return the statement that declares a variable, or raise."""
+    for node in nodes_of(reading):
+        if isinstance(node, VariableNode) and node.name.text == variable:
+            return node
+    raise ReshapeError(f"the text declares no variable '{variable}'")
+
+
+def names_term(node: StatementNode, variable: str, term: str) -> bool:
+    """Whether a statement names a term of a variable."""
+    return any(
+        each.kind is Kind.TERM and each.name == term and variable in each.owners
+        for each in node.mentions()
+    )
+
+
+def last_lines(reading: Reading) -> dict[int, int]:
+    """Return the last line of every statement by its first one."""
+    return {start: end for _, start, end in reading.extents}
+
+
+def last_line(reading: Reading, *kinds: type) -> int:
+    """Return the last line of the statements of some kinds; 0 where there are none."""
+    return max((end for node, _, end in reading.extents if isinstance(node, kinds)), default=0)
+
+
+def line_of_rules(reading: Reading) -> int:
+    """Return the line behind which rules are added: the last rules, or what rules need."""
+    line = last_line(reading, RuleNode, GridNode, BlockNode)
+    need = (Heading, VariableNode, TermNode, EvenTermsNode, InferenceNode)
+    return line or last_line(reading, *need) or max(1, len(reading.raw_lines))
+
+
+def lines_behind(reading: Reading, line: int, added: Sequence[str]) -> Edit:
+    """Return the edit that puts lines behind another one."""
+    end = len(reading.raw_line(line)) + 1
+    return Edit(Span(line, end, line, end), "".join(f"\n{words}" for words in added))
+
+
+def without_lines(reading: Reading, first: int, last: int) -> Edit:
+    """Remove lines, from the first to the last."""
+    if last < len(reading.raw_lines):
+        return Edit(Span(first, 1, last + 1, 1), "")
+    before = max(1, first - 1)  # the end of the text: the line break in front goes
+    start = len(reading.raw_line(before)) + 1 if first > 1 else 1
+    return Edit(Span(before, start, last, len(reading.raw_line(last)) + 1), "")
+
+
+def without_statement(reading: Reading, node: StatementNode) -> Edit:
+    """Remove a statement with the lines that belong to it."""
+    return without_lines(reading, node.span.line, last_lines(reading)[node.span.line])
+
+
+def without_line_ranges(reading: Reading, ranges: Iterable[tuple[int, int]]) -> list[Edit]:
+    """Remove stretches of lines, and a blank line behind where one in front stays."""
+    merged: list[tuple[int, int]] = []
+    for start, end in sorted(ranges):
+        first, last = start, end
+        if merged and start <= merged[-1][1] + 1:
+            first, last = merged[-1][0], max(end, merged.pop()[1])
+        if _is_blank(reading, first - 1) and _is_blank(reading, last + 1):
+            last = min(last + 1, len(reading.raw_lines))
+        merged.append((first, last))
+    return [without_lines(reading, first, last) for first, last in merged]
+
+
+def _is_blank(reading: Reading, line: int) -> bool:
+    return not reading.raw_line(line).strip()
+
+
+def without_word(reading: Reading, span: Span) -> Edit:
+    """Remove a word of a grid with the blanks in front of it."""
+    text = reading.raw_line(span.line)[: span.column - 1]
+    start = len(text.rstrip(" ")) + 1
+    return Edit(Span(span.line, start, span.line, span.end_column), "")
+
+
+def aligned_word(text: str, span: Span, new: str) -> Edit:
+    """Put a word in the place of another; blanks behind it give way, or are added."""
+    end = span.end_column
+    longer = len(new) - (end - span.column)
+    rest = text[end - 1 :]
+    blanks = len(rest) - len(rest.lstrip(" "))
+    if not rest.strip() or rest[:1] != " ":
+        return Edit(span, new)
+    if longer > 0:
+        end += min(longer, blanks - 1)
+    return Edit(Span(span.line, span.column, span.line, end), new + " " * max(0, -longer))
+
+
+def demand_sound(reading: Reading, edits: Sequence[Edit], what: str = "") -> list[Edit]:
+    """Return the edits where the text has no mistake with them that it does not have now.
+
+    That something is not there yet, or not any more, is none.
+
+    Parameters
+    ----------
+    reading : Reading
+        The text.
+    edits : sequence of Edit
+        What is to be done.
+    what : str, optional
+        Put in front of the mistake.
+
+    Raises
+    ------
+    ReshapeError
+        With the first mistake that they make.
+    """
+    before = [_said(each) for each in reading.parsed.diagnostics if each.is_error]
+    for each in read(apply_edits(reading.text, edits), reading.path).parsed.diagnostics:
+        if not each.is_error or each.name in INCOMPLETE:
+            continue
+        if _said(each) not in before:
+            raise ReshapeError(f"{what}{each.message}", hint=each.hint)
+        before.remove(_said(each))
+    return list(edits)
+
+
+def _said(finding: Diagnostic) -> tuple[str, str]:
+    return finding.name, finding.message
