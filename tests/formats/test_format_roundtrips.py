@@ -13,6 +13,8 @@ from hypothesis import strategies as st
 from strategies import input_points, plain_mamdani, rulebases
 
 from fuzzyarm.formats import SUFFIXES, Exported, parse, read, same_model, write
+from fuzzyarm.formats.dialects import MACHINE_EPSILON
+from fuzzyarm.formats.drafts import maximum_of_nothing
 from fuzzyarm.formats.recovery import straight_shape
 from fuzzyarm.formats.shapes import fuzzylite_shape
 from fuzzyarm.inference import InferenceError, infer
@@ -110,6 +112,13 @@ def for_fuzzylite(rulebase: RuleBase, resolution: int, threshold: float) -> Rule
     )
     inputs = tuple(map(edged, plain.inputs))
     outputs = tuple(edged(fitted(each, (resolution, "midpoints"))) for each in plain.outputs)
+    if threshold == MACHINE_EPSILON:  # the C++ program takes the maximum of nothing
+        outputs = tuple(
+            replace(each, no_rule=maximum_of_nothing(each))
+            if each.defuzzifier.method.endswith("of-maximum")
+            else each
+            for each in outputs
+        )
     return replace(plain, inputs=inputs, blocks=blocks, outputs=outputs)
 
 
@@ -181,9 +190,10 @@ def test_fis_keeps_plain_mamdani_for_each_program(
     output = drawn.outputs[0]
     edge = edged if name == "fuzzylite" else lambda variable: variable
     usual = 0.5 * (output.low + output.high) if name == "matlab" else math.nan
+    outside = "error" if name == "octave" else "extend"
     rulebase = replace(
         drawn,
-        inputs=tuple(replace(edge(_low(each)), outside="extend") for each in drawn.inputs),
+        inputs=tuple(replace(edge(_low(each)), outside=outside) for each in drawn.inputs),
         outputs=(
             replace(
                 edge(_low(output)),

@@ -63,6 +63,11 @@ class Dialect:
     clamps : tuple of str
         Of which variables the file can say that they are clamped to their range:
         ``inputs``, ``outputs``.
+    outside : str
+        What the program makes of an input outside its range, unless the file says otherwise:
+        ``extend`` or ``error``.
+    negates : bool
+        Whether a conclusion may be negated.
     formula : fuzzyarm.expression.formulas.Dialect
         How formulas are written.
     assumed : str
@@ -92,6 +97,8 @@ class Dialect:
     chains: bool = False
     thresholds: bool = False
     clamps: tuple[str, ...] = ()
+    outside: str = "extend"
+    negates: bool = True
     formula: formulas.Dialect = formulas.FUZZYLITE
     assumed: str = ""
     equal_precedence: bool = False
@@ -140,7 +147,8 @@ FCL = {
         integral=_FCL_INTEGRAL, weighted=_FCL_WEIGHTED, samples=(1000, "left"),
         formula=formulas.JFUZZYLOGIC,
         assumed="read as jFuzzyLogic does: 1000 left samples, ACCU is SUM unless given",
-        equal_precedence=True, any_case=True, separators=(",", "and"), ties="first",
+        negates=False, equal_precedence=True, any_case=True, separators=(",", "and"),
+        ties="first",
     ),
     "fuzzylite": Dialect(
         suffix=".fcl", producer="fuzzylite", program="fuzzylite", kinds="fcl",
@@ -161,8 +169,9 @@ FIS = {
     "octave": Dialect(
         suffix=".fis", producer="octave", program="Octave's toolkit", kinds="octave",
         integral=_FIS_INTEGRAL, weighted=_FIS_WEIGHTED, samples=(101, "endpoints"),
+        outside="error",
         assumed="read with the defaults of Octave's toolkit: sums over 101 points, nan "
-        "where no rule fires",
+        "where no rule fires, no values outside a range",
     ),
     "fuzzylite": Dialect(
         suffix=".fis", producer="fuzzylite", program="fuzzylite", kinds="fis",

@@ -330,6 +330,44 @@ def settle_weighted(draft: Draft, method: str, kind: str, at: Word, findings: Fi
     draft.defuzzifier = Defuzzifier(method)
 
 
+def settle_maximum(draft: Draft, at: Word, findings: Findings) -> None:
+    """Set what the C++ program of fuzzylite takes for an output that no rule concludes.
+
+    A maximum is then that of nothing, which is a number, so that neither a default nor the
+    value before ever counts.
+    """
+    if not draft.defuzzifier.method.endswith("of-maximum"):
+        return
+    note_ties(draft, at, findings)
+    if not draft.bounded:
+        return
+    value = maximum_of_nothing(draft)
+    if draft.no_rule == "hold" or not math.isnan(float(draft.no_rule)):
+        what = "holds" if draft.no_rule == "hold" else "has a default"
+        message = (
+            f"'{draft.name}' {what}, but the maximum of nothing is {value:g} to fuzzylite 7, "
+            "which takes that; version 6 does as the file says"
+        )
+        findings.loss("maximum-of-nothing", message, at, slight=True)
+    draft.no_rule = value
+
+
+def same_number(value: float | str, other: float) -> bool:
+    """Whether a value where no rule fires is a number, a NaN being equal to a NaN."""
+    if isinstance(value, str):
+        return False
+    return value == other or (math.isnan(value) and math.isnan(other))
+
+
+def note_ties(draft: Draft, at: Word, findings: Findings) -> None:
+    """Say that the last bit of a product may decide among samples that are all the highest."""
+    message = (
+        f"'{draft.name}' takes a maximum: of samples that are equally high the last bit decides, "
+        "so that single points may fall on another one"
+    )
+    findings.loss("ties-of-maxima", message, at, slight=True)
+
+
 def maximum_of_nothing(output: Draft | Output) -> float:
     """Return the maximum of nothing to fuzzylite 7 and Octave: all samples are it."""
     defuzzifier = output.defuzzifier

@@ -19,7 +19,9 @@ from fuzzyarm.formats.drafts import (
     Draft,
     add_term,
     imported,
+    note_ties,
     rulebase_of,
+    settle_maximum,
     settle_weighted,
 )
 from fuzzyarm.formats.fcl_text import (
@@ -599,7 +601,12 @@ class _Reader:
         if math.isinf(draft.low) and math.isinf(draft.high):
             self._estimate(draft)
         draft.settle_range(self.findings)
-        if draft.is_output and not self._own:
+        if not draft.is_output:
+            return
+        if self._own:
+            at = self.block.methods.get(draft.name, draft.word)
+            settle_maximum(draft, at, self.findings)
+        else:
             _settle_edges(draft, self.findings)
 
     def _finish_output(self, draft: Draft, method: Word | None) -> None:
@@ -639,6 +646,8 @@ class _Reader:
             findings.loss("bisector-rule", message, at, slight=True)
         if name == "MM" and not self._own:
             findings.loss("mean-of-maximum", MEAN_OF_MAXIMUM, at, slight=True)
+        elif name in ("LM", "RM") and not self._own:
+            note_ties(draft, at, findings)
         if draft.kinds & VALUES:
             message = f"'{draft.name}' has values for terms but integrates sets"
             findings.loss("value-as-set", message, at, "METHOD : COGS is for singletons")

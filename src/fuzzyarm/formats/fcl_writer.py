@@ -140,6 +140,8 @@ class _Writer(Writer):
         return [*lines, "END_DEFUZZIFY"]
 
     def _default(self, output: Output) -> list[str]:
+        if self.own and self.takes_maximum_of_nothing(output):
+            return ["  DEFAULT := nan;"]
         if output.no_rule == "hold":
             return ["  LOCK : PREVIOUS;"] if self.own else ["  DEFAULT := NC;"]
         self.warn_of_error(output)

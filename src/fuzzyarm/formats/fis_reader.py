@@ -17,6 +17,7 @@ from fuzzyarm.formats.drafts import (
     maximum_of_nothing,
     note_rounding,
     rulebase_of,
+    settle_maximum,
     settle_weighted,
 )
 from fuzzyarm.formats.findings import (
@@ -165,10 +166,10 @@ class _Reader:
                 self._reduce_output(draft)
             else:
                 self._finish_output(draft)
-        block = self._block()
+        blocks = self._blocks()
         if self.dialect.producer == "fuzzylite":
             note_rounding(self.text, self.findings)
-        return rulebase_of(self.text_of("name"), (*self.inputs, *self.outputs), (block,))
+        return rulebase_of(self.text_of("name"), (*self.inputs, *self.outputs), blocks)
 
     def _section(self, section: Section, inputs: int) -> None:
         key = (section.kind, section.number)
@@ -261,7 +262,9 @@ class _Reader:
             if producer == "matlab":
                 method = self._by_magnitude(draft, method, at)
             draft.defuzzifier = Defuzzifier(method, resolution, sampling)
-            if _is_nan(draft.no_rule):
+            if producer == "fuzzylite":
+                settle_maximum(draft, at, self.findings)
+            elif _is_nan(draft.no_rule):
                 draft.no_rule = maximum_of_nothing(draft)
             self._values_as_sets(draft, at)
             if not draft.bounded:
@@ -351,8 +354,8 @@ class _Reader:
             return
         is_output = section.kind == "output"
         draft = Draft(Word("", section.span), is_output)
-        if is_output:
-            draft.no_rule = math.nan
+        if not is_output:
+            draft.outside = self.dialect.outside
         taken: dict[int, str] = {}
         memberships: list[tuple[int, Word]] = []
         lower: dict[int, Word] = {}
@@ -483,7 +486,7 @@ class _Reader:
 
     # --- Rules ---
 
-    def _block(self) -> RuleBlock:
+    def _blocks(self) -> tuple[RuleBlock, ...]:
         if len(self.rules) > MAX_RULES:
             self.findings.room(len(self.rules), MAX_RULES, "rules", self.rules[MAX_RULES])
         rules = self.rules[:MAX_RULES]
@@ -498,8 +501,7 @@ class _Reader:
         block.disjunction = self.snorm("ormethod")
         block.implication = self.tnorm("impmethod")
         drafts = {draft.name: draft for draft in (*self.inputs, *self.outputs)}
-        (in_model,) = blocks_in_model([block], drafts, self.dialect, self.findings)
-        return in_model
+        return blocks_in_model([block], drafts, self.dialect, self.findings)
 
     def _rule(self, line: Word) -> RuleText | None:
         match = _RULE.match(line.text)

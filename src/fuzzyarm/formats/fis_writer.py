@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import math
-
 from fuzzyarm.expression.formulas import FormulaError, read_formula
 from fuzzyarm.formats.dialects import FIS, Dialect
-from fuzzyarm.formats.drafts import VALUES, all_invertible, maximum_of_nothing
+from fuzzyarm.formats.drafts import VALUES, all_invertible, maximum_of_nothing, same_number
 from fuzzyarm.formats.findings import Exported, all_written, written
 from fuzzyarm.formats.fis_text import by_magnitude, fractions, hedges_of
 from fuzzyarm.formats.meaning import POWERS, root
@@ -227,12 +225,14 @@ class _Writer(Writer):
         usual = self._usual(output)
         if self.is_own:
             lines = ["LockRange=1"] if output.outside == "clamp" else []
+            if self.takes_maximum_of_nothing(output):
+                return lines
             if output.no_rule == "hold":
                 return [*lines, "LockPrevious=1"]
-            if not _same(output.no_rule, usual):
+            if not same_number(output.no_rule, usual):
                 lines.append(f"Default={written(float(output.no_rule))}")
             return lines
-        if not _same(output.no_rule, usual):
+        if not same_number(output.no_rule, usual):
             message = (
                 f"'{output.name}' is {output.no_rule} where no rule fires, to {self.program} "
                 f"{usual}"
@@ -253,7 +253,11 @@ class _Writer(Writer):
             self.findings.info("dropped-blocks", "the rules of all blocks stand in one list")
         if self.is_own:
             order = {name: index for index, name in enumerate(self.outputs)}
-            sentences = [each for block in blocks for each in as_sentences(block, order)]
+            sentences = [
+                each
+                for block in blocks
+                for each in as_sentences(block, self.dialect, self.findings, order)
+            ]
         else:
             sentences = [self._sentence(rule) for rule in self.rulebase.rules]
         return [line for each in sentences for line in self._rule_lines(each)]
@@ -353,12 +357,6 @@ class _Writer(Writer):
                 self.findings.loss("set-hedge", message, rule.span)
             codes.append(self._number(name, consequent.term, hedges, rule))
         return codes
-
-
-def _same(value: float | str, other: float) -> bool:
-    if isinstance(value, str):
-        return False
-    return value == other or (math.isnan(value) and math.isnan(other))
 
 
 def _fraction_of(hedges: tuple[Hedge, ...], dialect: Dialect) -> float | None:

@@ -16,6 +16,7 @@ from fuzzyarm.formats.drafts import (
     imported,
     lines_of,
     note_rounding,
+    note_ties,
     rulebase_of,
     settle_weighted,
 )
@@ -124,6 +125,8 @@ def _settle_defuzzifier(draft: Draft, line: _Line | None, findings: Findings) ->
     if method in FLL.integral:
         resolution = _resolution(words, findings)
         draft.defuzzifier = Defuzzifier(FLL.integral[method], resolution, "midpoints")
+        if method.endswith("OfMaximum"):
+            note_ties(draft, line.value, findings)
         if draft.kinds & VALUES:
             message = (
                 f"'{draft.name}' has terms that are values, which fuzzylite integrates as if "
@@ -235,7 +238,7 @@ class _Reader:
         if self.section == "Engine":
             self.name = line.value.text
         elif self.section == "RuleBlock":
-            self.blocks.append(Block(line.value.text, line.key.span))
+            self.blocks.append(Block(line.value.text, line.key.span, always_concludes=True))
             self.rules.append([])
         else:
             self._open_variable(line)
@@ -391,6 +394,7 @@ class _Reader:
                 self.findings.loss("unsupported-activation", message, line.value)
             else:
                 block.threshold = threshold
+                block.always_concludes = method == "General"
         elif method != "none":
             self.findings.unknown("unknown-activation", "the method", parts[0], _ACTIVATIONS)
 

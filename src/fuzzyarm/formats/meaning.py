@@ -1,18 +1,20 @@
 """What rules mean to the program they were written for, expressed in the model.
 
 Three habits of fuzzylite need care. Hedges of a conclusion change the activation degree
-(weight times truth), not the set, and carry on to the conclusions after it. An output in
-an antecedent stands for the degree to which its term has been activated so far, not for a
-value. A switched-off variable gives truth 0, a switched-off output receives nothing.
+(weight times truth), not the set, after it was seen whether the rule fires, and carry on to the
+conclusions after it. An output in an antecedent stands for the degree to which its term has been
+activated so far, not for a value. A switched-off variable gives truth 0, a switched-off output
+receives nothing.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
-from fuzzyarm.formats.dialects import Dialect
-from fuzzyarm.formats.drafts import Draft, same_value
+from fuzzyarm.expression.kinds import SHAPES
+from fuzzyarm.formats.dialects import MACHINE_EPSILON, Dialect
+from fuzzyarm.formats.drafts import VALUES, Draft, same_value
 from fuzzyarm.formats.findings import Findings
 from fuzzyarm.formats.sentences import NOT, RuleText, hedged
 from fuzzyarm.model.rulebase import (
@@ -28,6 +30,7 @@ from fuzzyarm.model.rulebase import (
     RuleBlock,
     propositions,
 )
+from fuzzyarm.model.shapes import apply_hedges, membership_function
 from fuzzyarm.text.diagnostic import NOWHERE, Span
 
 MAX_NODES = 2_000
@@ -38,12 +41,17 @@ POWERS = {"very": 2.0, "somewhat": 0.5, "extremely": 3.0, "power": 1.0}
 
 NEVER = (NOT, Hedge("any"))
 
+_SAMPLES = 1000
+_SLIGHT_SHARE = 0.01
+"""Up to this share of a range a difference is a warning."""
+
 
 @dataclass(slots=True)
 class Block:
     """A rule block while its file is read; a norm is None where the file names none.
 
-    Rules fire where their strength is above `threshold`.
+    Rules fire where their strength is above `threshold`; with `always_concludes` they are carried
+    out even where it is 0, which shows under a negated conclusion.
     """
 
     name: str
@@ -53,17 +61,20 @@ class Block:
     disjunction: str | None = None
     implication: str | None = None
     threshold: float = 0.0
+    always_concludes: bool = False
     rules: list[RuleText] = field(default_factory=list)
 
-    def in_model(self, rules: Sequence[Rule]) -> RuleBlock:
-        """Return the block of the model with these rules."""
+    def in_model(
+        self, rules: Sequence[Rule], name: str | None = None, threshold: float | None = None
+    ) -> RuleBlock:
+        """Return the block of the model with these rules, its own name and threshold by default."""
         return RuleBlock(
             tuple(rules),
-            self.name,
+            self.name if name is None else name,
             self.conjunction or "min",
             self.disjunction or "max",
             self.implication or "min",
-            self.threshold,
+            self.threshold if threshold is None else threshold,
         )
 
 
@@ -80,10 +91,11 @@ def blocks_in_model(
 ) -> tuple[RuleBlock, ...]:
     """Return the blocks of the model, with the meaning that the program gives to rules."""
     if dialect.activates:
-        builder = _Activations(variables, findings)
+        builder = _Activations(variables, findings, dialect)
         return tuple(
-            builder.block(block, _concluded(blocks[index + 1 :]))
+            part
             for index, block in enumerate(blocks)
+            for part in builder.block(block, _concluded(blocks[index + 1 :]))
         )
     made = []
     for block in blocks:
@@ -173,31 +185,48 @@ def root(hedge: Hedge) -> Hedge:
 class _Activations:
     """Turns rule texts of fuzzylite into rules, in the order in which they are evaluated."""
 
-    def __init__(self, variables: dict[str, Draft], findings: Findings) -> None:
+    def __init__(self, variables: dict[str, Draft], findings: Findings, dialect: Dialect) -> None:
         self.variables = variables
         self.findings = findings
+        self.dialect = dialect
         self._fired: dict[tuple[str, str], list[tuple[Rule, Block]]] = {}
         self._own: frozenset[str] = frozenset()
         self._sizes: dict[tuple[str, str], int] = {}
 
-    def block(self, block: Block, later: frozenset[str]) -> RuleBlock:
+    def block(self, block: Block, later: frozenset[str]) -> list[RuleBlock]:
         """Return the block of the model; `later` blocks conclude other outputs.
 
         An output in an antecedent is replaced by the conditions that lead to it, where
         that is exact. Otherwise it stays where the model means the same: an output that
         rules of its own block conclude, all of them before the first that uses it.
+
+        A block of the model has one threshold, of the strength under the hedges: rules whose
+        hedges make another one of it stand in a block of their own behind the others.
         """
-        rules: list[Rule] = []
+        by_threshold: dict[float, list[Rule]] = {block.threshold: []}
         self._own = _finished_in(block.rules) - later
         for text in block.rules:
             self._need_norms(text, block)
-            for rule in self._rules(text, block):
-                rules.append(rule)
+            for rule, threshold in self._rules(text, block):
+                by_threshold.setdefault(threshold, []).append(rule)
                 for consequent in rule.consequents:
                     key = (consequent.variable, consequent.term)
                     self._fired.setdefault(key, []).append((rule, block))
                     self._sizes[key] = self._sizes.get(key, 0) + _size(rule.antecedent)
-        return block.in_model(rules)
+        first, *others = by_threshold.items()
+        if others and self._asks_outputs(by_threshold.values()):
+            message = "a hedge before a conclusion beside rules that ask for outputs"
+            self.findings.loss("hedged-conclusion", f"{message} cannot be carried", block.span)
+        # Where all rules went elsewhere the first block has nothing to say.
+        parts = [first, *others] if first[1] or not others else others
+        return [
+            block.in_model(rules, _numbered(block.name, number), threshold)
+            for number, (threshold, rules) in enumerate(parts, 1)
+        ]
+
+    def _asks_outputs(self, groups: Iterable[list[Rule]]) -> bool:
+        asked = {p.variable for rules in groups for r in rules for p in propositions(r.antecedent)}
+        return any(self.variables[name].is_output for name in asked & self.variables.keys())
 
     def _need_norms(self, text: RuleText, block: Block) -> None:
         used = set(map(type, _parts(text.antecedent)))
@@ -206,9 +235,10 @@ class _Activations:
                 message = f"the rule says '{key}' but its block names no norm for it"
                 self.findings.error("missing-norm", message, text.span)
 
-    def _rules(self, text: RuleText, block: Block) -> list[Rule]:
+    def _rules(self, text: RuleText, block: Block) -> list[tuple[Rule, float]]:
+        """Return rules, each with the threshold of its block."""
         antecedent = self._expanded(text.antecedent, text.span, block)
-        rules: list[Rule] = []
+        rules: list[tuple[Rule, float]] = []
         group: list[Consequent] = []
         hedges: tuple[Hedge, ...] = ()
         for conclusion in text.conclusions:
@@ -219,11 +249,11 @@ class _Activations:
                 continue
             if conclusion.hedges:
                 if group:
-                    rules.append(self._rule(antecedent, hedges, group, text))
+                    rules.append(self._rule(antecedent, hedges, group, text, block))
                 group, hedges = [], (*conclusion.hedges, *hedges)
             group.append(Consequent(conclusion.variable, conclusion.term, span=conclusion.span))
         if group:
-            rules.append(self._rule(antecedent, hedges, group, text))
+            rules.append(self._rule(antecedent, hedges, group, text, block))
         return rules
 
     def _rule(
@@ -232,7 +262,8 @@ class _Activations:
         hedges: tuple[Hedge, ...],
         consequents: list[Consequent],
         text: RuleText,
-    ) -> Rule:
+        block: Block,
+    ) -> tuple[Rule, float]:
         weight = hedged_weight(text.weight, hedges)
         if weight is None:
             message = (
@@ -241,7 +272,54 @@ class _Activations:
             )
             self.findings.loss("hedged-weight", message, text.span)
             weight = text.weight
-        return Rule(around(hedges, antecedent), tuple(consequents), weight, text.span)
+        strength, threshold = around(hedges, antecedent), block.threshold
+        under = threshold_under(hedges, threshold)
+        if under is not None:
+            threshold = under
+        elif block.always_concludes:
+            self._note_always(text)
+        else:
+            self._note_faint(antecedent, block.threshold, text)
+            strength, threshold = only_fired(strength, antecedent), 0.0
+        return Rule(strength, tuple(consequents), weight, text.span), threshold
+
+    def _note_always(self, text: RuleText) -> None:
+        message = (
+            "the Python program of fuzzylite takes this conclusion also where the rule does not "
+            "fire, and so it is read; the C++ program only where it fires above "
+            f"{MACHINE_EPSILON:g}"
+        )
+        self.findings.warn("hedged-conclusion", message, text.span)
+
+    def _note_faint(self, antecedent: Expression, threshold: float, text: RuleText) -> None:
+        """Report degrees between 0 and the threshold, under which the rule fires in the model."""
+        shares = {part: self._faint(part, threshold) for part in propositions(antecedent)}
+        worst = max(shares, key=lambda part: shares[part], default=None)
+        if worst is None or shares[worst] == 0.0:
+            return
+        message = (
+            f"where '{worst.variable} is {worst.term}' holds to {threshold:g} or less, but not to "
+            "0, this concludes nothing to fuzzylite; here it does"
+        )
+        slight = shares[worst] <= _SLIGHT_SHARE
+        self.findings.loss("hedged-conclusion", message, text.span, slight=slight)
+
+    def _faint(self, part: Is, threshold: float) -> float:
+        """Return the share of a range where a proposition is above 0 and not above a threshold."""
+        draft = self.variables.get(part.variable)
+        term = draft.term(part.term) if draft is not None else None
+        if draft is None or term is None or term.shape.kind in VALUES:
+            return 0.0
+        if SHAPES[term.shape.kind].straight and threshold <= MACHINE_EPSILON:
+            return 0.0  # at the very foot of a flank only
+        if not draft.bounded:
+            return 1.0
+        degree, width = membership_function(term.shape), draft.high - draft.low
+        degrees = [
+            apply_hedges(part.hedges, degree(draft.low + width * i / _SAMPLES))
+            for i in range(_SAMPLES + 1)
+        ]
+        return sum(0.0 < each <= threshold for each in degrees) / _SAMPLES
 
     def _expanded(self, expression: Expression, span: Span, block: Block) -> Expression:
         expanded = self._put_in(expression, block)
@@ -322,6 +400,61 @@ class _Activations:
             if Or in kinds and other.disjunction != block.disjunction:
                 return "the blocks differ in their disjunction"
         return ""
+
+
+def threshold_under(hedges: Sequence[Hedge], threshold: float) -> float | None:
+    """Return what a threshold of degrees is to them under hedges; None where 0 does not stay 0."""
+    if any(hedge.name not in _RISING for hedge in hedges):
+        return None
+    return apply_hedges(hedges, threshold)
+
+
+_RISING = frozenset({*POWERS, "intensify", "seldom"})
+"""Hedges that rise from 0 to 1."""
+
+
+def only_fired(strength: Expression, antecedent: Expression) -> Expression:
+    """Return a strength where an antecedent holds at all, else 0."""
+    return And((strength, around((FIRES,), antecedent)))
+
+
+def hedges_of_conclusion(rule: Rule, block: RuleBlock, dialect: Dialect) -> tuple[Hedge, ...]:
+    """Return the hedges before the conclusions that fuzzylite would read as this rule, if any.
+
+    They have the strength of the rule and fire where it does: the way back from
+    :func:`blocks_in_model`.
+    """
+    antecedent, above = rule.antecedent, block.threshold
+    if isinstance(antecedent, Hedged):
+        # FLL says its own threshold; without one its rules conclude even where nothing holds.
+        usual = above if dialect.thresholds else dialect.threshold
+        as_read = above == 0.0 if dialect.thresholds else False
+        as_read = as_read or threshold_under(antecedent.hedges, usual) == above
+        return antecedent.hedges if as_read else ()
+    if dialect.thresholds or above != 0.0 or not isinstance(antecedent, And):
+        return ()
+    if len(antecedent.operands) != 2:
+        return ()
+    strength, fires = antecedent.operands
+    if not isinstance(strength, Hedged) or not isinstance(fires, Hedged):
+        return ()
+    inner = fires.hedges[1:]
+    hedges = strength.hedges[: len(strength.hedges) - len(inner)]
+    same = strength.operand == fires.operand and strength.hedges == (*hedges, *inner)
+    return hedges if same and fires.hedges[0] == FIRES else ()
+
+
+def without_hedges(antecedent: Expression, hedges: tuple[Hedge, ...]) -> Expression:
+    """Return an antecedent without the hedges that :func:`hedges_of_conclusion` found."""
+    if isinstance(antecedent, And):
+        antecedent = antecedent.operands[0]
+    assert isinstance(antecedent, Hedged)
+    rest = antecedent.hedges[len(hedges) :]
+    return Hedged(rest, antecedent.operand) if rest else antecedent.operand
+
+
+def _numbered(name: str, number: int) -> str:
+    return name if number == 1 else f"{name} {number}".strip()
 
 
 def around(hedges: tuple[Hedge, ...], antecedent: Expression) -> Expression:

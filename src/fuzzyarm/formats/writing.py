@@ -16,9 +16,15 @@ from fuzzyarm.expression.formulas import FormulaError
 from fuzzyarm.expression.kinds import HEDGES, SNORMS, TNORMS
 from fuzzyarm.expression.records import Norm
 from fuzzyarm.formats.dialects import MACHINE_EPSILON, Dialect, word_of, words
-from fuzzyarm.formats.drafts import VALUES
+from fuzzyarm.formats.drafts import VALUES, maximum_of_nothing, same_number
 from fuzzyarm.formats.findings import Exported, Findings, unique_name, written
-from fuzzyarm.formats.meaning import POWERS, hedged_weight
+from fuzzyarm.formats.meaning import (
+    POWERS,
+    hedged_weight,
+    hedges_of_conclusion,
+    threshold_under,
+    without_hedges,
+)
 from fuzzyarm.formats.sentences import NOT, hedged
 from fuzzyarm.formats.shapes import class_and_numbers, fuzzylite_shape
 from fuzzyarm.model.rulebase import (
@@ -86,10 +92,11 @@ class Writer:
             return Exported(None, findings.all())
         if not rulebase.outputs:
             findings.error("no-engine", "the rule base has no output")
-        note_left_out(rulebase, findings, descriptions=self.descriptions)
+        note_left_out(rulebase, findings, descriptions=self.descriptions, outside=dialect.outside)
         note_chaining(rulebase, findings, self.program, own=dialect.chains)
         if not dialect.thresholds:
-            note_threshold(rulebase, findings, self.program, dialect.threshold)
+            settled = _with_usual_thresholds(rulebase, dialect)
+            note_threshold(settled, findings, self.program, dialect.threshold)
         if "inputs" not in dialect.clamps:
             self._note_outside(rulebase.inputs)
         if "outputs" not in dialect.clamps:
@@ -105,6 +112,25 @@ class Writer:
                     f"'{variable.name}' is clamped to its range, which {self.program} does not do"
                 )
                 self.findings.loss("outside-range", message, slight=True)
+            elif isinstance(variable, Input) and self.dialect.outside not in (
+                "extend",
+                variable.outside,
+            ):
+                message = f"{self.program} refuses values of '{variable.name}' outside its range"
+                self.findings.loss("outside-range", message, slight=True)
+
+    def takes_maximum_of_nothing(self, output: Output) -> bool:
+        """Whether the C++ program of fuzzylite has its own value where no rule concludes this."""
+        if not output.defuzzifier.method.endswith("of-maximum"):
+            return False
+        self.warn_of_error(output)
+        value = maximum_of_nothing(output)
+        if output.no_rule != "error" and not same_number(output.no_rule, value):
+            message = (
+                f"'{output.name}' is {output.no_rule} where no rule fires, to fuzzylite 7 {value:g}"
+            )
+            self.findings.loss("no-rule", message)
+        return True
 
     def one_line(self, text: str, forbidden: str) -> str:
         """Return `text` on one line and without `forbidden` characters; report a change."""
@@ -279,8 +305,10 @@ def refuse_type_2(rulebase: RuleBase, findings: Findings, program: str) -> bool:
     return True
 
 
-def note_left_out(rulebase: RuleBase, findings: Findings, *, descriptions: bool) -> None:
-    """Report the parts that none of the formats has."""
+def note_left_out(
+    rulebase: RuleBase, findings: Findings, *, descriptions: bool, outside: str = "extend"
+) -> None:
+    """Report the parts that none of the formats has; `outside` is the program's manner."""
     if rulebase.lookup is not None:
         findings.info("dropped-lookup", "the lookup settings are left out")
     if rulebase.expectations:
@@ -294,7 +322,7 @@ def note_left_out(rulebase: RuleBase, findings: Findings, *, descriptions: bool)
     if described and not descriptions:
         findings.info("dropped-description", "descriptions are left out")
     for variable in variables:
-        if variable.outside == "error":
+        if variable.outside == "error" and outside != "error":
             message = f"'{variable.name}' refuses values outside its range; the file cannot"
             findings.warn("outside-range", message)
 
@@ -334,6 +362,19 @@ def note_threshold(rulebase: RuleBase, findings: Findings, program: str, usual: 
         findings.loss("threshold", message, slight=slight)
 
 
+def _with_usual_thresholds(rulebase: RuleBase, dialect: Dialect) -> RuleBase:
+    """Give blocks the threshold of a program where hedges of conclusions make theirs of it."""
+    if not dialect.activates:
+        return rulebase
+    blocks = tuple(
+        replace(block, threshold=dialect.threshold)
+        if block.rules and all(hedges_of_conclusion(r, block, dialect) for r in block.rules)
+        else block
+        for block in rulebase.blocks
+    )
+    return replace(rulebase, blocks=blocks)
+
+
 # --- Rules ---
 
 
@@ -354,7 +395,12 @@ def plain_sentence(rule: Rule) -> Sentence:
     return Sentence(rule.antecedent, conclusions, rule.weight, rule)
 
 
-def as_sentences(block: RuleBlock, order: dict[str, int] | None = None) -> list[Sentence]:
+def as_sentences(
+    block: RuleBlock,
+    dialect: Dialect,
+    findings: Findings,
+    order: dict[str, int] | None = None,
+) -> list[Sentence]:
     """Return the rules of a block; those that differ in outer hedges alone become one again.
 
     Hedges of a conclusion carry on to the conclusions after it, so that rules over one
@@ -363,7 +409,7 @@ def as_sentences(block: RuleBlock, order: dict[str, int] | None = None) -> list[
     """
     found: list[Sentence] = []
     for rule in block.rules:
-        sentence = _as_sentence(rule)
+        sentence = _as_sentence(rule, block, dialect, findings)
         last = found[-1] if found else None
         if last is not None and _carries_on(last, sentence, order):
             (first, _), *others = sentence.conclusions
@@ -375,14 +421,28 @@ def as_sentences(block: RuleBlock, order: dict[str, int] | None = None) -> list[
     return found
 
 
-def _as_sentence(rule: Rule) -> Sentence:
-    """Put the hedges around a whole antecedent before the first conclusion, where that can be."""
+def _as_sentence(
+    rule: Rule, block: RuleBlock, dialect: Dialect, findings: Findings
+) -> Sentence:
+    """Put the hedges around a whole antecedent before the first conclusion, where that can be.
+
+    A hedge around a parenthesis has no other place; it then makes a threshold of its own.
+    """
     antecedent, weight = rule.antecedent, rule.weight
-    hedges: tuple[Hedge, ...] = ()
-    if isinstance(antecedent, Hedged):
-        before = weight_before(weight, antecedent.hedges)
-        if before is not None:
-            hedges, weight, antecedent = antecedent.hedges, before, antecedent.operand
+    hedges = hedges_of_conclusion(rule, block, dialect)
+    if not hedges and isinstance(antecedent, Hedged) and isinstance(antecedent.operand, And | Or):
+        above = block.threshold if dialect.thresholds else dialect.threshold
+        under = threshold_under(antecedent.hedges, above)
+        if under is not None:
+            hedges = antecedent.hedges
+            message = f"the rule fires above {block.threshold:g}, to {dialect.program} {under:g}"
+            slight = max(under, block.threshold) <= MACHINE_EPSILON
+            findings.loss("threshold", message, rule.span, slight=slight)
+    before = weight_before(weight, hedges) if hedges else None
+    if before is None:
+        hedges = ()
+    else:
+        weight, antecedent = before, without_hedges(antecedent, hedges)
     conclusions = tuple((c, () if i else hedges) for i, c in enumerate(rule.consequents))
     return Sentence(antecedent, conclusions, weight, rule, hedges)
 
@@ -419,7 +479,7 @@ def written_sentences(
 ) -> list[str]:
     """Return the rules of a block as ``if … then …``; report what cannot be said so."""
     as_they_stand = map(plain_sentence, block.rules)
-    sentences = as_sentences(block) if dialect.activates else as_they_stand
+    sentences = as_sentences(block, dialect, findings) if dialect.activates else as_they_stand
     writer = _SentenceWriter(block, dialect, names, findings)
     return [writer.text(sentence) for sentence in sentences]
 
