@@ -95,7 +95,7 @@ def _run(arguments: argparse.Namespace) -> int:
         if arguments.data:
             raise WordError("--data is for a rule base alone; a controller runs in its loop")
         given |= {"stage": _stage(arguments, subject), "scenarios": arguments.scenarios}
-        given["conventions"] = _conventions(arguments)
+        given["conventions"] = conventions_of(arguments)
     else:
         given |= _samples(arguments, subject)
     given["journal"] = _journal(arguments, path)
