@@ -352,7 +352,7 @@ def with_names(function: Callable[..., Any], bindings: _Bindings) -> Callable[..
         Functions to put in the place of those that the kernel, or a kernel that it calls, knows
         under these names.
     """
-    return copied(function, bindings)
+    return cast(Callable[..., Any], copied(function, bindings))
 
 
 def copied(

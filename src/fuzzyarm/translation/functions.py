@@ -365,9 +365,9 @@ class Function:
     def arithmetic(self, node: ast.BinOp | ast.AugAssign, a: Value, b: Value) -> Value:
         operator = type(node.op)
         type_ = REAL if operator is ast.Div else _counted(widest([a.type, b.type]))
-        spelled = self.target.operators.get((operator, type_))
-        if spelled is None:
+        if not isinstance(type_, Scalar) or (operator, type_) not in self.target.operators:
             raise NotTranslatedError(node, self.target.name)
+        spelled = self.target.operators[operator, type_]
         return Value(spelled.format(self.as_type(a, type_), self.as_type(b, type_)), type_)
 
     def unary(self, node: ast.UnaryOp) -> Value:

@@ -96,7 +96,7 @@ class Target:
 
 # ── what the languages have in common ────────────────────────────────────────────────
 
-_COMPARISONS = {
+_COMPARISONS: dict[type, str] = {
     ast.Lt: "<", ast.LtE: "<=", ast.Gt: ">", ast.GtE: ">=", ast.Eq: "==", ast.NotEq: "!=",
 }  # fmt: skip
 
@@ -118,7 +118,7 @@ _SAME_EVERYWHERE = tuple(
 
 def _functions(
     prefix: str, others: Mapping[Any, tuple[str, Scalar]], extremes: Mapping[Scalar, str]
-) -> Functions:
+) -> dict[tuple[Any, Scalar], tuple[str, Scalar]]:
     """Return a table of functions; `extremes` are templates of ``min`` and ``max`` by type."""
     table: dict[tuple[Any, Scalar], tuple[str, Scalar]] = {
         (function, type_): text for function, text in others.items() for type_ in Scalar

@@ -88,8 +88,9 @@ def wider(one: Type | None, other: Type) -> Type:
         return other
     if isinstance(one, Scalar) and isinstance(other, Scalar):
         return max(one, other, key=_WIDTH.index)
-    both = isinstance(one, Record) and isinstance(other, Record)
-    if both and len(one.parts) == len(other.parts):
+    if not (isinstance(one, Record) and isinstance(other, Record)):
+        raise TypeError(f"{_word(one)} and {_word(other)} under one name")
+    if len(one.parts) == len(other.parts):
         parts = (wider(a, b) for a, b in zip(one.parts, other.parts, strict=True))
         return Record(tuple(parts), one.names or other.names)
     raise TypeError(f"{_word(one)} and {_word(other)} under one name")
