@@ -119,14 +119,19 @@ def over_symbols(function: Callable[..., Any]) -> Callable[..., Any]:
     for name, value in plain.__globals__.items():
         if value is math:
             space[name] = _Math()
-        elif callable(value) and getattr(math, getattr(value, "__name__", ""), None) is value:
-            space[name] = _for_symbols(value.__name__)
+        elif isinstance(value, type(math.sin)) and value in _FUNCTIONS_OF_MATH:  # hashable
+            space[name] = _for_symbols(_FUNCTIONS_OF_MATH[value])
     copy = FunctionType(
         plain.__code__, space, plain.__name__, plain.__defaults__, plain.__closure__
     )
     copy.__kwdefaults__ = plain.__kwdefaults__
     owner = getattr(function, "__self__", None)
     return copy if owner is None else MethodType(copy, owner)
+
+
+_FUNCTIONS_OF_MATH = {
+    function: name for name, function in vars(math).items() if callable(function)
+}
 
 
 class _Math:
