@@ -17,7 +17,7 @@ ONE = [Root(lookup.gather, "fsf")]
 def test_the_c_of_a_kernel():
     text = kernels_in_c("baseline", ONE)
     assert "static inline void gather(reals values_, shorts index_, reals out_) {" in text
-    assert '{"fuzzyarm.table.lookup.gather(fsf)", (void (*)(void))entry_0},' in text
+    assert '{"fuzzyarm.table.lookup.gather(fsf)", (void (*)(void))entry_0, spread_0},' in text
 
 
 def test_a_named_compiler_comes_first(monkeypatch):

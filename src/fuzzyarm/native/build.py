@@ -63,11 +63,11 @@ def kernels_in_c(level: str = "baseline", kernels: Sequence[Root] | None = None)
     for index, root in enumerate(roots() if kernels is None else kernels):
         types = [ARRAYS[letter] for letter in root.types]
         function = translation.function(root.function, types, root.bindings)
-        entries.append(_entry(f"entry_{index}", function.name, types))
-        rows.append(f"  {{{json.dumps(root.key)}, (void (*)(void))entry_{index}}},")
+        entries.append(_entries(index, function.name, types))
+        rows.append(f"  {{{json.dumps(root.key)}, (void (*)(void))entry_{index}, spread_{index}}},")
     table = [
-        "typedef struct { const char *key; void (*entry)(void); } table_row;",
-        f"const table_row fuzzyarm_{level}[] = {{", *rows, "  {0, 0},", "};", "",
+        _ROW,
+        f"const table_row fuzzyarm_{level}[] = {{", *rows, "  {0, 0, 0},", "};", "",
     ]  # fmt: skip
     body = translation.text()  # names the structures
     if level == "baseline":  # for Python, which asks for one only
@@ -82,16 +82,28 @@ void fuzzyarm_run_program(int64_t address, const reals *arrays, int count) {
 """
 
 
-def _entry(name: str, function: str, types: Sequence[Array]) -> str:
-    """Return a function that others call: a pointer and a length for each array."""
+_ROW = """\
+typedef struct {
+  const char *key;
+  void (*entry)(void);
+  void (*spread)(void *const *, const int64_t *);
+} table_row;
+"""
+
+
+def _entries(index: int, function: str, types: Sequence[Array]) -> str:
+    """Return a function as kernels call it, with each array by itself; and as Python does."""
     listed = ", ".join(
-        f"{POINTERS[type_]} *at_{index}, int64_t length_{index}"
-        for index, type_ in enumerate(types)
+        f"{POINTERS[type_]} *at_{k}, int64_t length_{k}" for k, type_ in enumerate(types)
     )
-    passed = ", ".join(
-        f"({C99.types[type_]}){{at_{index}, length_{index}}}" for index, type_ in enumerate(types)
+    names = [C99.types[type_] for type_ in types]
+    passed = ", ".join(f"({name}){{at_{k}, length_{k}}}" for k, name in enumerate(names))
+    spread = ", ".join(f"at[{k}], lengths[{k}]" for k in range(len(types)))
+    return (
+        f"static void entry_{index}({listed}) {{ {function}({passed}); }}\n"
+        f"static void spread_{index}(void *const *at, const int64_t *lengths) "
+        f"{{ entry_{index}({spread}); }}\n"
     )
-    return f"static void {name}({listed}) {{ {function}({passed}); }}\n"
 
 
 class Compiler(NamedTuple):

@@ -10,9 +10,12 @@
 #include <stdint.h>
 #include <string.h>
 
+typedef void (*spread_entry)(void *const *at, const int64_t *lengths);
+
 typedef struct {
   const char *key;
-  void (*entry)(void);
+  void (*entry)(void);  /* as kernels call it: a pointer and a length for each array */
+  spread_entry spread;  /* as Python does */
 } table_row;
 
 extern const table_row fuzzyarm_baseline[];
@@ -23,6 +26,13 @@ extern const char fuzzyarm_sources[];
 
 typedef struct { double *at; int64_t length; } fuzzyarm_reals;
 void fuzzyarm_run_program(int64_t address, const fuzzyarm_reals *arrays, int count);
+
+static const table_row *const tables[] = {
+    fuzzyarm_baseline,
+#ifdef FUZZYARM_V3
+    fuzzyarm_v3,
+#endif
+    NULL};
 
 static const table_row *table_of(const char *level) {
 #ifdef FUZZYARM_V3
@@ -76,11 +86,11 @@ static PyObject *addresses(PyObject *module, PyObject *level) {
 
 /* --- Calls from Python --- */
 
-enum { MOST_ARRAYS = 24 };
+enum { MOST_ARRAYS = 32 };
 
 typedef struct {
   PyObject_HEAD
-  void *entry;
+  spread_entry spread;
   int count;                  /* of arrays */
   int held;                   /* buffers that are to be released */
   int brief;                  /* whether it keeps the lock of the interpreter */
@@ -138,37 +148,23 @@ static int take(PyObject *array, char letter, Py_buffer *buffer) {
   return 0;
 }
 
-#define A(k) buffers[k].buf, (int64_t)(buffers[k].len / buffers[k].itemsize)
-#define P void *, int64_t
-
-/* The counts of arrays that kernels have. */
-static void run_entry(void *entry, int count, const Py_buffer *buffers) {
-  switch (count) {
-    case 1: ((void (*)(P))entry)(A(0)); break;
-    case 2: ((void (*)(P, P))entry)(A(0), A(1)); break;
-    case 3: ((void (*)(P, P, P))entry)(A(0), A(1), A(2)); break;
-    case 4: ((void (*)(P, P, P, P))entry)(A(0), A(1), A(2), A(3)); break;
-    case 5: ((void (*)(P, P, P, P, P))entry)(A(0), A(1), A(2), A(3), A(4)); break;
-    case 6: ((void (*)(P, P, P, P, P, P))entry)(A(0), A(1), A(2), A(3), A(4), A(5)); break;
-    case 7:
-      ((void (*)(P, P, P, P, P, P, P))entry)(A(0), A(1), A(2), A(3), A(4), A(5), A(6));
-      break;
-    case 8:
-      ((void (*)(P, P, P, P, P, P, P, P))entry)(A(0), A(1), A(2), A(3), A(4), A(5), A(6), A(7));
-      break;
-    case 9:
-      ((void (*)(P, P, P, P, P, P, P, P, P))entry)(A(0), A(1), A(2), A(3), A(4), A(5), A(6), A(7),
-                                                   A(8));
-      break;
-    case 21:
-      ((void (*)(P, P, P, P, P, P, P, P, P, P, P, P, P, P, P, P, P, P, P, P, P))entry)(
-          A(0), A(1), A(2), A(3), A(4), A(5), A(6), A(7), A(8), A(9), A(10), A(11), A(12), A(13),
-          A(14), A(15), A(16), A(17), A(18), A(19), A(20));
-      break;
-  }
+/* What runs an entry on arrays in a row; NULL for an address that is in no table. */
+static spread_entry spread_of(void *entry) {
+  for (const table_row *const *table = tables; *table != NULL; table++)
+    for (const table_row *row = *table; row->key != NULL; row++)
+      if ((void *)row->entry == entry) return row->spread;
+  return NULL;
 }
 
-static int known_count(Py_ssize_t count) { return (count >= 1 && count <= 9) || count == 21; }
+static void run_entry(const Routine *self, const Py_buffer *buffers) {
+  void *at[MOST_ARRAYS];
+  int64_t lengths[MOST_ARRAYS];
+  for (int k = 0; k < self->count; k++) {
+    at[k] = buffers[k].buf;
+    lengths[k] = buffers[k].len / buffers[k].itemsize;
+  }
+  self->spread(at, lengths);
+}
 
 static PyObject *routine_call(PyObject *object, PyObject *const *arrays, Py_ssize_t count) {
   Routine *self = (Routine *)object;
@@ -179,7 +175,7 @@ static PyObject *routine_call(PyObject *object, PyObject *const *arrays, Py_ssiz
   while (taken < count && take(arrays[taken], self->letters[taken], &buffers[taken]) == 0) taken++;
   if (taken == count) {
     Py_BEGIN_ALLOW_THREADS
-    run_entry(self->entry, self->count, buffers);
+    run_entry(self, buffers);
     Py_END_ALLOW_THREADS
   }
   for (int k = 0; k < taken; k++) PyBuffer_Release(&buffers[k]);
@@ -191,10 +187,10 @@ static PyObject *routine_again(PyObject *object, PyObject *unused) {
   (void)unused;
   Routine *self = (Routine *)object;
   if (self->brief) { /* to give the lock away would cost as much as the work */
-    run_entry(self->entry, self->count, self->buffers);
+    run_entry(self, self->buffers);
   } else {
     Py_BEGIN_ALLOW_THREADS
-    run_entry(self->entry, self->count, self->buffers);
+    run_entry(self, self->buffers);
     Py_END_ALLOW_THREADS
   }
   Py_RETURN_NONE;
@@ -207,13 +203,14 @@ static PyMethodDef again_method = {
 
 static Routine *new_routine(unsigned long long address, const char *letters) {
   const size_t count = strlen(letters);
-  if (!known_count((Py_ssize_t)count)) {
-    PyErr_Format(PyExc_ValueError, "no kernel has %zu arrays", count);
+  const spread_entry spread = spread_of((void *)(uintptr_t)address);
+  if (spread == NULL || count > MOST_ARRAYS) {
+    PyErr_Format(PyExc_ValueError, "no kernel of %zu arrays stands at this address", count);
     return NULL;
   }
   Routine *self = PyObject_New(Routine, routine_type);
   if (self == NULL) return NULL;
-  self->entry = (void *)(uintptr_t)address;
+  self->spread = spread;
   self->count = (int)count;
   self->held = self->brief = 0;
   memcpy(self->letters, letters, count);

@@ -129,9 +129,7 @@ def over_symbols(function: Callable[..., Any]) -> Callable[..., Any]:
     return copy if owner is None else MethodType(copy, owner)
 
 
-_FUNCTIONS_OF_MATH = {
-    function: name for name, function in vars(math).items() if callable(function)
-}
+_FUNCTIONS_OF_MATH = {function: name for name, function in vars(math).items() if callable(function)}
 
 
 class _Math:
