@@ -489,6 +489,12 @@ ADVICE = (
         _LINE,
     ),
     Advice(
+        re.compile(rf"=\s*(?P<at>{'|'.join(SOURCES)})\s*$"),
+        lambda m: f"'{m['at']}' is a source: of what is missing",
+        lambda m: f"as in  error of position ; a signal of that name is  '{m['at']}'",
+        (SIGNAL,),
+    ),
+    Advice(
         re.compile(rf"\b(?P<at>(?:rules|table)\s+({_NAME}))(?!\s*\()"),
         "the inputs are missing",
         lambda m: f"write them in parentheses:  {' '.join(m['at'].split())}(e, ce)",
