@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cache
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -160,7 +162,7 @@ def with_files(
         try:
             sheets[use.name] = tuple(read_sheet(file, folder) for file in use.files)
         except (OSError, ValueError) as error:  # a name may have a null byte
-            faults.append(_unreadable(use, error, path))
+            faults.append(_unreadable(use, error, path, folder))
     for use in model.uses:
         if use.name not in sheets and use.files == (ZERO,):
             judge = judge_of(model, use.name, sheets)
@@ -174,15 +176,26 @@ def with_files(
     return text, [*faults, *misfits(text)]
 
 
-def _unreadable(use: Use, error: OSError | ValueError, path: str) -> Diagnostic:
+def _unreadable(use: Use, error: OSError | ValueError, path: str, folder: Path) -> Diagnostic:
     files = " or ".join(f"'{file}'" for file in use.files)
     if isinstance(error, RuleBaseError):
         message = f"{files} has mistakes: {error.diagnostics[0].message}"
         return Diagnostic("faulty-file", message, use.span, path=path)
     reason = error.strerror if isinstance(error, OSError) else None
     message = f"cannot read {files}: {reason or error}"
-    hint = "a file stands beside the controller, or is a shipped one"
+    hint = ""
+    if isinstance(error, FileNotFoundError):
+        hint = near_hint(Path(error.filename).name, _files_for(folder))[0]
+    hint = hint or "a file stands beside the controller, or is a shipped one"
     return Diagnostic("missing-file", message, use.span, hint=hint, path=path)
+
+
+def _files_for(folder: Path) -> list[str]:
+    """Return the names of files that a controller in a folder could use."""
+    found = list(shipped_names())
+    with suppress(OSError):
+        found += sorted(each.name for each in islice(folder.iterdir(), 1000))
+    return found
 
 
 def read_sheet(file: str, folder: Path) -> Sheet:

@@ -74,6 +74,8 @@ class _Reader:
         self.rulebase = rulebase
         self.scope = Scope()
         self.broken = {node.keyword for node in nodes if isinstance(node, Broken)}
+        # What a line would have read that could not be read itself.
+        self.unread = any(map(_is_unread, nodes))
         self.numbers: dict[str, Word] = {}  # gains and partners
         self.sheets: dict[str, Word] = {}
         self.used: set[str] = set()
@@ -119,7 +121,9 @@ class _Reader:
             own,
         )
         self._judge_whole(heading, axes)
-        if not self.broken:  # a line that could not be read may be what is missed
+        if (
+            not self.broken and not self.unread
+        ):  # a line that could not be read may be what is missed
             self.scope.diagnostics += doubts_of_lines(model)
         return model, self.scope.diagnostics
 
@@ -181,6 +185,7 @@ class _Reader:
                 "duplicate-name",
                 f"'{word.text}' is declared twice",
                 word.span,
+                hint="a name means one thing: take another for this one",
                 related=(Related("first here", names[word.text].span),),
             )
         names.setdefault(word.text, word)
@@ -191,6 +196,8 @@ class _Reader:
                 self._declare(node.name, self.numbers)
 
     def _gain(self, node: GainNode, count: int) -> GainModel | None:
+        if not node.values:  # the fault has been told
+            return None
         values = tuple(
             Amount(tuple((f.value if f else None, divides) for f, divides in amount.factors))
             for amount in node.values
@@ -203,18 +210,18 @@ class _Reader:
         if len(values) not in (1, count):
             self.scope.report(
                 "wrong-count",
-                f"gain {node.name.text} has {len(values)} values, the controller {count} axes",
+                f"gain {node.name.text} has {len(values)} values, the controller {_axes(count)}",
                 node.values[-1].span,
-                hint="one value for all axes, or one for each",
+                hint=_values_hint(node),
             )
             return None
         tune = None
         if node.low is not None and node.high is not None:
             tune = Tune(node.low.value, node.high.value, node.log)
-            if not tune.low < tune.high or (tune.log and tune.low <= 0.0):
-                message = "the range of tune must go from a lower to a higher number"
-                if tune.low < tune.high:
-                    message = "a logarithmic range must begin above 0"
+            if not tune.low < tune.high:
+                self._turned("the range of tune", node.low, node.high)
+            elif tune.log and tune.low <= 0.0:
+                message = "a logarithmic range must begin above 0"
                 self.scope.report("bad-range", message, node.low.span.to(node.high.span))
             elif not all(tune.low <= number <= tune.high for number in numbers):
                 self.scope.report(
@@ -324,12 +331,18 @@ class _Reader:
                 related=(Related("made here", self.later[word.text]),),
             )
             return
-        self._unknown("unknown-signal", "signal or gain", word, [*signals, *self.numbers])
+        written = name_text(word.text)
+        new = f"a number is  gain {written} = 1 , a value of the plant  measured {written}"
+        self._unknown("unknown-signal", "signal or gain", word, [*signals, *self.numbers], new)
 
-    def _unknown(self, name: str, what: str, word: Word, choices: Collection[str]) -> None:
+    def _unknown(
+        self, name: str, what: str, word: Word, choices: Collection[str], new: str = ""
+    ) -> None:
+        """Report a name that nothing has; `new` says how it would be made."""
         hint, replacement = near_hint(word.text, choices)
-        if not hint and choices:
-            hint = "there are " + ", ".join(list(choices)[:10])
+        if not hint:
+            there = "there are " + ", ".join(list(choices)[:10]) if choices else ""
+            hint = "; ".join(filter(None, (there, new)))
         self.scope.report(
             name,
             f"no {what} is called '{word.text}'",
@@ -341,7 +354,9 @@ class _Reader:
     def _need_sheet(self, word: Word) -> None:
         self.used.add(word.text)
         if word.text not in self.sheets:
-            self._unknown("unknown-use", "rule base or table", word, list(self.sheets))
+            written = name_text(word.text)
+            new = f'a file is named by  use {written} from "{word.text}.frb"'
+            self._unknown("unknown-use", "rule base or table", word, list(self.sheets), new)
 
     def _inputs(self, words: Sequence[Word], signals: dict[str, Word]) -> tuple[str, ...]:
         for word in words:
@@ -353,10 +368,7 @@ class _Reader:
         if isinstance(node.value, Figure) and node.high is not None:
             low, high = node.value.value, node.high.value
             if not low < high:
-                span = node.value.span.to(node.high.span)
-                self.scope.report(
-                    "bad-range", "limits must go from a lower to a higher number", span
-                )
+                self._turned("limits", node.value, node.high)
             return word, (low, high)
         if isinstance(node.value, Figure):
             return word, node.value.value
@@ -369,6 +381,18 @@ class _Reader:
                 self.scope.report("bad-time", f"the time of {word} must be above 0", span)
             return word, node.value.seconds
         return word, "hold" if node.rest == ("hold",) else True
+
+    def _turned(self, what: str, low: Figure, high: Figure) -> None:
+        """Report a range that does not go up; where it goes down, with both ends changed."""
+        verb = "must go from a lower to a higher number"
+        right = f"{high} .. {low}" if high.value < low.value else None
+        self.scope.report(
+            "bad-range",
+            f"{what} {verb}",
+            low.span.to(high.span),
+            hint="" if right is None else f"write  {right}",
+            replacement=right,
+        )
 
     def _need_gain(self, word: Word) -> None:
         self.used.add(word.text)
@@ -431,32 +455,51 @@ class _Reader:
         if node.low is not None and node.high is not None:
             within = (node.low.value, node.high.value)
             if not within[0] < within[1]:
-                span = node.low.span.to(node.high.span)
-                self.scope.report(
-                    "bad-range", "limits must go from a lower to a higher number", span
-                )
+                self._turned("limits", node.low, node.high)
         if node.slew is not None and not node.slew.value > 0.0:
             self.scope.report("bad-number", "expected a number above 0", node.slew.span)
+        if node.port.text in signals and self._is_turned(node, signals):
+            return Drive(node.port.text, (), within, None, node.span)
         slew = node.slew.value if node.slew is not None else None
         return Drive(
             node.port.text, self._products(node.products, signals), within, slew, node.span
         )
 
+    def _is_turned(self, node: DriveNode, signals: dict[str, Word]) -> bool:
+        """Report a drive that names its signal before its port."""
+        factors = [factor.value for product in node.products for factor in product.factors]
+        port = factors[0]
+        if len(factors) > 1 or not isinstance(port, Word):
+            return False
+        if port.text in signals or port.text in self.numbers:
+            return False
+        self.read.add(node.port.text)
+        span = node.port.span.to(port.span)
+        right = f"{port} = {node.port}"
+        self.scope.report(
+            "unknown-signal",
+            f"the port stands before '=', and no signal is called '{port.text}'",
+            span,
+            hint=f"write  drive {right}",
+            replacement=right,
+        )
+        return True
+
     # --- The whole ---
 
     def _judge_files(self, uses: Sequence[Use], count: int) -> None:
         for use in uses:
-            if len(use.files) not in (1, count):
+            if use.files and len(use.files) not in (1, count):
                 self.scope.report(
                     "wrong-count",
-                    f"'{use.name}' names {len(use.files)} files, the controller has {count} axes",
+                    f"'{use.name}' names {len(use.files)} files, the controller has {_axes(count)}",
                     use.span,
                     hint="one file for all axes, or one for each",
                 )
 
     def _judge_signals(self, signals: dict[str, Word]) -> None:
         for name, word in signals.items():
-            if name not in self.read and not self.broken:
+            if name not in self.read and not self.broken and not self.unread:
                 self.scope.report(
                     "unused-signal",
                     f"nothing reads the signal '{name}'",
@@ -465,7 +508,7 @@ class _Reader:
                 )
 
     def _judge_unused(self) -> None:
-        if self.broken:
+        if self.broken or self.unread:
             return  # what reads it may be what could not be read
         for what, words in (("gain or partner", self.numbers), ("rule base or table", self.sheets)):
             for name, word in words.items():
@@ -494,8 +537,46 @@ class _Reader:
                     "no-drives",
                     f"axis {', '.join(each.names)} drives nothing",
                     each.span,
-                    hint="add a line like  drive voltage = u",
+                    hint=f"add a line like  drive {_drive_for(each)}",
                 )
+
+
+def _drive_for(axes: Axes) -> str:
+    """Return what would drive the plant: the last signal, which may have the name of its port."""
+    made = [line for line in axes.lines if isinstance(line, Signal)]
+    if not made:
+        return "voltage = u"
+    last = made[-1]
+    if last.source is None and len(last.products) == 1 and len(last.products[0].factors) == 1:
+        value = last.products[0].factors[0].value
+        if isinstance(value, str):
+            return f"{name_text(last.names[0])} = {name_text(value)}"
+    return f"voltage = {name_text(last.names[0])}"
+
+
+def _is_unread(node: StatementNode) -> bool:
+    """Whether of a statement only the name could be read."""
+    if isinstance(node, SignalNode):
+        return node.source is None and not node.products
+    if isinstance(node, GainNode):
+        return not node.values
+    return isinstance(node, UseNode) and not node.files
+
+
+def _axes(count: int) -> str:
+    return "1 axis" if count == 1 else f"{count} axes"
+
+
+def _values_hint(node: GainNode) -> str:
+    """Say what values a gain takes; of two numbers that may be one with a comma, that one."""
+    if len(node.values) == 2:
+        first, second = (str(value) for value in node.values)
+        if first.lstrip("-").isdigit() and second.isdigit():
+            return f"{_ONE_OR_EACH}; a decimal mark is a point: {first}.{second}"
+    return _ONE_OR_EACH
+
+
+_ONE_OR_EACH = "one value for all axes, or one for each"
 
 
 def _signals_behind(nodes: Sequence[StatementNode]) -> dict[str, Span]:

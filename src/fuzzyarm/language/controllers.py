@@ -88,10 +88,16 @@ class UseNode(NamedTuple):
         """Read it from the cursor."""
         cursor.take()
         name = cursor.name("a name for the rule base or table")
-        cursor.expect("from", "before the file")
-        files = [cls._file(cursor)]
-        while cursor.accept(","):
+        files = []
+        try:
+            cursor.expect("from", "before the file")
             files.append(cls._file(cursor))
+            while cursor.accept(","):
+                files.append(cls._file(cursor))
+            cursor.finish()
+        except Fault as fault:
+            cursor.forgive(fault)
+            files = []
         return cls(name, tuple(files), cursor.whole)
 
     @staticmethod
@@ -177,6 +183,14 @@ class GainNode(NamedTuple):
         """Read it from the cursor."""
         cursor.take()
         name = cursor.name("the name of the gain")
+        try:
+            return cls._definition(cursor, name)
+        except Fault as fault:
+            cursor.forgive(fault)
+            return cls(name, (), None, None, None, False, cursor.whole)
+
+    @classmethod
+    def _definition(cls, cursor: Cursor, name: Word) -> GainNode:
         cursor.expect("=", f"after '{name.text}'")
         values = [AmountNode.read(cursor)]
         while cursor.next_is(",") and not cursor.next_is("tune", 1):
@@ -192,6 +206,7 @@ class GainNode(NamedTuple):
             cursor.expect("..", "between the ends of the range")
             high = cursor.figure("the highest value")
             log = cursor.accept("log") is not None
+        cursor.finish()
         return cls(name, tuple(values), unit, low, high, log, cursor.whole)
 
     def in_columns(self) -> list[str]:
@@ -221,6 +236,14 @@ class PartnerNode(NamedTuple):
         """Read it from the cursor."""
         cursor.take()
         name = cursor.name("the name of the partner")
+        try:
+            return cls._definition(cursor, name)
+        except Fault as fault:
+            cursor.forgive(fault)
+            return cls(name, Word(""), (), cursor.whole)
+
+    @classmethod
+    def _definition(cls, cursor: Cursor, name: Word) -> PartnerNode:
         cursor.expect("=", f"after '{name.text}'")
         law = cursor.name("a law of the catalogue")
         gains = []
@@ -231,6 +254,7 @@ class PartnerNode(NamedTuple):
                 gain = Word(f"{gain.text}.{more.text}", gain.span.to(more.span))
             cursor.expect("=", f"after '{gain.text}'")
             gains.append((gain, cursor.figure("a number")))
+        cursor.finish()
         return cls(name, law, tuple(gains), cursor.whole)
 
     def __str__(self) -> str:

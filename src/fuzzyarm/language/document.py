@@ -139,9 +139,7 @@ def _group_lines(
                 waiting.append(line.comment)
             continue
         first = line.tokens[0]
-        record = records.get(first.text) if first.kind == "name" else None
-        if in_axis and _is_signal(line, known=record is not None):
-            record = CONTROLLER_STATEMENTS[SIGNAL]
+        record = _record_of(line, records, groups, in_axis=in_axis)
         if record is not None:
             groups.append(_Group(record, line.tokens, tuple(waiting), line.comment))
             records = SECTIONS.get(record.word, records)
@@ -165,16 +163,37 @@ def _group_lines(
             meant = first._replace(kind="name", text=replacement)
             tokens = (meant, *line.tokens[1:])
             groups.append(_Group(records[replacement], tokens, tuple(waiting), line.comment))
+            records = SECTIONS.get(replacement, records)
+            in_axis = replacement == "axis" or (in_axis and replacement not in SECTIONS)
         waiting = []
     while waiting and waiting[-1] == "":
         waiting.pop()
     return groups, tuple(waiting)
 
 
+def _record_of(
+    line: Line, records: Records, groups: Sequence[_Group], *, in_axis: bool
+) -> StatementKind | None:
+    """Return the statement that a line starts, None where it starts none."""
+    first = line.tokens[0]
+    record = records.get(first.text) if first.kind == "name" else None
+    if in_axis and _is_signal(line, known=record is not None):
+        return CONTROLLER_STATEMENTS[SIGNAL]
+    if record is None and records is SECTIONS["controller"] and _is_stray(line, groups):
+        return CONTROLLER_STATEMENTS[SIGNAL]  # its axis is what is missing
+    return record
+
+
 def _is_signal(line: Line, *, known: bool) -> bool:
     """Whether a line below ``axis`` defines signals; `known` if it begins like another line."""
     marks = [token.text for token in line.tokens if token.kind == "mark"]
     return "=" in marks and (not known or line.tokens[1].text in ("=", ","))
+
+
+def _is_stray(line: Line, groups: Sequence[_Group]) -> bool:
+    """Whether a line defines a signal although no axis stands above it."""
+    defines = len(line.tokens) > 1 and line.tokens[1].text == "="
+    return defines and line.indented and bool(groups) and groups[-1].tokens[-1].text != ","
 
 
 def _allowances(lines: list[Line]) -> dict[int, frozenset[str]]:

@@ -11,7 +11,7 @@ from fuzzyarm.language.controller_meaning import elaborate_controller
 from fuzzyarm.language.controllers import ControllerHeading
 from fuzzyarm.language.document import Document, ParseMemory, parse_document, print_document
 from fuzzyarm.language.meaning import UNNAMED, elaborate
-from fuzzyarm.language.statements import Heading
+from fuzzyarm.language.statements import Broken, Heading
 from fuzzyarm.model.controller import ControllerModel
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.text.diagnostic import (
@@ -84,20 +84,26 @@ def parse(text: str, path: str = "<text>", memory: ParseMemory | None = None) ->
     too_large = any(d.name in ("file-too-large", "line-too-long") for d in document.diagnostics)
     meant, mended = document, frozenset[int]()
     heads = {type(statement.node) for statement in document.statements}
-    if document.diagnostics and not too_large and ControllerHeading not in heads:
+    if document.diagnostics and not too_large:
         from fuzzyarm.language.slips import as_meant
 
         meant, mended = as_meant(text, document)
         document = document._replace(diagnostics=meant.diagnostics)
+        heads = {type(statement.node) for statement in meant.statements}
     whole: ControllerModel | None = None
     partial, findings = RuleBase(UNNAMED, (), (), ()), list[Diagnostic]()
-    if ControllerHeading not in heads or Heading in heads:
+    # A controller whose heading cannot be read is not a rule base without rules.
+    headless = any(
+        isinstance(each.node, Broken) and each.node.keyword == "controller"
+        for each in meant.statements
+    )
+    if (ControllerHeading not in heads and not headless) or Heading in heads:
         partial, findings = elaborate(meant, memory)
         findings = [finding for finding in findings if finding.line not in mended]
     if ControllerHeading in heads:
-        nodes = [statement.node for statement in document.statements]
+        nodes = [statement.node for statement in meant.statements]
         whole, more = elaborate_controller(nodes, partial if Heading in heads else None)
-        findings += more
+        findings += [finding for finding in more if finding.line not in mended]
     found = list(document.diagnostics) if too_large else [*document.diagnostics, *findings]
     if failures:
         found = list(map(_with_failure, found))

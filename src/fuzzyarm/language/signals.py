@@ -13,6 +13,7 @@ from fuzzyarm.language.phrases import Kind, Occurrence
 from fuzzyarm.language.tokens import Cursor, Fault, Figure, Word
 from fuzzyarm.model.controller import SOURCES, TIMES, OptionKind
 from fuzzyarm.text.diagnostic import NOWHERE, Diagnostic, Span
+from fuzzyarm.text.numbers import number_text
 
 __all__ = [
     "AmountNode",
@@ -57,16 +58,7 @@ class TimeNode(NamedTuple):
         cursor.suggest("times")
         token = cursor.peek()
         if token is None or token.kind != "name" or token.text not in TIMES:
-            units = ", ".join(TIMES)
-            found = "nothing" if token is None else f"'{token.text}'"
-            raise Fault(
-                Diagnostic(
-                    "missing-unit",
-                    f"expected a unit of time behind {figure}, found {found}",
-                    cursor.span,
-                    hint=f"one of {units}",
-                )
-            )
+            raise Fault(_without_unit(figure, cursor))
         return cls(figure, cursor.take().text)
 
     @property
@@ -77,6 +69,38 @@ class TimeNode(NamedTuple):
 
     def __str__(self) -> str:
         return f"{self.figure} {self.unit}"
+
+
+UNITS_ELSEWHERE = {
+    **dict.fromkeys(("sec", "secs", "second", "seconds"), "s"),
+    **dict.fromkeys(("msec", "msecs", "millis", "millisecond", "milliseconds"), "ms"),
+    **dict.fromkeys(("µs", "μs", "usec", "usecs", "microsecond", "microseconds"), "us"),
+    **dict.fromkeys(("mins", "minute", "minutes"), "min"),
+    **dict.fromkeys(("hr", "hrs", "hour", "hours"), "h"),
+}
+"""What units of time are called elsewhere, in small letters."""
+
+HERTZ = {"hz": 1.0, "khz": 1e3}
+
+
+def _without_unit(figure: Figure, cursor: Cursor) -> Diagnostic:
+    """Describe a number that is to be a time and has no unit of it."""
+    token = cursor.peek()
+    found = "nothing" if token is None or token.kind == "mark" else f"'{token.text}'"
+    message = f"expected a unit of time behind {figure}, found {found}"
+    small = token.text.lower() if token is not None else ""
+    unit = UNITS_ELSEWHERE.get(small) or (small if small in TIMES else None)
+    if unit is not None:
+        hint = f"write  {figure} {unit}"
+        return Diagnostic("missing-unit", message, cursor.span, hint=hint, replacement=unit)
+    if small in HERTZ and figure.value > 0.0:
+        milliseconds = float(f"{1e3 / (HERTZ[small] * figure.value):.6g}")
+        time = f"{number_text(milliseconds)} ms"
+        span = figure.span.to(cursor.span)
+        message = f"a time is wanted, not a frequency: {figure} {token.text if token else ''}"
+        return Diagnostic("missing-unit", message, span, hint=f"write  {time}", replacement=time)
+    hint = f"one of {', '.join(TIMES)}, as in  {figure} s"
+    return Diagnostic("missing-unit", message, cursor.span, hint=hint)
 
 
 class AmountNode(NamedTuple):

@@ -8,28 +8,17 @@ and has the line as it should be; the file is read on as it was meant.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from functools import lru_cache
-from typing import NamedTuple
 
+from fuzzyarm.language import controller_slips
+from fuzzyarm.language.controller_slips import ADVICE, ENDINGS, Slip
+from fuzzyarm.language.controllers import CONTROLLER_STATEMENTS, SIGNAL
 from fuzzyarm.language.document import Document, parse_document
 from fuzzyarm.language.statements import STATEMENTS
 from fuzzyarm.text.diagnostic import MAX_DIAGNOSTICS, Diagnostic, Span, split_lines
 
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
-
-
-class Slip(NamedTuple):
-    """A notation of elsewhere: what is said of it, what is looked for and what is written here.
-
-    `words` are the statements in which it is looked for, ``row`` and ``header`` for the lines
-    of a grid and an empty word for a line that belongs to none; without them, all lines are.
-    """
-
-    said: str
-    pattern: re.Pattern[str]
-    written: str | Callable[[re.Match[str]], str]
-    words: tuple[str, ...] = ()
 
 
 def _small(match: re.Match[str]) -> str:
@@ -48,18 +37,24 @@ _LISTS = ("row", "header", "input", "output", "term", "lookup", "tune")
 _NAMED = ("rulebase", "input", "output")
 _NUMBERS = ("input", "output", "term")
 
-_QUOTES = (
-    Slip("quotes are straight", re.compile("[“”„«»]"), '"'),
-    Slip("quotes are straight", re.compile("[‘’‚‹›]"), "'"),
-    Slip("a description stands in double quotes", re.compile(r"'([^']*)'\s*$"), r'"\1"', _NAMED),
-)
-"""Looked for in the whole line; the others outside strings and comments."""
-
-SLIPS = (
-    Slip("a comment starts with #", re.compile(r"(?:^|(?<=\s))(?://|%)"), "#"),
+_ANYWHERE = (
+    Slip("quotes are straight", re.compile("[“”„«»]"), '"', whole=True),
+    Slip("quotes are straight", re.compile("[‘’‚‹›]"), "'", whole=True),
+    Slip(
+        "a description stands in double quotes",
+        re.compile(r"'([^']*)'\s*$"),
+        r'"\1"',
+        (*_NAMED, "controller"),
+        whole=True,
+    ),
+    Slip("a comment starts with #", re.compile(r"(?:^|(?<=\s))(?://|%|--(?=\s|$))"), "#"),
     Slip("a minus is a hyphen", re.compile("[−–—]"), "-"),
     Slip("a range is written with two points", re.compile(r"\.{3,}|…"), ".."),
     Slip("a statement ends with its line, without a mark", re.compile(r"\s*[;,]\s*$"), ""),
+)
+"""In rule bases and controllers alike."""
+
+SLIPS = (
     Slip("a rule starts with 'rule if'", _IF, r"\1rule if", _RULE),
     Slip(_CAPITALS, _STARTERS, _small),
     Slip(_CAPITALS, _JOINS, _small, ("rules", *_RULE)),
@@ -72,7 +67,7 @@ SLIPS = (
     Slip("numbers stand without brackets", re.compile(r"[\[\](){}]"), " ", _NUMBERS),
     Slip("a colon stands behind the names", re.compile(r"\s*=\s*"), ": ", ("term", "terms")),
 )
-"""Every other notation, in the order in which a line is put right."""
+"""Every other notation, in the order in which a line of a rule base is put right."""
 
 _LAST = Slip("a range is written with two points", _RANGE, r"\1 .. \2", ("input", "output"))
 """Looked for when commas have been put right."""
@@ -120,7 +115,8 @@ def as_meant(text: str, document: Document) -> tuple[Document, frozenset[int]]:
         if any(d.line in found or d.line in more for d in again.diagnostics):
             break  # what reads well alone does not read in its file
         best, found = again, found | more
-    ordered = sorted([*best.diagnostics, *found.values()], key=lambda diagnostic: diagnostic.span)
+    advised = [_advised(each, lines) for each in best.diagnostics]
+    ordered = sorted([*advised, *found.values()], key=lambda diagnostic: diagnostic.span)
     return best._replace(diagnostics=tuple(ordered)), frozenset(found)
 
 
@@ -133,7 +129,7 @@ def _finding(first: Diagnostic, before: str, after: str, said: str) -> Diagnosti
     while end < min(len(before), len(after)) - start and before[-1 - end] == after[-1 - end]:
         end += 1
     span = Span(first.line, start + 1, first.line, len(before) - end + 1)
-    hint = f"write  {' '.join(after.split())}"
+    hint = f"write  {' '.join(after.split())}" if after.strip() else "leave the line out"
     return Diagnostic(
         first.name, said, span, hint=hint, replacement=after[start : len(after) - end]
     )
@@ -147,7 +143,10 @@ def _put_right(lines: Sequence[str], number: int, first: Diagnostic) -> tuple[st
     line = lines[number - 1]
     if len(line) > _LONGEST:
         return None
-    before, word, after = _surroundings(lines, number)
+    controller = _controller_above(lines, number)
+    if controller and ENDINGS.match(line):
+        return "", "nothing ends a part of a file"
+    before, word, after = (_of_controller if controller else _surroundings)(lines, number)
 
     def reads(better: str) -> bool:
         document = parse_document("\n".join([*before, better, *after]))
@@ -158,7 +157,7 @@ def _put_right(lines: Sequence[str], number: int, first: Diagnostic) -> tuple[st
         if reads(line[:start] + first.replacement + line[end:]):
             return None
     for order in _ORDERS:
-        better, said = _rewritten(line, word, order)
+        better, said = _rewritten(line, word, order, controller)
         if said and better.strip() and reads(better):
             return better, said
     return None
@@ -189,6 +188,64 @@ def _surroundings(lines: Sequence[str], number: int) -> tuple[list[str], str, li
     return list(lines[start - 1 : number - 1]), word, list(lines[number:end])
 
 
+# --- Controllers ---
+
+_HEADINGS = re.compile(r"^(controller|rulebase)\b", _ANY_CASE)
+_AXIS = re.compile(r"^ax[ei]s\b", _ANY_CASE)
+_SIGNAL = re.compile(r"^\s*(?:'[^']*'|[\w-]+)\s*(?:[,=]|:=|<-)")
+
+
+def _controller_above(lines: Sequence[str], number: int) -> bool:
+    """Whether a line is the heading of a controller, or stands below one."""
+    for line in reversed(lines[:number]):
+        heading = _HEADINGS.match(line)
+        if heading is not None:
+            return heading[1].lower() == "controller"
+    return False
+
+
+def _of_controller(lines: Sequence[str], number: int) -> tuple[list[str], str, list[str]]:
+    """Return the lines before that a line of a controller is read with, and what it is."""
+    line = lines[number - 1]
+    if _HEADINGS.match(line):
+        return [], "controller", []
+    below_axis = False
+    for other in reversed(lines[: number - 1]):
+        if _HEADINGS.match(other):
+            break
+        below_axis |= _AXIS.match(other) is not None
+    first = re.match(r"\s*([\w-]+)", line)
+    word = first[1].lower() if first is not None else ""
+    if word not in CONTROLLER_STATEMENTS or (below_axis and _SIGNAL.match(line)):
+        word = SIGNAL if below_axis else ""
+    return ["controller c", *(["axis a"] if below_axis else [])], word, []
+
+
+_SYNTAX = {
+    "unexpected-token", "trailing-text", "incomplete-statement", "unexpected-character",
+    "reserved-word", "unknown-option", "unknown-statement", "bad-number",
+}  # fmt: skip
+"""Findings of which the words of an advice say more."""
+
+
+def _advised(found: Diagnostic, lines: Sequence[str]) -> Diagnostic:
+    """Return a finding with what to do, where the line alone cannot be put right."""
+    number = found.line
+    if not 1 <= number <= len(lines) or not _controller_above(lines, number):
+        return found
+    line = lines[number - 1].partition("#")[0].rstrip()
+    mended = found.replacement is not None and found.name != "reserved-word"
+    if len(line) > _LONGEST or mended or found.name not in _SYNTAX:
+        return found
+    _, word, _ = _of_controller(lines, number)
+    for advice in ADVICE:
+        told = advice.on(line, number) if not advice.words or word in advice.words else None
+        if told is not None:
+            said, hint, span = told
+            return Diagnostic(found.name, said, span, hint=hint)
+    return found
+
+
 def _keyword(line: str) -> str | None:
     """Return the statement that a line starts, also in capitals."""
     word = (_FIRST.match(line) or [""])[1]
@@ -201,14 +258,15 @@ def _code(line: str) -> str:
 
 
 @lru_cache(maxsize=2048)
-def _rewritten(line: str, word: str, order: tuple[Slip, ...]) -> tuple[str, str]:
+def _rewritten(line: str, word: str, order: tuple[Slip, ...], controller: bool) -> tuple[str, str]:
     # Remembered: a text is read again at every key stroke, and most of its lines are as before.
     said: dict[str, None] = {}
-    for slip in _QUOTES:
-        if not slip.words or word in slip.words:
-            line = _apply(slip, line, said)
-    for slip in (*SLIPS, *order, _LAST):
+    own = (*controller_slips.SLIPS, *order) if controller else (*SLIPS, *order, _LAST)
+    for slip in (*_ANYWHERE, *own):
         if slip.words and word not in slip.words:
+            continue
+        if slip.whole:
+            line = _apply(slip, line, said)
             continue
         pieces = list(_pieces(line))
         line = "".join(_apply(slip, piece, said) if code else piece for piece, code in pieces)

@@ -29,7 +29,8 @@ _TOKEN = re.compile(
     | (?P<quoted>'(?:[^'\\]|\\.)*')
     | (?P<open>["'].*)
     | (?P<name>[^\W\d]\w*(?:-[^\W\d]\w*)*)
-    | (?P<number>(?:[0-9]+(?:\.(?!\.)[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?(?!\w))
+    | (?P<number>(?:[0-9]+(?:\.(?!\.)[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?
+        (?:(?!\w)|(?=(?:us|ms|s|min|h)(?!\w))))  # a unit of time may stand close by
     | (?P<bad>\.?[0-9][\w.]*)
     | (?P<mark>\.\.|->|<=|>=|[.,:()=<>\\*/^%+-])
     | (?P<stray>.)
@@ -321,6 +322,7 @@ class Cursor:
         """Take a name: a plain word that is not reserved, or one in single quotes."""
         token = self.peek()
         if token is None or token.kind not in ("name", "quoted"):
+            self._fail_at_digit(what)
             self.fail(what)
         if token.kind == "name" and is_reserved(token.text):
             raise Fault(
@@ -334,6 +336,23 @@ class Cursor:
             )
         self.position += 1
         return Word(token.text, token.span)
+
+    def _fail_at_digit(self, what: str) -> None:
+        """Raise a fault if what comes next would be a name but for its first digit."""
+        token, behind = self.peek(), self.peek(1)
+        if token is None or behind is None or token.kind != "number" or token.end != behind.column:
+            return
+        if behind.kind == "name" and token.line == behind.line:
+            name = f"'{token.text}{behind.text}'"
+            raise Fault(
+                Diagnostic(
+                    "bad-number",
+                    f"expected {what}, found {name}, which starts with a digit",
+                    token.span.to(behind.span),
+                    hint=f"as a name it is written {name} with its quotes",
+                    replacement=name,
+                )
+            )
 
     def variable(self, what: str, role: str = "", follow: str = "") -> Word:
         """Take the name of a variable: an ``input``, an ``output`` or either.

@@ -1,0 +1,550 @@
+"""What is written in controllers elsewhere: how it is written here, or what to do instead.
+
+Slips are lines that can be put right as they stand (:mod:`fuzzyarm.language.slips`). An advice is
+for a line that needs more than itself: another line above it, a rule base, a number.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from typing import NamedTuple
+
+from fuzzyarm.language.controllers import CONTROLLER_STATEMENTS, SIGNAL
+from fuzzyarm.model.controller import SOURCES
+from fuzzyarm.text.diagnostic import Span
+
+_NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+_NAME = r"(?:'[^']*'|[^\W\d]\w*(?:-[^\W\d]\w*)*)"
+_ANY_CASE = re.IGNORECASE
+
+Written = str | Callable[[re.Match[str]], str]
+
+
+class Slip(NamedTuple):
+    """A notation of elsewhere: what is said of it, what is looked for and what is written here.
+
+    `words` are the statements in which it is looked for: of a rule base ``row`` and ``header`` for
+    the lines of a grid, of a controller ``signal``, and an empty word for a line that begins like
+    none; without them, all lines are. It is looked for outside strings and comments, or, as
+    `whole`, in all of the line.
+    """
+
+    said: str
+    pattern: re.Pattern[str]
+    written: Written
+    words: tuple[str, ...] = ()
+    whole: bool = False
+
+
+# --- Sources by the words that others have for them ---
+
+ELSEWHERE = {
+    "rate": "derivative deriv der diff differential differentiate ddt slope velocity_of",
+    "integral": "integrate integration int integrator cumsum",
+    "lag": "lowpass low-pass filter pt1 lag1 smooth",
+    "change": "delta increment difference",
+    "error": "err deviation",
+    "reference": "setpoint set-point target desired demand ref",
+    "measured": "measurement measure actual feedback meas sensor",
+}
+"""The sources of a controller, and what they are called elsewhere."""
+
+_SOURCE_OF = {word: word for word in SOURCES if SOURCES[word].of in ("port", "signal")} | {
+    word: source for source, words in ELSEWHERE.items() for word in words.split()
+}
+
+_TAKEN = "|".join(sorted(_SOURCE_OF, key=len, reverse=True))
+_OF_ONE = re.compile(
+    rf"\b({_TAKEN})\b(?:\s+(?:of|in|on|at|for)\b)?\s*(?:\(\s*({_NAME})\s*\)|\s({_NAME}))"
+    r"(?!\s*[(\w])",
+    _ANY_CASE,
+)
+_SOURCE = (
+    rf"(?:(?:error|rate|change|integral|lag) of {_NAME}|sum of error of {_NAME}"
+    rf"|(?:reference|measured) {_NAME}|(?:rules|table) {_NAME}\s*\([^()]*\))"
+)
+
+
+def _source(match: re.Match[str]) -> str:
+    """Write a source as it is here."""
+    word, name = _SOURCE_OF[match[1].lower()], match[2] or match[3]
+    between = " of" if SOURCES[word].of == "signal" or word == "error" else ""
+    return f"{word}{between} {name}"
+
+
+def _comma_list(text: str) -> str:
+    return ", ".join(re.split(r"[\s,;]+", text.strip()))
+
+
+def _small(match: re.Match[str]) -> str:
+    return match.group().lower()
+
+
+_STARTERS = "|".join(word for word in CONTROLLER_STATEMENTS if word != SIGNAL)
+_VOCABULARY = "|".join({word for source in SOURCES.values() for word in source.options})
+
+_LIMITING = ("saturate", "sat", "saturation", "limit", "clip", "clamp", "max", "min")
+_FUNCTIONS = (
+    *_LIMITING, "abs", "sign", "sgn", "sqrt", "exp", "log", "ln", "sin", "cos", "tan", "tanh",
+    "atan", "atan2", "floor", "round", "mod", "pow", "power", "deadzone", "deadband",
+)  # fmt: skip
+_NO_CALL = "|".join(("rules", "table", *_FUNCTIONS, *_SOURCE_OF))
+
+_CAPITALS = "words of the language are written in small letters"
+_LINE = (SIGNAL, "drive")
+
+SLIPS = (
+    Slip(
+        "a comment starts with #",
+        re.compile(r"(?:\(\*|/\*)\s*(.*?)\s*(?:\*\)|\*/)\s*$"),
+        r"# \1",
+    ),
+    Slip(_CAPITALS, re.compile(rf"^\s*(?:{_STARTERS})\b(?!\s*:?=)", _ANY_CASE), _small),
+    Slip(
+        _CAPITALS,
+        re.compile(rf"\b(?:{'|'.join(SOURCES)}|{_VOCABULARY}|of)\b(?=\s+[\w'.+-])", _ANY_CASE),
+        _small,
+        _LINE,
+    ),
+    Slip(_CAPITALS, re.compile(r"\b(?:TUNE|LOG|PI|Tune|Log|Pi)\b"), _small, ("gain",)),
+    Slip("a quotient of π is written with pi", re.compile("[πΠ]"), "pi", ("gain",)),
+    Slip(
+        "how often it runs is its period",
+        re.compile(
+            r"^\s*(?:sampl(?:e|ing)(?:[ _-]?(?:time|period|interval))?|cycle(?:[ _-]?time)?"
+            r"|control[ _-]period|dt|Ts|T_s|tick|interval|every)\b\s*[:=]?\s*(?=[.\d])",
+            _ANY_CASE,
+        ),
+        "period ",
+        ("",),
+    ),
+    Slip(
+        "how often it runs is its period, a number with its unit",
+        re.compile(rf"^\s*(?:dt|Ts|T_s|sample[ _-]?time)\s*[:=]?\s*({_NUMBER})\s*$", _ANY_CASE),
+        r"period \1 s",
+        ("",),
+    ),
+    Slip(
+        "a number by name is a gain",
+        re.compile(r"^\s*(?:param(?:eter)?|const(?:ant)?|var|let|real|float)\b", _ANY_CASE),
+        "gain",
+        ("",),
+    ),
+    Slip("a file is named by use", re.compile(r"^\s*(?:import|include|load|uses)\b"), "use", ("",)),
+    Slip(
+        "what is done for each axis stands below  axis NAME",
+        re.compile(r"^\s*(?:axes|joints?|channels?)\b", _ANY_CASE),
+        "axis",
+        ("",),
+    ),
+    Slip(
+        "a set point lasts some periods",
+        re.compile(r"^\s*set[ _-]?point\s*[:=]?\s*(?:every\s*)?[:=]?\s*(?=\d)", _ANY_CASE),
+        "set-point every ",
+        ("", "set-point"),
+    ),
+    Slip(
+        "a definition has '='",
+        re.compile(r"\s*(?::=|==|<-|←|≔)\s*"),
+        " = ",
+        ("gain", "partner", *_LINE),
+    ),
+    Slip(
+        "no mark stands behind the word",
+        re.compile(r"^(\s*(?:period|axis|controller|set-point|use|drive|zoom|learn)\b)\s*[:=]\s*"),
+        r"\1 ",
+        ("period", "axis", "controller", "set-point", "use", "drive", "zoom", "learn"),
+    ),
+    Slip(
+        "a time is a number with its unit",
+        re.compile(r"\b(?:T|TIME)#(?=\d)", _ANY_CASE),
+        "",
+        ("period", SIGNAL),
+        whole=True,
+    ),
+    # Headings, axes, files
+    Slip("no mark stands behind an axis", re.compile(r"\s*[:{]\s*$"), "", ("axis", "controller")),
+    Slip(
+        "an axis is a name, without double quotes",
+        re.compile(r'"([^\W\d]\w*)"'),
+        r"\1",
+        ("axis", "drive"),
+        whole=True,
+    ),
+    Slip(
+        "commas stand between axes",
+        re.compile(rf"^(\s*axis\s+)({_NAME}(?:\s*(?:\band\b|&|\s)\s*{_NAME})+)\s*$"),
+        lambda m: m[1] + ", ".join(re.findall(_NAME, re.sub(r"\band\b|&", " ", m[2]))),
+        ("axis",),
+    ),
+    Slip(
+        "a file is used under a name",
+        re.compile(rf'^\s*use\s+"([^"]+)"\s+as\s+({_NAME})'),
+        r'use \2 from "\1"',
+        ("use", ""),
+        whole=True,
+    ),
+    Slip(
+        "a file is used under a name",
+        re.compile(r'^\s*use\s+"((?:[^"/\\]*[/\\])*([^\W\d]\w*)[^"/\\]*)"\s*$'),
+        r'use \2 from "\1"',
+        ("use", ""),
+        whole=True,
+    ),
+    Slip(
+        "a file stands in double quotes behind from",
+        re.compile(rf"""^(\s*use\s+{_NAME})\s*(?:from\b|=|:|\s)\s*(?:"([^"]*)"|'([^']*)'|([^\s"',#]+))"""),
+        lambda m: f'{m[1]} from "{m[2] or m[3] or m[4]}"',
+        ("use", ""),
+        whole=True,
+    ),
+    # Gains
+    Slip(
+        "'=' stands between a name and its value",
+        re.compile(rf"^(\s*(?:gain|partner)\s+{_NAME})(?:\s*:\s*=?\s*|\s+(?=[^=:\s]))"),
+        r"\1 = ",
+        ("gain", "partner"),
+    ),
+    Slip(
+        "one value for each axis, with commas between them",
+        re.compile(r"[\[({]\s*([^\])}]*?)\s*[\])}]"),
+        lambda m: _comma_list(m[1]),
+        ("gain",),
+    ),
+    Slip(
+        "a unit stands in double quotes",
+        re.compile(rf"""(=\s*{_NUMBER}(?:\s*[*/]\s*(?:{_NUMBER}|pi))*)\s+['\[]?([^\W\d][^,"'#\]]*?|1/[^,"'#\]]+?)['\]]?\s*(?=,|#|$)"""),
+        r'\1 "\2"',
+        ("gain",),
+        whole=True,
+    ),
+    Slip(
+        "a range is written with two points",
+        re.compile(rf"(\btune\s+)\[?\s*({_NUMBER})\s*(?:\bto\b|[,;:]|\s)\s*({_NUMBER})(?:\s*\])?"),
+        r"\1\2 .. \3",
+        ("gain",),
+    ),
+    Slip(
+        "a range of tune stands behind a comma",
+        re.compile(r"(?<![,\s])\s+(?=tune\b)"),
+        ", ",
+        ("gain",),
+    ),
+    # Options
+    Slip(
+        "limits are called within",
+        re.compile(
+            r"(,?)\s*\b(?:limits?|limited to|saturat\w*|clamp\w*|bounds?|between|range)\b"
+            r"(?=\s*[\[(+±\d.-])"
+        ),
+        r"\1 within",
+        _LINE,
+    ),
+    Slip(
+        "an option stands behind a comma",
+        re.compile(rf"(?<=[\w')])\s+(?=(?:{_VOCABULARY}|slew)\b)"),
+        ", ",
+        _LINE,
+    ),
+    Slip(
+        "a range is written with two points",
+        re.compile(
+            rf"(\bwithin\s+)[\[(]?\s*({_NUMBER})\s*(?:[^\W\d]\w*)?\s*(?:\.\.|\bto\b|[,;:]|\s)"
+            rf"\s*({_NUMBER})(?:\s*(?!slew|within)[^\W\d]\w*)?(?:\s*[\])])?"
+        ),
+        r"\1\2 .. \3",
+        _LINE,
+    ),
+    Slip(
+        "both limits are written",
+        re.compile(r"(\bwithin\s+)(?:±|\+/-|\+-)\s*([\d.]+)"),
+        r"\1-\2 .. \2",
+        _LINE,
+    ),
+    Slip(
+        "a low-pass has a time",
+        re.compile(
+            rf"\b((lag|rate) of {_NAME}[^,]*),"
+            r"\s*(?:tau|T|constant|tc|filter|time)?\s*=?\s*(?=[\d.])"
+        ),
+        lambda m: f"{m[1]}, {'time' if m[2] == 'lag' else 'filter'} ",
+        (SIGNAL,),
+    ),
+    Slip(
+        "anti-windup says how: hold, or back in a time",
+        re.compile(r"\banti[- _]?windup\b(?:\s+(?:on|yes|true))?(?!\s*(?:hold|back))", _ANY_CASE),
+        "anti-windup hold",
+        (SIGNAL,),
+    ),
+    # Sources
+    Slip(
+        "an error is named by its port",
+        re.compile(rf"\breference\s+({_NAME})\s*-\s*measured\s+\1(?![\w-])"),
+        r"error of \1",
+        _LINE,
+    ),
+    Slip(
+        "the change per second is a rate",
+        re.compile(rf"\bd\s*/\s*dt\s*(?:\(\s*({_NAME})\s*\)|({_NAME}))|\bd([^\W\d]\w*)\s*/\s*dt\b"),
+        lambda m: f"rate of {m[1] or m[2] or m[3]}",
+        _LINE,
+    ),
+    Slip(
+        "an error is written behind the word",
+        re.compile(rf"(?<=[=*+(])\s*({_NAME})\s+error\b(?!\s+of)"),
+        r" error of \1",
+        _LINE,
+    ),
+    Slip(
+        "a rule base is asked by rules",
+        re.compile(rf"\bevalfis\s*\(\s*({_NAME})\s*,\s*\[?([^\])]*)\]?\s*\)"),
+        lambda m: f"rules {m[1]}({_comma_list(m[2])})",
+        _LINE,
+    ),
+    Slip(
+        "the inputs stand in parentheses",
+        re.compile(rf"\b({_NAME})\s*\[([^\]]*)\]"),
+        lambda m: f"{m[1]}({_comma_list(m[2])})",
+        _LINE,
+    ),
+    Slip(
+        "inputs stand in the order of the rule base, without their names",
+        re.compile(rf"(?<=[(,])(\s*){_NAME}\s*=\s*(?={_NAME})"),
+        r"\1",
+        _LINE,
+    ),
+    Slip(
+        "a rule base is asked by rules",
+        re.compile(
+            r"\b(?:rule|rulebase|fuzzy|infer|evaluate|eval|fis)\s+(?=[\w']+\s*\()", _ANY_CASE
+        ),
+        "rules ",
+        _LINE,
+    ),
+    Slip(
+        "a rule base is asked by rules, a table by table",
+        re.compile(rf"(=\s*)(?!(?:{_NO_CALL})\b)({_NAME})\s*\((?=[^()]*\))", _ANY_CASE),
+        r"\1rules \2(",
+        _LINE,
+    ),
+    Slip(
+        "the inputs stand in parentheses",
+        re.compile(rf"\b(rules|table)\s+({_NAME})\s+({_NAME}(?:(?:\s*,\s*|\s+){_NAME})*)\s*$"),
+        lambda m: f"{m[1]} {m[2]}({_comma_list(m[3])})",
+        _LINE,
+    ),
+    Slip("a source is written  WORD of NAME", _OF_ONE, _source, _LINE),
+    Slip(
+        "a factor stands behind '*'",
+        re.compile(rf"(=\s*)({_NAME})\s+({_SOURCE})(?=\s*(?:,|$))"),
+        r"\1\3 * \2",
+        (SIGNAL,),
+    ),
+    Slip(
+        "what comes from a source stands first, its factors behind it",
+        re.compile(rf"(=\s*)([^=,]*?)\s*\*\s*({_SOURCE})((?:\s*[*/][^,+-]*)?)(?=,|$|\s*$)"),
+        r"\1\3\4 * \2",
+        _LINE,
+    ),
+    Slip(
+        "a power is written as a product",
+        re.compile(rf"({_NAME})\s*(?:\^|\*\*)\s*([23])\b"),
+        lambda m: " * ".join([m[1]] * int(m[2])),
+        _LINE,
+    ),
+    # Drives, zooms, learners
+    Slip(
+        "a drive is named before what it gets",
+        re.compile(rf"^(\s*)drive\s+([^=]+?)\s+(?:to|into|on)\s+({_NAME})\s*(?=,|$)"),
+        r"\1drive \3 = \2",
+        ("drive",),
+    ),
+    Slip(
+        "'=' stands behind the port",
+        re.compile(rf"^(\s*drive\s+)\(?\s*({_NAME})\s*\)?\s*[:=]?\s*(?=[\w'.-])"),
+        r"\1\2 = ",
+        ("drive",),
+    ),
+    Slip(
+        "what goes to the plant is a drive",
+        re.compile(
+            rf"^(\s*)(?:output|out|actuator|actuate|send|write|put)\s+(?={_NAME}\s*=)", _ANY_CASE
+        ),
+        r"\1drive ",
+        (SIGNAL,),
+    ),
+    Slip("commas stand between signals", re.compile(r"\s+(?:and|&)\s+"), ", ", ("zoom",)),
+    Slip(
+        "a performance table stands behind by",
+        re.compile(r"\b(?:with|from|using|to)\b"),
+        "by",
+        ("learn",),
+    ),
+)  # fmt: skip
+"""Every other notation, in the order in which a line of a controller is put right."""
+
+ENDINGS = re.compile(r"^\s*(?:end\w*(?:[ _-]\w+)?|begin|[{}]+)\s*[;.]?\s*$", _ANY_CASE)
+"""Lines that end a part elsewhere; here nothing does."""
+
+
+# --- Lines that need more than themselves ---
+
+
+class Advice(NamedTuple):
+    """What is said of a line that cannot be put right alone, and what to do.
+
+    `said` and `hint` may ask the match; the finding stands at its group ``at``, or at all of it.
+    """
+
+    pattern: re.Pattern[str]
+    said: Written
+    hint: Written
+    words: tuple[str, ...] = ()
+
+    def on(self, line: str, number: int) -> tuple[str, str, Span] | None:
+        """Return message, hint and place for a line, None where it is another one."""
+        match = self.pattern.search(line)
+        if match is None:
+            return None
+        group = "at" if "at" in self.pattern.groupindex else 0
+        span = Span(number, match.start(group) + 1, number, match.end(group) + 1)
+        said, hint = (
+            text if isinstance(text, str) else text(match) for text in (self.said, self.hint)
+        )
+        return said, hint, span
+
+
+def _above(match: re.Match[str]) -> str:
+    return f"write  x = {' '.join(match['at'].split())}  above, and x here"
+
+
+def _no_function(match: re.Match[str]) -> str:
+    return f"there is no function '{match['at']}'"
+
+
+def _in_place_of(match: re.Match[str]) -> str:
+    if match["at"].lower() in _LIMITING:
+        return "limits stand behind a drive or an integral:  drive PORT = u, within -1 .. 1"
+    return "a curve of one signal is a rule base:  y = rules NAME(x)"
+
+
+_ANY_SOURCE = (
+    rf"(?:(?:error|rate|change|integral|lag)\s+of\s+{_NAME}|sum\s+of\s+error\s+of\s+{_NAME}"
+    rf"|(?:reference|measured)\s+{_NAME}|(?:rules|table)\s+{_NAME}\s*\([^()]*\))"
+)
+
+ADVICE = (
+    Advice(
+        re.compile(r"^\s*(?P<at>(?:rule\s+)?(?:if|when|case)\b.*)", _ANY_CASE),
+        "a controller has no rules and no 'if': they stand in a rule base",
+        "write them into a rule base, in this file or another, and  u = rules NAME(e, ce)  here",
+    ),
+    Advice(
+        re.compile(rf"\b(?:rate|change|integral|lag)\s+of\s+(?P<at>{_ANY_SOURCE})"),
+        "a source is taken of a signal",
+        _above,
+        _LINE,
+    ),
+    Advice(
+        re.compile(r"\b(?:rate|change|integral|lag)\s+of\s+\((?P<at>[^()]*)\)"),
+        "a source is taken of a signal",
+        _above,
+        _LINE,
+    ),
+    Advice(
+        re.compile(rf"\b(?:rules|table)\s+{_NAME}\s*\((?:[^,()]*,)*\s*(?P<at>[^,()]*[*/+][^,()]*)"),
+        "the inputs of a rule base are signals",
+        _above,
+        _LINE,
+    ),
+    Advice(
+        re.compile(rf"\b(?P<at>{'|'.join(_FUNCTIONS)})\s*\(", _ANY_CASE),
+        _no_function,
+        _in_place_of,
+        _LINE,
+    ),
+    Advice(
+        re.compile(rf"=\s*\S.*?[-+*/]\s*(?P<at>{_ANY_SOURCE})|=\s*-\s*(?P<two>{_ANY_SOURCE})"),
+        "a line has one source, and it stands first",
+        lambda m: f"write  x = {' '.join((m['at'] or m['two']).split())}  above, and x here",
+        (SIGNAL,),
+    ),
+    Advice(
+        re.compile(rf"(?P<at>{_ANY_SOURCE})"),
+        "a drive is a sum of signals",
+        _above,
+        ("drive",),
+    ),
+    Advice(
+        re.compile(rf"(?P<at>{_ANY_SOURCE})\s*(?:[*/][^-+,]*)?[-+]"),
+        "a source stands alone on its line, with factors",
+        _above,
+        (SIGNAL,),
+    ),
+    Advice(
+        re.compile(r"\((?P<at>[^()]*[-+*/][^()]*)\)"),
+        "sums have no parentheses",
+        _above,
+        _LINE,
+    ),
+    Advice(
+        re.compile(rf"=\s*(?P<at>{'|'.join(SOURCES)})\s*$"),
+        lambda m: f"'{m['at']}' is a source: of what is missing",
+        lambda m: f"as in  error of position ; a signal of that name is  '{m['at']}'",
+        (SIGNAL,),
+    ),
+    Advice(
+        re.compile(rf"\b(?P<at>(?:rules|table)\s+({_NAME}))(?!\s*\()"),
+        "the inputs are missing",
+        lambda m: f"write them in parentheses:  {' '.join(m['at'].split())}(e, ce)",
+        _LINE,
+    ),
+    Advice(
+        re.compile(rf"(?P<at>({_NAME})\.(?:{_NAME}))"),
+        "a line with rules names the outputs, all at once",
+        lambda m: f"write  u = rules {m[2]}(e, ce)",
+        _LINE,
+    ),
+    Advice(
+        re.compile(rf"=\s*(?P<at>(?!(?:partner|{'|'.join(SOURCES)})\b){_NAME})\s+of\b"),
+        lambda m: f"there is no source '{m['at']}'",
+        f"there are {', '.join(SOURCES)}",
+        (SIGNAL,),
+    ),
+    Advice(
+        re.compile(rf"\bwithin\s+(?P<at>{_NUMBER})\s*(?=,|$)"),
+        "limits are two numbers",
+        lambda m: f"as in  within {_mirrored(m['at'])}",
+        _LINE,
+    ),
+    Advice(
+        re.compile(r"\bwithin\b[^,]*(?P<at>[-+]?\binf\b)"),
+        "a limit is a number",
+        "a drive without limits has no  within",
+        ("drive",),
+    ),
+    Advice(
+        re.compile(r"\btune\s*(?P<at>(?:log)?)\s*$"),
+        "between what it may move is missing",
+        "as in  tune 2 .. 200 log",
+        ("gain",),
+    ),
+    Advice(
+        re.compile(r"=\s*(?P<at>[^,\"]*(?:[^\W\d]\w*|\().*)"),
+        "a gain is a number, or numbers and pi between * and /",
+        "what is made of other gains or signals is a line of an axis",
+        ("gain",),
+    ),
+    Advice(
+        re.compile(r'^\s*controller\s+(?P<at>"[^"]*")'),
+        "a controller has a name",
+        lambda m: f"write  controller NAME {m['at']}",
+        ("controller",),
+    ),
+)
+"""What is said of lines that no slip puts right; the first that fits."""
+
+
+def _mirrored(number: str) -> str:
+    return f"-{number} .. {number}" if number[0] not in "-+" else f"{number} .. {number[1:]}"

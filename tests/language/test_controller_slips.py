@@ -1,0 +1,324 @@
+"""What an engineer writes in a controller: one finding, with the line as it should be and a fix."""
+
+import pytest
+
+from fuzzyarm.api import check_text
+from fuzzyarm.language import format_text, parse
+from fuzzyarm.language.queries import apply_edits, fixes
+from fuzzyarm.model.controller import SOURCES
+from fuzzyarm.shipped_files import shipped, shipped_names
+
+PATH = str(shipped("servo.frb").with_name("tried.frb"))
+
+TEXT = """\
+controller servo "fuzzy PD control of a shaft"
+
+use pd7 from "pd7.frb"
+
+period 1 ms
+set-point every 5
+
+gain G_e  = 16 "1/rad", tune 2 .. 200 log
+gain G_ce = 0.7 "s/rad"
+gain G_u  = 4.5 "V"
+gain K_I  = 10
+
+axis shaft
+  e   = error of position * G_e
+  ve  = error of velocity
+  ce  = rate of e * G_ce, filter 2 ms
+  w   = reference position
+  m   = measured velocity
+  i   = integral of ve, within -5 .. 5
+  j   = integral of ve, anti-windup hold
+  l   = lag of w, time 20 ms
+  d   = l - m
+  q   = d * d
+  zoom e, ce by 2 inside 3
+  u   = rules pd7(e, ce) * G_u
+  sum = u + i * K_I + j + q
+  drive voltage = sum, within -24 .. 24
+"""
+
+SLIPS = [
+    # Head
+    ('controller servo "', 'controller: servo "'),
+    ('controller servo "', 'CONTROLLER servo "'),
+    ('"fuzzy PD control of a shaft"', "'fuzzy PD control of a shaft'"),
+    ('use pd7 from "pd7.frb"', 'use "pd7.frb"'),
+    ('use pd7 from "pd7.frb"', 'use "pd7.frb" as pd7'),
+    ('use pd7 from "pd7.frb"', "use pd7 from pd7.frb"),
+    ('use pd7 from "pd7.frb"', 'use pd7 = "pd7.frb"'),
+    ('use pd7 from "pd7.frb"', 'import pd7 from "pd7.frb"'),
+    ('use pd7 from "pd7.frb"', 'include "pd7.frb"'),
+    ("period 1 ms", "period = 1 ms"),
+    ("period 1 ms", "period: 1 ms"),
+    ("period 1 ms", "Period 1 ms"),
+    ("period 1 ms", "sample time 1 ms"),
+    ("period 1 ms", "dt = 1 ms"),
+    ("period 1 ms", "period 1 msec"),
+    ("period 1 ms", "period 1 millisecond"),
+    ("period 1 ms", "period 1000 Hz"),
+    ("period 1 ms", "period 1 kHz"),
+    ("set-point every 5", "set-point 5"),
+    ("set-point every 5", "setpoint every 5"),
+    ("set-point every 5", "set point every 5"),
+    ("set-point every 5", "set-point every 5;"),
+    # Gains
+    ("gain G_e  = 16", "gain G_e 16"),
+    ("gain G_e  = 16", "gain G_e: 16"),
+    ("gain G_e  = 16", "gain G_e := 16"),
+    ("gain G_e  = 16", "param G_e = 16"),
+    ("gain G_e  = 16", "const G_e = 16"),
+    ("gain G_e  = 16", "GAIN G_e = 16"),
+    ('16 "1/rad"', "16 1/rad"),
+    ('16 "1/rad"', "16 '1/rad'"),
+    ('4.5 "V"', "4.5 V"),
+    ('0.7 "s/rad"', "0.7 [s/rad]"),
+    ("tune 2 .. 200 log", "tune 2 to 200 log"),
+    ("tune 2 .. 200 log", "tune 2, 200 log"),
+    ("tune 2 .. 200 log", "tune [2 200] log"),
+    ("tune 2 .. 200 log", "tune 200 .. 2 log"),
+    # Axes
+    ("axis shaft", "axis shaft:"),
+    ("axis shaft", 'axis "shaft"'),
+    ("axis shaft", "AXIS shaft"),
+    ("axis shaft", "axes shaft"),
+    ("axis shaft", "axis shaft {"),
+    # Sources
+    ("error of position * G_e", "G_e * error of position"),
+    ("error of position * G_e", "Error of position * G_e"),
+    ("error of position * G_e", "error position * G_e"),
+    ("error of position * G_e", "error(position) * G_e"),
+    ("error of position * G_e", "error in position * G_e"),
+    ("error of position * G_e", "position error * G_e"),
+    ("error of position * G_e", "G_e error of position"),
+    ("error of position * G_e", "error of position * G_e;"),
+    ("= error of position * G_e", ":= error of position * G_e"),
+    ("= error of position * G_e", "== error of position * G_e"),
+    ("= error of position * G_e", "<- error of position * G_e"),
+    ("= error of velocity", "= reference velocity - measured velocity"),
+    ("rate of e * G_ce", "rate(e) * G_ce"),
+    ("rate of e * G_ce", "derivative of e * G_ce"),
+    ("rate of e * G_ce", "derivative(e) * G_ce"),
+    ("rate of e * G_ce", "der(e) * G_ce"),
+    ("rate of e * G_ce", "diff(e) * G_ce"),
+    ("rate of e * G_ce", "d/dt e * G_ce"),
+    ("rate of e * G_ce", "G_ce * rate of e"),
+    ("rate of e * G_ce, filter 2 ms", "rate of e * G_ce, 2 ms"),
+    ("rate of e * G_ce, filter 2 ms", "rate of e * G_ce filter 2 ms"),
+    ("filter 2 ms", "filter 2 msec"),
+    ("reference position", "reference of position"),
+    ("reference position", "setpoint position"),
+    ("measured velocity", "measured of velocity"),
+    ("measured velocity", "measurement of velocity"),
+    ("integral of ve, within -5 .. 5", "integral(ve), within -5 .. 5"),
+    ("integral of ve, within -5 .. 5", "integrate ve, within -5 .. 5"),
+    ("integral of ve, within -5 .. 5", "integral ve, within -5 .. 5"),
+    ("integral of ve, within -5 .. 5", "integral of ve, limits -5 .. 5"),
+    ("integral of ve, within -5 .. 5", "integral of ve, within -5, 5"),
+    ("integral of ve, within -5 .. 5", "integral of ve, within [-5, 5]"),
+    ("integral of ve, within -5 .. 5", "integral of ve, within ±5"),
+    ("integral of ve, within -5 .. 5", "integral of ve, within 5 .. -5"),
+    ("anti-windup hold", "anti-windup"),
+    ("anti-windup hold", "anti windup"),
+    ("lag of w, time 20 ms", "lag of w, 20 ms"),
+    ("lag of w, time 20 ms", "lowpass of w, time 20 ms"),
+    ("q   = d * d", "q   = d^2"),
+    ("q   = d * d", "q   = d ** 2"),
+    # Rule bases
+    ("rules pd7(e, ce)", "pd7(e, ce)"),
+    ("rules pd7(e, ce)", "rule pd7(e, ce)"),
+    ("rules pd7(e, ce)", "rulebase pd7(e, ce)"),
+    ("rules pd7(e, ce)", "rules pd7[e, ce]"),
+    ("rules pd7(e, ce)", "rules pd7(e = e, ce = ce)"),
+    ("rules pd7(e, ce)", "evalfis(pd7, [e ce])"),
+    # Drives and the rest
+    ("drive voltage = sum", "drive voltage sum"),
+    ("drive voltage = sum", "drive voltage: sum"),
+    ("drive voltage = sum", "DRIVE voltage = sum"),
+    ("drive voltage = sum", "drive sum = voltage"),
+    ("drive voltage = sum", "output voltage = sum"),
+    ("drive voltage = sum, within", "drive sum to voltage, within"),
+    ("sum, within -24 .. 24", "sum within -24 .. 24"),
+    ("within -24 .. 24", "within -24 to 24"),
+    ("within -24 .. 24", "within [-24, 24]"),
+    ("within -24 .. 24", "within -24, 24"),
+    ("within -24 .. 24", "within -24 V .. 24 V"),
+    ("within -24 .. 24", "within ±24"),
+    ("within -24 .. 24", "limit -24 .. 24"),
+    ("within -24 .. 24", "within 24 .. -24"),
+    ("zoom e, ce by", "zoom e and ce by"),
+    ("  d   = l - m", "  d   = l − m"),
+]
+
+
+def changed(right, wrong):
+    assert TEXT.count(right) >= 1, right
+    text = TEXT.replace(right, wrong, 1)
+    pairs = zip(text.split("\n"), TEXT.split("\n"), strict=True)
+    return text, 1 + next(i for i, (before, after) in enumerate(pairs) if before != after)
+
+
+def faults(text):
+    return [each for each in check_text(text, PATH).diagnostics if each.is_error]
+
+
+def test_the_text_itself_is_sound():
+    assert faults(TEXT) == []
+    assert parse(TEXT).diagnostics == ()
+
+
+@pytest.mark.parametrize(("right", "wrong"), SLIPS, ids=[wrong for _, wrong in SLIPS])
+def test_one_slip_is_one_finding_with_the_line_as_it_should_be(right, wrong):
+    text, number = changed(right, wrong)
+    found = check_text(text, PATH).diagnostics
+    assert [each.line for each in found if each.severity != "info"] == [number]
+    (finding,) = faults(text)
+    first = next(fix for fix in fixes(finding, text) if fix.preferred)
+    mended = apply_edits(text, first.edits)
+    assert faults(mended) == []
+    assert format_text(mended) == format_text(TEXT)
+    assert finding.hint.startswith(("write  ", "did you mean"))
+
+
+COMMENTS = ("// the error", "% the error", "(* the error *)", "/* the error */", "-- the error")
+
+
+@pytest.mark.parametrize("comment", COMMENTS)
+def test_comments_of_elsewhere(comment):
+    text, number = changed("position * G_e\n", f"position * G_e {comment}\n")
+    (finding,) = faults(text)
+    assert (finding.line, finding.message) == (number, "a comment starts with #")
+    mended = apply_edits(text, fixes(finding, text)[0].edits)
+    assert mended.splitlines()[number - 1].endswith("* G_e # the error")
+
+
+@pytest.mark.parametrize("ending", ["end", "END_CONTROLLER", "}", "endaxis"])
+def test_nothing_ends_a_part(ending):
+    (finding,) = faults(f"{TEXT}{ending}\n")
+    assert (finding.line, finding.hint) == (TEXT.count("\n") + 1, "leave the line out")
+
+
+# --- What a line alone cannot put right ---
+
+ADVICE = {
+    "  if e > 3 then u = 0": ("no 'if'", "u = rules NAME(e, ce)"),
+    "  if e is PB then u is NB": ("no 'if'", "rule base"),
+    "  rule if e is PB then u is NB": ("no 'if'", "rule base"),
+    "  x = rate of error of position": ("of a signal", "x = error of position  above"),
+    "  x = integral of error of velocity": ("of a signal", "x = error of velocity  above"),
+    "  x = integral of (e * 2)": ("of a signal", "x = e * 2  above"),
+    "  x = lag of measured velocity, time 1 s": ("of a signal", "x = measured velocity  above"),
+    "  x = e + error of velocity": ("one source", "x = error of velocity  above"),
+    "  x = -error of velocity": ("one source", "x = error of velocity  above"),
+    "  x = error of position * 2 + e": ("stands alone", "x = error of position  above"),
+    "  x = (e + ce) * 2": ("no parentheses", "x = e + ce  above"),
+    "  x = rules pd7(e * 2, ce)": ("are signals", "x = e * 2  above"),
+    "  x = rules pd7 * 2": ("inputs are missing", "rules pd7(e, ce)"),
+    "  x = pd7.u * 2": ("names the outputs", "u = rules pd7(e, ce)"),
+    "  x = abs(e)": ("no function 'abs'", "rules NAME(x)"),
+    "  x = saturate(u, -1, 1)": ("no function 'saturate'", "within -1 .. 1"),
+    "  x = max(-24, u)": ("no function 'max'", "within -1 .. 1"),
+    "  x = error": ("of what is missing", "'error'"),
+    "  x = deadband of e": ("no source 'deadband'", "error, reference, measured, rate"),
+    "  drive voltage = rules pd7(e, ce)": ("sum of signals", "x = rules pd7(e, ce)  above"),
+    "  drive voltage = u, within 24": ("two numbers", "within -24 .. 24"),
+    "  drive voltage = u, within -inf .. inf": ("is a number", "has no  within"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("line", ADVICE)
+def test_a_line_that_needs_more_says_what(line):
+    said, hint = ADVICE[line]
+    (finding,) = check_text(f"{TEXT}{line}\n", PATH).diagnostics
+    assert finding.line == TEXT.count("\n") + 1
+    assert said in finding.message
+    assert hint in finding.hint
+
+
+HEADS = {
+    "gain X = 2 * G_e": ("a gain is a number", "a line of an axis"),
+    "gain X = 2 * (3 + 4)": ("a gain is a number", "a line of an axis"),
+    "gain X = 2, tune": ("is missing", "tune 2 .. 200 log"),
+    "period 0.001": ("unit of time", "as in  0.001 s"),
+}
+
+
+@pytest.mark.parametrize("line", HEADS)
+def test_a_line_of_the_head_that_needs_more_says_what(line):
+    said, hint = HEADS[line]
+    text = TEXT.replace("period 1 ms", line) if "period" in line else f"{TEXT}\n{line}\n"
+    (finding,) = faults(text)
+    assert said in finding.message
+    assert hint in finding.hint
+
+
+def test_what_is_meant_by_other_words_is_a_source():
+    """The sources themselves are what other words are taken for."""
+    from fuzzyarm.language.controller_slips import ELSEWHERE
+
+    assert set(ELSEWHERE) <= set(SOURCES)
+
+
+# --- Names, numbers, the whole ---
+
+
+def test_a_controller_without_a_name_is_not_a_rule_base():
+    (finding,) = faults(TEXT.replace("controller servo", "controller"))
+    assert finding.hint == 'write  controller NAME "fuzzy PD control of a shaft"'
+
+
+def test_a_controller_without_an_axis_is_one_finding():
+    (finding,) = faults(TEXT.replace("axis shaft\n", ""))
+    assert finding.name == "no-axes"
+
+
+def test_a_comma_in_a_gain_may_be_a_decimal_mark():
+    (finding,) = faults(TEXT.replace('= 16 "', '= 16,5 "'))
+    assert "the controller 1 axis" in finding.message
+    assert finding.hint.endswith("a decimal mark is a point: 16.5")
+
+
+def test_an_unknown_name_says_how_it_would_be_made():
+    (finding,) = faults(TEXT.replace("m   = measured velocity", "m   = velocity"))
+    assert "measured velocity" in finding.hint
+    (finding,) = faults(TEXT.replace("position * G_e", "position * Q"))
+    assert "gain Q = 1" in finding.hint
+    (finding,) = faults(TEXT.replace('use pd7 from "pd7.frb"\n', ""))
+    assert 'use pd7 from "pd7.frb"' in finding.hint
+
+
+def test_a_signal_with_the_name_of_a_port_is_meant_as_a_drive():
+    found = faults(TEXT.replace("drive voltage = sum, within -24 .. 24", "voltage = u"))
+    assert [each.hint for each in found] == ["add a line like  drive voltage = u"]
+
+
+def test_a_missing_file_names_one_that_is_there():
+    (finding,) = faults(TEXT.replace('"pd7.frb"', '"pd8.frb"'))
+    assert "did you mean 'pd7.frb'?" in finding.hint
+
+
+@pytest.mark.parametrize("time", ["1ms", "500us", "2s", "0.5min", "1h", "1.5e1ms"])
+def test_a_unit_may_stand_close_to_its_number(time):
+    text = TEXT.replace("1 ms", time)
+    assert parse(text).diagnostics == ()
+    number = time.rstrip("umsinh")
+    assert f"period {float(number):g} {time[len(number) :]}\n" in format_text(text)
+
+
+def test_everywhere_a_time_stands_its_unit_may_stand_close():
+    text = TEXT.replace("2 ms", "2ms").replace("20 ms", "20ms")
+    text = text.replace("anti-windup hold", "anti-windup back 3ms")
+    assert parse(text).diagnostics == ()
+
+
+def test_a_name_that_starts_with_a_digit_stands_in_quotes():
+    (finding,) = faults(TEXT.replace("axis shaft", "axis 1s"))
+    assert finding.replacement == "'1s'"
+    assert "starts with a digit" in finding.message
+
+
+@pytest.mark.parametrize("name", [n for n in shipped_names() if n.endswith(".frb")])
+def test_what_is_sound_means_what_it_meant(name):
+    assert parse(shipped(name).read_text(encoding="utf-8")).diagnostics == ()
