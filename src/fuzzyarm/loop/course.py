@@ -18,6 +18,7 @@ from fuzzyarm.loop.loop import SENSOR, Setting
 from fuzzyarm.loop.reference import Signal
 from fuzzyarm.plant.arm import ArmParameters
 from fuzzyarm.plant.driven_arm import ERROR_BOUND, JOINTS, Arm
+from fuzzyarm.plant.own import start_of
 from fuzzyarm.plant.plant import (
     CLOCK_SIZE,
     WORK,
@@ -542,9 +543,6 @@ class Course:
     def state(self, seed: int | None = None) -> Any:
         """Return the states at the start, and room for the integrator."""
         generator = np.random.default_rng(self._setting.seed if seed is None else seed)
-        start = [float(each) for each in self.plant.start(generator)]
-        if len(start) != len(self.plant.states):
-            message = f"start gives {len(start)} values for {len(self.plant.states)} states"
-            raise PlantError(f"plant {self.plant.name}: {message}", name="start")
+        start = start_of(self.plant, generator)
         room = 0 if isinstance(self.plant, Arm) else WORK * len(start)
         return self._flat([*start, *[0.0] * room])

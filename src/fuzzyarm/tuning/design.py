@@ -329,7 +329,7 @@ def gain_ranges(
         for each in block.gains:
             for name in each.names:
                 if name in said and said[name] != each:
-                    message = f"two rule bases say how the gain '{name}' moves"
+                    message = f"it is said twice, and not alike, how the gain '{name}' moves"
                     raise TuneError(message, name=name)
                 said[name] = each
     known = {each.name: each for each in model.gains}
