@@ -131,6 +131,10 @@ class Options:
             raise ArmError(message, value=self.inductance, hint="0 to 10")
         if not self.supply > 0:
             raise ArmError(f"a supply of {self.supply} V is out of range", value=self.supply)
+        if self.seed < 0:
+            raise ArmError(
+                f"a seed of {self.seed} is out of range", value=self.seed, hint="0 or more"
+            )
         if not 0 <= self.runge_kutta <= 1000:
             raise ArmError(
                 f"{self.runge_kutta} Runge-Kutta steps in a control period are out of range",
