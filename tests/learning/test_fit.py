@@ -278,6 +278,8 @@ def test_time_ends_a_search_with_the_best_until_then(method, seconds, monkeypatc
 @pytest.mark.parametrize(
     ("options", "message"),
     [
+        (Options(seed=-1), "a seed of -1 is out of range"),
+        (Options(merge=1.5), "a likeness of 1.5 is out of range"),
         (Options(seconds=0.0), "a time of 0 s is out of range"),
         (Options(terms=(40, 40)), "a grid of 1,600 rules is too large"),
         (Options(terms=(30, 30)), "900 rules on 2 inputs has 2,700 numbers"),

@@ -452,6 +452,15 @@ def test_what_a_plant_raises_says_in_which_run(heater, tmp_path):
         simulate_many(heater, "mine.py:Kiln", {"loss": [0.1, 0.0]}, workers=1)
 
 
+def test_seeds_are_not_negative():
+    for call in (
+        lambda: simulate_many("pd", SHORT, {"seed": [3.0, -1.0]}),
+        lambda: Options(seed=-1),
+    ):
+        with pytest.raises(FuzzyarmError, match="a seed of -1 is out of range"):
+            call()
+
+
 def test_what_cannot_travel_says_so():
     class Mine(Controller):
         def __init__(self):

@@ -206,7 +206,7 @@ def test_a_search_that_breaks_off_keeps_what_it_has(folder):
 
 def test_a_cost_that_is_never_a_number(folder):
     made = tuned_on("mine.py:Kiln", cost=lambda _runs: float("nan"))
-    assert made.claim() == "no candidate has a cost that is a number; the file stays as it is"
+    assert made.claim() == "no candidate has a cost that is a number: the file stays as it is"
     assert made.files[0].old == made.files[0].new
     (folder / "mine.py").write_text(
         KILN + "\ncalls = []\ndef worse(runs):\n    calls.append(1)\n"

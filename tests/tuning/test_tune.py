@@ -419,3 +419,30 @@ def test_an_opponent_whose_search_was_ended_is_left_out():
     assert told[-1] == len(half.found.trials) == 12
     assert half.found.interrupted
     assert "linear" not in half.claim()
+
+
+@pytest.mark.parametrize("linear", [True, False])
+def test_a_time_is_that_of_the_whole(linear, monkeypatch):
+    """By a clock that goes on by 0.1 s at each look; a run takes as long as in the search."""
+    from itertools import count
+
+    from fuzzyarm.tuning import search
+
+    ticks = count(0.0, 0.1)
+    monkeypatch.setattr(search.time, "monotonic", lambda: next(ticks))
+    made = heated(evals=10**6, seconds=60.0, unseen=24, linear=linear)
+    monkeypatch.undo()
+    searches = [found for found in (made.found, made.linear) if found is not None]
+    assert len(searches) == 1 + linear
+    share = 0.8 * 60.0 / len(searches)
+    assert all(share < found.seconds < share + 3.0 for found in searches)
+    (judged,) = {len(row.scores["unseen"].parts) for row in made.rows}
+    assert len(made.unseen) == judged
+    pace = made.found.seconds / len(made.found.trials)
+    assert 1 <= judged <= 24
+    assert judged * 2 * len(made.rows) * pace <= 0.2 * 60.0
+    assert any("for want of time" in line for line in made.remarks()) == (judged < 24)
+    at_once = heated(evals=50, seconds=1e-9, unseen=5, linear=linear)
+    assert len(at_once.found.trials) == 1  # the file itself, always
+    assert {len(row.scores["unseen"].parts) for row in at_once.rows} == {1}
+    assert all("noisy" not in row.scores for row in at_once.rows)

@@ -228,10 +228,14 @@ def _fidelity(samples: Samples, made: Fit) -> dict[str, float]:
 
 
 def _lines(samples: Samples, made: Fit, report: dict[str, Any], options: Options) -> list[str]:
+    from fuzzyarm.learning.fit import OUTER
+
     kind = "wrong answers" if samples.classes else "RMS error"
     blocks = " in blocks" if options.series else ""
-    nested = "nested " if made.judged == "nested" else ""
-    cross = f"{nested}cross-validation, {options.parts} parts{blocks} (RMS)"
+    nested, parts = "", options.parts
+    if made.judged == "nested":
+        nested, parts = "nested ", min(parts, OUTER)
+    cross = f"{nested}cross-validation, {parts} parts{blocks} (RMS)"
     rows = [("", "model", "linear regression")]
     rows.append((f"training ({kind})", *_pair(made.error, made.linear_error)))
     rows.append((cross, *_pair(made.cross_validation, made.linear_cross_validation)))

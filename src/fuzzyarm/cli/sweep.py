@@ -25,7 +25,6 @@ import math
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping
-from concurrent.futures import BrokenExecutor
 from contextlib import closing, contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -309,7 +308,7 @@ def _answered(asked: Asked, file: SweepFile | None, arguments: argparse.Namespac
                 moved(done)
     except KeyboardInterrupt:
         interrupted = True
-    except (FuzzyarmError, MemoryError, BrokenExecutor) as error:
+    except (FuzzyarmError, MemoryError) as error:
         if not done:
             raise
         faults.append(sentence_of(error))

@@ -107,7 +107,7 @@ def _run(arguments: argparse.Namespace) -> int:
     given["journal"] = _journal(arguments, path)
     result = _Result(arguments.out)
     with (
-        announced(f"tuning {path}: the file as it is, then up to {arguments.evals} trials"),
+        announced(f"tuning {path}, up to {counted(arguments.evals, 'trial')}"),
         cluster(arguments) as (executor, workers),
         _shown(arguments.evals) as progress,
     ):

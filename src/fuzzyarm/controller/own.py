@@ -21,7 +21,7 @@ from fuzzyarm.controller.catalogue import (
 from fuzzyarm.controller.controller import Controller, Sum
 from fuzzyarm.controller.files import TEXT, kind_by_suffix
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.plant.own import executed, failure
+from fuzzyarm.plant.own import USERS, executed, failure
 from fuzzyarm.plant.setting import Clock, Pair, Reference, State
 from fuzzyarm.text.mistaken import wrong_kind
 
@@ -177,7 +177,7 @@ class Guarded(Controller):
         """Start the user's controller."""
         try:
             self.inner.start(single)
-        except Exception as error:
+        except USERS as error:
             raise _failure(self.path, error) from error
 
     def torque(self, reference: Reference, state: State, clock: Clock) -> Pair:
@@ -185,7 +185,7 @@ class Guarded(Controller):
         try:
             first, second = self.inner.torque(reference, state, clock)
             return float(first), float(second)
-        except Exception as error:
+        except USERS as error:
             raise _failure(self.path, error) from error
 
 
@@ -196,9 +196,9 @@ def _fault(path: str) -> Callable[[str], OwnControllerError]:
 def _guarded(path: str, kind: type[Controller]) -> Controller:
     try:
         return kind()
-    except Exception as error:
+    except USERS as error:
         raise _failure(path, error) from error
 
 
-def _failure(path: str, error: Exception) -> OwnControllerError:
+def _failure(path: str, error: BaseException) -> OwnControllerError:
     return OwnControllerError(failure(path, error), path=path)

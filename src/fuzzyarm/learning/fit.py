@@ -71,6 +71,9 @@ MOST_NESTED = 1000
 """Samples up to which the cross-validation is nested where nothing is said: with 300 of them the
 error by which a structure was chosen is some 2 % too small, with 40 up to a quarter."""
 
+OUTER = 5
+"""Parts of it at most: the whole way is gone once for each of them."""
+
 Judged = Literal["nested", "fixed", "by the choice"]
 
 MOST_RULES = 1000
@@ -262,13 +265,21 @@ def _check(samples: Samples, options: Options) -> None:
     ):
         if not least <= value <= most:
             raise FitError(f"number of {name} must be {least} to {most}, not {value}")
+    _check_numbers(options)
+    _check_classes(samples)
+    if options.terms is not None:
+        _check_terms(samples, options, options.terms)
+
+
+def _check_numbers(options: Options) -> None:
+    if options.seed < 0:
+        raise FitError(f"a seed of {options.seed} is out of range", hint="0 or more")
+    if not 0.0 <= options.merge <= 1.0:
+        raise FitError(f"a likeness of {options.merge:g} is out of range", hint="0 to 1")
     if options.shrinkage is not None and not 0.0 <= options.shrinkage < math.inf:
         raise FitError(f"shrinkage must be 0 or more, not {options.shrinkage:g}")
     if not options.seconds > 0.0:
         raise FitError(f"a time of {options.seconds:g} s is out of range")
-    _check_classes(samples)
-    if options.terms is not None:
-        _check_terms(samples, options, options.terms)
 
 
 def _check_classes(samples: Samples) -> None:
@@ -423,7 +434,8 @@ def _nested(
     if not _is_nested(samples, options):
         return error
     few = _searched(samples)
-    parts = list(folds(len(few), options.parts, series=options.series, seed=options.seed))
+    count = min(options.parts, OUTER)
+    parts = list(folds(len(few), count, series=options.series, seed=options.seed))
     if min(len(train) for train, _ in parts) < 2:
         return error
     off = []
@@ -563,7 +575,8 @@ def _head(samples: Samples, options: Options, made: Fit) -> list[str]:
     """Return the lines above a learned rule base: where it comes from, how good it is."""
     kind = "wrong answers" if samples.classes else "RMS error"
     source = printable(short_source(samples.source))
-    how = f"{options.parts}-fold cross-validation{' in blocks' if options.series else ''}"
+    parts = min(options.parts, OUTER) if made.judged == "nested" else options.parts
+    how = f"{parts}-fold cross-validation{' in blocks' if options.series else ''}"
     how = f"nested {how}" if made.judged == "nested" else how
     rules = len(made.rulebase.rules)
     lines = [

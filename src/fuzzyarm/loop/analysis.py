@@ -25,7 +25,7 @@ from fuzzyarm.model.controller import Signal as SignalLine
 from fuzzyarm.model.rulebase import AnyRuleBase, RuleBase
 from fuzzyarm.plant.adapters import EnvironmentPlant, UnitPlant
 from fuzzyarm.plant.control_systems import rate_of
-from fuzzyarm.plant.own import find_plant
+from fuzzyarm.plant.own import find_plant, start_of
 from fuzzyarm.plant.plant import Plant
 from fuzzyarm.text.shown import Plotted, one_line
 
@@ -387,7 +387,7 @@ def _on_plant(
     references = references or {pair[0]: Signal("step", (middle[0],))}
     wanted = float(references[pair[0]].at(np.array([math.inf]))[0][0])
     target = (wanted, 0.0 if rates else math.nan)
-    at_rest = [float(each) for each in plant.start(np.random.default_rng(0))]
+    at_rest = start_of(plant, np.random.default_rng(0))
     paths = []
     for start in starts or _around((wanted, middle[1]), (reach[0], reach[1])):
         begun = copy(plant)

@@ -11,10 +11,12 @@ import copyreg
 import importlib
 import io
 import math
+import os
 import pickle
 import sys
 from collections.abc import Callable, Iterator
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
+from contextlib import contextmanager
 from functools import cache, cached_property
 from types import FunctionType
 from typing import Any
@@ -77,7 +79,8 @@ def in_order(
                 asked = last
             for future in wait(under_way, return_when=FIRST_COMPLETED).done:
                 first = under_way.pop(future)
-                rows, seconds = future.result()
+                with workers_watched():
+                    rows, seconds = future.result()
                 done[first] = rows
                 if seconds > 0.0:
                     size = max(1, round(BLOCK_SECONDS * len(rows) / seconds))
@@ -90,8 +93,32 @@ def in_order(
             future.cancel()
 
 
+class WorkersError(FuzzyarmError, RuntimeError):
+    """Worker processes cannot be started, or have gone."""
+
+
+HERE = "--workers 1, or workers=1, runs in this process"
+
+
 def default_processes(workers: int) -> Executor:
-    """Start processes of this machine: loky's where it is installed."""
+    """Start processes of this machine: loky's where it is installed.
+
+    Raises
+    ------
+    WorkersError
+        If none can be started.
+    """
+    with _safe_path():
+        pool = _processes(workers)
+        try:
+            pool.submit(os.getpid).result()
+        except (BrokenExecutor, OSError) as error:
+            end_processes(pool)
+            raise WorkersError("no worker process can be started", hint=HERE) from error
+    return pool
+
+
+def _processes(workers: int) -> Executor:
     try:
         from loky import ProcessPoolExecutor as Loky
     except ImportError:
@@ -100,8 +127,36 @@ def default_processes(workers: int) -> Executor:
 
         # A fork would copy locks of threads that it does not copy.
         return ProcessPoolExecutor(workers, get_context("spawn"), initializer=deaf)
-    made: Executor = Loky(workers, initializer=deaf)
+    made: Executor = Loky(workers, initializer=deaf, env={_SAFE_PATH: "1"})
     return made
+
+
+_SAFE_PATH = "PYTHONSAFEPATH"
+"""With it a process does not look for modules in the folder that it is started in: there may be a
+``control.py`` or a ``signal.py`` of the user's."""
+
+
+@contextmanager
+def _safe_path() -> Iterator[None]:
+    before = os.environ.get(_SAFE_PATH)
+    os.environ[_SAFE_PATH] = "1"
+    try:
+        yield
+    finally:
+        if before is None:
+            del os.environ[_SAFE_PATH]
+        else:
+            os.environ[_SAFE_PATH] = before
+
+
+@contextmanager
+def workers_watched() -> Iterator[None]:
+    """Make one clear sentence of it where a worker process has gone."""
+    try:
+        yield
+    except BrokenExecutor as error:
+        message = "a worker process has ended unexpectedly"
+        raise WorkersError(message, hint=HERE) from error
 
 
 def end_processes(pool: Executor) -> None:

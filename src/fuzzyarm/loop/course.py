@@ -18,6 +18,7 @@ from fuzzyarm.loop.loop import CHANGES, ERRORS, SENSOR, Setting
 from fuzzyarm.loop.reference import AnySignal, AnyTime, Signal, as_seconds, as_signal
 from fuzzyarm.plant.arm import ArmParameters
 from fuzzyarm.plant.driven_arm import ERROR_BOUND, JOINTS, ROOM, Arm
+from fuzzyarm.plant.own import start_of
 from fuzzyarm.plant.plant import (
     CLOCK_SIZE,
     WORK,
@@ -139,6 +140,10 @@ class Options:
             raise ArmError(message, value=self.inductance, hint="0 to 10")
         if not self.supply > 0:
             raise ArmError(f"a supply of {self.supply} V is out of range", value=self.supply)
+        if self.seed < 0:
+            raise ArmError(
+                f"a seed of {self.seed} is out of range", value=self.seed, hint="0 or more"
+            )
         if not 0 <= self.runge_kutta <= 1000:
             raise ArmError(
                 f"{self.runge_kutta} Runge-Kutta steps in a control period are out of range",
@@ -616,9 +621,6 @@ class Course:
     def state(self, seed: int | None = None) -> Any:
         """Return the states at the start, and room for the integrator."""
         generator = np.random.default_rng(self._setting.seed if seed is None else seed)
-        start = [float(each) for each in self.plant.start(generator)]
-        if len(start) != len(self.plant.states):
-            message = f"start gives {len(start)} values for {len(self.plant.states)} states"
-            raise PlantError(f"plant {self.plant.name}: {message}", name="start")
+        start = start_of(self.plant, generator)
         room = ROOM - len(start) if isinstance(self.plant, Arm) else WORK * len(start)
         return self._flat([*start, *[0.0] * room])

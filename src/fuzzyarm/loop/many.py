@@ -624,6 +624,9 @@ def check_extremes(bench: Bench, changes: Columns) -> None:
     shared = bench.experiment.shared
     for name, values in changes.items():
         known = values[~np.isnan(values).reshape(len(values), -1).any(axis=1)]
+        if name == "seed" and len(known) and known.min() < 0.0:
+            message = f"a seed of {known.min():g} is out of range"
+            raise SweepError(message, name=name, hint="0 or more")
         for extreme in (known.min(axis=0), known.max(axis=0)) if len(known) else ():
             given = {**shared, name: extreme}
             if bench.owners[name] == "gain":

@@ -6,10 +6,8 @@ whole one, and what is changed between two parts counts from there on.
 
 from __future__ import annotations
 
-import sys
 import time
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -20,8 +18,8 @@ from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.loop.course import Course, flat
 from fuzzyarm.loop.loop import TICK
 from fuzzyarm.loop.program import Program, Record, loop_for
-from fuzzyarm.plant.own import failure
-from fuzzyarm.plant.plant import Address, Plant, PlantError, is_compiled
+from fuzzyarm.plant.own import plain_errors
+from fuzzyarm.plant.plant import Address
 
 
 class StructureError(FuzzyarmError, ValueError):
@@ -165,17 +163,3 @@ class OpenRun:
         self.program = program
         self._own = program.inputs(as_array=self.course.as_array)
         self._loop = loop_for(program, self.course, self.record)
-
-
-@contextmanager
-def plain_errors(plant: Plant) -> Iterator[None]:
-    """Make one clear sentence of what a plant in plain Python raises."""
-    try:
-        yield
-    except FuzzyarmError:
-        raise
-    except Exception as error:
-        if is_compiled(plant):
-            raise
-        path = getattr(sys.modules.get(type(plant).__module__), "__file__", None) or ""
-        raise PlantError(f"plant {plant.name} failed: {failure(path, error)}") from error

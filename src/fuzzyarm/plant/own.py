@@ -6,7 +6,8 @@ import linecache
 import os
 import sys
 import traceback
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from copy import copy
 from functools import cache
 from hashlib import sha256
@@ -14,6 +15,9 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, NamedTuple, cast
 
+import numpy as np
+
+from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.plant.adapters import (
     ControlPlant,
     EnvironmentPlant,
@@ -22,7 +26,7 @@ from fuzzyarm.plant.adapters import (
 )
 from fuzzyarm.plant.driven_arm import Arm
 from fuzzyarm.plant.library import LIBRARY
-from fuzzyarm.plant.plant import Plant, PlantError, interface_of
+from fuzzyarm.plant.plant import Plant, PlantError, interface_of, is_compiled
 from fuzzyarm.text.names import near_hint
 
 PLANTS: dict[str, type[Plant]] = {Arm.name: Arm, **LIBRARY}
@@ -109,7 +113,7 @@ def _made(module: ModuleType, key: str) -> Plant:
         plant = as_plant(thing() if isinstance(thing, type) else copy(thing))
     except PlantError:
         raise
-    except Exception as error:
+    except USERS as error:
         raise PlantError(failure(path, error), name=key) from error
     if not plant.name:
         plant.name = key.lower()
@@ -161,6 +165,9 @@ SOURCE = "__fuzzyarm_source__"
 """Under which a module of a user's file has its text."""
 
 
+USERS = (Exception, SystemExit)
+"""What a user's file may raise: one that calls ``sys.exit`` does not end the command."""
+
 OWN = "fuzzyarm_own_"
 """How the modules of users' files begin; nobody can import them."""
 
@@ -192,12 +199,12 @@ def executed(path: str, fault: Callable[[str], Exception], source: str | None = 
     sys.modules[module.__name__] = module
     try:
         exec(compile(source, path, "exec"), vars(module))
-    except Exception as error:
+    except USERS as error:
         raise fault(failure(path, error)) from error
     return module
 
 
-def failure(path: str, error: Exception) -> str:
+def failure(path: str, error: BaseException) -> str:
     """Say what a user's file raised, and where in it."""
     if isinstance(error, SyntaxError):
         return f"{path}:{error.lineno}: {error.msg}"
@@ -208,3 +215,33 @@ def failure(path: str, error: Exception) -> str:
     ]
     place = f"{path}:{lines[-1]}" if lines else path
     return f"{place}: {type(error).__name__}: {error}"
+
+
+@contextmanager
+def plain_errors(plant: Plant) -> Iterator[None]:
+    """Make one clear sentence of what a plant in plain Python raises."""
+    try:
+        yield
+    except FuzzyarmError:
+        raise
+    except USERS as error:
+        if is_compiled(plant):
+            raise
+        path = getattr(sys.modules.get(type(plant).__module__), "__file__", None) or ""
+        raise PlantError(f"plant {plant.name} failed: {failure(path, error)}") from error
+
+
+def start_of(plant: Plant, generator: np.random.Generator) -> list[float]:
+    """Return the states of a plant at its start.
+
+    Raises
+    ------
+    PlantError
+        If it fails, or gives another number of values than it has states.
+    """
+    with plain_errors(plant):
+        start = [float(each) for each in plant.start(generator)]
+    if len(start) != len(plant.states):
+        message = f"start gives {len(start)} values for {len(plant.states)} states"
+        raise PlantError(f"plant {plant.name}: {message}", name="start")
+    return start

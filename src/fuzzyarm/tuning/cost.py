@@ -18,7 +18,7 @@ from fuzzyarm.learning.data import Samples
 from fuzzyarm.loop.many import METRICS
 from fuzzyarm.loop.run import Judged, Run
 from fuzzyarm.model.rulebase import RuleBase
-from fuzzyarm.plant.own import executed, failure
+from fuzzyarm.plant.own import USERS, executed, failure
 from fuzzyarm.text.names import near_hint
 from fuzzyarm.tuning.movement import TuneError
 
@@ -202,7 +202,7 @@ def asked(function: OwnCost, what: Any) -> float:
     """Return what a function of the user's says; what it raises becomes one sentence."""
     try:
         value = float(function(what))
-    except Exception as error:
+    except USERS as error:
         path = getattr(getattr(function, "__code__", None), "co_filename", "")
         raise CostFormulaError(f"the cost failed: {failure(path, error)}") from error
     return value if not math.isnan(value) else math.inf

@@ -75,6 +75,16 @@ class Parameter:
         within = min(max(self.start, self.low), self.high)
         return (self._steps(within) - first) / (last - first)
 
+    def rounded(self, value: float, digits: int) -> float:
+        """Return a number of so many digits near another one, within the range."""
+        near = significant(value, digits)
+        if self.low <= near <= self.high:
+            return near
+        # The other neighbour with these digits; in a narrow range there is none.
+        unit = 10.0 ** (math.floor(math.log10(abs(near))) - digits + 1) if near else 0.0
+        other = significant(near + math.copysign(unit, value - near), digits)
+        return other if self.low <= other <= self.high else value
+
     def _steps(self, value: float) -> float:
         if self.scale == "log":
             return math.log(value)
@@ -171,8 +181,10 @@ class Design:
                 variable = part.movement.at(values, digits)
                 changed.setdefault(part.sheet, {})[variable.name] = variable
             else:
-                rounded = values if digits is None else [significant(v, digits) for v in values]
-                gains[part.gain] = tuple(rounded)
+                gains[part.gain] = tuple(
+                    value if digits is None else each.rounded(value, digits)
+                    for each, value in zip(part.parameters, values, strict=True)
+                )
         sheets = {name: with_variables(self.sheets[name], own) for name, own in changed.items()}
         return Candidate(gains, sheets)
 
@@ -329,7 +341,7 @@ def gain_ranges(
         for each in block.gains:
             for name in each.names:
                 if name in said and said[name] != each:
-                    message = f"two rule bases say how the gain '{name}' moves"
+                    message = f"it is said twice, and not alike, how the gain '{name}' moves"
                     raise TuneError(message, name=name)
                 said[name] = each
     known = {each.name: each for each in model.gains}

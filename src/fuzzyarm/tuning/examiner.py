@@ -24,7 +24,13 @@ from fuzzyarm.controller.controller import Controller
 from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.learning.data import Samples
-from fuzzyarm.loop.blocks import default_processes, end_processes, packed, unpacked
+from fuzzyarm.loop.blocks import (
+    default_processes,
+    end_processes,
+    packed,
+    unpacked,
+    workers_watched,
+)
 from fuzzyarm.loop.course import Course, Options
 from fuzzyarm.loop.many import Bench, Experiment
 from fuzzyarm.loop.program import Program
@@ -305,7 +311,7 @@ class Panel:
     Notes
     -----
     Machine code runs in threads of this process. What is plain Python runs in processes, if there
-    are to be several workers.
+    are several points and several workers.
     """
 
     def __init__(
@@ -322,7 +328,9 @@ class Panel:
 
     def scores(self, points: Sequence[Vector], digits: int | None = None) -> list[Score]:
         """Examine points, in their order; one that fails says so, and the others go on."""
-        if self.workers == 1 and self.executor is None:
+        # A point alone would keep one process busy, which may as well be this one.
+        alone = self.workers == 1 or (len(points) == 1 and not self._in_threads)
+        if alone and self.executor is None:
             return [self.examiner.tried(point, digits) for point in points]
         if self.executor is not None or not self._in_threads:
             return self._elsewhere(points, digits)
@@ -362,11 +370,13 @@ class Panel:
         if not self._question:
             self._question = packed(self.problem)
         pool = self.executor or self._pool(lambda: default_processes(self.workers))
-        futures = [
-            pool.submit(examine, self._question, np.array(point), digits) for point in points
-        ]
+        with workers_watched():
+            futures = [
+                pool.submit(examine, self._question, np.array(point), digits) for point in points
+            ]
         try:
-            return [future.result() for future in futures]
+            with workers_watched():
+                return [future.result() for future in futures]
         finally:
             for future in futures:
                 future.cancel()

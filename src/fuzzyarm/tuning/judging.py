@@ -95,6 +95,7 @@ def rounded(
                 continue
             score = _rescored(examining, candidate)  # here: a cluster may have gone
             worse = score.cost - best.score.cost > WORSE * abs(best.score.cost)
+            worse |= score.cost > found.trials[0].score.cost  # what was won is not rounded away
             if not score.fault and not worse:
                 return candidate, count, score
     except KeyboardInterrupt:

@@ -18,6 +18,7 @@ from fuzzyarm.loop.reference import Signal
 from fuzzyarm.loop.run import plant_motion
 from fuzzyarm.loop.sweep import Range, drawn
 from fuzzyarm.plant.driven_arm import Arm
+from fuzzyarm.plant.own import start_of
 from fuzzyarm.plant.plant import Plant, interface_of
 from fuzzyarm.plant.trajectory import Trajectory, pick_and_place, reach_return, through
 
@@ -191,13 +192,13 @@ def _scaled(
 
 def at_rest(plant: Plant) -> dict[str, float]:
     """Return the outputs of a plant at its start, as far as they are states, by port."""
-    states = dict(zip(plant.states, plant.start(np.random.default_rng(0)), strict=True))
+    states = dict(zip(plant.states, start_of(plant, np.random.default_rng(0)), strict=True))
     interface = interface_of(plant)
     found = {}
     for port in interface.outputs:
         label = interface.label(port)
         if port[1] in states:
-            found[label] = found[port[1]] = float(states[port[1]])
+            found[label] = found[port[1]] = states[port[1]]
     return found
 
 

@@ -182,7 +182,7 @@ class Search:
     def ask(self, points: Sequence[Vector]) -> list[float]:
         """Return the costs of points; of a batch as many as the budget allows are examined."""
         left = self.budget.evals - len(self.found.trials)
-        if left <= 0 or self._late():
+        if left <= 0 or (self.found.trials and self._late()):  # the file is always examined
             raise Over
         costs: list[float] = []
         while len(costs) < min(len(points), left):
@@ -301,9 +301,12 @@ class Journal:
         if resume and self.path.exists():
             self._read()
             return
-        if self.path.is_file() and self.path.read_text("utf-8", "replace").startswith(self.head):
-            hint = "--resume goes on, or remove the file"
-            raise JournalError(f"{self.path} has trials of this search", hint=hint)
+        if self.path.is_file() and self.path.stat().st_size:  # hours of work, or somebody's file
+            begun = self.path.read_text("utf-8", "replace")
+            ours = begun.startswith(self.head)
+            what = "has trials of this search" if ours else "is there, and is not of this search"
+            hint = "--resume goes on, or remove the file" if ours else "give another --journal"
+            raise JournalError(f"{self.path} {what}", hint=hint)
         write_atomically(self.path, self.head)
 
     def _read(self) -> None:

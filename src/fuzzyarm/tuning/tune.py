@@ -236,8 +236,12 @@ def read_tuning(lines: Sequence[str]) -> Tuning:
         elif item.key.text == "gain":
             assert item.low is not None
             assert item.high is not None
-            if not item.low.value < item.high.value or (words and item.low.value <= 0.0):
-                raise TuneError(f"'{line}': the range of a gain does not fit", hint=TUNE_HINT)
+            if not item.low.value < item.high.value:
+                message = "the range of a gain must go from a lower to a higher number"
+                raise TuneError(f"'{line}': {message}", hint=TUNE_HINT)
+            if {"log", "times"} & set(words) and item.low.value <= 0.0:
+                message = "a range of multiples, or of steps of the logarithm, begins above 0"
+                raise TuneError(f"'{line}': {message}", hint=TUNE_HINT)
             flags = ("times" in words, "log" in words, "per axis" in words)
             gains.append(GainTuning(names, item.low.value, item.high.value, *flags))
         else:

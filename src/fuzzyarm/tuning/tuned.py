@@ -73,6 +73,8 @@ class Plan:
             raise TuneError(f"no method is called '{self.method}'", name=self.method, hint=hint)
         if not 1 <= self.digits <= MOST_DIGITS:
             raise TuneError(f"{self.digits} digits are out of range", hint=f"1 to {MOST_DIGITS}")
+        if self.seed < 0:
+            raise TuneError(f"a seed of {self.seed} is out of range", hint="0 or more")
         if not 0 <= self.unseen <= 10_000:
             raise TuneError(f"{self.unseen} unseen scenarios are out of range", hint="0 to 10000")
 
@@ -303,16 +305,17 @@ def comparisons_of(tuned: Tuned) -> list[Comparison]:
 
 
 def _claim(tuned: Tuned) -> str:
+    # Beside itself a file is as good as itself.
+    others = [x for x in tuned.comparisons if tuned.changes or x.other != "as in the file"]
+    said = [each.words(tuned.over) for each in others]
     if not tuned.changes:
-        best = tuned.found.best.score.cost
-        none = "no candidate has a cost that is a number" if not math.isfinite(best) else ""
-        return f"{none or 'nothing better was found'}; the file stays as it is"
-    said = [each.words(tuned.over) for each in tuned.comparisons]
-    if not said:
+        found = math.isfinite(tuned.found.best.score.cost)
+        none = "nothing better was found" if found else "no candidate has a cost that is a number"
+        said = [f"{none}: the file stays as it is", *said]
+    elif not said:
         return "no unseen scenarios: nothing is known beyond what it was tuned on"
     own = tuned.row("tuned")
-    assert own is not None
-    diverged = own.scores["unseen"].diverged
+    diverged = own.scores["unseen"].diverged if own is not None and "unseen" in own.scores else 0
     if diverged:
         said.append(f"{diverged} of {len(tuned.unseen)} runs diverge")
     return "; ".join(said)
@@ -322,6 +325,9 @@ def _remarks(tuned: Tuned) -> Iterator[str]:
     found, plan = tuned.found, tuned.plan
     if tuned.on_a_bound:
         yield f"on a bound of its range: {', '.join(tuned.on_a_bound)}"
+    outside = [each.name for each in tuned.parameters if not each.low <= each.start <= each.high]
+    if outside:
+        yield f"outside its range in the file: {', '.join(outside)}"
     if found.refused:
         yield f"{_trials(found.refused)} broke an expect or prove line"
     if found.failed:
