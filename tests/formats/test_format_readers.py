@@ -508,7 +508,7 @@ def test_fcl_without_a_range_goes_as_far_as_the_terms(
         ("THEN power IS max,", "THEN power IS most,", "undefined-term"),
         ("THEN power IS max,", "THEN pwr IS max,", "undefined-variable"),
         ("IF level IS low AND", "IF level low AND", "syntax"),
-        ("END_RULEBLOCK", "", "syntax"),
+        ("END_RULEBLOCK", "", "missing-end"),
         ("END_FUZZIFY", "END_FUZIFY", "syntax"),
         ("FUZZIFY flow", "FUZZIFY flew", "undeclared-variable"),
         ("(* norms by pairs *)", "(* norms by pairs", "open-comment"),
@@ -593,7 +593,7 @@ def dimmer(changes: dict[str, str], **options: bool) -> Imported:
     for old, new in changes.items():
         assert old in text
         text = text.replace(old, new)
-    return parse(text, ".fcl", **options)
+    return parse(text, ".fcl", producer="jfuzzylogic", **options)
 
 
 def test_fcl_names_of_blocks_reach_to_the_end_of_the_line() -> None:

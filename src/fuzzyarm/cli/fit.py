@@ -48,7 +48,7 @@ if TYPE_CHECKING:
 
 EXIT_INTERRUPTED = 130
 
-_OF_MODELS = (".frb", ".fll", ".fcl", ".fis", ".fml", ".xml", ".lut", ".json", ".npz")
+_OF_MODELS = (".frb", ".fll", ".fcl", ".fis", ".t2fis", ".fml", ".xml", ".lut", ".json", ".npz")
 """Suffixes of what is sampled rather than read as samples."""
 
 

@@ -47,6 +47,8 @@ class Dialect:
         The same for messages.
     kinds : str
         Key of the names of shapes, norms and hedges in their records.
+    hedges : str
+        Key of the names of hedges that are read in a rule; that of `kinds` by default.
     integral, weighted : mapping of str to str
         Words for defuzzifiers, of sets and of values, and what the model calls them.
     samples : tuple of int and str
@@ -74,6 +76,8 @@ class Dialect:
         What a reader says it took for granted.
     equal_precedence : bool
         Whether *and* and *or* bind alike, from the left.
+    commas : bool
+        Whether a comma between two conditions is an *and*.
     any_case : bool
         Whether the words of a rule may be in capitals, and names may differ in case.
     separators : tuple of str
@@ -89,6 +93,7 @@ class Dialect:
     producer: str
     program: str
     kinds: str
+    hedges: str = ""
     integral: Mapping[str, str]
     weighted: Mapping[str, str]
     samples: tuple[int, str]
@@ -102,6 +107,7 @@ class Dialect:
     formula: formulas.Dialect = formulas.FUZZYLITE
     assumed: str = ""
     equal_precedence: bool = False
+    commas: bool = False
     any_case: bool = False
     separators: tuple[str, ...] = ("and",)
     ties: str = "last"
@@ -144,6 +150,7 @@ FLL = Dialect(
 FCL = {
     "jfuzzylogic": Dialect(
         suffix=".fcl", producer="jfuzzylogic", program="jFuzzyLogic", kinds="jfl",
+        hedges="fcl",  # jFuzzyLogic has none; those of fuzzylite are read with a warning
         integral=_FCL_INTEGRAL, weighted=_FCL_WEIGHTED, samples=(1000, "left"),
         formula=formulas.JFUZZYLOGIC,
         assumed="read as jFuzzyLogic does: 1000 left samples, ACCU is SUM unless given",
@@ -156,6 +163,14 @@ FCL = {
         threshold=MACHINE_EPSILON, activates=True, chains=True, clamps=("outputs",),
         assumed="read as fuzzylite does: 1000 midpoints, nan where no rule fires",
         any_case=True, separators=("and", ","), heights=True,
+    ),
+    "scikit-fuzzy": Dialect(
+        suffix=".fcl", producer="scikit-fuzzy", program="fcl-for-scikit-fuzzy", kinds="fcl",
+        hedges="fml", integral=_FCL_INTEGRAL | {"MOM": "mean-of-maximum", "COGS": "centroid"},
+        weighted={}, samples=(0, "joined"), outside="clamp", negates=False,
+        assumed="read as fcl-for-scikit-fuzzy does: straight lines between the points of each "
+        "RANGE, clamped inputs, min and max beneath the rules",
+        commas=True, any_case=True, separators=("and", ","),
     ),
 }  # fmt: skip
 

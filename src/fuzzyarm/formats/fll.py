@@ -250,6 +250,7 @@ class _Reader:
             message = f"fuzzylite calls the variable '{line.value.text[:60]}' {name}"
             self.findings.info("renamed", message, word)
         self.draft = Draft(Word(name, word.span), self.section == "OutputVariable")
+        self.draft.aggregates = False  # until a line says so
         earlier = self.variables.get(name)
         if earlier is not None:
             message = f"there are two variables called '{name}'"
@@ -293,7 +294,8 @@ class _Reader:
     def _output_setting(self, draft: Draft, line: _Line) -> None:
         match line.key.text:
             case "aggregation" | "accumulation":
-                draft.aggregation = self._snorm(line.value) or "sum"
+                norm = self._snorm(line.value)
+                draft.aggregation, draft.aggregates = norm or "sum", norm is not None
             case "defuzzifier":
                 self.defuzzifiers[draft.name] = line
             case "default":

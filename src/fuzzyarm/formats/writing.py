@@ -421,9 +421,7 @@ def as_sentences(
     return found
 
 
-def _as_sentence(
-    rule: Rule, block: RuleBlock, dialect: Dialect, findings: Findings
-) -> Sentence:
+def _as_sentence(rule: Rule, block: RuleBlock, dialect: Dialect, findings: Findings) -> Sentence:
     """Put the hedges around a whole antecedent before the first conclusion, where that can be.
 
     A hedge around a parenthesis has no other place; it then makes a threshold of its own.
