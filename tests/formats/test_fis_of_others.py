@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from fuzzyarm import FileWarning, check_file, load
-from fuzzyarm.formats import Imported, parse_fis, parse_fll, read, same_model, write
+from fuzzyarm.formats import Imported, parse, parse_fis, parse_fll, read, same_model, write
 from fuzzyarm.inference import infer, prepare
 from fuzzyarm.model.rulebase import Defuzzifier, RuleBase, Shape
 from fuzzyarm.model.shapes import membership
@@ -376,11 +376,21 @@ def test_corners_out_of_order_that_fuzzylite_computes(term: str) -> None:
     assert membership(shape, outside) == numbers_of_fuzzylite(term, outside)
 
 
-def test_nothing_but_0_is_refused() -> None:
-    text = "InputVariable: x\nrange: 0 10\nterm: a Triangle 5 3 1\nOutputVariable: y\nrange: 0 1\n"
-    assert [d.name for d in parse_fll(text + "defuzzifier: Centroid\n").errors] == [
-        "unordered-corners"
-    ]
+@pytest.mark.parametrize("suffix", [".fll", ".fis", ".fcl"])
+def test_corners_out_of_order_are_nothing_at_all(suffix: str) -> None:
+    text = {
+        ".fll": "InputVariable: x\nrange: 0 10\nterm: a Triangle 5 3 1\n"
+        "OutputVariable: y\nrange: 0 1\ndefuzzifier: Centroid\n",
+        ".fis": fis("1, 1 (1) : 1", term="'trapmf',[5 3 2 1]"),
+        ".fcl": "FUNCTION_BLOCK f VAR_INPUT x : REAL; END_VAR FUZZIFY x TERM a := TRIAN 5 3 1; "
+        "END_FUZZIFY END_FUNCTION_BLOCK",
+    }[suffix]
+    imported = parse(text, suffix)
+    term = good(imported).inputs[0].terms[0]
+    assert [membership(term.shape, x) for x in (0.0, 1.0, 2.5, 3.0, 4.0, 5.0, 9.0)] == [0.0] * 7
+    assert "unordered-corners" in {
+        d.name for d in imported.diagnostics if d.severity is Severity.WARNING
+    }
 
 
 # ── large files ──────────────────────────────────────────────────────────────────────

@@ -85,8 +85,9 @@ class Dialect:
     ties : str
         Which of two points at one x counts: ``first`` or ``last``.
     heights : bool
-        Whether the number after those of a shape is its height, and unordered corners are
-        computed rather than refused (fuzzylite).
+        Whether the number after those of a shape is its height (fuzzylite).
+    unordered : bool
+        Whether the program computes with corners that are not in order rather than refuse them.
     """
 
     suffix: str
@@ -112,6 +113,7 @@ class Dialect:
     separators: tuple[str, ...] = ("and",)
     ties: str = "last"
     heights: bool = False
+    unordered: bool = False
 
 
 _FLL_INTEGRAL = {
@@ -145,6 +147,7 @@ FLL = Dialect(
     weighted={"WeightedAverage": "weighted-average", "WeightedSum": "weighted-sum"},
     samples=(1000, "midpoints"),  # of fuzzylite 7 and 8; version 6 took 100 and always wrote it
     activates=True, chains=True, thresholds=True, clamps=("inputs", "outputs"), heights=True,
+    unordered=True,
 )  # fmt: skip
 
 FCL = {
@@ -162,7 +165,7 @@ FCL = {
         integral=_FCL_INTEGRAL, weighted=_FCL_WEIGHTED, samples=(1000, "midpoints"),
         threshold=MACHINE_EPSILON, activates=True, chains=True, clamps=("outputs",),
         assumed="read as fuzzylite does: 1000 midpoints, nan where no rule fires",
-        any_case=True, separators=("and", ","), heights=True,
+        any_case=True, separators=("and", ","), heights=True, unordered=True,
     ),
     "scikit-fuzzy": Dialect(
         suffix=".fcl", producer="scikit-fuzzy", program="fcl-for-scikit-fuzzy", kinds="fcl",
@@ -192,6 +195,7 @@ FIS = {
         suffix=".fis", producer="fuzzylite", program="fuzzylite", kinds="fis",
         integral=_FIS_INTEGRAL, weighted=_FIS_WEIGHTED, samples=(1000, "midpoints"),
         threshold=MACHINE_EPSILON, activates=True, clamps=("outputs",), heights=True,
+        unordered=True,
         assumed="read with the defaults of fuzzylite: 1000 midpoints, nan where no rule "
         "fires",
     ),
@@ -203,7 +207,7 @@ FML = Dialect(
         "COG": "centroid", "COA": "bisector", "LM": "smallest-of-maximum",
         "RM": "largest-of-maximum", "MOM": "mean-of-maximum",
     },
-    weighted={"WA": "weighted-average"}, samples=(0, "endpoints"),
+    weighted={"WA": "weighted-average"}, samples=(0, "endpoints"), unordered=True,
     assumed="read as IEEE 1855 defines it: exact integrals (JFML takes sums over about 2000 "
     "points)",
 )  # fmt: skip

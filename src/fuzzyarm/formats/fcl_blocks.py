@@ -36,6 +36,7 @@ from fuzzyarm.formats.findings import (
 from fuzzyarm.formats.meaning import Block, blocks_in_model, is_on
 from fuzzyarm.formats.sentences import RuleText, read_sentences
 from fuzzyarm.formats.shapes import estimated_range
+from fuzzyarm.formats.values import name_position, values_as_sets
 from fuzzyarm.model.rulebase import Defuzzifier, RuleBase
 
 # --- A function block while it is read ---
@@ -486,13 +487,20 @@ class Reader:
         if math.isinf(draft.low) and math.isinf(draft.high):
             self._estimate(draft)
         draft.settle_range(self.findings)
+        at = self.block.methods.get(draft.name, draft.word)
         if not draft.is_output:
-            return
-        if self._own:
-            at = self.block.methods.get(draft.name, draft.word)
+            name_position(draft)
+        elif self._own:
             settle_maximum(draft, at, self.findings)
+            if draft.integrates:
+                values_as_sets(draft, self._implication(), at, self.findings)
         else:
             settle_edges(draft, self.findings)
+
+    def _implication(self) -> str | None:
+        """Return the implication of all rule blocks, if it is the same."""
+        found = {self._norms(text).get("ACT") for text in self.block.blocks}
+        return found.pop() if len(found) == 1 else None
 
     def _finish_output(self, draft: Draft, method: Word | None) -> None:
         """Set the defuzzifier of an output from its ``METHOD``."""
@@ -536,7 +544,7 @@ class Reader:
         draft.defuzzifier = Defuzzifier(self.dialect.integral[name], *self.dialect.samples)
         if not self._own:
             self._note_habits(draft, name, at)
-        if draft.kinds & VALUES:
+        if draft.kinds & VALUES and not self._own:
             message = f"'{draft.name}' has values for terms but integrates sets"
             self.findings.loss("value-as-set", message, at, "METHOD : COGS is for singletons")
 

@@ -54,6 +54,7 @@ from fuzzyarm.formats.fis_type2 import (
 )
 from fuzzyarm.formats.meaning import Block, blocks_in_model
 from fuzzyarm.formats.sentences import NOT, RuleText
+from fuzzyarm.formats.values import name_position, values_as_sets
 from fuzzyarm.model.rulebase import (
     And,
     Consequent,
@@ -64,7 +65,6 @@ from fuzzyarm.model.rulebase import (
     Or,
     RuleBase,
     RuleBlock,
-    Shape,
     Term,
 )
 from fuzzyarm.model.shapes import first_above
@@ -158,6 +158,8 @@ class _Reader:
         self._check_whole(has_system=bool(systems))
         for draft in (*self.inputs, *self.outputs):
             draft.settle_range(self.findings)
+        for draft in self.inputs:
+            name_position(draft)
         for draft in self.outputs:
             if self.is_type2:
                 self._reduce_output(draft)
@@ -330,32 +332,14 @@ class _Reader:
         draft.defuzzifier = Defuzzifier(method)
 
     def _values_as_sets(self, draft: Draft, at: Word) -> None:
-        """Express constants that are integrated: to fuzzylite they are sets of that height."""
-        for index, term in enumerate(draft.terms):
-            if term.shape.kind not in VALUES:
-                continue
-            height = self._height(term) if self.dialect.producer == "fuzzylite" else 0.0
-            if height > 0.0 and draft.bounded:
-                message = (
-                    f"fuzzylite integrates the constant '{term.name}' as a set of that height "
-                    "over the whole range"
-                )
-                self.findings.warn("value-as-set", message, term.span)
-                shape = Shape("rectangle", (draft.low, draft.high), height)
-                draft.put(index, Term(term.name, shape, term.span))
-                continue
-            message = f"'{term.name}' of '{draft.name}' is a value, which cannot be integrated"
-            self.findings.loss("value-as-set", message, at)
-
-    def _height(self, term: Term) -> float:
-        """Return the height of the set that a constant is to fuzzylite; 0 where it is none."""
-        if term.shape.kind != "singleton":
-            return 0.0
-        value = term.shape.parameters[0]
-        if value > 1.0:  # a higher set is cut at the firing strength all the same, but only by min
-            implication = self.tnorm("impmethod")
-            return 1.0 if implication == "min" else 0.0
-        return max(value, 0.0)
+        """Express values that are integrated: to fuzzylite they are sets."""
+        if self.dialect.producer == "fuzzylite":
+            values_as_sets(draft, self.tnorm("impmethod"), at, self.findings)
+            return
+        for term in draft.terms:
+            if term.shape.kind in VALUES:
+                message = f"'{term.name}' of '{draft.name}' is a value, which cannot be integrated"
+                self.findings.loss("value-as-set", message, at)
 
     # --- Variables and terms ---
 

@@ -38,7 +38,9 @@ MEMBERSHIP_KEY = re.compile(r"MF(\d{1,6})U?\Z", re.IGNORECASE)
 LOWER_KEY = re.compile(r"MF(\d{1,6})L\Z", re.IGNORECASE)
 """With U and L the upper and the lower function of one term, as the type-2 toolbox writes them."""
 
-_OF_TOOLBOX = re.compile(r"^\s*(MF\d+[UL]|TypeRedMethod|CrispInterval)\s*=", re.I | re.MULTILINE)
+_OF_TOOLBOX = re.compile(
+    r"^\s*(MF\d+[UL]|TypeRedMethod|CrispInterval)\s*=", re.IGNORECASE | re.MULTILINE
+)
 
 
 def is_of_toolbox(text: str) -> bool:
