@@ -44,7 +44,7 @@ __all__ = [
     "load_rulebase",
 ]
 
-RULEBASE_SUFFIXES = (".frb", ".fll", ".fcl", ".fis", ".fml", ".xml")
+RULEBASE_SUFFIXES = (".frb", ".fll", ".fcl", ".fis", ".t2fis", ".fml", ".xml")
 """Those of :data:`fuzzyarm.formats.READABLE`; that module would load every reader."""
 
 

@@ -46,7 +46,7 @@ from fuzzyarm.cli.command import (
     print_json,
     say,
 )
-from fuzzyarm.formats import PRODUCERS, Exported, Imported, read, suffix_of, write
+from fuzzyarm.formats import MEANINGS, PRODUCERS, Exported, Imported, read, suffix_of, write
 from fuzzyarm.formats.conversion import converted, findings_of
 from fuzzyarm.language.reading import read_text, text_to_show
 from fuzzyarm.model.rulebase import RuleBase
@@ -66,7 +66,8 @@ SECONDS = 60.0
 _FIELDS = ("name", "severity", "message", "hint", "line", "column")
 """What --json tells of a finding."""
 
-_PROGRAMS = sorted({program for programs in PRODUCERS.values() for program in programs})
+_READ_AS = sorted({program for programs in MEANINGS.values() for program in programs})
+_WRITTEN_FOR = sorted({program for programs in PRODUCERS.values() for program in programs})
 
 
 def _run(arguments: argparse.Namespace) -> int:
@@ -361,8 +362,8 @@ COMMANDS = (
         argument("target OUT", ".frb, .fll, .fcl or .fis", nargs="?"),
         flag("--lossy", "go on where numbers will differ", either="mode"),
         flag("--strict", "refuse small differences too", either="mode"),
-        argument("--from", "the program IN was written for", dest="producer", choices=_PROGRAMS),
-        argument("--for", "the program OUT is written for", dest="consumer", choices=_PROGRAMS),
+        argument("--from", "the program IN was written for", dest="producer", choices=_READ_AS),
+        argument("--for", "the program OUT is written for", dest="consumer", choices=_WRITTEN_FOR),
         argument("--block NAME", "which function block of an .fcl to take"),
         argument("--terms N", "number of terms of the output, where IN is a table", type=int),
         flag("--quiet -q", "print errors only"),

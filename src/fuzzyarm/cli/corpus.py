@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any
 
 from fuzzyarm.cli.command import argument, command, flag, json_of, print_error, print_json, say
-from fuzzyarm.formats import FOREIGN, PRODUCERS, Imported, read
+from fuzzyarm.formats import FOREIGN, MEANINGS, Imported, read
 from fuzzyarm.inference import InferenceError, prepare
 from fuzzyarm.model.rulebase import RuleBase
 
@@ -38,7 +38,7 @@ TOLERANCE = 1e-6
 FLOOR = 1e-9
 """Absolute difference below which two values are equal, for outputs around zero."""
 
-_FILES = (*FOREIGN, ".fml")
+_FILES = (*FOREIGN, ".t2fis", ".fml")
 _PROGRAMS = ("octave", "fuzzylite", "matlab", "jfuzzylogic")
 _IGNORED = re.compile(r"outputs_resolution_\d+\Z")
 
@@ -233,7 +233,7 @@ def _compare(row: Row, path: Path, reference: Reference) -> None:
 
 def _as_read_by(path: Path, reference: Reference) -> Imported:
     """Read a file with the defaults of the program that made the reference."""
-    known = PRODUCERS.get(path.suffix.lower(), ())
+    known = MEANINGS.get(path.suffix.lower(), ())
     producer = reference.program if reference.program in known else None
     return read(path, producer=producer, block=reference.block)
 

@@ -53,7 +53,7 @@ if TYPE_CHECKING:
     from fuzzyarm.learning.data import Samples
     from fuzzyarm.learning.fit import Fit, Options
 
-_OF_MODELS = (".frb", ".fll", ".fcl", ".fis", ".fml", ".xml", ".lut", ".json", ".npz")
+_OF_MODELS = (".frb", ".fll", ".fcl", ".fis", ".t2fis", ".fml", ".xml", ".lut", ".json", ".npz")
 """Suffixes of what is sampled rather than read as samples."""
 
 

@@ -17,6 +17,7 @@ from fuzzyarm.formats.fll import parse_fll, write_fll
 from fuzzyarm.formats.fml import parse_fml
 from fuzzyarm.formats.registry import (
     FOREIGN,
+    MEANINGS,
     PRODUCERS,
     READABLE,
     SUFFIXES,
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "FOREIGN",
+    "MEANINGS",
     "PRODUCERS",
     "READABLE",
     "SUFFIXES",

@@ -47,6 +47,8 @@ class Dialect:
         The same for messages.
     kinds : str
         Key of the names of shapes, norms and hedges in their records.
+    hedges : str
+        Key of the names of hedges that are read in a rule; that of `kinds` by default.
     integral, weighted : mapping of str to str
         Words for defuzzifiers, of sets and of values, and what the model calls them.
     samples : tuple of int and str
@@ -74,6 +76,8 @@ class Dialect:
         What a reader says it took for granted.
     equal_precedence : bool
         Whether *and* and *or* bind alike, from the left.
+    commas : bool
+        Whether a comma between two conditions is an *and*.
     any_case : bool
         Whether the words of a rule may be in capitals, and names may differ in case.
     separators : tuple of str
@@ -81,14 +85,16 @@ class Dialect:
     ties : str
         Which of two points at one x counts: ``first`` or ``last``.
     heights : bool
-        Whether the number after those of a shape is its height, and unordered corners are
-        computed rather than refused (fuzzylite).
+        Whether the number after those of a shape is its height (fuzzylite).
+    unordered : bool
+        Whether the program computes with corners that are not in order rather than refuse them.
     """
 
     suffix: str
     producer: str
     program: str
     kinds: str
+    hedges: str = ""
     integral: Mapping[str, str]
     weighted: Mapping[str, str]
     samples: tuple[int, str]
@@ -102,10 +108,12 @@ class Dialect:
     formula: formulas.Dialect = formulas.FUZZYLITE
     assumed: str = ""
     equal_precedence: bool = False
+    commas: bool = False
     any_case: bool = False
     separators: tuple[str, ...] = ("and",)
     ties: str = "last"
     heights: bool = False
+    unordered: bool = False
 
 
 _FLL_INTEGRAL = {
@@ -139,11 +147,13 @@ FLL = Dialect(
     weighted={"WeightedAverage": "weighted-average", "WeightedSum": "weighted-sum"},
     samples=(1000, "midpoints"),  # of fuzzylite 7 and 8; version 6 took 100 and always wrote it
     activates=True, chains=True, thresholds=True, clamps=("inputs", "outputs"), heights=True,
+    unordered=True,
 )  # fmt: skip
 
 FCL = {
     "jfuzzylogic": Dialect(
         suffix=".fcl", producer="jfuzzylogic", program="jFuzzyLogic", kinds="jfl",
+        hedges="fcl",  # jFuzzyLogic has none; those of fuzzylite are read with a warning
         integral=_FCL_INTEGRAL, weighted=_FCL_WEIGHTED, samples=(1000, "left"),
         formula=formulas.JFUZZYLOGIC,
         assumed="read as jFuzzyLogic does: 1000 left samples, ACCU is SUM unless given",
@@ -155,7 +165,15 @@ FCL = {
         integral=_FCL_INTEGRAL, weighted=_FCL_WEIGHTED, samples=(1000, "midpoints"),
         threshold=MACHINE_EPSILON, activates=True, chains=True, clamps=("outputs",),
         assumed="read as fuzzylite does: 1000 midpoints, nan where no rule fires",
-        any_case=True, separators=("and", ","), heights=True,
+        any_case=True, separators=("and", ","), heights=True, unordered=True,
+    ),
+    "scikit-fuzzy": Dialect(
+        suffix=".fcl", producer="scikit-fuzzy", program="fcl-for-scikit-fuzzy", kinds="fcl",
+        hedges="fml", integral=_FCL_INTEGRAL | {"MOM": "mean-of-maximum", "COGS": "centroid"},
+        weighted={}, samples=(0, "joined"), outside="clamp", negates=False,
+        assumed="read as fcl-for-scikit-fuzzy does: straight lines between the points of each "
+        "RANGE, clamped inputs, min and max beneath the rules",
+        commas=True, any_case=True, separators=("and", ","),
     ),
 }  # fmt: skip
 
@@ -177,6 +195,7 @@ FIS = {
         suffix=".fis", producer="fuzzylite", program="fuzzylite", kinds="fis",
         integral=_FIS_INTEGRAL, weighted=_FIS_WEIGHTED, samples=(1000, "midpoints"),
         threshold=MACHINE_EPSILON, activates=True, clamps=("outputs",), heights=True,
+        unordered=True,
         assumed="read with the defaults of fuzzylite: 1000 midpoints, nan where no rule "
         "fires",
     ),
@@ -188,7 +207,7 @@ FML = Dialect(
         "COG": "centroid", "COA": "bisector", "LM": "smallest-of-maximum",
         "RM": "largest-of-maximum", "MOM": "mean-of-maximum",
     },
-    weighted={"WA": "weighted-average"}, samples=(0, "endpoints"),
+    weighted={"WA": "weighted-average"}, samples=(0, "endpoints"), unordered=True,
     assumed="read as IEEE 1855 defines it: exact integrals (JFML takes sums over about 2000 "
     "points)",
 )  # fmt: skip

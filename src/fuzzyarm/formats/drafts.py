@@ -191,7 +191,7 @@ class Draft:
     """A variable in the making.
 
     The range is infinite until the file says more; `enabled` is False where the file
-    switches the variable off.
+    switches the variable off, `aggregates` where it names no norm for its terms.
     """
 
     word: Word
@@ -203,6 +203,7 @@ class Draft:
     outside: str = "extend"
     enabled: bool = True
     aggregation: str = "sum"
+    aggregates: bool = True
     defuzzifier: Defuzzifier = field(default_factory=Defuzzifier)
     no_rule: float | str = math.nan
     _index: dict[str, Term] = field(default_factory=dict)
@@ -241,6 +242,11 @@ class Draft:
             span=self.word.span, aggregation=self.aggregation, defuzzifier=self.defuzzifier,
             no_rule=self.no_rule,
         )  # fmt: skip
+
+    @property
+    def integrates(self) -> bool:
+        """Whether its value is found from samples of sets."""
+        return self.defuzzifier.resolution is not None
 
     @property
     def bounded(self) -> bool:

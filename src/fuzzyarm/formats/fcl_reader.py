@@ -1,50 +1,15 @@
-"""FCL, the language of IEC 61131-7, as jFuzzyLogic and fuzzylite write it: read."""
+"""FCL, the language of IEC 61131-7, as jFuzzyLogic, fuzzylite and others write it: read."""
 
 from __future__ import annotations
 
-import math
 import re
-from bisect import bisect_left
-from dataclasses import dataclass, field, replace
 
-from fuzzyarm.expression.kinds import SNORMS, TNORMS
-from fuzzyarm.formats.dialects import (
-    FCL,
-    JFUZZYLOGIC_PAIRS,
-    Dialect,
-    words,
-)
-from fuzzyarm.formats.drafts import (
-    VALUES,
-    Draft,
-    add_term,
-    imported,
-    note_ties,
-    rulebase_of,
-    settle_maximum,
-    settle_weighted,
-)
-from fuzzyarm.formats.fcl_text import (
-    MEAN_OF_MAXIMUM,
-    SECTION_ENDS,
-    SECTIONS,
-    Cursor,
-    fcl_words,
-    read_shape,
-)
-from fuzzyarm.formats.findings import (
-    MAX_RULES,
-    MAX_VARIABLES,
-    FaultError,
-    Findings,
-    Imported,
-    Word,
-    number,
-)
-from fuzzyarm.formats.meaning import Block, blocks_in_model, is_on
-from fuzzyarm.formats.sentences import RuleText, read_sentences
-from fuzzyarm.formats.shapes import estimated_range
-from fuzzyarm.model.rulebase import Defuzzifier, RuleBase, Shape, Term
+from fuzzyarm.formats.dialects import FCL, Dialect
+from fuzzyarm.formats.drafts import imported
+from fuzzyarm.formats.fcl_blocks import Reader
+from fuzzyarm.formats.fcl_scikit import ScikitReader
+from fuzzyarm.formats.findings import Findings, Imported
+from fuzzyarm.model.rulebase import RuleBase
 
 # --- Which program a text was written for ---
 
@@ -56,16 +21,27 @@ _ONLY_FUZZYLITE = re.compile(
 )
 
 
-def _detect(text: str) -> str:
-    """Return the dialect of a text: jFuzzyLogic's unless something says fuzzylite."""
+_STEP = re.compile(r"\bRANGE\b[\s:=]*\([^()]*\)\s*WITH\b", re.IGNORECASE)
+_COMMENT = re.compile(r"//[^\n]*|#[^\n]*|/\*.*?\*/|\(\*.*?\*\)", re.DOTALL)
+_INPUT = re.compile(r"(?<!_)\bFUZZIFY\b(.*?)\bEND_FUZZIFY\b", re.DOTALL | re.IGNORECASE)
+_RANGE = re.compile(r"\bRANGE\b", re.IGNORECASE)
+
+
+def detect(text: str) -> str:
+    """Return the program of a text: jFuzzyLogic unless something says another.
+
+    A range inside FUZZIFY is refused by jFuzzyLogic, its step by fuzzylite as well.
+    """
+    plain = _COMMENT.sub("", text)
+    if _STEP.search(plain):
+        return "scikit-fuzzy"
     head = text[:2000].lower()
-    if "fuzzylite" in head:
+    if "fuzzylite" in head or _ONLY_FUZZYLITE.search(plain) or _has_accu_in_defuzzify(plain):
         return "fuzzylite"
-    if "jfuzzylogic" in head:
-        return "jfuzzylogic"
-    plain = re.sub(r"//[^\n]*|#[^\n]*", "", text)
-    if _ONLY_FUZZYLITE.search(plain) or _has_accu_in_defuzzify(plain):
-        return "fuzzylite"
+    has_range = any(_RANGE.search(match.group(1)) for match in _INPUT.finditer(plain))
+    if has_range:
+        # The words of a rule are in small letters to fuzzylite, and in no other case.
+        return "fuzzylite" if re.search(r"\bif\b", plain) else "scikit-fuzzy"
     return "jfuzzylogic"
 
 
@@ -80,120 +56,7 @@ def _has_accu_in_defuzzify(text: str) -> bool:
     return False
 
 
-# --- Where jFuzzyLogic takes its samples, to the last bit ---
-#
-# It walks along the range by adding up steps; the model multiplies them. The two differ by
-# some 1e-16, which matters only to a vertical edge that stands on a sample: there the one may
-# see 1 and the other 0.
-
-
-def _settle_edges(draft: Draft, findings: Findings) -> None:
-    """Move vertical edges by one step of the machine where that makes the samples agree."""
-    count = draft.defuzzifier.resolution
-    if count is None:
-        return
-    samples: list[tuple[float, float]] = []
-    for index, term in enumerate(draft.terms):
-        if not any(_edges(term.shape)):
-            continue
-        samples = samples or _samples(draft.low, draft.high, count)
-        moved = _moved(term.shape, samples, draft.low, draft.high)
-        if moved != term.shape:
-            message = (
-                f"an edge of '{term.name}' stands on a sample that jFuzzyLogic takes right "
-                "beside it; it is moved by the smallest step there is"
-            )
-            findings.info("edge-on-sample", message, term.span)
-            draft.put(index, Term(term.name, moved, term.span))
-
-
-def _samples(low: float, high: float, count: int) -> list[tuple[float, float]]:
-    """Return the samples of the model and of jFuzzyLogic, pairwise."""
-    step = (high - low) / count
-    pairs = []
-    x = low
-    for index in range(count):
-        pairs.append((low + index * step, x))
-        x += step
-    return pairs
-
-
-def _edges(shape: Shape) -> tuple[bool, bool]:
-    """Return whether the left and the right flank are vertical."""
-    p = shape.parameters
-    match shape.kind:
-        case "triangle":
-            return p[0] == p[1], p[1] == p[2]
-        case "trapezoid":
-            return p[0] == p[1], p[2] == p[3]
-        case "rectangle" | "singleton":
-            return True, True
-    return False, False
-
-
-def _moved(shape: Shape, samples: list[tuple[float, float]], low: float, high: float) -> Shape:
-    left, right = _edges(shape)
-    first, last = shape.parameters[0], shape.parameters[-1]
-    model, walked = _nearest(first, samples)
-    if shape.kind == "singleton" and model != first:
-        return shape  # on no sample, whichever side it is seen from
-    p = list(shape.parameters)
-    if left and (model < first <= walked or walked < first <= model):
-        edge = model if walked >= first else math.nextafter(model, high)
-        p = [edge if value == first else value for value in p]
-    model, walked = _nearest(last, samples)
-    if right and (model <= last < walked or walked <= last < model):
-        edge = model if walked <= last else math.nextafter(model, low)
-        p = [edge if value == last else value for value in p]
-    return replace(shape, parameters=tuple(p))
-
-
-def _nearest(edge: float, samples: list[tuple[float, float]]) -> tuple[float, float]:
-    """Return the sample of the model that is nearest to an edge, and jFuzzyLogic's."""
-    index = bisect_left(samples, (edge, -math.inf))
-    return min(samples[max(index - 1, 0) : index + 1], key=lambda pair: abs(pair[0] - edge))
-
-
-# --- A function block while it is read ---
-
-
-@dataclass(slots=True)
-class _BlockText:
-    """A rule block as it was written: norms by AND, OR, ACT and ACCU, rules from IF on."""
-
-    word: Word
-    norms: list[tuple[str, Word]] = field(default_factory=list)
-    rules: list[list[Word]] = field(default_factory=list)
-    enabled: bool = True
-
-
-@dataclass(slots=True)
-class _FunctionBlock:
-    """A function block; methods and accumulations by the name of the output."""
-
-    word: Word
-    variables: dict[str, Draft] = field(default_factory=dict)
-    methods: dict[str, Word] = field(default_factory=dict)
-    accumulations: dict[str, str] = field(default_factory=dict)
-    blocks: list[_BlockText] = field(default_factory=list)
-
-
-def _joined_numbers(words: list[Word]) -> list[Word]:
-    """Put the sign of a weight back to its number."""
-    if len(words) > 2 and words[-2].text in ("-", "+"):
-        sign, value = words[-2], words[-1]
-        words[-2:] = [Word(sign.text + value.text, sign.span.to(value.span))]
-    return words
-
-
 # --- Read FCL ---
-
-_END_OF_RULE = frozenset({";", "RULE", "END_RULEBLOCK", "END_FUNCTION_BLOCK", *SECTIONS})
-_END_OF_TITLE = frozenset({*SECTIONS, *SECTION_ENDS, "OPTIONS", "OPTION"})
-_BLOCK_SETTINGS = frozenset({"AND", "OR", "ACT", "ACCU", "RULE", "ENABLED"})
-_METHODS_OF_OTHERS = {"MOM": "MM", "SOM": "LM", "LOM": "RM"}
-_S_TO_T = {s: t for t, s in JFUZZYLOGIC_PAIRS.items()}
-_OPTIONS = {"OPTIONS": "END_OPTIONS", "OPTION": "END_OPTION"}
 
 
 def parse_fcl(
@@ -207,7 +70,7 @@ def parse_fcl(
 ) -> Imported:
     """Read a function block: :func:`~fuzzyarm.formats.registry.parse` of ``.fcl``.
 
-    The `dialect` is the producer there, ``jfuzzylogic`` or ``fuzzylite``.
+    The `dialect` is the producer there, ``jfuzzylogic``, ``fuzzylite`` or ``scikit-fuzzy``.
 
     Parameters
     ----------
@@ -221,450 +84,8 @@ def parse_fcl(
     """
 
     def read(plain: str, findings: Findings) -> tuple[RuleBase | None, Dialect]:
-        found = FCL[dialect or _detect(plain)]
-        return _Reader(plain, found, findings).read(block), found
+        found = FCL[dialect or detect(plain)]
+        reader = ScikitReader if found.producer == "scikit-fuzzy" else Reader
+        return reader(plain, found, findings).read(block), found
 
     return imported(text, path, read, lossy=lossy, strict=strict)
-
-
-class _Reader:
-    def __init__(self, text: str, dialect: Dialect, findings: Findings) -> None:
-        self.findings = findings
-        self.dialect = dialect
-        self.cursor = Cursor(fcl_words(text, findings))
-        self.blocks: list[_FunctionBlock] = []
-        self.block = _FunctionBlock(Word(""))  # the one that is read or settled
-
-    @property
-    def _own(self) -> bool:
-        """Whether fuzzylite's meaning counts, else jFuzzyLogic's."""
-        return self.dialect.producer == "fuzzylite"
-
-    def read(self, wanted: str | None) -> RuleBase | None:
-        while not self.cursor.ended:
-            try:
-                self._section()
-            except FaultError as fault:
-                self.findings.fault(fault)
-                self._to_next_section()
-        block = self._chosen(wanted)
-        if block is None:
-            return None
-        self.block = block
-        return self._rulebase()
-
-    def _chosen(self, wanted: str | None) -> _FunctionBlock | None:
-        if not self.blocks:
-            if not self.findings.failed:
-                self.findings.error("no-engine", "there is no FUNCTION_BLOCK in this file")
-            return None
-        names = [block.word.text for block in self.blocks]
-        if wanted is not None and wanted not in names:
-            self.findings.unknown("unknown-block", "the function block", Word(wanted), names)
-            return None
-        chosen = self.blocks[names.index(wanted) if wanted is not None else 0]
-        for other in self.blocks:
-            if other is not chosen:
-                message = f"the function block '{other.word.text}' is left out"
-                self.findings.warn("several-blocks", message, other.word)
-        return chosen
-
-    def _section(self) -> None:
-        cursor = self.cursor
-        key = cursor.key()
-        if key == "FUNCTION_BLOCK":
-            cursor.take()
-            self.blocks.append(_FunctionBlock(cursor.title(_END_OF_TITLE)))
-            cursor.skip(";")
-        elif key == "END_FUNCTION_BLOCK":
-            cursor.take()
-            cursor.skip(";")
-            self._between_blocks()
-        elif key in SECTIONS:
-            self._inner(key)
-        elif key in _OPTIONS:
-            word = cursor.take()
-            while not cursor.ended and not cursor.skip(_OPTIONS[key]):
-                cursor.take()
-            self.findings.info("dropped-options", "the options are left out", word)
-        else:
-            found = cursor.word.text[:40]
-            message = f"a section such as FUZZIFY or RULEBLOCK is expected here, not '{found}'"
-            raise FaultError(message, cursor.word)
-
-    def _between_blocks(self) -> None:
-        """Leave out what stands behind a function block, up to the next one."""
-        first = self.cursor.word
-        if self.cursor.ended or self.cursor.key() == "FUNCTION_BLOCK":
-            return
-        while not self.cursor.ended and self.cursor.key() != "FUNCTION_BLOCK":
-            self.cursor.take()
-        message = "the text behind END_FUNCTION_BLOCK is left out"
-        self.findings.warn("trailing-text", message, first)
-
-    def _inner(self, key: str) -> None:
-        if not self.blocks:
-            self.blocks.append(_FunctionBlock(Word("", self.cursor.word.span)))
-        self.block = self.blocks[-1]
-        self.cursor.take()
-        if key in ("VAR_INPUT", "VAR_OUTPUT"):
-            self._declarations(is_output=key == "VAR_OUTPUT")
-        elif key in ("FUZZIFY", "DEFUZZIFY"):
-            self._fuzzify(is_output=key == "DEFUZZIFY")
-        else:
-            text = self._rule_block()
-            count = len(self.block.blocks)
-            if self.findings.room(count, MAX_VARIABLES, "rule blocks", text.word):
-                self.block.blocks.append(text)
-
-    def _to_next_section(self) -> None:
-        cursor = self.cursor
-        cursor.at += not cursor.ended
-        while not cursor.ended:
-            if cursor.key() in SECTIONS or cursor.key() == "END_FUNCTION_BLOCK":
-                return
-            cursor.take()
-
-    # --- Variables ---
-
-    def _declarations(self, *, is_output: bool) -> None:
-        """Read from behind VAR_INPUT or VAR_OUTPUT to behind END_VAR."""
-        cursor = self.cursor
-        last: Draft | None = None
-        while not cursor.skip("END_VAR"):
-            if cursor.key() == "RANGE" and last is not None:
-                self._range(last)
-                continue
-            word = cursor.name("a variable")
-            if word.text in self.block.variables:
-                message = f"there are two variables called '{word.text}'"
-                self.findings.error("duplicate-variable", message, word)
-            last = Draft(word, is_output)
-            if self.findings.room(len(self.block.variables), MAX_VARIABLES, "variables", word):
-                last = self.block.variables.setdefault(word.text, last)
-            cursor.expect(":")
-            while not cursor.ended and cursor.word.text != ";" and cursor.key() != "END_VAR":
-                if cursor.word.span.line != word.span.line:
-                    break
-                cursor.take()
-            cursor.skip(";")
-
-    def _fuzzify(self, *, is_output: bool) -> None:
-        """Read from behind FUZZIFY or DEFUZZIFY to behind its end."""
-        cursor = self.cursor
-        end = "END_DEFUZZIFY" if is_output else "END_FUZZIFY"
-        draft = self._variable(is_output=is_output)
-        while not cursor.skip(end):
-            if cursor.ended or cursor.key() in SECTIONS:
-                raise FaultError(f"'{end}' is missing", cursor.word)
-            try:
-                self._statement(draft)
-            except FaultError as fault:
-                self.findings.fault(fault)
-                cursor.at += cursor.key() not in (end, *SECTIONS)
-                cursor.to_next_statement()
-
-    def _variable(self, *, is_output: bool) -> Draft:
-        word = self.cursor.name("a variable")
-        draft = self.block.variables.get(word.text)
-        if draft is None:
-            kind = "VAR_OUTPUT" if is_output else "VAR_INPUT"
-            message = f"'{word.text}' is not declared in {kind}"
-            self.findings.warn("undeclared-variable", message, word)
-            draft = Draft(word, is_output)
-            if self.findings.room(len(self.block.variables), MAX_VARIABLES, "variables", word):
-                self.block.variables[word.text] = draft
-        if draft.is_output != is_output:
-            kind = "output" if draft.is_output else "input"
-            message = f"'{word.text}' is declared as an {kind}"
-            self.findings.error("wrong-section", message, word)
-        return draft
-
-    def _statement(self, draft: Draft) -> None:
-        cursor = self.cursor
-        inputs = sum(not d.is_output for d in self.block.variables.values())
-        match cursor.key():
-            case "TERM":
-                cursor.take()
-                word = cursor.name("a term")
-                cursor.skip(":=", "=", ":")
-                draft.refused.add(word.text)  # unless what follows is a function
-                shape = read_shape(cursor, self.dialect, inputs, self.findings)
-                if shape is not None:
-                    draft.refused.discard(word.text)
-                    keep = "first" if self._own else "last"
-                    add_term(draft, word, shape, self.findings, keep=keep)
-            case "RANGE":
-                self._range(draft)
-            case "ENABLED":
-                cursor.end_key()
-                draft.enabled = cursor.take().text.upper() != "FALSE"
-            case "METHOD" if draft.is_output:
-                cursor.end_key()
-                self.block.methods[draft.name] = cursor.name("a method")
-            case "ACCU" if draft.is_output:
-                self._accumulation(draft)
-            case "DEFAULT" if draft.is_output:
-                self._default(draft)
-            case "LOCK" if draft.is_output:
-                self._lock(draft)
-            case _:
-                found = cursor.word.text[:40]
-                message = f"TERM, RANGE and the like are expected here, not '{found}'"
-                raise FaultError(message, cursor.word)
-        if not cursor.skip(";") and cursor.word.text not in ("", ";"):
-            self._after_statement()
-
-    def _after_statement(self) -> None:
-        """Complain where a statement goes on after its end."""
-        cursor = self.cursor
-        if cursor.at and cursor.word.span.line == cursor.words[cursor.at - 1].span.line:
-            word = cursor.word
-            if not cursor.key().startswith(("END_", "TERM", "RANGE", "METHOD")):
-                raise FaultError(f"';' is expected before '{word.text[:40]}'", word)
-
-    def _range(self, draft: Draft) -> None:
-        cursor = self.cursor
-        cursor.end_key()
-        cursor.expect("(")
-        draft.low = cursor.number()
-        cursor.expect("..", ",")
-        draft.high = cursor.number()
-        cursor.expect(")")
-        if cursor.key() == "WITH":
-            word = cursor.take()
-            cursor.number()
-            message = (
-                f"the step of a range is left out: {self.dialect.program} takes its own samples"
-            )
-            self.findings.info("dropped-step", message, word)
-        cursor.skip(";")
-
-    def _accumulation(self, draft: Draft) -> None:
-        cursor = self.cursor
-        cursor.end_key()
-        word = cursor.name("a norm")
-        if word.text.upper() == "NONE":
-            return
-        table = words(SNORMS, "fcl", "jfl")
-        norm = self.findings.norm("the accumulation", word, table, word.text.upper())
-        if norm is not None:
-            self.block.accumulations[draft.name] = norm
-
-    def _default(self, draft: Draft) -> None:
-        cursor = self.cursor
-        cursor.end_key()
-        if cursor.skip("NC"):
-            draft.no_rule = "hold"
-            return
-        if cursor.key() in ("NAN", "INF"):
-            draft.no_rule = number(cursor.take().text) or math.nan
-        else:
-            draft.no_rule = cursor.number()
-        if cursor.skip("|") and cursor.skip("NC"):
-            message = "the value is held; the default counts only before the first value"
-            self.findings.loss("default-with-hold", message, draft.word, slight=True)
-            draft.no_rule = "hold"
-
-    def _lock(self, draft: Draft) -> None:
-        cursor = self.cursor
-        cursor.end_key()
-        while cursor.key() in ("PREVIOUS", "RANGE", "NONE", "|"):
-            word = cursor.take().text.upper()
-            if word == "PREVIOUS":
-                draft.no_rule = "hold"
-            elif word == "RANGE":
-                draft.outside = "clamp"
-
-    # --- Rule blocks ---
-
-    def _rule_block(self) -> _BlockText:
-        """Read from behind RULEBLOCK to behind END_RULEBLOCK."""
-        cursor = self.cursor
-        end_of_title = _END_OF_TITLE | _BLOCK_SETTINGS
-        block = _BlockText(cursor.title(end_of_title, setting=True))
-        cursor.skip(";")
-        while not cursor.skip("END_RULEBLOCK"):
-            if cursor.ended or cursor.key() in SECTIONS or cursor.key() == "END_FUNCTION_BLOCK":
-                raise FaultError("'END_RULEBLOCK' is missing", cursor.word)
-            try:
-                self._block_statement(block)
-            except FaultError as fault:
-                self.findings.fault(fault)
-                cursor.at += cursor.key() not in _END_OF_RULE
-                cursor.to_next_statement()
-        return block
-
-    def _block_statement(self, block: _BlockText) -> None:
-        cursor = self.cursor
-        key = cursor.key()
-        if key in ("AND", "OR", "ACT", "ACCU"):
-            cursor.end_key()
-            block.norms.append((key, cursor.name("a norm")))
-            cursor.skip(";")
-        elif key == "ENABLED":
-            cursor.end_key()
-            block.enabled = cursor.take().text.upper() != "FALSE"
-            cursor.skip(";")
-        elif key == "RULE":
-            start = cursor.take()
-            words = self._rule_words(start)
-            if self.findings.room(len(block.rules), MAX_RULES, "rules", start):
-                block.rules.append(words)
-        else:
-            message = f"RULE, AND and the like are expected here, not '{cursor.word.text[:40]}'"
-            raise FaultError(message, cursor.word)
-
-    def _rule_words(self, start: Word) -> list[Word]:
-        cursor = self.cursor
-        while not cursor.ended and cursor.key() not in ("IF", *_END_OF_RULE):
-            cursor.take()
-        words: list[Word] = []
-        while not cursor.ended and cursor.key() not in _END_OF_RULE:
-            words.append(cursor.take())
-        cursor.skip(";")
-        if not words:
-            raise FaultError("the rule has no IF", start)
-        return _joined_numbers(words)
-
-    def _norms(self, text: _BlockText) -> dict[str, str]:
-        """Return the norms that a block names, by AND, OR, ACT and ACCU."""
-        found: dict[str, str] = {}
-        for key, word in text.norms:
-            table = words(TNORMS if key in ("AND", "ACT") else SNORMS, "fcl", "jfl")
-            name = word.text.upper()
-            if name == "NONE":
-                continue
-            norm = self.findings.norm(f"the norm for {key}", word, table, name)
-            if norm is None:
-                continue
-            if not self._own and key in ("AND", "OR"):
-                self._pair(found, key, norm, word)
-            found[key] = norm
-        return found
-
-    def _pair(self, found: dict[str, str], key: str, norm: str, word: Word) -> None:
-        """Set OR with AND and AND with OR, as jFuzzyLogic does."""
-        other = "OR" if key == "AND" else "AND"
-        table = JFUZZYLOGIC_PAIRS if key == "AND" else _S_TO_T
-        partner = table.get(norm)
-        if partner is None:
-            return
-        if other in found and found[other] != partner:
-            message = f"to jFuzzyLogic this sets {other} to {partner} too, whatever stood there"
-            self.findings.warn("paired-norms", message, word)
-        found[other] = partner
-
-    def _accumulate(self, rules: list[RuleText], accumulation: str | None) -> None:
-        """Set the aggregation of the outputs that rules conclude from ACCU in their block."""
-        if accumulation is None and self._own:
-            return
-        norm = accumulation or "sum"
-        for rule in rules:
-            for conclusion in rule.conclusions:
-                draft = self.block.variables.get(conclusion.variable)
-                if draft is None or not draft.is_output:
-                    continue
-                draft.aggregation = self.block.accumulations.setdefault(draft.name, norm)
-                if draft.aggregation != norm and not self._own:
-                    message = f"two blocks accumulate '{draft.name}' by different norms"
-                    self.findings.loss("mixed-accumulation", message, conclusion.span)
-
-    # --- From the text to the model ---
-
-    def _rulebase(self) -> RuleBase:
-        block = self.block
-        for draft in block.variables.values():
-            self._settle(draft)
-        blocks = [each for text in block.blocks if is_on(each := self._block(text), self.findings)]
-        in_model = blocks_in_model(blocks, block.variables, self.dialect, self.findings)
-        if not any(each.rules for each in in_model):
-            self.findings.warn("no-rules", "the function block has no rules", block.word)
-        return rulebase_of(block.word.text, block.variables.values(), in_model)
-
-    def _block(self, text: _BlockText) -> Block:
-        block = Block(text.word.text, text.word.span, text.enabled)
-        if not block.enabled:
-            return block
-        norms = self._norms(text)
-        block.conjunction, block.disjunction = norms.get("AND"), norms.get("OR")
-        block.implication, block.threshold = norms.get("ACT"), self.dialect.threshold
-        variables = self.block.variables
-        block.rules = read_sentences(text.rules, variables, self.findings, self.dialect)
-        self._accumulate(block.rules, norms.get("ACCU"))
-        return block
-
-    def _settle(self, draft: Draft) -> None:
-        if draft.is_output:
-            draft.aggregation = self.block.accumulations.get(draft.name, "sum")
-            self._finish_output(draft, self.block.methods.get(draft.name))
-        if math.isinf(draft.low) and math.isinf(draft.high):
-            self._estimate(draft)
-        draft.settle_range(self.findings)
-        if not draft.is_output:
-            return
-        if self._own:
-            at = self.block.methods.get(draft.name, draft.word)
-            settle_maximum(draft, at, self.findings)
-        else:
-            _settle_edges(draft, self.findings)
-
-    def _finish_output(self, draft: Draft, method: Word | None) -> None:
-        """Set the defuzzifier of an output from its ``METHOD``."""
-        dialect, findings = self.dialect, self.findings
-        name = method.text.upper() if method is not None else "COG"
-        at = method if method is not None else draft.word
-        if name in _METHODS_OF_OTHERS:
-            message = (
-                f"{dialect.program} has no method {name}; it is read as {_METHODS_OF_OTHERS[name]}"
-            )
-            findings.warn("guessed-defuzzifier", message, at)
-            name = _METHODS_OF_OTHERS[name]
-        if name == "COG" and draft.kinds and draft.kinds <= VALUES and not self._own:
-            message = (
-                f"the terms of '{draft.name}' are values; jFuzzyLogic refuses to integrate them"
-            )
-            hint = "read as METHOD : COGS, which is for singletons"
-            findings.warn("value-as-set", message, at, hint)
-            name = "COGS"
-        if name in dialect.weighted:
-            if self._own:
-                settle_weighted(draft, dialect.weighted[name], "Automatic", at, findings)
-                return
-            if not draft.kinds <= VALUES:
-                message = f"'{draft.name}' has sets where {name} needs singletons or functions"
-                findings.error("set-as-value", message, at)
-            draft.defuzzifier = Defuzzifier(dialect.weighted[name])
-            return
-        if name not in dialect.integral:
-            methods = (*dialect.integral, *dialect.weighted)
-            findings.unknown("unknown-defuzzifier", "the method", Word(name, at.span), methods)
-            return
-        draft.defuzzifier = Defuzzifier(dialect.integral[name], *dialect.samples)
-        if name == "COA" and not self._own:
-            message = "jFuzzyLogic finds the middle of the area one sample coarser than the model"
-            findings.loss("bisector-rule", message, at, slight=True)
-        if name == "MM" and not self._own:
-            findings.loss("mean-of-maximum", MEAN_OF_MAXIMUM, at, slight=True)
-        elif name in ("LM", "RM") and not self._own:
-            note_ties(draft, at, findings)
-        if draft.kinds & VALUES:
-            message = f"'{draft.name}' has values for terms but integrates sets"
-            findings.loss("value-as-set", message, at, "METHOD : COGS is for singletons")
-
-    def _estimate(self, draft: Draft) -> None:
-        integrated = draft.is_output and draft.defuzzifier.resolution is not None
-        estimate = estimated_range([term.shape for term in draft.terms])
-        if estimate is not None and all(map(math.isfinite, estimate)):
-            draft.low, draft.high = estimate
-            if integrated:
-                message = (
-                    f"'{draft.name}' has no RANGE; its terms reach from {estimate[0]} to "
-                    f"{estimate[1]}"
-                )
-                self.findings.info("estimated-range", message, draft.word)
-        elif integrated and draft.terms:
-            message = f"the output '{draft.name}' needs a RANGE to be integrated over"
-            self.findings.error("bad-range", message, draft.word)
-        elif integrated:
-            draft.low, draft.high = -0.5, 0.5

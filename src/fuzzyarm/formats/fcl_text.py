@@ -178,10 +178,32 @@ class Cursor:
 _ALIASES = {"TRIANGULAR": "TRIANGLE", "TRAPEZOIDAL": "TRAPEZOID", "GENERALIZEDBELL": "GBELL"}
 
 
-def _spellings() -> dict[str, Spelling]:
-    """Return the words for shapes in capitals: those of both dialects are read in either."""
+_OF_THE_STANDARD = {
+    "TRIANGULAR": "TRIANGLE", "RIGHTLINEAR": "RAMP", "S": "SSHAPE", "Z": "ZSHAPE", "PI": "PISHAPE",
+    "RECTANGULAR": "RECTANGLE",
+}  # fmt: skip
+"""Words of IEEE 1855 that fcl-for-scikit-fuzzy has beside those of the other two programs."""
+
+
+def _spellings(dialect: Dialect) -> dict[str, Spelling]:
+    """Return the words for shapes in capitals: those of both programs are read in either."""
     found = all_spellings(SHAPES, "jfl", "fcl")
-    return {word.upper(): spelling for word, spelling in found.items()}
+    known = {word.upper(): spelling for word, spelling in found.items()}
+    if not is_scikits(dialect):
+        return known
+    known |= {word: known[same] for word, same in _OF_THE_STANDARD.items()}
+    known["LEFTLINEAR"] = Spelling("ramp", "leftlinear", (1, 0))
+    for word in ("SIGMOIDDIFFERENCE", "SIGMOIDPRODUCT"):  # the numbers of one after the other
+        known[word] = known[word]._replace(order=(0, 1, 2, 3))
+    return {word: each for word, each in known.items() if word not in _NOT_OF_SCIKIT}
+
+
+_NOT_OF_SCIKIT = frozenset({"LINEAR", "FUNCTION", "CONSTANT", "DISCRETE", "BINARY", "ARC", "DSIGM"})
+
+
+def is_scikits(dialect: Dialect) -> bool:
+    """Whether a text is read as fcl-for-scikit-fuzzy reads it."""
+    return dialect.producer == "scikit-fuzzy"
 
 
 def read_shape(cursor: Cursor, dialect: Dialect, inputs: int, findings: Findings) -> Shape | None:
@@ -194,14 +216,18 @@ def read_shape(cursor: Cursor, dialect: Dialect, inputs: int, findings: Findings
         return make_shape("singleton", [cursor.number()], word, findings)
     if not cursor.ended and word.text[0] in ".0123456789":
         cursor.number()
-    if cursor.ended or not word.text[0].isalpha():
-        raise FaultError("a membership function is expected here", word)
+    if cursor.ended or key in (";", *KEYWORDS):
+        raise FaultError(
+            "the term has no membership function: nothing stands behind its ':='", word
+        )
+    if not word.text[0].isalpha():
+        raise FaultError(f"a membership function is expected here, not '{word.text[:40]}'", word)
     cursor.take()
-    if key == "FUNCTION":
+    if key == "FUNCTION" and not is_scikits(dialect):
         return _function(cursor, dialect, findings)
-    if key == "SINGLETONS":
+    if key == "SINGLETONS" and not is_scikits(dialect):
         return _singletons(cursor, word, findings)
-    known = _spellings()
+    known = _spellings(dialect)
     spelling = known.get(_ALIASES.get(key, key))
     if spelling is None:
         names = (*known, "SINGLETONS")
@@ -227,7 +253,7 @@ def _shape(
     if key == "GENERALIZEDBELL":
         message = f"'{word.text}' is taken for a bell with width, slope and centre"
         findings.warn("guessed-shape", message, word)
-    is_fuzzylites = spelling in all_spellings(SHAPES, "fcl").values()
+    is_fuzzylites = spelling in all_spellings(SHAPES, "fcl").values() and not is_scikits(dialect)
     program = FCL["fuzzylite"] if is_fuzzylites else dialect
     shape = spelled_shape(spelling, values, inputs, word, findings, program)
     if key == "DSIGM" and shape is not None and is_cut(shape):
@@ -274,6 +300,9 @@ def _points(cursor: Cursor, dialect: Dialect, findings: Findings) -> Shape | Non
             values.append(cursor.number())
             cursor.expect(closing)
         cursor.skip(",")
+    if is_scikits(dialect):  # which sorts them
+        pairs = sorted(zip(values[0::2], values[1::2], strict=True), key=lambda pair: pair[0])
+        values = [value for pair in pairs for value in pair]
     return make_shape("points", values, first, findings, ties=dialect.ties)
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import islice
 
 from fuzzyarm.expression.evaluation import evaluate
@@ -32,6 +32,9 @@ MAX_HINTS = 20
 
 MAX_CHOICES = 300
 """Names that are compared for such a guess."""
+
+MAX_LISTED = 12
+"""Names that a hint lists."""
 
 MAX_VARIABLES = 200
 MAX_RULES = 10_000
@@ -149,6 +152,7 @@ class Findings:
         self._errors = 0
         self._hints = 0
         self._full: set[str] = set()
+        self._unknown: dict[tuple[str, str, str], tuple[int, int]] = {}
 
     @property
     def failed(self) -> bool:
@@ -189,12 +193,27 @@ class Findings:
         self._add(name, message, at, Severity.INFO, hint)
 
     def unknown(self, name: str, what: str, word: Word, choices: Iterable[str]) -> None:
-        """Record an error about a word that is none of `choices`, with a guess."""
+        """Record an error about a word that is none of `choices`, with a guess of what was meant.
+
+        The same word is said once, with how often it stands there. Names of the file are listed;
+        words of the format only where nothing is near.
+        """
+        key = (name, what, word.text)
+        if key in self._unknown:
+            index, times = self._unknown[key]
+            self._unknown[key] = index, times + 1
+            self._errors += 1
+            return
+        known = list(islice(choices, MAX_CHOICES))
         hint, replacement = "", None
         if self._hints < MAX_HINTS:
             self._hints += 1
-            hint, replacement = near_hint(word.text, islice(choices, MAX_CHOICES))
+            hint, replacement = near_hint(word.text, known)
+        if not hint or name.startswith("undefined"):
+            hint = "; ".join(filter(None, (hint, listed(known))))
         message = f"{what} '{shortened(word.text)}' is not known"
+        if len(self._items) < MAX_FINDINGS:
+            self._unknown[key] = len(self._items), 1
         self._add(name, message, word, Severity.ERROR, hint, replacement)
 
     def ignored_key(self, word: Word, choices: Sequence[str]) -> None:
@@ -248,12 +267,25 @@ class Findings:
 
     def all(self) -> tuple[Diagnostic, ...]:
         """Return everything found, in the order of the text."""
-        found = sorted(self._items, key=lambda d: (d.span, d.name))
+        items = list(self._items)
+        for index, times in self._unknown.values():
+            if times > 1:
+                message = f"{items[index].message} (here and {times - 1} more times)"
+                items[index] = replace(items[index], message=message)
+        found = sorted(items, key=lambda d: (d.span, d.name))
         if self._left_out:
             severity = Severity.ERROR if self.failed else Severity.INFO
             message = f"{self._left_out} more findings are not listed"
             found.append(Diagnostic("more-findings", message, NOWHERE, severity, path=self.path))
         return tuple(found)
+
+
+def listed(names: Sequence[str]) -> str:
+    """Return names as the end of a hint, the first of many."""
+    if not names:
+        return ""
+    some = ", ".join(map(shortened, names[:MAX_LISTED]))
+    return f"known: {some}, …" if len(names) > MAX_LISTED else f"known: {some}"
 
 
 def shortened(text: str) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 
 from fuzzyarm.expression.kinds import SNORMS, TNORMS
@@ -44,8 +44,17 @@ from fuzzyarm.formats.fis_text import (
     sections,
     unquoted,
 )
+from fuzzyarm.formats.fis_type2 import (
+    LOWER_KEY,
+    MEMBERSHIP_KEY,
+    REDUCTIONS,
+    interval_shapes,
+    is_of_toolbox,
+    note_toolbox,
+)
 from fuzzyarm.formats.meaning import Block, blocks_in_model
 from fuzzyarm.formats.sentences import NOT, RuleText
+from fuzzyarm.formats.values import name_position, values_as_sets
 from fuzzyarm.model.rulebase import (
     And,
     Consequent,
@@ -56,7 +65,6 @@ from fuzzyarm.model.rulebase import (
     Or,
     RuleBase,
     RuleBlock,
-    Shape,
     Term,
 )
 from fuzzyarm.model.shapes import first_above
@@ -75,16 +83,8 @@ _WORD = re.compile(r"\S+")
 _KEYS = (
     "name", "type", "version", "numinputs", "numoutputs", "numrules", "andmethod", "ormethod",
     "impmethod", "aggmethod", "defuzzmethod", "nummfs", "typeredmethod", "typereductionmethod",
+    "outputtype",
 )  # fmt: skip
-_REDUCTIONS = {
-    **dict.fromkeys(
-        ("", "km", "ekm", "iasc", "eiasc", "eods", "karnikmendel", "karnik-mendel"),
-        "karnik-mendel",
-    ),
-    **dict.fromkeys(("nt", "nietan", "nie-tan"), "nie-tan"),
-}
-"""Words for type reduction: the algorithms of one row find the same ends."""
-
 _ENDING = re.compile(r"\)\s*:\s*\d\s*\Z")
 """Weight and connective of a rule."""
 
@@ -94,10 +94,6 @@ _TYPES = (
     "unknown",
 )  # fmt: skip
 """Words for ``Type=``, those of fuzzylite among them; terms and defuzzifier decide."""
-
-_MEMBERSHIP_KEY = re.compile(r"MF(\d{1,6})U?\Z", re.IGNORECASE)
-_LOWER_KEY = re.compile(r"MF(\d{1,6})L\Z", re.IGNORECASE)
-"""With U and L the upper and the lower function of one term, as the type-2 toolbox writes them."""
 
 
 def parse_fis(
@@ -145,6 +141,7 @@ class _Reader:
         self.seen: dict[tuple[str, int], Span] = {}
         self.unequal: list[Word] = []  # rules with too many or too few numbers
         self.is_type2 = False
+        self.is_toolbox = is_of_toolbox(text)
 
     def read(self) -> RuleBase | None:
         found = sections(self.text, self.findings)
@@ -161,6 +158,8 @@ class _Reader:
         self._check_whole(has_system=bool(systems))
         for draft in (*self.inputs, *self.outputs):
             draft.settle_range(self.findings)
+        for draft in self.inputs:
+            name_position(draft)
         for draft in self.outputs:
             if self.is_type2:
                 self._reduce_output(draft)
@@ -237,6 +236,12 @@ class _Reader:
             return default
         return self.findings.norm(f"the {key}", self.settings[key], table, name.lower()) or default
 
+    def _named_norm(self, key: str, norm: Callable[[str], str]) -> str | None:
+        """Return a norm; None where the file names none and the program has none of its own."""
+        if self.dialect.producer == "fuzzylite" and not self.text_of(key):
+            return None
+        return norm(key)
+
     def _finish_output(self, draft: Draft) -> None:
         """Set aggregation, defuzzifier and the value without rules of an output."""
         name = self.text_of("defuzzmethod").lower()
@@ -247,6 +252,7 @@ class _Reader:
         dialect = self.dialect
         producer = dialect.producer
         draft.aggregation = self.snorm("aggmethod")
+        draft.aggregates = self._named_norm("aggmethod", self.snorm) is not None
         if producer == "matlab" and _is_nan(draft.no_rule) and draft.bounded:
             draft.no_rule = 0.5 * (draft.low + draft.high)
         if name in dialect.weighted:
@@ -255,25 +261,29 @@ class _Reader:
             else:
                 self._weighted(draft, dialect.weighted[name], at)
         elif name in dialect.integral:
-            resolution, sampling = dialect.samples
-            if name == "centroid_integral":
-                sampling = "trapezoid"
-            method = dialect.integral[name]
-            if producer == "matlab":
-                method = self._by_magnitude(draft, method, at)
-            draft.defuzzifier = Defuzzifier(method, resolution, sampling)
-            if producer == "fuzzylite":
-                settle_maximum(draft, at, self.findings)
-            elif _is_nan(draft.no_rule):
-                draft.no_rule = maximum_of_nothing(draft)
-            self._values_as_sets(draft, at)
-            if not draft.bounded:
-                message = f"the output '{draft.name}' needs a range to be integrated over"
-                self.findings.error("bad-range", message, draft.word)
+            self._integrated(draft, name, at)
         else:
             word = self.settings["defuzzmethod"]
             methods = (*dialect.integral, *dialect.weighted)
             self.findings.unknown("unknown-defuzzifier", "the method", word, methods)
+
+    def _integrated(self, draft: Draft, name: str, at: Word) -> None:
+        """Set a defuzzifier of sets."""
+        resolution, sampling = self.dialect.samples
+        if name == "centroid_integral":
+            sampling = "trapezoid"
+        method = self.dialect.integral[name]
+        if self.dialect.producer == "matlab":
+            method = self._by_magnitude(draft, method, at)
+        draft.defuzzifier = Defuzzifier(method, resolution, sampling)
+        if self.dialect.producer == "fuzzylite":
+            settle_maximum(draft, at, self.findings)
+        elif _is_nan(draft.no_rule):
+            draft.no_rule = maximum_of_nothing(draft)
+        self._values_as_sets(draft, at)
+        if not draft.bounded:
+            message = f"the output '{draft.name}' needs a range to be integrated over"
+            self.findings.error("bad-range", message, draft.word)
 
     def _reduce_output(self, draft: Draft) -> None:
         """Set the type reduction of an output, over 101 samples where it has sets."""
@@ -284,11 +294,14 @@ class _Reader:
         word = next((self.settings[key] for key in keys if key in self.settings), draft.word)
         known = any(key in self.settings for key in keys)
         name = word.text.strip().lower() if known else ""
-        method = _REDUCTIONS.get(name)
+        method = REDUCTIONS.get(name)
         if method is None:
-            self.findings.unknown("unknown-defuzzifier", "the type reduction", word, _REDUCTIONS)
+            self.findings.unknown("unknown-defuzzifier", "the type reduction", word, REDUCTIONS)
             return
-        if _is_nan(draft.no_rule) and draft.bounded:
+        if self.is_toolbox:
+            # The toolbox starts from 0 where nothing fires; Nie and Tan divide by 0.
+            draft.no_rule = 0.0 if method == "karnik-mendel" else math.nan
+        elif _is_nan(draft.no_rule) and draft.bounded:
             draft.no_rule = 0.5 * (draft.low + draft.high)
         if is_weighted:
             draft.aggregation = "sum"
@@ -319,32 +332,14 @@ class _Reader:
         draft.defuzzifier = Defuzzifier(method)
 
     def _values_as_sets(self, draft: Draft, at: Word) -> None:
-        """Express constants that are integrated: to fuzzylite they are sets of that height."""
-        for index, term in enumerate(draft.terms):
-            if term.shape.kind not in VALUES:
-                continue
-            height = self._height(term) if self.dialect.producer == "fuzzylite" else 0.0
-            if height > 0.0 and draft.bounded:
-                message = (
-                    f"fuzzylite integrates the constant '{term.name}' as a set of that height "
-                    "over the whole range"
-                )
-                self.findings.warn("value-as-set", message, term.span)
-                shape = Shape("rectangle", (draft.low, draft.high), height)
-                draft.put(index, Term(term.name, shape, term.span))
-                continue
-            message = f"'{term.name}' of '{draft.name}' is a value, which cannot be integrated"
-            self.findings.loss("value-as-set", message, at)
-
-    def _height(self, term: Term) -> float:
-        """Return the height of the set that a constant is to fuzzylite; 0 where it is none."""
-        if term.shape.kind != "singleton":
-            return 0.0
-        value = term.shape.parameters[0]
-        if value > 1.0:  # a higher set is cut at the firing strength all the same, but only by min
-            implication = self.tnorm("impmethod")
-            return 1.0 if implication == "min" else 0.0
-        return max(value, 0.0)
+        """Express values that are integrated: to fuzzylite they are sets."""
+        if self.dialect.producer == "fuzzylite":
+            values_as_sets(draft, self.tnorm("impmethod"), at, self.findings)
+            return
+        for term in draft.terms:
+            if term.shape.kind in VALUES:
+                message = f"'{term.name}' of '{draft.name}' is a value, which cannot be integrated"
+                self.findings.loss("value-as-set", message, at)
 
     # --- Variables and terms ---
 
@@ -361,7 +356,7 @@ class _Reader:
         lower: dict[int, Word] = {}
         declared: list[Word] = []
         for key, value in self._settings(section):
-            below = _LOWER_KEY.match(key.text)
+            below = LOWER_KEY.match(key.text)
             if key.text.lower() == "nummfs":
                 declared.append(value)
             elif below:
@@ -398,7 +393,7 @@ class _Reader:
     def _variable_setting(
         self, draft: Draft, key: Word, value: Word, memberships: list[tuple[int, Word]]
     ) -> None:
-        membership = _MEMBERSHIP_KEY.match(key.text)
+        membership = MEMBERSHIP_KEY.match(key.text)
         match key.text.lower():
             case "name":
                 draft.word = Word(unquoted(value).text, value.span)
@@ -413,6 +408,8 @@ class _Reader:
             case "lockprevious" if draft.is_output:
                 if number(value.text) == 1.0:
                     draft.no_rule = "hold"
+            case "crispinterval" if draft.is_output and self.is_toolbox:
+                pass  # of the two ends here too the middle is the value
             case "lockrange":
                 draft.outside = "clamp" if number(value.text) == 1.0 else "extend"
             case _ if membership:
@@ -458,7 +455,10 @@ class _Reader:
                 f"by number, so this one is called '{unique}'"
             )
             self.findings.warn("duplicate-term-name", message, name)
-        found = read_shapes(kind, rest, inputs, dialect, self.findings)
+        found = None
+        if self.is_toolbox and draft.is_output:
+            found = interval_shapes(kind, rest, inputs, self.findings)
+        found = found or read_shapes(kind, rest, inputs, dialect, self.findings)
         if found is not None:
             self.is_type2 = self.is_type2 or found[1] is not None
             draft.add(Term(unique, found[0], name.span, found[1]))
@@ -497,9 +497,11 @@ class _Reader:
             message = f"the rule does not have a number for each of {counts}{more}"
             self.findings.error("wrong-count", message, self.unequal[0])
         block = Block("", NOWHERE, threshold=self.dialect.threshold, rules=texts)
-        block.conjunction = self.tnorm("andmethod")
-        block.disjunction = self.snorm("ormethod")
-        block.implication = self.tnorm("impmethod")
+        block.conjunction = self._named_norm("andmethod", self.tnorm)
+        block.disjunction = self._named_norm("ormethod", self.snorm)
+        block.implication = self._named_norm("impmethod", self.tnorm)
+        if self.is_toolbox and self.is_type2:
+            note_toolbox(block, self.settings, self.findings)
         drafts = {draft.name: draft for draft in (*self.inputs, *self.outputs)}
         return blocks_in_model([block], drafts, self.dialect, self.findings)
 
@@ -617,11 +619,15 @@ class _Reader:
         if declared == counted:
             return True
         message = f"the file says {word.text[:20]} {what}, but there are {counted}"
-        if declared is None or declared > counted:
-            self.findings.error("wrong-count", message, word, "is the file cut off?")
-            return False
-        self.findings.warn("wrong-count", f"{message}, which are all read", word)
-        return True
+        if declared is not None and declared < counted:
+            self.findings.warn("wrong-count", f"{message}, which are all read", word)
+            return True
+        # Rules that are whole up to the last one are there; nothing else tells of more.
+        if what == "rules" and self.rules and _ENDING.search(self.rules[-1].text):
+            self.findings.warn("wrong-count", message, word, "is the file cut off?")
+            return True
+        self.findings.error("wrong-count", message, word, "is the file cut off?")
+        return False
 
 
 def _is_nan(value: float | str) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
 from fuzzyarm.expression.kinds import HEDGES, SHAPES
@@ -33,10 +33,36 @@ class Section:
     lines: list[Word] = field(default_factory=list)
 
 
+_GLUED = re.compile(r"\s*#\s*RuleBlock\s+(?=\d)")
+
+
+def _without_comments() -> Callable[[str], str]:
+    """Return what cuts the comment of a line, line by line.
+
+    jfuzzylite writes the first rule of a block right behind its comment, ``# RuleBlock 1`` and
+    ``2 1, 3 (1.0) : 1`` as ``# RuleBlock 12 1, 3 (1.0) : 1``; the blocks are counted from 1.
+    """
+    blocks = 0
+
+    def cut(raw: str) -> str:
+        nonlocal blocks
+        match = _GLUED.match(raw)
+        if match is None:
+            return _without_comment(raw)
+        blocks += 1
+        rest = raw[match.end() :]
+        own = str(blocks)
+        if not rest.startswith(own) or "," not in rest or ":" not in rest:
+            return ""
+        return " " * (match.end() + len(own)) + rest[len(own) :]
+
+    return cut
+
+
 def sections(text: str, findings: Findings) -> list[Section]:
     """Return the sections of a file; ``[FISTree]`` ends the reading."""
     found: list[Section] = []
-    for line in lines_of(text, _without_comment):
+    for line in lines_of(text, _without_comments()):
         match = _HEADER.match(line.text) if len(line.text) < 100 else None
         if match:
             digits = match.group(2)[:6]

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from fuzzyarm.expression.kinds import SHAPES, SNORMS, TNORMS
 from fuzzyarm.formats.dialects import FLL, Dialect, all_spellings, words
 from fuzzyarm.formats.drafts import (
-    VALUES,
     Draft,
     add_term,
     imported,
@@ -35,6 +34,7 @@ from fuzzyarm.formats.meaning import Block, blocks_in_model, is_on
 from fuzzyarm.formats.recovery import straight_shape
 from fuzzyarm.formats.sentences import read_sentences
 from fuzzyarm.formats.shapes import formula_shape, spelled_shape
+from fuzzyarm.formats.values import name_position, values_as_sets
 from fuzzyarm.formats.writing import FUZZYLITE_WORDS, HEADER, Writer, identifiers, written_sentences
 from fuzzyarm.model.rulebase import (
     TAKAGI_SUGENO,
@@ -114,7 +114,9 @@ def _threshold(words: list[Word]) -> float | None:
     return max(below, 0.0)
 
 
-def _settle_defuzzifier(draft: Draft, line: _Line | None, findings: Findings) -> None:
+def _settle_defuzzifier(
+    draft: Draft, line: _Line | None, implication: str | None, findings: Findings
+) -> None:
     words = line.words() if line is not None else []
     if line is None or not words or words[0].text == "none":
         message = f"the output '{draft.name}' has no defuzzifier"
@@ -127,12 +129,7 @@ def _settle_defuzzifier(draft: Draft, line: _Line | None, findings: Findings) ->
         draft.defuzzifier = Defuzzifier(FLL.integral[method], resolution, "midpoints")
         if method.endswith("OfMaximum"):
             note_ties(draft, line.value, findings)
-        if draft.kinds & VALUES:
-            message = (
-                f"'{draft.name}' has terms that are values, which fuzzylite integrates as if "
-                "they were sets; that cannot be carried"
-            )
-            findings.loss("value-as-set", message, line.value)
+        values_as_sets(draft, implication, line.value, findings)
     elif method in FLL.weighted:
         kind = words[1].text if len(words) > 1 else "Automatic"
         if kind not in _TYPES:
@@ -250,6 +247,7 @@ class _Reader:
             message = f"fuzzylite calls the variable '{line.value.text[:60]}' {name}"
             self.findings.info("renamed", message, word)
         self.draft = Draft(Word(name, word.span), self.section == "OutputVariable")
+        self.draft.aggregates = False  # until a line says so
         earlier = self.variables.get(name)
         if earlier is not None:
             message = f"there are two variables called '{name}'"
@@ -293,7 +291,8 @@ class _Reader:
     def _output_setting(self, draft: Draft, line: _Line) -> None:
         match line.key.text:
             case "aggregation" | "accumulation":
-                draft.aggregation = self._snorm(line.value) or "sum"
+                norm = self._snorm(line.value)
+                draft.aggregation, draft.aggregates = norm or "sum", norm is not None
             case "defuzzifier":
                 self.defuzzifiers[draft.name] = line
             case "default":
@@ -324,8 +323,16 @@ class _Reader:
             self._term(draft, line, inputs)
         for draft in self.variables.values():
             draft.settle_range(self.findings)
-            if draft.is_output:
-                _settle_defuzzifier(draft, self.defuzzifiers.get(draft.name), self.findings)
+            if not draft.is_output:
+                name_position(draft)
+                continue
+            line = self.defuzzifiers.get(draft.name)
+            _settle_defuzzifier(draft, line, self._implication(), self.findings)
+
+    def _implication(self) -> str | None:
+        """Return the implication of all blocks, if it is the same."""
+        named = {block.implication for block in self.blocks}
+        return named.pop() if len(named) == 1 else None
 
     def _term(self, draft: Draft, line: _Line, inputs: int) -> None:
         words = line.words()

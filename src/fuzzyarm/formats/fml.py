@@ -10,9 +10,11 @@ from __future__ import annotations
 import math
 from collections.abc import Container, Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import reduce
 from xml.parsers import expat
 
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
+from fuzzyarm.formats.composed import POINTS, Degree, composed, norm_of
 from fuzzyarm.formats.dialects import FML, Dialect, all_spellings, words
 from fuzzyarm.formats.drafts import Draft, add_term, all_invertible, imported, rulebase_of
 from fuzzyarm.formats.findings import (
@@ -38,6 +40,7 @@ from fuzzyarm.model.rulebase import (
     RuleBase,
     Shape,
 )
+from fuzzyarm.model.shapes import membership_function
 from fuzzyarm.text.diagnostic import MAX_NESTING, Span
 
 # --- XML, with the position of every element ---
@@ -134,8 +137,11 @@ _HEDGES = {
 _TNORMS_OF_SCHEMA = {"BSUM": "bounded", "DRS": "drastic"}
 """T-norms as the schema of the standard misspells them."""
 
-_DEFINED_ELSEWHERE = ("circularDefinition", "customShape", "customMonotonicShape")
-"""Shapes that are made of other terms, or of code that is not in the file."""
+_DEFINED_ELSEWHERE = ("customShape", "customMonotonicShape")
+"""Shapes that are made of code that is not in the file."""
+
+_CIRCULAR = "circularDefinition"
+"""A term that is made of other terms of its variable."""
 
 _RULE_BASES = {
     "mamdaniRuleBase": ("rule", "consequent", "then", "else", "clause"),
@@ -243,7 +249,9 @@ class _Reader:
             text = Word(" ".join(end.text for end in ends), element.tag.span)
             draft.set_range(ends, text, self.findings, "two numbers, domainleft and domainright")
         draft.settle_range(self.findings)
-        for term in element.all(_VARIABLES[element.tag.text]):
+        terms = list(element.all(_VARIABLES[element.tag.text]))
+        # A term that is made of others comes after them, wherever it stands.
+        for term in sorted(terms, key=lambda each: any(each.all(_CIRCULAR))):
             name = term.get("name")
             shape = self._shape(term, draft, inputs)
             if shape is None:
@@ -265,8 +273,66 @@ class _Reader:
         element = term.children[0]
         if element.tag.text in ("pointSetShape", "pointSetMonotonicShape"):
             return self._points(element)
+        if element.tag.text == _CIRCULAR:
+            return self._circular(element, draft)
         values = self._numbers(element, [f"param{index}" for index in range(1, 5)])
         return None if values is None else self._of_numbers(element.tag, values, draft, inputs)
+
+    def _circular(self, element: _Element, draft: Draft) -> Shape | None:
+        """Return a set that is made of other terms by norms."""
+        if not draft.bounded:
+            if not self.findings.failed:
+                message = "a circularDefinition needs a variable with a range"
+                self.findings.error("bad-range", message, element.tag)
+            return None
+        parts: list[Shape] = []
+        norms: list[str] = []
+        for operation in element.all("and", "or"):
+            degree = self._joined(operation, draft, parts, norms)
+            if degree is None:
+                return None
+            shape, exact = composed(degree, parts, norms, draft.low, draft.high)
+            if not exact:
+                message = f"a term that is made of others is taken at {POINTS} points"
+                self.findings.loss("unsupported-shape", message, element.tag, slight=True)
+            return shape
+        raise FaultError(f"<{_CIRCULAR}> has no <and> or <or>", element.tag)
+
+    def _joined(
+        self, element: _Element, draft: Draft, parts: list[Shape], norms: list[str]
+    ) -> Degree | None:
+        """Return the degree of the terms below an *and* or an *or*; None where one is at fault."""
+        if element.tag.text == "and":
+            norm = f"t:{self._tnorm(element.get('t-norm', 'MIN'))}"
+        else:
+            norm = f"s:{self._snorm(element.get('t-conorm', 'MAX'))}"
+        norms.append(norm)
+        found: list[Degree | None] = []
+        for child in element.all("termName", "and", "or"):
+            if child.tag.text == "termName":
+                found.append(self._named_degree(child, draft, parts))
+            else:
+                found.append(self._joined(child, draft, parts, norms))
+        if len(found) < 2 and not self.findings.failed:
+            raise FaultError(f"<{element.tag.text}> joins two terms", element.tag)
+        if any(each is None for each in found):
+            return None
+        first, *others = [each for each in found if each is not None]
+        return reduce(lambda one, other: norm_of(norm, one, other), others, first)
+
+    def _named_degree(self, element: _Element, draft: Draft, parts: list[Shape]) -> Degree | None:
+        word = Word(element.text, element.tag.span)
+        term = draft.term(word.text)
+        if term is None:
+            if word.text not in draft.refused:
+                names = [each.name for each in draft.terms]
+                self.findings.unknown("undefined-term", f"the term of '{draft.name}'", word, names)
+            return None
+        parts.append(term.shape)
+        degree = membership_function(term.shape)
+        if (draft.name, word.text) in self.complements:
+            return lambda x: 1.0 - degree(x)
+        return degree
 
     def _of_numbers(
         self, kind: Word, values: list[float], draft: Draft, inputs: int
@@ -374,13 +440,19 @@ class _Reader:
             return
         draft.defuzzifier = Defuzzifier(FML.integral[method.text])
         if draft.kinds == {"singleton"}:
-            draft.defuzzifier = Defuzzifier("weighted-average")
-            if method.text != "COG":
-                message = f"{method.text} of singletons is not supported; their average is taken"
-                self.findings.loss("unsupported-defuzzifier", message, method)
+            self._finish_singletons(draft, method)
         elif "singleton" in draft.kinds:
             message = f"'{draft.name}' has singletons beside sets, which cannot be integrated"
             self.findings.loss("value-as-set", message, element.tag)
+
+    def _finish_singletons(self, draft: Draft, method: Word) -> None:
+        """Let the average of singletons be their centre of gravity, the highest one the winner."""
+        if draft.defuzzifier.method.endswith("of-maximum"):
+            return
+        draft.defuzzifier = Defuzzifier("weighted-average")
+        if method.text != "COG":
+            message = f"{method.text} of singletons is not supported; their average is taken"
+            self.findings.loss("unsupported-defuzzifier", message, method)
 
     def _known_method(self, method: Word, table: Mapping[str, str]) -> bool:
         if method.text not in table:

@@ -234,6 +234,16 @@ class _Activations:
             if kind in used and norm is None:
                 message = f"the rule says '{key}' but its block names no norm for it"
                 self.findings.error("missing-norm", message, text.span)
+        if self.findings.failed:  # maybe a norm that is misspelt
+            return
+        for name in [each.variable for each in text.conclusions]:
+            draft = self.variables.get(name)
+            if draft is None or not draft.integrates:
+                continue
+            missing = "aggregation" if not draft.aggregates else "implication"
+            if not draft.aggregates or block.implication is None:
+                message = f"'{name}' is integrated, but there is no {missing}: fuzzylite fails here"
+                self.findings.error("missing-norm", message, text.span)
 
     def _rules(self, text: RuleText, block: Block) -> list[tuple[Rule, float]]:
         """Return rules, each with the threshold of its block."""

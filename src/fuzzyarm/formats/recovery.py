@@ -10,7 +10,7 @@ every degree to :data:`TOLERANCE`.
 from __future__ import annotations
 
 import math
-from bisect import bisect_left
+from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from itertools import chain, pairwise, product
@@ -19,10 +19,12 @@ from typing import NamedTuple
 from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.language.declarations import even_shapes
 from fuzzyarm.model.rulebase import Shape
-from fuzzyarm.model.shapes import membership_function, polyline
+from fuzzyarm.model.shapes import bends, membership_function, polyline
 
 __all__ = [
+    "NEAR_LINES",
     "TOLERANCE",
+    "beside_lines",
     "constant_beyond",
     "even_family",
     "is_joined",
@@ -34,6 +36,9 @@ __all__ = [
 
 TOLERANCE = 1e-12
 """Greatest difference of a degree from the sample that it stands for."""
+
+NEAR_LINES = 0.01
+"""Up to this difference a shape stands for straight lines between samples."""
 
 _STRAIGHT = 1e-13
 """Greatest distance of a sample from the line that replaces it."""
@@ -116,6 +121,30 @@ def is_joined(shape: Shape, xs: Sequence[float]) -> bool:
     near = 1e-12 * (xs[-1] - xs[0])
     inside = (x for x, _ in polyline(shape) if xs[0] + near < x < xs[-1] - near)
     return all(abs(_nearest(xs, x) - x) <= near for x in inside)
+
+
+def beside_lines(shape: Shape, xs: Sequence[float]) -> float:
+    """Return by how much a shape differs at most from straight lines through its degrees at `xs`.
+
+    Parameters
+    ----------
+    shape : Shape
+        A set.
+    xs : sequence of float
+        Two or more points in increasing order; what is beyond them does not count.
+    """
+    degree = membership_function(shape)
+    ys = [degree(x) for x in xs]
+    worst = 0.0
+    bent = [x for x in bends(shape) if xs[0] < x < xs[-1]]
+    within: dict[int, list[float]] = {}
+    for x in bent:
+        within.setdefault(bisect_right(xs, x) - 1, []).append(x)
+    for i, ((a, y), (b, z)) in enumerate(pairwise(zip(xs, ys, strict=True))):
+        asked = [*within.get(i, ()), *(a + share * (b - a) for share in (0.25, 0.5, 0.75))]
+        gaps = (abs(degree(x) - (y + (z - y) * (x - a) / (b - a))) for x in asked)
+        worst = max(worst, *gaps)
+    return worst
 
 
 def shape_of(function: Callable[[float], float], low: float, high: float) -> Shape | None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import codecs
 import math
 import os
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -28,11 +29,14 @@ FOREIGN = (".fll", ".fcl", ".fis")
 SUFFIXES = (".frb", *FOREIGN)
 """Every suffix that :func:`parse` and :func:`write` know."""
 
-READABLE = (*SUFFIXES, ".fml", ".xml")
+READABLE = (*SUFFIXES, ".t2fis", ".fml", ".xml")
 """Every suffix that :func:`parse` knows."""
 
 
-PRODUCERS = {".fll": (FLL.producer,), ".fcl": tuple(FCL), ".fis": tuple(FIS)}
+PRODUCERS = {".fll": (FLL.producer,), ".fcl": ("jfuzzylogic", "fuzzylite"), ".fis": tuple(FIS)}
+"""Programs that a file of that suffix can be written for."""
+
+MEANINGS = PRODUCERS | {".fcl": tuple(FCL), ".t2fis": tuple(FIS)}
 """Programs whose meaning a file of that suffix can have."""
 
 
@@ -83,7 +87,7 @@ def parse(
     path : str
         Name of the file, for the diagnostics.
     producer : str, optional
-        Whose meaning to take, one of :data:`PRODUCERS` for the suffix; told from the text
+        Whose meaning to take, one of :data:`MEANINGS` for the suffix; told from the text
         by default.
     block : str, optional
         The function block of an FCL file with several.
@@ -97,13 +101,13 @@ def parse(
     FormatError
         If `suffix` or `producer` is not known.
     """
-    _demand_program(producer, suffix, "writes")
+    _demand_program(producer, suffix, "writes", MEANINGS)
     match suffix:
         case ".fll":
             return parse_fll(text, path, lossy=lossy, strict=strict)
         case ".fcl":
             return parse_fcl(text, path, dialect=producer, block=block, lossy=lossy, strict=strict)
-        case ".fis":
+        case ".fis" | ".t2fis":
             return parse_fis(text, path, producer=producer, lossy=lossy, strict=strict)
         case ".fml" | ".xml":
             return parse_fml(text, path, lossy=lossy, strict=strict)
@@ -135,8 +139,8 @@ def read(
     Parameters
     ----------
     path : str or PathLike
-        A ``.frb``, ``.fll``, ``.fcl``, ``.fis`` or ``.fml`` (``.xml``) file, UTF-8 or else
-        Latin-1.
+        A ``.frb``, ``.fll``, ``.fcl``, ``.fis`` (``.t2fis``) or ``.fml`` (``.xml``) file, UTF-8
+        or else Latin-1.
     producer, block, lossy, strict
         As for :func:`parse`.
 
@@ -214,7 +218,7 @@ def write(
         If `suffix` or `producer` is not known.
     """
     rulebase = rulebase.model
-    _demand_program(producer, suffix, "reads")
+    _demand_program(producer, suffix, "reads", PRODUCERS)
     match suffix:
         case ".fll":
             return write_fll(rulebase, lossy=lossy, strict=strict)
@@ -291,8 +295,10 @@ def _without_nan(rulebase: RuleBase) -> RuleBase:
     return replace(rulebase, outputs=outputs)
 
 
-def _demand_program(producer: str | None, suffix: str, does: str) -> None:
-    programs = PRODUCERS.get(suffix, ())
+def _demand_program(
+    producer: str | None, suffix: str, does: str, known_by: Mapping[str, tuple[str, ...]]
+) -> None:
+    programs = known_by.get(suffix, ())
     if producer is not None and producer not in programs:
         known = ", ".join(programs) or "none"
         raise FormatError(f"no program '{producer}' {does} {suffix} files (known: {known})")

@@ -69,8 +69,7 @@ class _Parser:
         self.variables = variables
         self.findings = findings
         self.dialect = dialect
-        # What fuzzylite's FCL calls hedges is read in jFuzzyLogic's too.
-        found = words(HEDGES, "fcl" if dialect.suffix == ".fcl" else dialect.kinds)
+        found = words(HEDGES, dialect.hedges or dialect.kinds)
         self.hedges = {word: Hedge(name) for word, name in found.items()}
         self.words: list[Word] = []
         self.at = 0
@@ -114,13 +113,14 @@ class _Parser:
             raise FaultError(message, at, "too-deep")
         if self.dialect.equal_precedence:
             return self._chain(("and", "or"), lambda: self._factor(depth))
-        return self._chain(("or",), lambda: self._chain(("and",), lambda: self._factor(depth)))
+        both = ("and", ",") if self.dialect.commas else ("and",)
+        return self._chain(("or",), lambda: self._chain(both, lambda: self._factor(depth)))
 
     def _chain(self, keys: tuple[str, ...], operand: Callable[[], Expression]) -> Expression:
         left = operand()
         chained = False  # what stood in parentheses stays a node of its own
         while self.key() in keys:
-            kind = And if self.key() == "and" else Or
+            kind = Or if self.key() == "or" else And
             self.at += 1
             earlier = left.operands if chained and isinstance(left, kind) else (left,)
             left = kind((*earlier, operand()))
@@ -142,9 +142,11 @@ class _Parser:
 
     def proposition(self) -> Is:
         """Read *variable is [hedges] term*."""
+        self._demand_variable("condition")
         variable, draft = self._variable(outputs_only=False)
         self.expect("is")
         hedges, term = self._hedges_and_term(draft, variable)
+        self._note_other_hedges(hedges, variable)
         return Is(variable.text, term, hedges, variable.span)
 
     def conclusions(self, depth: int) -> list[Consequent]:
@@ -166,10 +168,44 @@ class _Parser:
 
     def conclusion(self) -> Consequent:
         """Read *output is [hedges] term*."""
+        self._demand_variable("conclusion")
         variable, draft = self._variable(outputs_only=True)
         self.expect("is")
         hedges, term = self._hedges_and_term(draft, variable)
+        if NOT in hedges and not self.dialect.negates:
+            message = (
+                f"{self.dialect.program} drops the NOT of a conclusion: to it this rule says "
+                f"{variable.text} IS {term}"
+            )
+            hint = "name the term that is meant"
+            self.findings.error("hedged-conclusion", message, variable, hint)
+        else:
+            self._note_other_hedges(hedges, variable)
         return Consequent(variable.text, term, hedges, variable.span)
+
+    def _demand_variable(self, what: str) -> None:
+        """Complain of a lone word, as in *if hot then on*, which says of no variable what it is."""
+        following = self.words[self.at + 1].text.lower() if self.at + 1 < len(self.words) else ""
+        if self.at >= len(self.words) or following not in ("", *_ENDS):
+            return
+        word = self.words[self.at]
+        owners = [name for name, d in self.variables.items() if d.term(word.text) is not None]
+        message = f"'{word.text[:40]}' alone is not a {what}, which is 'variable IS term'"
+        if word.text in self.variables:
+            message = f"{message}: it is a variable, and no term is named"
+        elif owners:
+            message = f"{message}: it is a term of {' and '.join(owners[:3])}"
+        raise FaultError(message, word, "lone-word")
+
+    def _note_other_hedges(self, hedges: tuple[Hedge, ...], variable: Word) -> None:
+        """Say where hedges are read that the program itself does not know."""
+        if self.dialect.kinds != "jfl" or set(hedges) <= {NOT}:
+            return
+        message = (
+            f"{self.dialect.program} has no hedge '{next(h for h in hedges if h != NOT).name}' and "
+            "fails at it; it is read as fuzzylite has it"
+        )
+        self.findings.warn("guessed-hedge", message, variable)
 
     def _variable(self, *, outputs_only: bool) -> tuple[Word, Draft | None]:
         word = self.take()

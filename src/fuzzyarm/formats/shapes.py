@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
 
@@ -49,7 +49,7 @@ def spelled_shape(
     if len(parameters) == len(order):
         for index, value in zip(order, values, strict=False):
             parameters[index] = value
-    unordered = _unordered(kind, parameters) if dialect.heights else None
+    unordered = _unordered(kind, parameters) if dialect.unordered else None
     if unordered is not None:
         kind, parameters = "points", unordered
     return make_shape(kind, parameters, at, findings, height=height, ties=dialect.ties)
@@ -173,9 +173,9 @@ def _checked(
         parameters = sorted(parameters)
     elif known.ordered and any(a > b for a, b in pairwise(parameters)):
         names = " <= ".join(known.symbols[1:])
-        message = f"the corners of a {kind} must not decrease ({names})"
-        findings.error("unordered-corners", message, at)
-        return None
+        message = f"the corners of a {kind} must not decrease ({names}): it is 0 everywhere"
+        findings.warn("unordered-corners", message, at)
+        return nothing(parameters)
     values = dict(zip(known.parameters, parameters, strict=True))
     for name in known.positive:
         if values[name] < 0.0 and kind in _SQUARED:
@@ -192,6 +192,13 @@ def _checked(
         findings.error("not-finite", f"a {kind} needs finite numbers", at)
         return None
     return Shape(kind, tuple(values.values()), height)
+
+
+def nothing(parameters: Sequence[float]) -> Shape:
+    """Return the set that nothing belongs to, where its corners are."""
+    corners = [each for each in parameters if math.isfinite(each)] or [0.0]
+    low, high = min(corners), max(corners)
+    return Shape("points", (low, 0.0, high, 0.0) if low < high else (low, 0.0))
 
 
 def _finite_enough(kind: str, parameters: list[float]) -> bool:

@@ -1,0 +1,103 @@
+"""A set that is made of other sets by norms: as the shape that it is, or as straight lines.
+
+IEEE 1855 has such terms (``circularDefinition``). Of straight sets most norms make straight ones,
+whose corners are found exactly; of others the degrees are taken at points.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from itertools import pairwise
+
+from fuzzyarm.expression.kinds import SHAPES, SNORMS, TNORMS
+from fuzzyarm.formats.recovery import joined, shape_of, straight_shape
+from fuzzyarm.model.rulebase import Shape
+from fuzzyarm.model.shapes import bends, membership_function
+
+__all__ = ["Degree", "composed", "norm_of"]
+
+Degree = Callable[[float], float]
+
+POINTS = 1001
+"""Points at which a set is taken that no shape is."""
+
+_STRAIGHT = frozenset({"min", "max", "bounded"})
+"""Norms that make straight sets of straight ones."""
+
+
+def norm_of(name: str, one: Degree, other: Degree) -> Degree:
+    """Return the degree of two sets under a T-norm or an S-norm, by its name.
+
+    Parameters
+    ----------
+    name : str
+        The norm, ``t:`` or ``s:`` and its name in the model.
+    one, other : callable
+        Degrees of the two sets.
+    """
+    kinds, _, word = name.partition(":")
+    norm = (TNORMS if kinds == "t" else SNORMS)[word].scalar
+    return lambda x: min(1.0, max(0.0, norm(one(x), other(x))))
+
+
+def composed(
+    degree: Degree, parts: Sequence[Shape], norms: Sequence[str], low: float, high: float
+) -> tuple[Shape, bool]:
+    """Return the shape of a set that is made of others, and whether it is exact.
+
+    Parameters
+    ----------
+    degree : callable
+        The set.
+    parts : sequence of Shape
+        What it is made of.
+    norms : sequence of str
+        By which norms, named as in :func:`norm_of`.
+    low, high : float
+        The range of its variable.
+    """
+    known = shape_of(degree, low, high)
+    if known is not None:
+        return known, True
+    straight = all(SHAPES[part.kind].straight for part in parts)
+    if straight and {norm.partition(":")[2] for norm in norms} <= _STRAIGHT:
+        xs = _corners(degree, parts, low, high)
+        lines = joined(xs, [degree(x) for x in xs])
+        if all(abs(_between(lines, x) - degree(x)) <= 1e-9 for x in _asked(xs)):
+            return straight_shape(lines), True
+    xs = [low + (high - low) * i / (POINTS - 1) for i in range(POINTS)]
+    return joined(xs, [degree(x) for x in xs]), False
+
+
+def _corners(degree: Degree, parts: Sequence[Shape], low: float, high: float) -> list[float]:
+    """Return where a set bends: where its parts do, and where two straight lines cross between."""
+    ends = {low, high, *(x for part in parts for x in bends(part) if low < x < high)}
+    xs = sorted(ends)
+    found = set(xs)
+    for a, b in pairwise(xs):
+        found |= set(_bends_between(degree, a, b, 4))
+    return sorted(found)
+
+
+def _bends_between(degree: Degree, a: float, b: float, most: int) -> list[float]:
+    """Return the bends inside a stretch: where the lines at its two ends meet, and again."""
+    step = 1e-6 * (b - a)
+    first, last = degree(a + step), degree(b - step)
+    rise = (degree(a + 2.0 * step) - first) / step
+    fall = (last - degree(b - 2.0 * step)) / step
+    if most == 0 or abs(rise - fall) * (b - a) <= 1e-9:
+        return []
+    # first + rise (x - a - step) = last + fall (x - b + step)
+    x = (last - first + rise * (a + step) - fall * (b - step)) / (rise - fall)
+    if not a + step < x < b - step:
+        return []
+    left, right = _bends_between(degree, a, x, most - 1), _bends_between(degree, x, b, most - 1)
+    return [*left, x, *right]
+
+
+def _asked(xs: Sequence[float]) -> list[float]:
+    return [a + share * (b - a) for a, b in pairwise(xs) for share in (0.2, 0.5, 0.8)]
+
+
+def _between(lines: Shape, x: float) -> float:
+    return membership_function(lines)(x)

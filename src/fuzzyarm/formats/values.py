@@ -1,0 +1,109 @@
+"""Values that fuzzylite takes for sets: constants and formulas of an output that is integrated.
+
+To it every term is a function of x. A constant is a set of that height over the whole range, a
+formula in x the set that it draws.
+"""
+
+from __future__ import annotations
+
+import math
+
+from fuzzyarm.expression.formulas import FormulaError, read_formula, write_formula
+from fuzzyarm.expression.nodes import replace as put_in
+from fuzzyarm.expression.nodes import symbol
+from fuzzyarm.formats.drafts import VALUES, Draft
+from fuzzyarm.formats.findings import Findings, Word
+from fuzzyarm.formats.recovery import joined, shape_of
+from fuzzyarm.model.rulebase import POSITION, Shape, Term
+
+__all__ = ["name_position", "values_as_sets"]
+
+
+def name_position(draft: Draft) -> None:
+    """Let the formulas of an input ask for x where they ask for the input by its name."""
+    for index, term in enumerate(draft.terms):
+        if term.shape.kind != "formula" or draft.name == POSITION:
+            continue
+        formula = read_formula(term.shape.formula)
+        if draft.name not in formula.names:
+            continue
+        text = write_formula(put_in(formula.root, {draft.name: symbol(POSITION)}))
+        draft.put(index, Term(term.name, Shape("formula", (), 1.0, text), term.span))
+
+
+def values_as_sets(draft: Draft, implication: str | None, at: Word, findings: Findings) -> None:
+    """Put sets in the place of an output's values, as fuzzylite has them; report the others.
+
+    Parameters
+    ----------
+    draft : Draft
+        An output that is integrated, with its range and its samples.
+    implication : str or None
+        What cuts a constant above 1.
+    at : Word
+        The defuzzifier.
+    findings : Findings
+        What cannot be carried.
+    """
+    for index, term in enumerate(draft.terms):
+        if term.shape.kind not in VALUES:
+            continue
+        shape = None
+        if draft.bounded and term.shape.kind == "singleton":
+            shape = _constant(draft, term, implication, findings)
+        elif draft.bounded and term.shape.kind == "formula":
+            shape = _formula(draft, term, implication, findings)
+        if shape is not None:
+            draft.put(index, Term(term.name, shape, term.span))
+        else:
+            message = f"'{term.name}' of '{draft.name}' is a value, which cannot be integrated"
+            findings.loss("value-as-set", message, at)
+
+
+def _constant(
+    draft: Draft, term: Term, implication: str | None, findings: Findings
+) -> Shape | None:
+    (value,) = term.shape.parameters
+    # A higher set is cut at the firing strength all the same, but only by min.
+    height = value if value <= 1.0 else float(implication == "min")
+    if not height > 0.0:
+        return None
+    message = (
+        f"fuzzylite integrates the constant '{term.name}' as a set of that height over the whole "
+        "range"
+    )
+    findings.warn("value-as-set", message, term.span)
+    return Shape("rectangle", (draft.low, draft.high), height)
+
+
+def _formula(draft: Draft, term: Term, implication: str | None, findings: Findings) -> Shape | None:
+    """Return the set that a formula in x is: its shape, or its degrees at the samples."""
+    formula = read_formula(term.shape.formula)
+    if set(formula.names) - {POSITION}:
+        return None
+    # The maximum of 0 and what is below it is 0, the minimum with a strength cuts above 1.
+    cut = implication == "min" and draft.aggregation == "max"
+
+    def degree(x: float) -> float:
+        value = formula.evaluate({POSITION: x})
+        if not math.isfinite(value) or not (cut or 0.0 <= value <= 1.0):
+            raise FormulaError("a degree goes from 0 to 1", term.shape.formula)
+        return min(1.0, max(0.0, value))
+
+    count = draft.defuzzifier.resolution or 1000
+    step = (draft.high - draft.low) / count
+    xs = [draft.low + (i + 0.5) * step for i in range(count)]
+    try:
+        degrees = [degree(x) for x in xs]
+    except FormulaError:
+        return None
+    try:
+        known = shape_of(degree, draft.low, draft.high)
+    except FormulaError:  # beyond the range
+        known = None
+    if known is None and count < 2:
+        return None
+    what = f"the {known.kind} that it draws" if known else f"its degrees at the {count} samples"
+    message = f"the formula of '{term.name}' of '{draft.name}' is taken as {what}"
+    findings.info("formula-as-set", message, term.span)
+    return known or joined(xs, degrees)
