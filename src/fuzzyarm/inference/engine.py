@@ -21,7 +21,7 @@ from fuzzyarm.inference.layout import lay_out
 from fuzzyarm.inference.plan import plan, remembered
 from fuzzyarm.inference.point import check_names, holds_arrays, number_of, prepare
 from fuzzyarm.kernels import address_of, in_threads, is_at_hand, jit_wanted
-from fuzzyarm.model.rulebase import AnyRuleBase, RuleBase
+from fuzzyarm.model.rulebase import KARNIK_MENDEL, AnyRuleBase, RuleBase
 
 CHUNK = 8192
 """Points that go through the kernel together: their inputs and outputs stay in the cache."""
@@ -36,8 +36,10 @@ LONGEST_CHUNK = 1 << 17
 STEPS_WORTH_COMPILING = 800_000_000
 """Points times rules that take NumPy about as long as compiling the kernel takes."""
 
-POINTS_WORTH_COMPILING = 2_000
-"""Points of an interval type-2 rule base for which the same holds."""
+STEPS_OF_ENVELOPE, STEPS_OF_REDUCTION, STEPS_OF_INTEGRALS = 6_000, 50_000, 3_000_000
+"""What an envelope of sets, the reduction of interval type-2 sets and that of curved ones take of
+these at a point.
+"""
 
 MANY = 100_000
 """Points from which on all processors are used."""
@@ -338,6 +340,8 @@ def infer_many(
 ) -> dict[str, Any]:
     """Evaluate arrays of inputs: by the kernel where it is at hand or pays for its compiling.
 
+    It does not show which was taken.
+
     Raises
     ------
     InferenceError, NoRuleFiredError
@@ -348,10 +352,15 @@ def infer_many(
             points = math.prod(np.broadcast_shapes(*map(np.shape, given.values())))
         except ValueError:  # they do not fit each other: the engine for arrays says so
             points = 0
-        steps = points * (len(rulebase.rules) + 10)
-        # Interval type-2 sets are reduced point by point without the kernel.
-        is_long = rulebase.is_type2 and points > POINTS_WORTH_COMPILING
-        if _at_hand(sweep) or steps > STEPS_WORTH_COMPILING or is_long:
+        outputs = plan(rulebase).outputs.values()
+        # The ends of curved sets are the only thing of which the two have not the same last bits:
+        # there the number of points decides, not what is at hand.
+        curved = any(o.integrated and o.output.defuzzifier.method in KARNIK_MENDEL for o in outputs)
+        # Some sets are taken point by point without the kernel.
+        steps = len(rulebase.rules) + 10
+        steps += STEPS_OF_REDUCTION * rulebase.is_type2 + STEPS_OF_INTEGRALS * curved
+        steps += STEPS_OF_ENVELOPE * any(o.enveloped for o in outputs)
+        if points * steps > STEPS_WORTH_COMPILING or (_at_hand(sweep) and not curved):
             found: dict[str, Any] = _compiled(rulebase)(dict(given), held=held)
             return found
     return dict(infer_arrays(rulebase, given, held))
