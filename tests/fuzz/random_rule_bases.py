@@ -2,16 +2,21 @@
 
     python tests/fuzz/random_rule_bases.py --seed 1 --count 20000
 
-Points, flat arrays, an open mesh, compiled points and arrays, the trace, tables, the C of
-direct inference as it is interpreted here and, where there is a compiler, as it runs.
+Points, flat arrays, an open mesh, compiled points and arrays, the trace: to the bit, and at
+corners of terms, next to them, and where a strength is next to a threshold. Tables, the C of
+direct inference as it is interpreted here and, where there is a compiler, as it runs (in double
+precision to the bit); the module of JavaScript where there is node.
 """
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
+import json
 import math
 import random
 import shutil
+import subprocess
 import sys
 from functools import cache, partial
 from pathlib import Path
@@ -29,15 +34,30 @@ from hypothesis import strategies as st  # noqa: E402
 from fuzzyarm import compile_table, compiled, infer  # noqa: E402
 from fuzzyarm.errors import FuzzyarmError  # noqa: E402
 from fuzzyarm.export import ExportError, routines_of  # noqa: E402
+from fuzzyarm.export.javascript import rule_base_module  # noqa: E402
 from fuzzyarm.formats import PRODUCERS, parse, same_model, write  # noqa: E402
 from fuzzyarm.inference import explain  # noqa: E402
 from fuzzyarm.inference.arrays import infer_arrays  # noqa: E402
-from fuzzyarm.model.rulebase import RuleBase  # noqa: E402
+from fuzzyarm.inference.plan import plan  # noqa: E402
+from fuzzyarm.model.rulebase import Defuzzifier, Input, RuleBase  # noqa: E402
+from fuzzyarm.model.shapes import corner_points, straight_lines  # noqa: E402
 from tests.export.c_programs import run_c  # noqa: E402
-from tests.strategies import SMOOTH, STRAIGHT, input_points, plain_mamdani, rulebases  # noqa: E402
+from tests.strategies import (  # noqa: E402
+    SMOOTH,
+    STRAIGHT,
+    defuzzifiers,
+    input_points,
+    places,
+    plain_mamdani,
+    rulebases,
+)
 
-POINTS = 6
+POINTS = 8
 Values = dict[str, list[float]]
+JUMPS = ("drastic", "nilpotent", "bounded")
+"""Norms that jump where a degree is 1, or a sum of two, or lose the last bits of a sum."""
+
+MAXIMA = ("mean-of-maximum", "smallest-of-maximum", "largest-of-maximum", "bisector", "centroid")
 
 
 def models() -> st.SearchStrategy[RuleBase]:
@@ -47,21 +67,63 @@ def models() -> st.SearchStrategy[RuleBase]:
         rulebases(odd_names=True, decorated=True),
         plain_mamdani(kinds=STRAIGHT + SMOOTH, implications=("min", "product")),
         plain_mamdani(aggregations=("max", "sum", "probor", "bounded")),
+        jumping(),
+        jumping(),
     )
 
 
-def slack(rulebase: RuleBase, name: str, share: float = 1e-12) -> float:
-    """How far two engines may be apart at an output.
+@st.composite
+def jumping(draw: Any) -> RuleBase:
+    """A rule base in which the last bit of a degree may decide: norms, thresholds, maxima."""
+    rulebase = draw(
+        st.one_of(
+            plain_mamdani(kinds=STRAIGHT, implications=("min", "product", *JUMPS)),
+            plain_mamdani(kinds=(*STRAIGHT, "s", "z", "pi"), aggregations=("max", "sum")),
+        )
+    )
+    norms = st.sampled_from(["min", "product", "einstein", "hamacher", *JUMPS])
+    threshold = st.sampled_from([0.0, 0.25, 0.5, 1 / 3, 0.1, 1.0 - 2.0**-53])
+    blocks = tuple(
+        dataclasses.replace(
+            block, conjunction=draw(norms), disjunction=draw(st.sampled_from(["max", *JUMPS])),
+            threshold=draw(threshold),
+        )
+        for block in rulebase.blocks
+    )  # fmt: skip
+    (output,) = rulebase.outputs
+    way = draw(defuzzifiers(MAXIMA))
+    if way.resolution is None and draw(st.booleans()):
+        way = Defuzzifier(way.method)
+    output = dataclasses.replace(output, defuzzifier=way, no_rule=draw(st.sampled_from(
+        [output.low, output.high + 1.0, "hold"])), outside="extend")  # fmt: skip
+    return dataclasses.replace(rulebase, blocks=blocks, outputs=(output,))
 
-    The inverse of a set has an infinite slope at its ends (Tsukamoto): the last bit of a
-    strength moves it by the root of that bit. The tail of a difference of sigmoids is what is
-    left of two numbers near 1: cut at a strength of 1e-9, it is known to 1e-7 of that.
-    """
-    output = rulebase.output(name)
-    share = max(share, 3e-8) if output.defuzzifier.method == "tsukamoto" else share
-    if any(term.shape.kind == "sigmoid-difference" for term in output.terms):
-        share = max(share, 1e-9)
-    return share * max(1.0, output.high - output.low)
+
+@st.composite
+def points_at_edges(draw: Any, rulebase: RuleBase, count: int) -> Values:
+    """Values for every input: at corners and thresholds, next to them, and anywhere."""
+    return {
+        each.name: draw(st.lists(_values(each, rulebase), min_size=count, max_size=count))
+        for each in rulebase.inputs
+    }
+
+
+def _values(variable: Input, rulebase: RuleBase) -> st.SearchStrategy[float]:
+    thresholds = {block.threshold for block in rulebase.blocks} | {0.5}
+    edges = {variable.low, variable.high}
+    for term in variable.terms:
+        edges |= {x for x in corner_points(term.shape) if abs(x) < 1e6}
+        lines = straight_lines(term.shape)
+        for height, x_0, slope in lines.between if lines else ():
+            if slope:
+                edges |= {x_0 + (level - height) / slope for level in thresholds}
+    near = [x for edge in edges for x in (edge, *_beside(edge))]
+    inside = [x for x in near if variable.low <= x <= variable.high]
+    return st.one_of(st.sampled_from(sorted(inside)), places(variable.low, variable.high))
+
+
+def _beside(x: float) -> tuple[float, float]:
+    return math.nextafter(x, -math.inf), math.nextafter(x, math.inf)
 
 
 def held_of(rulebase: RuleBase) -> dict[str, float]:
@@ -77,8 +139,8 @@ def outcome(engine: Any, values: dict[str, Any], held: dict[str, float]) -> Any:
         return type(error).__name__
 
 
-def demand_equal(rulebase: RuleBase, one: Any, other: Any, what: str, share: float = 1e-12) -> None:
-    """Two outcomes are one error, or numbers that differ by rounding only."""
+def demand_equal(rulebase: RuleBase, one: Any, other: Any, what: str, share: float = 0.0) -> None:
+    """Two outcomes are one error, or numbers with the same bits; or as near as `share` says."""
     if isinstance(one, str) or isinstance(other, str):
         assert type(one) is type(other), (what, one, other)
         assert one == other, what
@@ -86,7 +148,9 @@ def demand_equal(rulebase: RuleBase, one: Any, other: Any, what: str, share: flo
     for name, value in one.items():
         there, here = np.asarray(value, float), np.asarray(other[name], float)
         assert np.array_equal(np.isnan(there), np.isnan(here)), (what, name, there, here)
-        scale = slack(rulebase, name, share) * np.maximum(1.0, np.abs(there))
+        output = rulebase.output(name)
+        width = output.high - output.low if math.isfinite(output.high - output.low) else 1.0
+        scale = share * max(1.0, width) * np.maximum(1.0, np.abs(there))
         close = (np.abs(there - here) <= scale) | (there == here) | np.isnan(there)
         assert close.all(), (what, name, there.tolist(), here.tolist())
 
@@ -110,7 +174,7 @@ def engines(rulebase: RuleBase, values: Values) -> None:
     def numpy(given: Any, held: Any) -> Any:  # `infer` may take the kernel
         return infer_arrays(rulebase, given, held)
 
-    for what, engine in (("arrays", numpy), ("compiled arrays", fast)):
+    for what, engine in (("arrays", numpy), ("compiled arrays", fast), ("plain arrays", plain)):
         found = outcome(engine, columns, held)
         if errors:
             assert found in errors, (what, found, errors)
@@ -212,41 +276,95 @@ def exports(rulebase: RuleBase, values: Values) -> list[tuple[Any, list[Any]]]:
                 ]
                 truth = np.where(sound, routine.model(*points), 0.0)
                 here = np.where(sound, routine.evaluate(*columns), 0.0)
+                share = 0.0 if same_arithmetic(rulebase) else 1e-9
                 demand_equal(
-                    rulebase, {output.name: truth}, {output.name: here}, "routine", 1e-9
+                    rulebase, {output.name: truth}, {output.name: here}, "routine", share
                 )  # fmt: skip
             found.append((routine, columns))
     return found
 
 
+def same_arithmetic(rulebase: RuleBase) -> bool:
+    """Whether C goes the way of the engines: scaled sets it unites by formulas of its own."""
+    return not any(output.enveloped for output in plan(rulebase).outputs.values()) and not any(
+        member.implication == "product" and output.integrated
+        for output in plan(rulebase).outputs.values()
+        for member in output.members
+    )
+
+
 @cache
-def compiler() -> bool:
-    return shutil.which("gcc") is not None
+def program(name: str) -> str | None:
+    return shutil.which(name)
 
 
 def in_c(pairs: list[tuple[Any, list[Any]]]) -> None:
-    """Run routines as C and compare with what is interpreted here."""
-    if not pairs or not compiler():
+    """Run routines as C and compare with what is interpreted here, to the bit."""
+    if not pairs or not program("gcc"):
         return
     with folder() as home:
         results = run_c([routine for routine, _ in pairs], [points for _, points in pairs], home)
     for (routine, points), found in zip(pairs, results, strict=True):
         with np.errstate(all="ignore"):
             wanted = routine.evaluate(*points)
-        here, there = found.astype(float), wanted.astype(float)
-        assert np.array_equal(np.isnan(here), np.isnan(there)), (routine.rulebase, here, there)
-        output = routine.rulebase.output(routine.name)
-        # Exponentials and powers of C and NumPy differ in the last bit.
-        share = 1e-9 if found.dtype == np.float64 else 1e-5
-        scale = share * max(output.high - output.low, float(np.nanmax(np.abs(there), initial=1.0)))
-        assert np.nanmax(np.abs(here - there), initial=0.0) <= scale, (
-            routine.rulebase, here.tolist(), there.tolist(),
+        assert np.array_equal(found, wanted, equal_nan=True), (
+            routine.rulebase, found.tolist(), wanted.tolist(),
         )  # fmt: skip
+
+
+NODE = """
+import { inferMany } from "./rules.mjs";
+import { readFileSync } from "fs";
+const given = JSON.parse(readFileSync(0));
+for (const name in given) given[name] = Float64Array.from(given[name]);
+const found = inferMany(given);
+for (const name in found) found[name] = Array.from(found[name]);
+console.log(JSON.stringify(found));
+"""
+
+
+def in_javascript(rulebase: RuleBase, values: Values) -> None:
+    """Run the module of a rule base; where it has a value, it is that of the kernel."""
+    node, fast = program("node"), compiled(rulebase)
+    if node is None or fast.reason:
+        return
+    silent = dataclasses.replace(rulebase, outputs=tuple(
+        dataclasses.replace(each, no_rule=math.nan if isinstance(each.no_rule, str)
+                            else each.no_rule) for each in rulebase.outputs))  # fmt: skip
+    try:
+        module = rule_base_module(silent)
+    except ExportError:
+        return
+    wanted = outcome(compiled(silent), {k: np.array(v) for k, v in values.items()}, {})
+    if isinstance(wanted, str):
+        return
+    with folder() as home:
+        (home / "rules.mjs").write_text(module)
+        (home / "run.mjs").write_text(NODE)
+        done = subprocess.run(
+            [node, str(home / "run.mjs")], input=json.dumps(values), capture_output=True,
+            text=True, check=False, timeout=60,
+        )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    found = {
+        k: [math.nan if x is None else x for x in v] for k, v in json.loads(done.stdout).items()
+    }
+    # V8 has an exponential and a power of its own.
+    share = 0.0 if _has_no_library(rulebase) else 1e-9
+    demand_equal(silent, wanted, found, "JavaScript", share)
+
+
+def _has_no_library(rulebase: RuleBase) -> bool:
+    shapes = {term.shape.kind for v in (*rulebase.inputs, *rulebase.outputs) for term in v.terms}
+    return shapes <= {*STRAIGHT, "singleton", "linear", "s", "z", "pi", "concave"} and (
+        "power" not in repr(rulebase.blocks)
+    )
 
 
 def case(r: random.Random, told: Told) -> None:
     """Draw one rule base by hypothesis (which makes it smaller where it fails)."""
-    with_c = r.random() < 0.04
+    chance = r.random()
+    with_c, with_node = chance < 0.04, chance > 0.97
     calls = itertools.count()
 
     @seeded(r.getrandbits(64))
@@ -265,7 +383,8 @@ def case(r: random.Random, told: Told) -> None:
         rulebase = data.draw(models())
         if next(calls) == 0:
             return  # hypothesis begins with the simplest of all rule bases, every time
-        values = data.draw(input_points(rulebase, POINTS))
+        some = (input_points, points_at_edges, points_at_edges)
+        values = data.draw(st.sampled_from(some).flatmap(lambda draw: draw(rulebase, POINTS)))
         for column in values.values():
             column[0] = column[0] if math.isfinite(column[0]) else 0.0
         told.append(f"{rulebase!r}\n{write(rulebase, '.frb', lossy=True).text}\n{values}")
@@ -275,6 +394,8 @@ def case(r: random.Random, told: Told) -> None:
         pairs = exports(rulebase, values)
         if with_c:
             in_c(pairs)
+        if with_node:
+            in_javascript(rulebase, values)
 
     one()
 

@@ -17,6 +17,7 @@ from fuzzyarm.inference.aggregate import (
     fold_at_point,
     sampled_aggregate_at_point,
 )
+from fuzzyarm.inference.envelope import cut_pieces, envelope_of, heap_size, whole_of
 from fuzzyarm.inference.overlap import Layers
 from fuzzyarm.inference.plan import OutputPlan
 
@@ -60,6 +61,33 @@ def sampled_centroid_over_arrays(plan: OutputPlan, strengths: Strengths) -> tupl
         moment += height * sample
     value = np.divide(moment, area, out=np.zeros_like(area), where=area > 0.0)
     return value.reshape(strengths.shape), area.reshape(strengths.shape)
+
+
+# --- Exact centroid of straight sets without a closed form, by their upper envelope ---
+
+
+def room_for_envelopes(plan: OutputPlan) -> tuple[list[float], int]:
+    """Return a heap for what one point has of envelopes, and where they begin in it."""
+    begin, end = heap_size(sum(len(member.pieces) for member in plan.members))
+    return [0.0] * end, begin
+
+
+def envelop_at_point(plan: OutputPlan, fired: Fired, heap: list[float], into: int) -> int:
+    """Write down the upper envelope of cut or scaled sets; return where it ends."""
+    events = 0
+    for index, height in fold_at_point(plan, fired).items():
+        member = plan.members[index]
+        numbers = [number for piece in member.pieces for number in piece[:4]]
+        scaled = member.implication == "product"
+        events = cut_pieces(numbers, 0, len(member.pieces), height, scaled, heap, events)
+    return envelope_of(heap, events, into)
+
+
+def enveloped_centroid_at_point(plan: OutputPlan, fired: Fired) -> float | None:
+    """Return the centroid, or None where the envelope has no area."""
+    heap, begin = room_for_envelopes(plan)
+    area, moment = whole_of(heap, begin, envelop_at_point(plan, fired, heap, begin))
+    return moment / area if area > 0.0 else None
 
 
 # --- Exact centroid of any aggregate, by adaptive quadrature ---

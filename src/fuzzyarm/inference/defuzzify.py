@@ -12,6 +12,7 @@ from fuzzyarm.inference.aggregate import Fired
 from fuzzyarm.inference.centroid import (
     closed_centroid_at_point,
     closed_centroid_over_arrays,
+    enveloped_centroid_at_point,
     integrated_centroid_at_point,
     integrated_centroid_over_arrays,
     sampled_centroid_at_point,
@@ -122,6 +123,8 @@ def _centroid_at_point(plan: OutputPlan, fired: Fired) -> float | None:
         return nie_tan_at_point(plan, fired)
     if not exact:
         return sampled_centroid_at_point(plan, fired)
+    if plan.enveloped:
+        return enveloped_centroid_at_point(plan, fired)
     return integrated_centroid_at_point(plan, fired)
 
 
@@ -195,7 +198,8 @@ def defuzzify_over_arrays(
     method, resolution = plan.output.defuzzifier.method, plan.output.defuzzifier.resolution
     if not len(strengths):
         return np.zeros(strengths.shape), np.zeros(strengths.shape, dtype=bool)
-    if method in TYPE_2 and plan.closed is None and not (plan.discrete and method == "nie-tan"):
+    reduced = method in TYPE_2 and plan.closed is None
+    if plan.enveloped or (reduced and not (plan.discrete and method == "nie-tan")):
         return _point_by_point(plan, strengths, values, inputs)
     if plan.discrete:
         value_of = _number_of(plan, tsukamoto_over_arrays, _consequent_values, values, inputs)
@@ -227,7 +231,7 @@ def _point_by_point(
     values: Mapping[str, Array],
     inputs: tuple[str, ...],
 ) -> tuple[Array, NDArray[np.bool_]]:
-    """Reduce interval type-2 sets one after the other; the kernel has the fast way."""
+    """Take sets by their envelope, or reduce them, one after the other; the kernel is fast."""
     import numpy as np
 
     size = int(np.prod(strengths.shape))

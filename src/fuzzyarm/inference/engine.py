@@ -313,6 +313,8 @@ def infer_many(
 ) -> dict[str, Any]:
     """Evaluate arrays of inputs: by the kernel, or by NumPy where there is no machine code.
 
+    It does not show which was taken.
+
     Raises
     ------
     InferenceError, NoRuleFiredError

@@ -7,9 +7,9 @@ what is written down of one point fits into the nearest cache.
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
+from fuzzyarm.inference.envelope import cut_pieces, envelope_of, whole_of
 from fuzzyarm.inference.kernel import (
     AGGREGATION,
     DETAIL,
@@ -52,15 +52,17 @@ def add_samples(block: Any, sides: int) -> None:
     aggregate, cut = heap[:samples], heap[samples : 2 * samples]
     # Point by point: all samples of one point fit into the nearest cache, those of many do not.
     for point in range(total.shape[0]):
-        area = torque = 0.0  # in registers: a sum in a row waits for its own store
+        whole = turn = 0.0
         for side in range(sides):
             first, last = sample(k, f, room, point, side, aggregate, cut)
+            area = torque = 0.0  # in registers: a sum in a row waits for its own store
             for i in range(first, last):
                 part = weights[i] * aggregate[i]
                 area += part
                 torque += part * positions[i]
-        total[point] = area
-        moment[point] = torque
+            whole, turn = whole + area, turn + torque
+        total[point] = whole
+        moment[point] = turn
 
 
 @kernel
@@ -92,13 +94,6 @@ def sample(
     return first, last
 
 
-PIECE = 4
-"""Floats of a straight piece of a set: its two ends, x and height each."""
-
-RUN_OF_LINE = 6
-"""Floats of a piece of an envelope: its two ends, the heights there, its area and moment."""
-
-
 @kernel
 def enveloped_centroid(block: Any) -> None:
     """Integrate the upper envelope of cut or scaled sets, piece by piece, point by point.
@@ -110,14 +105,8 @@ def enveloped_centroid(block: Any) -> None:
     heap = room[(k[WORK] + WORK_ROWS) * width :]
     begin = k[k[OUTPUT] + DETAIL]
     for point in range(total.shape[0]):
-        area = torque = 0.0
-        for piece in range(begin, envelop(k, f, room, point, 0, heap, begin), RUN_OF_LINE):
-            left, run_of = heap[piece], heap[piece + 1] - heap[piece]
-            best, last, part = heap[piece + 2], heap[piece + 3], heap[piece + 4]
-            area += part
-            torque += left * part + run_of * run_of * (best + 2.0 * last) / 6.0
-        total[point] = area
-        moment[point] = torque
+        end = envelop(k, f, room, point, 0, heap, begin)
+        total[point], moment[point] = whole_of(heap, begin, end)
 
 
 @kernel
@@ -135,104 +124,11 @@ def envelop(k: Any, f: Any, room: Any, point: int, side: int, heap: Any, into: i
         consequent = k[at + 1]
         at += GROUP_HEAD + k[at] * (RULE_HEAD + k[OPERANDS])
         height = room[group * width + point]
-        begin = k[consequent + 1]
-        pieces = f[begin : begin + PIECE * k[consequent]]
+        pieces, begin = k[consequent], k[consequent + 1]
         if height > 0.0 and k[consequent + 3] == side:
-            events = _cut_pieces(pieces, height, k[consequent + 2] != 0, heap, events)
-    # Events are where a line begins or ends: between two of them the same lines hold.
-    count = 0
-    for line in range(0, events, PIECE):
-        count = insert(heap, events, count, heap[line])
-        count = insert(heap, events, count, heap[line + 2])
-    for event in range(events, events + count - 1):
-        left = heap[event]
-        slope = -math.inf
-        while left < heap[event + 1]:
-            best, slope, right = highest(heap, events, left, heap[event + 1], slope)
-            run_of = right - left
-            last = best + slope * run_of
-            heap[into], heap[into + 1] = left, right
-            heap[into + 2], heap[into + 3] = best, last
-            heap[into + 4] = 0.5 * run_of * (best + last)
-            into += RUN_OF_LINE
-            left = right
-    return into
-
-
-@kernel
-def _cut_pieces(pieces: Any, height: float, scaled: bool, heap: Any, end: int) -> int:
-    """Write the pieces of a set down, cut at a height or scaled by it; return their new end."""
-    for piece in range(0, pieces.shape[0], PIECE):
-        x_0, y_0, x_1, y_1 = pieces[piece], pieces[piece + 1], pieces[piece + 2], pieces[piece + 3]
-        if scaled:
-            end = put(heap, end, x_0, height * y_0, x_1, height * y_1)
-        elif max(y_0, y_1) <= height:
-            end = put(heap, end, x_0, y_0, x_1, y_1)
-        elif min(y_0, y_1) >= height:
-            end = put(heap, end, x_0, height, x_1, height)
-        else:
-            x = x_0 + (height - y_0) * (x_1 - x_0) / (y_1 - y_0)
-            end = put(heap, end, x_0, min(y_0, height), x, height)
-            end = put(heap, end, x, height, x_1, min(y_1, height))
-    return end
-
-
-@kernel
-def put(heap: Any, end: int, x_0: float, y_0: float, x_1: float, y_1: float) -> int:
-    """Append a piece unless it has no width or no height; return the index behind it."""
-    if x_1 <= x_0 or (y_0 <= 0.0 and y_1 <= 0.0):
-        return end
-    heap[end] = x_0
-    heap[end + 1] = y_0
-    heap[end + 2] = x_1
-    heap[end + 3] = y_1
-    return end + PIECE
-
-
-@kernel
-def insert(heap: Any, events: int, count: int, x: float) -> int:
-    """Insert a number into the sorted ones unless it is there; return how many there are."""
-    index = events + count
-    while index > events and heap[index - 1] > x:
-        index -= 1
-    if index > events and heap[index - 1] == x:
-        return count
-    for other in range(events + count, index, -1):
-        heap[other] = heap[other - 1]
-    heap[index] = x
-    return count + 1
-
-
-@kernel
-def highest(
-    heap: Any, events: int, left: float, right: float, past: float
-) -> tuple[float, float, float]:
-    """Return height and slope of the envelope from `left` on, and up to where they hold.
-
-    From one crossing to the next an envelope of lines gets steeper: only lines steeper
-    than `past` count, so that rounding at a crossing does not bring the old line back.
-    """
-    best = 0.0
-    steep = 0.0
-    for line in range(0, events, PIECE):
-        if heap[line] <= left and heap[line + 2] >= right:
-            slope = (heap[line + 3] - heap[line + 1]) / (heap[line + 2] - heap[line])
-            y = heap[line + 1] + slope * (left - heap[line])
-            if slope > past and (y > best or (y == best and slope > steep)):
-                best = y
-                steep = slope
-    until = right
-    # It holds until the first line that is steeper has caught up.
-    for line in range(0, events, PIECE):
-        if heap[line] <= left and heap[line + 2] >= right:
-            slope = (heap[line + 3] - heap[line + 1]) / (heap[line + 2] - heap[line])
-            if slope > steep:
-                y = heap[line + 1] + slope * (left - heap[line])
-                x = left + (best - y) / (slope - steep)
-                # At once where the one above is all but zero: the next call takes the steeper.
-                if left <= x < until:
-                    until = x
-    return best, steep, until
+            scaled = k[consequent + 2] != 0
+            events = cut_pieces(f, begin, pieces, height, scaled, heap, events)
+    return envelope_of(heap, events, into)
 
 
 @kernel

@@ -20,7 +20,8 @@ from typing import Any
 
 import numpy as np
 
-from fuzzyarm.inference.enveloped import cut_in, insert
+from fuzzyarm.inference.envelope import insert
+from fuzzyarm.inference.enveloped import cut_in
 from fuzzyarm.inference.kernel import (
     AGGREGATION,
     DETAIL,

@@ -13,13 +13,13 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from fuzzyarm.expression.kinds import SNORMS, TNORMS, Norm
-from fuzzyarm.inference import enveloped, firing_intervals, integrated, reduced
+from fuzzyarm.inference import envelope, enveloped, firing_intervals, integrated, reduced
 from fuzzyarm.inference import kernel as at
 from fuzzyarm.inference.aggregate import sample_positions, sampled_set, weights
 from fuzzyarm.inference.block import Layout, Mark, NotCoveredError
 from fuzzyarm.inference.cells import Cells, cut_into_cells
 from fuzzyarm.inference.overlap import Layers
-from fuzzyarm.inference.plan import CENTROIDS, OutputPlan, Plan, PlannedRule
+from fuzzyarm.inference.plan import CENTROIDS, OutputPlan, Plan, PlannedRule, has_envelope
 from fuzzyarm.inference.quadrature import (
     CLIPPING,
     DEEPEST,
@@ -562,16 +562,11 @@ class _OutputWriter:
             if self.loose:  # a corner may move into the range, or off another one
                 room = max(room, len(polyline(member.term.shape)) + 1)
             ends = [end for piece in member.pieces for end in piece[:4]]
-            self._floats([*ends, *[0.0] * (enveloped.PIECE * room - len(ends))])
-            self._mark("pieces", i, len(self.base.floats) - enveloped.PIECE * room, room)
+            self._floats([*ends, *[0.0] * (envelope.PIECE * room - len(ends))])
+            self._mark("pieces", i, len(self.base.floats) - envelope.PIECE * room, room)
             pieces += room
-        # Cutting may split a piece in two; each end is an event. Behind them the envelope: of
-        # n lines it has less than n log n pieces, few more than n as a rule.
-        begin = 2 * enveloped.PIECE * pieces + 4 * pieces
-        most = 2 * pieces * max(4, (4 * pieces).bit_length())
-        self.samples = (
-            begin + enveloped.RUN_OF_LINE * most
-        ) // 2 + 1  # there are two rows of samples
+        begin, end = envelope.heap_size(pieces)
+        self.samples = end // 2 + 1  # there are two rows of samples
         return begin
 
     def _write_integral(self) -> int:
@@ -722,10 +717,12 @@ def _defuzzifier(plan: OutputPlan, *, loose: bool = False) -> Callable[[Any], No
         return enveloped.sampled_centroid
     if plan.output.defuzzifier.method == "bisector" and plan.members:
         return integrated.integrated_bisector
-    in_general = loose and plan.members and has_envelope(plan)  # any form that numbers can take
+    # A loose one takes any form that numbers can have, where there are numbers.
+    in_general = loose and plan.members and has_envelope(plan.output, plan.members)
     if not in_general and (plan.closed is not None or not plan.members):
         return at.closed_centroid
-    return enveloped.enveloped_centroid if has_envelope(plan) else integrated.integrated_centroid
+    lines = in_general or plan.enveloped
+    return enveloped.enveloped_centroid if lines else integrated.integrated_centroid
 
 
 def _type_reduction(plan: OutputPlan) -> Callable[[Any], None]:
@@ -735,7 +732,7 @@ def _type_reduction(plan: OutputPlan) -> Callable[[Any], None]:
         return reduced.karnik_mendel_values if ends else at.weighted
     if plan.output.defuzzifier.resolution is not None:
         return reduced.karnik_mendel_samples if ends else reduced.nie_tan_samples
-    if has_envelope(plan):
+    if has_envelope(plan.output, plan.members):
         return reduced.karnik_mendel_envelope if ends else reduced.nie_tan_envelope
     return reduced.karnik_mendel_integral if ends else reduced.nie_tan_integral
 
@@ -747,15 +744,6 @@ def lines_of(implication: str) -> list[tuple[float, float, float, float]]:
         (alpha_0, alpha_1 - alpha_0, beta_0, beta_1 - beta_0)
         for (alpha_0, beta_0), (alpha_1, beta_1) in zip(at_0 or (), at_1 or (), strict=True)
     ]
-
-
-def has_envelope(plan: OutputPlan) -> bool:
-    """Whether the sets are straight under min or product, and max."""
-    return (
-        plan.output.aggregation == "max"
-        and all(member.implication in {"min", "product"} for member in plan.members)
-        and all(piece.straight for member in plan.members for piece in member.pieces)
-    )
 
 
 def _check_output(plan: OutputPlan) -> None:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections import OrderedDict
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from functools import wraps
 from itertools import count
@@ -106,6 +106,8 @@ class OutputPlan(NamedTuple):
         ``LOWER`` of :mod:`.firing_intervals`; empty for a set of type 1.
     pairs : tuple of (int, int)
         The upper and the lower member of each consequent.
+    enveloped : bool
+        Whether its value is found from the upper envelope of straight sets.
     """
 
     output: Output
@@ -116,14 +118,17 @@ class OutputPlan(NamedTuple):
     stretches: tuple[Stretch, ...] = ()
     sides: tuple[int, ...] = ()
     pairs: tuple[tuple[int, int], ...] = ()
+    enveloped: bool = False
 
     @property
     def integrated(self) -> bool:
-        """Whether its value is found by quadrature: exact, without a closed form."""
-        exact, method = self.output.defuzzifier.resolution is None, self.output.defuzzifier.method
-        if self.discrete or not exact:
+        """Whether its value is found by quadrature."""
+        method = self.output.defuzzifier.method
+        if self.discrete or self.output.defuzzifier.resolution is not None:
             return False
-        return method == "bisector" or (method in CENTROIDS and self.closed is None)
+        return method == "bisector" or (
+            method in CENTROIDS and self.closed is None and not self.enveloped
+        )
 
     @property
     def in_order(self) -> bool:
@@ -393,7 +398,8 @@ def _plan_output(rulebase: RuleBase, output: Output, doubled: Doubled | None = N
         first = _first_of_each_value(members)
         contributions = [(first[member], rule) for member, rule in contributions]
     closed = None if discrete or doubled is not None else _closed(output, members)
-    made = OutputPlan(output, members, tuple(contributions), discrete, closed)
+    enveloped = _is_enveloped(output, members) and not discrete and closed is None
+    made = OutputPlan(output, members, tuple(contributions), discrete, closed, enveloped=enveloped)
     if output.aggregation == "max" and made.integrated and doubled is None:
         return made._replace(stretches=stretches([member.pieces for member in members]))
     return made
@@ -409,7 +415,9 @@ def _both_sides(made: OutputPlan, doubled: Doubled) -> OutputPlan:
         return made._replace(sides=sides, pairs=pairs)
     own = [[i for i, each in enumerate(sides) if each == side] for side in (0, 1)]
     closed = _closed_sides(output, members, own) if output.defuzzifier.method == "nie-tan" else None
-    made = made._replace(sides=sides, pairs=pairs, closed=closed)
+    made = made._replace(
+        sides=sides, pairs=pairs, closed=closed, enveloped=made.enveloped and closed is None
+    )
     if output.aggregation == "max" and made.integrated:
         found = [
             each._replace(first=indices[each.first], second=indices[each.second])
@@ -561,6 +569,21 @@ def _closed(output: Output, members: tuple[Member, ...]) -> ClosedForm | None:
         return None
     profiles = [member.pieces for member in members]
     return closed_form(profiles, output.low, output.high, united=output.aggregation == "max")
+
+
+def _is_enveloped(output: Output, members: Sequence[Member]) -> bool:
+    way = output.defuzzifier
+    exact = way.method in CENTROIDS and way.resolution is None
+    return exact and bool(members) and has_envelope(output, members)
+
+
+def has_envelope(output: Output, members: Sequence[Member]) -> bool:
+    """Whether sets are straight lines that are cut by min or scaled by product, united by max."""
+    return (
+        output.aggregation == "max"
+        and all(member.implication in {"min", "product"} for member in members)
+        and all(piece.straight for member in members for piece in member.pieces)
+    )
 
 
 # ── a part of a rule base ────────────────────────────────────────────────────────────

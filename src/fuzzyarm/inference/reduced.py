@@ -15,7 +15,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from fuzzyarm.inference.enveloped import RUN_OF_LINE, add_samples, envelop, sample
+from fuzzyarm.inference.envelope import STEPS, add_up, reach_end
+from fuzzyarm.inference.enveloped import add_samples, envelop, sample
 from fuzzyarm.inference.integrated import integrate
 from fuzzyarm.inference.kernel import (
     DETAIL,
@@ -34,7 +35,7 @@ from fuzzyarm.inference.kernel import (
     WORK_ROWS,
     parts_of,
 )
-from fuzzyarm.inference.type_reduction import STEPS, end_of_average
+from fuzzyarm.inference.type_reduction import end_of_average
 from fuzzyarm.kernels import kernel
 
 # Whole numbers of a consequent that is a value between two: which pair it belongs to, its side,
@@ -165,10 +166,6 @@ def nie_tan_samples(block: Any) -> None:
 
 
 # ── envelopes of straight sets ───────────────────────────────────────────────────────
-#
-# An envelope is a list of pieces in the heap, each RUN_OF_LINE numbers: where it begins and ends,
-# the degrees there, its area, and its moment about the centre of the range (`add_up`). Moments
-# are about the centre, not about 0: a range far from 0 would eat the digits.
 
 
 @kernel
@@ -214,112 +211,6 @@ def nie_tan_envelope(block: Any) -> None:
         for side in range(2):
             behind = envelop(k, f, room, point, side, heap, behind)
         total[point], moment[point] = add_up(heap, begin, behind, centre)
-
-
-@kernel
-def add_up(heap: Any, begin: int, end: int, centre: float) -> tuple[float, float]:
-    """Note the moment of each piece about the centre; return area and moment of all."""
-    area = torque = 0.0
-    for piece in range(begin, end, RUN_OF_LINE):
-        left, run_of = heap[piece], heap[piece + 1] - heap[piece]
-        best, last, part = heap[piece + 2], heap[piece + 3], heap[piece + 4]
-        # Of a trapezoid with degrees a, b over d from x: (x - c) A + d² (a + 2 b) / 6.
-        heap[piece + 5] = (left - centre) * part + run_of * run_of * (best + 2.0 * last) / 6.0
-        area += part
-        torque += heap[piece + 5]
-    return area, torque
-
-
-@kernel
-def reach_end(
-    heap: Any,
-    begin: int,
-    middle: int,
-    behind: int,
-    start: float,
-    centre: float,
-    lower_area: float,
-    sign: float,
-) -> float:
-    """Return an end of the centroid: the right one (sign 1) or the left one (-1).
-
-    The upper set stands from `begin` to `middle`, the lower from there to `behind`.
-    """
-    if not lower_area > 0.0:
-        return last_covered(heap, begin, middle, sign)
-    # On the left of c stands the lower set for the right end, the upper one for the left end.
-    one, one_end, other, other_end = middle, behind, begin, middle
-    if sign < 0.0:
-        one, one_end, other, other_end = begin, middle, middle, behind
-    c = start
-    for _ in range(STEPS):
-        area, torque = before(heap, one, one_end, c, centre)
-        more, further = after(heap, other, other_end, c, centre)
-        following = centre + (torque + further) / (area + more)  # φ(c)
-        # Steps only ever go towards the end; one that does not is rounding, and the last.
-        if not sign * (following - c) > 0.0:
-            break
-        c = following
-    return c
-
-
-@kernel
-def last_covered(heap: Any, begin: int, end: int, sign: float) -> float:
-    """Return the end of what a set covers."""
-    # There may be pieces of no height in front and behind; only an area counts.
-    found = math.nan
-    for piece in range(begin, end, RUN_OF_LINE):
-        if heap[piece + 4] > 0.0:
-            if sign > 0.0:
-                found = heap[piece + 1]
-            elif math.isnan(found):
-                found = heap[piece]
-    return found
-
-
-# What stands in front of c, and its mirror image. Two functions: both stop at c, from their own
-# side, and the piece at c is added last, in which order the bits are those of plain Python.
-
-
-@kernel
-def before(heap: Any, begin: int, end: int, c: float, centre: float) -> tuple[float, float]:
-    """Return area and moment of the pieces on the left of a position."""
-    area = torque = 0.0
-    for piece in range(begin, end, RUN_OF_LINE):
-        left, right = heap[piece], heap[piece + 1]
-        if left >= c:
-            break
-        if right <= c:
-            area += heap[piece + 4]
-            torque += heap[piece + 5]
-        else:
-            # The part of this piece that is in front of c.
-            best, run_of = heap[piece + 2], c - left
-            last = best + (heap[piece + 3] - best) * (run_of / (right - left))
-            part = 0.5 * run_of * (best + last)
-            area += part
-            torque += (left - centre) * part + run_of * run_of * (best + 2.0 * last) / 6.0
-    return area, torque
-
-
-@kernel
-def after(heap: Any, begin: int, end: int, c: float, centre: float) -> tuple[float, float]:
-    """Return area and moment of the pieces on the right of a position."""
-    area = torque = 0.0
-    for piece in range(end - RUN_OF_LINE, begin - 1, -RUN_OF_LINE):
-        left, right = heap[piece], heap[piece + 1]
-        if right <= c:
-            break
-        if left >= c:
-            area += heap[piece + 4]
-            torque += heap[piece + 5]
-        else:
-            last, run_of = heap[piece + 3], right - c
-            best = last + (heap[piece + 2] - last) * (run_of / (right - left))
-            part = 0.5 * run_of * (best + last)
-            area += part
-            torque += (c - centre) * part + run_of * run_of * (best + 2.0 * last) / 6.0
-    return area, torque
 
 
 # ── integrals of any sets ────────────────────────────────────────────────────────────

@@ -35,13 +35,12 @@ from fuzzyarm.inference.aggregate import (
     sampled_aggregate_at_point,
     weights,
 )
+from fuzzyarm.inference.centroid import envelop_at_point, room_for_envelopes
+from fuzzyarm.inference.envelope import STEPS, add_up, reach_end
 from fuzzyarm.inference.firing_intervals import LOWER, UPPER
 from fuzzyarm.inference.plan import OutputPlan
 from fuzzyarm.inference.quadrature import Leaf, edges_of, leaves_at_point, noise_of
 from fuzzyarm.kernels import kernel
-
-STEPS = 200
-"""Most steps to an end. Five do, but for a lower set that is all but nothing."""
 
 Interval = tuple[float, float]
 
@@ -190,6 +189,8 @@ def _curve(plan: OutputPlan, fired: Fired) -> _Curve:
 
 
 def _ends_of_sets(plan: OutputPlan, fired: Fired) -> Interval | None:
+    if plan.enveloped:
+        return _ends_of_envelopes(plan, fired)
     upper, lower = (_curve(plan, side_of(plan, fired, side)) for side in (UPPER, LOWER))
     if not upper.area > 0.0:
         return None
@@ -214,6 +215,25 @@ def _ends_of_sets(plan: OutputPlan, fired: Fired) -> Interval | None:
     return left, right
 
 
+def _ends_of_envelopes(plan: OutputPlan, fired: Fired) -> Interval | None:
+    heap, begin = room_for_envelopes(plan)
+    centre = 0.5 * (plan.output.low + plan.output.high)
+    # The upper envelope from `begin` to `middle`, behind it the lower one to `behind`.
+    middle = envelop_at_point(plan, side_of(plan, fired, UPPER), heap, begin)
+    area, torque = add_up(heap, begin, middle, centre)
+    behind = envelop_at_point(plan, side_of(plan, fired, LOWER), heap, middle)
+    lower_area, more = add_up(heap, middle, behind, centre)
+    area, torque = area + lower_area, torque + more
+    if not area > 0.0:
+        return None
+    start = centre + torque / area
+    left, right = (
+        reach_end(heap, begin, middle, behind, start, centre, lower_area, sign)
+        for sign in (-1.0, 1.0)
+    )
+    return left, right
+
+
 # ── Nie and Tan ──────────────────────────────────────────────────────────────────────
 
 
@@ -224,14 +244,21 @@ def nie_tan_at_point(plan: OutputPlan, fired: Fired) -> float | None:
     both sides together (:func:`fuzzyarm.inference.plan.plan`).
     """
     area = moment = 0.0
+    heap, begin = room_for_envelopes(plan) if plan.enveloped else ([], 0)
+    behind = begin
     for side in (UPPER, LOWER):
         own = side_of(plan, fired, side)
+        if plan.enveloped:
+            behind = envelop_at_point(plan, own, heap, behind)
+            continue
         if plan.output.defuzzifier.resolution is None:
             curve = _curve(plan, own)
             a, m = curve.area, curve.moment
         else:
             a, m = _sums_of_samples(plan, own)
         area, moment = area + a, moment + m
+    if plan.enveloped:
+        area, moment = add_up(heap, begin, behind, 0.5 * (plan.output.low + plan.output.high))
     if not area > 0.0:
         return None
     exact = plan.output.defuzzifier.resolution is None

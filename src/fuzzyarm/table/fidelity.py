@@ -11,7 +11,6 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzyarm.inference.layout import has_envelope
 from fuzzyarm.inference.plan import part_for, plan
 from fuzzyarm.model.rulebase import AnyRuleBase, RuleBase
 from fuzzyarm.table.axis import Axis, TableError
@@ -144,7 +143,7 @@ def _even_points(rulebase: RuleBase) -> int:
             continue
         if way.resolution is not None:
             count = min(count, max(_FEW_POINTS // 16, _SAMPLES // way.resolution))
-        elif way.method != "centroid" or (output.closed is None and not has_envelope(output)):
+        elif way.method != "centroid" or (output.closed is None and not output.enveloped):
             count = min(count, _FEW_POINTS)
     return count
 
