@@ -1,15 +1,22 @@
 """Text and meaning: each gives the other back, for every model that can be made."""
 
 from dataclasses import replace
+from pathlib import Path
 
+import pytest
 from budget import cases
-from hypothesis import given, settings
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from strategies import plain_mamdani, rulebases
 
+from fuzzyarm.api import load
+from fuzzyarm.cli import main
+from fuzzyarm.formats import same_model
 from fuzzyarm.language import format_text, parse, write
 from fuzzyarm.language.check import check
 from fuzzyarm.language.tokens import name_text
+from fuzzyarm.model.rulebase import And, RuleBase
+from fuzzyarm.text.diagnostic import MAX_LINE, RuleBaseError
 from fuzzyarm.text.names import is_plain_name
 from fuzzyarm.text.numbers import number_text
 
@@ -98,3 +105,118 @@ def test_a_comment_within_an_axis_stays_as_far_in_as_its_line():
         "  # and out\n  drive u = e\n"
     )
     assert format_text(text) == text
+
+
+# --- Long lines ---
+
+MANY = [f"T{i:06}" for i in range(4000)]
+
+
+def long_texts():
+    """Texts whose statements are longer than a line may be."""
+    heads = "rulebase long\ninput e -1 .. 1\noutput u -1 .. 1\nterms u: triangles N P\n"
+    terms = "\n  ".join(" ".join(MANY[i : i + 500]) for i in range(0, len(MANY), 500))
+    either = "\n  or ".join(f"e is {name}" for name in MANY[:3000])
+    rule = f"rule if {either}  # a comment\n  then u is P\n"
+    yield f"{heads}terms e: triangles {terms}\n{rule}"
+    name = "'" + "n o" * 4000 + "'"
+    grid = f"rules u\n  e  {name}  Q\n  u  N  P\nrules u\n  e Q\n  u P\n"
+    yield f"{heads}terms e: triangles {name} Q\n{grid}"
+
+
+@pytest.mark.parametrize("text", list(long_texts()), ids=["statements", "names"])
+def test_what_is_written_of_long_statements_is_read(text):
+    before = parse(text)
+    assert before.rulebase is not None, before.diagnostics[:3]
+    formatted = format_text(text)
+    assert same_model(parse(formatted).rulebase, before.rulebase)
+    assert max(map(len, formatted.split("\n"))) <= MAX_LINE
+    assert format_text(formatted) == formatted
+    assert same_model(parse(write(before.rulebase)).rulebase, before.rulebase)
+
+
+def test_a_text_that_would_be_too_large_is_not_formatted():
+    names = [f"T{i:04}" for i in range(2300)]
+    heads = "rulebase x\ninput e 0 .. 1\noutput u 0 .. 1\nterms u: triangles N P\n"
+    terms = "\n  ".join(" ".join(names[i : i + 500]) for i in range(0, len(names), 500))
+    grid = f"rules u\n  e {' '.join(names)}\n  u {' '.join(['P*.0001'] * len(names))}\n"
+    text = f"{heads}terms e: triangles {terms}\n{grid}"
+    assert parse(text).rulebase is not None
+    with pytest.raises(RuleBaseError, match="in canonical form the line has"):
+        format_text(text)
+
+
+# --- Odd names ---
+
+WORDS = (
+    "if", "then", "is", "and", "or", "with", "when", "inf", "nan", "not", "very", "power",
+    "input", "rules", "rule", "terms", "lookup", "levels", "over", "height", "x", "pi", "e",
+    "'", '"', "\\", "#", "a#b", "a b", " a", "\n", "\t", "\r", "\x00", "\x85", "\u2028",
+    "\ufeff", "\u202e", "²", "1", "1a", "-", "a-b", "-a", "e\\ce", "'q'", "é", "e\u0301", "💧",
+    ".", "a.b", "*", "(", ",", ":", "=", "..", "N*0.5", "∞", "%", "a" * 900,
+)  # fmt: skip
+odd_words = st.one_of(st.sampled_from(WORDS), st.text(min_size=1, max_size=6))
+
+
+@st.composite
+def renamed(draw):
+    """A rule base in which everything that has a name has an odd one."""
+    rulebase = draw(plain_mamdani())
+    variables = (*rulebase.inputs, *rulebase.outputs)
+    terms = {term.name for variable in variables for term in variable.terms}
+    count = len(variables) + len(terms) + 1
+    words = draw(st.lists(odd_words, min_size=count, max_size=count, unique=True))
+    own = dict(zip((variable.name for variable in variables), words, strict=False))
+    other = dict(zip(sorted(terms), words[len(variables) :], strict=False))
+
+    def named(variable):
+        changed = tuple(replace(term, name=other[term.name]) for term in variable.terms)
+        return replace(
+            variable, name=own[variable.name], terms=changed, description=draw(odd_words)
+        )
+
+    def part(each):
+        if isinstance(each, And):
+            return And(tuple(map(part, each.operands)))
+        return replace(each, variable=own[each.variable], term=other[each.term])
+
+    rules = tuple(
+        replace(
+            rule, antecedent=part(rule.antecedent), consequents=tuple(map(part, rule.consequents))
+        )
+        for rule in rulebase.rules
+    )
+    return replace(
+        rulebase,
+        name=words[-1],
+        description=draw(odd_words),
+        inputs=tuple(map(named, rulebase.inputs)),
+        outputs=tuple(map(named, rulebase.outputs)),
+        blocks=(replace(rulebase.blocks[0], rules=rules),),
+    )
+
+
+@pytest.mark.parametrize("suffix", [".frb", ".fis", ".fll", ".fcl"])
+def test_what_is_converted_of_odd_names_is_read(suffix, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+
+    @settings(max_examples=cases(6, 100), suppress_health_check=list(HealthCheck))
+    @given(renamed())
+    def holds(rulebase):
+        Path("a.frb").write_bytes(write(rulebase).encode())
+        assert same_model(load("a.frb"), rulebase)
+        assert main(["convert", "a.frb", f"b{suffix}", "--lossy"]) == 0, capsys.readouterr()
+        assert main(["convert", f"b{suffix}", "c.frb", "--lossy"]) == 0, capsys.readouterr()
+        assert suffix != ".frb" or same_model(load("c.frb"), rulebase)
+        assert isinstance(load("c.frb"), RuleBase)
+        assert main(["fmt", "c.frb"]) == 0, capsys.readouterr()
+        assert isinstance(load("c.frb"), RuleBase)
+
+    holds()
+
+
+def test_the_numbers_of_a_partner_keep_odd_names():
+    text = "controller c\nperiod 1 ms\npartner base = mrac, 'a b'.gravity = 0, 'x..' = 1, m_1 = 2\n"
+    formatted = format_text(text + "axis joint1\n  drive torque = partner base\n")
+    assert "mrac, 'a b.gravity' = 0, 'x..' = 1, m_1 = 2" in formatted
+    assert format_text(formatted) == formatted

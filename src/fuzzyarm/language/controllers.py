@@ -26,7 +26,7 @@ from fuzzyarm.language.signals import (
     sum_text,
 )
 from fuzzyarm.language.statements import StatementKind
-from fuzzyarm.language.tokens import STARTERS, Cursor, Fault, Figure, Word
+from fuzzyarm.language.tokens import STARTERS, Cursor, Fault, Figure, Word, name_text
 from fuzzyarm.model.controller import SOURCES, TIMES, OptionKind
 from fuzzyarm.text.diagnostic import NOWHERE, Span
 from fuzzyarm.text.names import quote
@@ -258,12 +258,18 @@ class PartnerNode(NamedTuple):
         return cls(name, law, tuple(gains), cursor.whole)
 
     def __str__(self) -> str:
-        gains = "".join(f", {gain.text} = {value}" for gain, value in self.gains)
+        gains = "".join(f", {_dotted(gain.text)} = {value}" for gain, value in self.gains)
         return f"partner {self.name} = {self.law}{gains}"
 
     def mentions(self) -> Iterator[Occurrence]:
         """Yield the names in it."""
         yield declared(Kind.SIGNAL, self.name)
+
+
+def _dotted(name: str) -> str:
+    """Return a name of parts between dots as a file has it."""
+    parts = [name_text(part) for part in name.split(".")]
+    return name if ".".join(parts) == name else quote(name, "'")
 
 
 # --- The lines of an axis ---

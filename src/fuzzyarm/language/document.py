@@ -285,7 +285,7 @@ def parse_document(text: str, memory: ParseMemory | None = None) -> Document:
     A statement that cannot be read is kept as :class:`Broken`. With a `memory`, what has not
     changed since the last text is not read again.
     """
-    too_large = _size_fault(text)
+    too_large = size_fault(text)
     if too_large is not None:
         return Document((), diagnostics=(too_large,))
     diagnostics: list[Diagnostic] = []
@@ -305,7 +305,7 @@ def parse_statements(text: str, line: int) -> Document:
     line : int
         The number of the first.
     """
-    too_large = _size_fault(text)
+    too_large = size_fault(text)
     if too_large is not None:
         return Document((), diagnostics=(too_large,))
     diagnostics: list[Diagnostic] = []
@@ -354,7 +354,8 @@ def _read_group(group: _Group) -> tuple[StatementNode, Found]:
     return node, tuple(cursor.forgiven)
 
 
-def _size_fault(text: str) -> Diagnostic | None:
+def size_fault(text: str) -> Diagnostic | None:
+    """Return what makes a text larger than one may be; None for others."""
     if len(text) > MAX_CHARACTERS:
         return Diagnostic(
             "file-too-large",
@@ -395,14 +396,35 @@ def print_document(document: Document) -> str:
         first, *rest = (aligned_lines.get(index) or str(node)).split("\n")
         margin = first[: len(first) - len(first.lstrip())]
         lines += [comment and margin + comment for comment in trivia.before]
+        below = _below(node)
+        if below is None and max(map(len, (_with_comment(first, trivia.behind), *rest))) > MAX_LINE:
+            first, *rest = [part for line in (first, *rest) for part in _broken(line)]
         lines += [_with_comment(first, trivia.behind), *rest]
-        for line, around in _below(node) or ():
+        for line, around in below or ():
             lines += [f"  {comment}" for comment in around.before if comment]
             lines.append(_with_comment(line, around.behind))
         previous = node
     lines += document.ending
     single = [line for i, line in enumerate(lines) if line or (i and lines[i - 1])]
     return "\n".join(single).rstrip("\n") + "\n" if any(lines) else ""
+
+
+_WORDS = re.compile(r"""(?:'(?:[^'\\]|\\.)*'|"(?:[^"\\]|\\.)*"|[^\s'"])+""")
+_WIDTH = 100
+
+
+def _broken(line: str) -> list[str]:
+    """Return a line that is too long for a text as several, all but the first indented."""
+    margin = line[: len(line) - len(line.lstrip())]
+    lines, words, length = [], list[str](), 0
+    for match in _WORDS.finditer(line):
+        if words and length + len(match[0]) > _WIDTH:
+            lines.append(" ".join(words))
+            words, length = [], 0
+        words.append(match[0])
+        length += len(match[0]) + 1
+    first, *rest = [*lines, " ".join(words)]
+    return [margin + first, *(f"{margin}  {each}" for each in rest)]
 
 
 def _wants_distance(previous: StatementNode, node: StatementNode) -> bool:

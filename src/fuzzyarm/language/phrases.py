@@ -14,7 +14,14 @@ from typing import NamedTuple
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
 from fuzzyarm.language.tokens import Cursor, Fault, Figure, Word
 from fuzzyarm.model.rulebase import DEFUZZIFIERS, SAMPLINGS
-from fuzzyarm.text.diagnostic import MAX_NESTING, NOWHERE, Diagnostic, Span, display_width
+from fuzzyarm.text.diagnostic import (
+    MAX_LINE,
+    MAX_NESTING,
+    NOWHERE,
+    Diagnostic,
+    Span,
+    display_width,
+)
 from fuzzyarm.text.names import near_hint, quote
 from fuzzyarm.text.numbers import number_text
 
@@ -78,11 +85,16 @@ def declared(kind: Kind, word: Word, owners: tuple[str, ...] = ()) -> Occurrence
 
 
 def aligned(rows: Sequence[Sequence[str]], gap: str = "  ") -> list[str]:
-    """Return `rows` as lines indented by two, columns a gap apart and left-aligned."""
+    """Return `rows` as lines indented by two, columns a gap apart and left-aligned.
+
+    Where that would make a line longer than a text may have, the columns are not aligned.
+    """
     widths = [0] * max(map(len, rows), default=0)
     for row in rows:
         for i, text in enumerate(row):
             widths[i] = max(widths[i], display_width(text))
+    if sum(widths) + len(gap) * len(widths) + 2 > MAX_LINE:
+        return [f"  {' '.join(filter(None, row))}" for row in rows]
     lines = []
     for row in rows:
         # Columns as a terminal shows them: a wide character takes two.

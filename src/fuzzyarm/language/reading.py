@@ -9,7 +9,13 @@ from typing import NamedTuple
 from fuzzyarm.expression.records import failures
 from fuzzyarm.language.controller_meaning import elaborate_controller
 from fuzzyarm.language.controllers import ControllerHeading
-from fuzzyarm.language.document import Document, ParseMemory, parse_document, print_document
+from fuzzyarm.language.document import (
+    Document,
+    ParseMemory,
+    parse_document,
+    print_document,
+    size_fault,
+)
 from fuzzyarm.language.meaning import UNNAMED, elaborate
 from fuzzyarm.language.statements import Broken, Heading
 from fuzzyarm.model.controller import ControllerModel
@@ -232,9 +238,15 @@ def format_text(text: str, path: str = "<text>") -> str:
     Raises
     ------
     RuleBaseError
-        If `text` has mistakes: what is not understood is not rewritten.
+        If `text` has mistakes: what is not understood is not rewritten. Or if its canonical form
+        is larger than a text may be.
     """
     parsed = parse(text, path)
     if any(diagnostic.is_error for diagnostic in parsed.diagnostics):
         raise RuleBaseError(parsed.diagnostics)
-    return print_document(parsed.document)
+    formatted = print_document(parsed.document)
+    fault = size_fault(formatted)
+    if fault is not None:
+        message = f"in canonical form {fault.message}"
+        raise RuleBaseError([replace(fault, message=message, span=Span(1, 1, 1, 2), path=path)])
+    return formatted
