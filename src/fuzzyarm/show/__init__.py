@@ -4,6 +4,7 @@ The drawings are renderables of rich: ``make_console().print(rulebase_view(model
 """
 
 from fuzzyarm.lazy import lazily
+from fuzzyarm.show.diagram import Diagram, DiagramBlock, DiagramWire, block_diagram
 from fuzzyarm.show.diff import compare_rulebases, rulebase_diff_view, table_diff_view
 from fuzzyarm.show.drawing import HeatGrid, Scale, make_console, number_words, plain_text, scale_of
 from fuzzyarm.show.rulebase import RuleGrid, find_grids, rule_grid, rulebase_view, rules_view
@@ -13,6 +14,9 @@ from fuzzyarm.show.terms import TermPlots, shape_words, visible_range
 from fuzzyarm.show.trace import OutputPlot, firing_view, trace_view
 
 __all__ = [
+    "Diagram",
+    "DiagramBlock",
+    "DiagramWire",
     "HeatGrid",
     "LinePlot",
     "OutputPlot",
@@ -20,6 +24,7 @@ __all__ = [
     "Scale",
     "SurfaceMap",
     "TermPlots",
+    "block_diagram",
     "compare_rulebases",
     "find_grids",
     "firing_view",
