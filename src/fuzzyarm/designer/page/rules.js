@@ -43,7 +43,7 @@ export function rulesPane(store, hand) {
       body.append(list);
     }
     if (!rules.length) body.append(el("p", { class: "note", textContent: grids.length || !store.scene.missing.includes("no-rules") ? S.tooManyRules : S.noRulesYet }));
-    if (attempt && isReady) body.append(composer(attempt, store.scene));
+    if (attempt && isReady) body.append(composing());
     if (change && isReady) {
       const line = writer(null, draft ?? "", S.newRule);
       body.append(line);
@@ -51,6 +51,16 @@ export function rulesPane(store, hand) {
     }
     body.scrollTop = seen;
     light();
+  }
+
+  let composed = { names: "", form: null };
+
+  /** The lists of a new rule: what has been chosen stays while the variables do. */
+  function composing() {
+    const { inputs, outputs } = store.scene;
+    const names = JSON.stringify([inputs, outputs].map((each) => each.map(({ name, terms }) => [name, terms.map((term) => term.name)])));
+    if (names !== composed.names) composed = { names, form: composer(attempt, store.scene) };
+    return composed.form;
   }
 
   // --- findings ---
