@@ -5,9 +5,10 @@ from __future__ import annotations
 import pytest
 
 from fuzzyarm.api import check_text
-from fuzzyarm.language import parse
+from fuzzyarm.language import format_text, parse
 from fuzzyarm.language.queries import apply_edits, fixes
 from fuzzyarm.shipped_files import shipped, shipped_names
+from fuzzyarm.text.diagnostic import Diagnostic
 
 TEXT = """\
 rulebase tip "the tip"
@@ -147,3 +148,160 @@ def test_a_missing_family_is_one_finding_and_the_terms_are_known():
     (finding,) = parse(text).diagnostics
     assert "triangles, gaussians, singletons" in finding.message
     assert finding.replacement == "triangles N"
+
+
+# --- What engineers bring from elsewhere ---
+
+FAN = """\
+rulebase fan "speed of a fan"
+input temp 0 .. 40 "temperature"
+input h 0 .. 100
+output v 0 .. 10
+terms temp: triangles COLD OK HOT
+terms h: triangles DRY WET
+term v LOW: triangle 0 2 5
+term v HIGH: triangle 5 8 10
+inference and min, or max, aggregation max, defuzzifier centroid
+rules v
+  temp \\ h  DRY  WET
+  COLD       LOW  .
+  OK         LOW  HIGH
+  HOT        HIGH HIGH*0.5
+rules v when h is WET
+  temp  COLD  OK  HOT
+  v     LOW   .   HIGH
+rule if temp is not HOT then v is LOW with 0.5
+expect temp = 40, h = 100 -> v > 5
+prove v in 0 .. 10
+prove v rises with temp
+"""
+
+MORE_SLIPS = [
+    ("input temp 0", "input temp := 0"),
+    ("input temp 0", "input temp: 0"),
+    ("input temp 0", "input temp range 0"),
+    ("input temp 0 .. 40", "input temp in [0, 40]"),
+    ("input temp 0 .. 40", "variable temp 0 .. 40"),
+    ('"temperature"', "temperature"),
+    ("LOW: triangle 0 2 5", "LOW triangle 0 2 5"),
+    ("LOW: triangle 0 2 5", "LOW: trimf 0 2 5"),
+    ("LOW: triangle 0 2 5", "LOW = trimf([0 2 5])"),
+    ("LOW: triangle 0 2 5", "LOW: triangle 5 2 0"),
+    ("term v LOW", "mf v LOW"),
+    ("and min, or max", "and = min, or = max"),
+    ("and min, or max", "AND : MIN, OR : MAX"),
+    ("LOW  .", "LOW  -"),
+    ("LOW  .", "LOW  ?"),
+    ("HIGH*0.5", "HIGH(0.5)"),
+    ("rules v when h is WET", "rules v when h = WET"),
+    ("rules v\n", "rules v =\n"),
+    ("rules v\n", "rules: v\n"),
+    ("rules v\n", "rules table v\n"),
+    ("temp is not HOT", "not temp is HOT"),
+    ("temp is not HOT", "temp isn't HOT"),
+    ("with 0.5", "(0.5)"),
+    ("with 0.5", "weight 0.5"),
+    ("with 0.5", "with 0,5"),
+    ("->", "=>"),
+    ("->", "→"),
+    ("expect temp", "assert temp"),
+    ("v in 0 .. 10", "v between 0 and 10"),
+    ("v in 0 .. 10", "v in [0, 10]"),
+    ("rises with temp", "increases with temp"),
+    ("rises with temp", "rises in temp"),
+]
+
+
+def errors(text: str) -> list[Diagnostic]:
+    return [each for each in check_text(text).diagnostics if each.is_error]
+
+
+def test_the_fan_itself_is_sound() -> None:
+    assert parse(FAN).diagnostics == ()
+
+
+@pytest.mark.parametrize(("right", "wrong"), MORE_SLIPS)
+def test_one_slip_of_elsewhere_is_one_finding(right: str, wrong: str) -> None:
+    text = FAN.replace(right, wrong, 1)
+    assert text != FAN
+    (finding,) = parse(text).diagnostics
+    first = next(fix for fix in fixes(finding, text) if fix.preferred)
+    assert format_text(apply_edits(text, first.edits)) == format_text(FAN)
+    assert finding.hint.removeprefix("write  ") in " ".join(FAN.split()) or "here" in finding.hint
+
+
+ADVICE = {
+    "term LOW: triangle 0 2 5": ("belongs to a variable", "term VARIABLE LOW: triangle 0 2 5"),
+    "rule if temp is HOT then v is HIGH else v is LOW": ("no else", "a second rule"),
+    "rule if temp > 30 then v is HIGH": ("not for numbers", "term temp BEYOND: ramp"),
+    "expect temp = 0, h = 0 -> v ~ 5": ("within", "-> u = 5 within 0.1"),
+    "expect temp = 0 -> v > 5": ("missing: h", "add  h = 0"),
+    "prove v monotone": ("what is proved", "prove u rises with e"),
+    "drive v = u": ("no statement", "below a line  controller NAME"),
+    "gain K = 3": ("no statement", "below a line  controller NAME"),
+    "period 1 ms": ("no statement", "below a line  controller NAME"),
+}
+
+
+@pytest.mark.parametrize("line", ADVICE)
+def test_a_line_that_needs_more_says_what(line: str) -> None:
+    said, hint = ADVICE[line]
+    (finding,) = parse(f"{FAN}{line}\n").diagnostics
+    assert finding.line == FAN.count("\n") + 1
+    assert said in finding.message
+    assert hint in finding.hint
+
+
+@pytest.mark.parametrize(
+    ("variable", "terms"),
+    [("temp", "COLD OK HOT"), ("input1", "NB ZE PB"), ("out", "IN MID OUT"), ("e", "low mid top"),
+     ("rate", "ON OFF ANY"), ("tuned", "A B C")],
+)  # fmt: skip
+def test_a_grid_may_stand_without_indentation_whatever_its_names(variable: str, terms: str) -> None:
+    text = FAN.replace("temp", variable)
+    for new, old in zip(terms.split(), ("COLD", "OK", "HOT"), strict=True):
+        text = text.replace(old, new)
+    assert parse(text).diagnostics == ()
+    flat = "\n".join(line.lstrip() for line in text.split("\n"))
+    parsed = parse(flat)
+    assert parsed.diagnostics == ()
+    assert parsed.rulebase == parse(text).rulebase
+    assert format_text(flat) == format_text(text)
+
+
+def test_a_grid_without_a_header_is_one_finding_and_has_it() -> None:
+    text = FAN.replace("LOW  .", "LOW  LOW").replace("  temp \\ h  DRY  WET\n", "", 1)
+    (finding,) = parse(text).diagnostics
+    assert finding.name == "missing-header"
+    assert finding.hint == "write  temp \\ h  DRY  WET  above"
+
+
+def test_a_name_that_starts_with_a_digit_is_one_finding() -> None:
+    sound = FAN.replace("HOT", "'1HOT'").replace("prove v rises with temp\n", "")
+    assert errors(sound) == []
+    (finding,) = errors(sound.replace("triangles COLD OK '1HOT'", "triangles COLD OK 1HOT"))
+    assert finding.name == "bad-number"
+
+
+def test_terms_without_a_finite_range_are_one_finding() -> None:
+    (finding,) = errors(FAN.replace("0 .. 40", "0 .. inf"))
+    assert finding.name == "bad-range"
+
+
+TEXTS_OF_OTHERS = {
+    "FUNCTION_BLOCK a\nVAR_INPUT\n t : REAL;\nEND_VAR\nFUZZIFY t\nEND_FUZZIFY\n": "FCL",
+    "[System]\nName='a'\nType='mamdani'\n[Input1]\nName='x'\n": "a FIS of MATLAB",
+    "Engine: a\nInputVariable: x\n  enabled: true\n  range: 0 1\n": "FLL",
+    "<?xml version='1.0'?>\n<fuzzySystem>\n<a/>\n</fuzzySystem>\n": "FML",
+    "PROGRAM main\nVAR\n x : REAL;\nEND_VAR\nx := 1;\nEND_PROGRAM\n": "Structured Text",
+    "import numpy as np\nimport skfuzzy as fuzz\nx = fuzz.trimf(np.arange(9), [0, 1, 2])\n": (
+        "a program in Python"
+    ),
+}
+
+
+@pytest.mark.parametrize("text", TEXTS_OF_OTHERS)
+def test_a_text_of_another_program_is_called_that_once(text: str) -> None:
+    (finding,) = check_text(text).diagnostics
+    assert finding.message == f"this is {TEXTS_OF_OTHERS[text]}, not the language of .frb files"
+    assert finding.hint

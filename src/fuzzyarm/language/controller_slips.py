@@ -7,35 +7,10 @@ for a line that needs more than itself: another line above it, a rule base, a nu
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
-from typing import NamedTuple
 
 from fuzzyarm.language.controllers import CONTROLLER_STATEMENTS, SIGNAL
+from fuzzyarm.language.notations import ANY_CASE, CAPITALS, NAME, NUMBER, Advice, Slip, small
 from fuzzyarm.model.controller import SOURCES
-from fuzzyarm.text.diagnostic import Span
-
-_NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
-_NAME = r"(?:'[^']*'|[^\W\d]\w*(?:-[^\W\d]\w*)*)"
-_ANY_CASE = re.IGNORECASE
-
-Written = str | Callable[[re.Match[str]], str]
-
-
-class Slip(NamedTuple):
-    """A notation of elsewhere: what is said of it, what is looked for and what is written here.
-
-    `words` are the statements in which it is looked for: of a rule base ``row`` and ``header`` for
-    the lines of a grid, of a controller ``signal``, and an empty word for a line that begins like
-    none; without them, all lines are. It is looked for outside strings and comments, or, as
-    `whole`, in all of the line.
-    """
-
-    said: str
-    pattern: re.Pattern[str]
-    written: Written
-    words: tuple[str, ...] = ()
-    whole: bool = False
-
 
 # --- Sources by the words that others have for them ---
 
@@ -56,13 +31,13 @@ _SOURCE_OF = {word: word for word in SOURCES if SOURCES[word].of in ("port", "si
 
 _TAKEN = "|".join(sorted(_SOURCE_OF, key=len, reverse=True))
 _OF_ONE = re.compile(
-    rf"\b({_TAKEN})\b(?:\s+(?:of|in|on|at|for)\b)?\s*(?:\(\s*({_NAME})\s*\)|\s({_NAME}))"
+    rf"\b({_TAKEN})\b(?:\s+(?:of|in|on|at|for)\b)?\s*(?:\(\s*({NAME})\s*\)|\s({NAME}))"
     r"(?!\s*[(\w])",
-    _ANY_CASE,
+    ANY_CASE,
 )
 _SOURCE = (
-    rf"(?:(?:error|rate|change|integral|lag) of {_NAME}|sum of error of {_NAME}"
-    rf"|(?:reference|measured) {_NAME}|(?:rules|table) {_NAME}\s*\([^()]*\))"
+    rf"(?:(?:error|rate|change|integral|lag) of {NAME}|sum of error of {NAME}"
+    rf"|(?:reference|measured) {NAME}|(?:rules|table) {NAME}\s*\([^()]*\))"
 )
 
 
@@ -77,10 +52,6 @@ def _comma_list(text: str) -> str:
     return ", ".join(re.split(r"[\s,;]+", text.strip()))
 
 
-def _small(match: re.Match[str]) -> str:
-    return match.group().lower()
-
-
 _STARTERS = "|".join(word for word in CONTROLLER_STATEMENTS if word != SIGNAL)
 _VOCABULARY = "|".join({word for source in SOURCES.values() for word in source.options})
 
@@ -91,7 +62,6 @@ _FUNCTIONS = (
 )  # fmt: skip
 _NO_CALL = "|".join(("rules", "table", *_FUNCTIONS, *_SOURCE_OF))
 
-_CAPITALS = "words of the language are written in small letters"
 _LINE = (SIGNAL, "drive")
 
 SLIPS = (
@@ -100,47 +70,47 @@ SLIPS = (
         re.compile(r"(?:\(\*|/\*)\s*(.*?)\s*(?:\*\)|\*/)\s*$"),
         r"# \1",
     ),
-    Slip(_CAPITALS, re.compile(rf"^\s*(?:{_STARTERS})\b(?!\s*:?=)", _ANY_CASE), _small),
+    Slip(CAPITALS, re.compile(rf"^\s*(?:{_STARTERS})\b(?!\s*:?=)", ANY_CASE), small),
     Slip(
-        _CAPITALS,
-        re.compile(rf"\b(?:{'|'.join(SOURCES)}|{_VOCABULARY}|of)\b(?=\s+[\w'.+-])", _ANY_CASE),
-        _small,
+        CAPITALS,
+        re.compile(rf"\b(?:{'|'.join(SOURCES)}|{_VOCABULARY}|of)\b(?=\s+[\w'.+-])", ANY_CASE),
+        small,
         _LINE,
     ),
-    Slip(_CAPITALS, re.compile(r"\b(?:TUNE|LOG|PI|Tune|Log|Pi)\b"), _small, ("gain",)),
+    Slip(CAPITALS, re.compile(r"\b(?:TUNE|LOG|PI|Tune|Log|Pi)\b"), small, ("gain",)),
     Slip("a quotient of π is written with pi", re.compile("[πΠ]"), "pi", ("gain",)),
     Slip(
         "how often it runs is its period",
         re.compile(
             r"^\s*(?:sampl(?:e|ing)(?:[ _-]?(?:time|period|interval))?|cycle(?:[ _-]?time)?"
             r"|control[ _-]period|dt|Ts|T_s|tick|interval|every)\b\s*[:=]?\s*(?=[.\d])",
-            _ANY_CASE,
+            ANY_CASE,
         ),
         "period ",
         ("",),
     ),
     Slip(
         "how often it runs is its period, a number with its unit",
-        re.compile(rf"^\s*(?:dt|Ts|T_s|sample[ _-]?time)\s*[:=]?\s*({_NUMBER})\s*$", _ANY_CASE),
+        re.compile(rf"^\s*(?:dt|Ts|T_s|sample[ _-]?time)\s*[:=]?\s*({NUMBER})\s*$", ANY_CASE),
         r"period \1 s",
         ("",),
     ),
     Slip(
         "a number by name is a gain",
-        re.compile(r"^\s*(?:param(?:eter)?|const(?:ant)?|var|let|real|float)\b", _ANY_CASE),
+        re.compile(r"^\s*(?:param(?:eter)?|const(?:ant)?|var|let|real|float)\b", ANY_CASE),
         "gain",
         ("",),
     ),
     Slip("a file is named by use", re.compile(r"^\s*(?:import|include|load|uses)\b"), "use", ("",)),
     Slip(
         "what is done for each axis stands below  axis NAME",
-        re.compile(r"^\s*(?:axes|joints?|channels?)\b", _ANY_CASE),
+        re.compile(r"^\s*(?:axes|joints?|channels?)\b", ANY_CASE),
         "axis",
         ("",),
     ),
     Slip(
         "a set point lasts some periods",
-        re.compile(r"^\s*set[ _-]?point\s*[:=]?\s*(?:every\s*)?[:=]?\s*(?=\d)", _ANY_CASE),
+        re.compile(r"^\s*set[ _-]?point\s*[:=]?\s*(?:every\s*)?[:=]?\s*(?=\d)", ANY_CASE),
         "set-point every ",
         ("", "set-point"),
     ),
@@ -158,7 +128,7 @@ SLIPS = (
     ),
     Slip(
         "a time is a number with its unit",
-        re.compile(r"\b(?:T|TIME)#(?=\d)", _ANY_CASE),
+        re.compile(r"\b(?:T|TIME)#(?=\d)", ANY_CASE),
         "",
         ("period", SIGNAL),
         whole=True,
@@ -174,13 +144,13 @@ SLIPS = (
     ),
     Slip(
         "commas stand between axes",
-        re.compile(rf"^(\s*axis\s+)({_NAME}(?:\s*(?:\band\b|&|\s)\s*{_NAME})+)\s*$"),
-        lambda m: m[1] + ", ".join(re.findall(_NAME, re.sub(r"\band\b|&", " ", m[2]))),
+        re.compile(rf"^(\s*axis\s+)({NAME}(?:\s*(?:\band\b|&|\s)\s*{NAME})+)\s*$"),
+        lambda m: m[1] + ", ".join(re.findall(NAME, re.sub(r"\band\b|&", " ", m[2]))),
         ("axis",),
     ),
     Slip(
         "a file is used under a name",
-        re.compile(rf'^\s*use\s+"([^"]+)"\s+as\s+({_NAME})'),
+        re.compile(rf'^\s*use\s+"([^"]+)"\s+as\s+({NAME})'),
         r'use \2 from "\1"',
         ("use", ""),
         whole=True,
@@ -194,7 +164,7 @@ SLIPS = (
     ),
     Slip(
         "a file stands in double quotes behind from",
-        re.compile(rf"""^(\s*use\s+{_NAME})\s*(?:from\b|=|:|\s)\s*(?:"([^"]*)"|'([^']*)'|([^\s"',#]+))"""),
+        re.compile(rf"""^(\s*use\s+{NAME})\s*(?:from\b|=|:|\s)\s*(?:"([^"]*)"|'([^']*)'|([^\s"',#]+))"""),
         lambda m: f'{m[1]} from "{m[2] or m[3] or m[4]}"',
         ("use", ""),
         whole=True,
@@ -202,7 +172,7 @@ SLIPS = (
     # Gains
     Slip(
         "'=' stands between a name and its value",
-        re.compile(rf"^(\s*(?:gain|partner)\s+{_NAME})(?:\s*:\s*=?\s*|\s+(?=[^=:\s]))"),
+        re.compile(rf"^(\s*(?:gain|partner)\s+{NAME})(?:\s*:\s*=?\s*|\s+(?=[^=:\s]))"),
         r"\1 = ",
         ("gain", "partner"),
     ),
@@ -214,14 +184,14 @@ SLIPS = (
     ),
     Slip(
         "a unit stands in double quotes",
-        re.compile(rf"""(=\s*{_NUMBER}(?:\s*[*/]\s*(?:{_NUMBER}|pi))*)\s+['\[]?([^\W\d][^,"'#\]]*?|1/[^,"'#\]]+?)['\]]?\s*(?=,|#|$)"""),
+        re.compile(rf"""(=\s*{NUMBER}(?:\s*[*/]\s*(?:{NUMBER}|pi))*)\s+['\[]?([^\W\d][^,"'#\]]*?|1/[^,"'#\]]+?)['\]]?\s*(?=,|#|$)"""),
         r'\1 "\2"',
         ("gain",),
         whole=True,
     ),
     Slip(
         "a range is written with two points",
-        re.compile(rf"(\btune\s+)\[?\s*({_NUMBER})\s*(?:\bto\b|[,;:]|\s)\s*({_NUMBER})(?:\s*\])?"),
+        re.compile(rf"(\btune\s+)\[?\s*({NUMBER})\s*(?:\bto\b|[,;:]|\s)\s*({NUMBER})(?:\s*\])?"),
         r"\1\2 .. \3",
         ("gain",),
     ),
@@ -250,8 +220,8 @@ SLIPS = (
     Slip(
         "a range is written with two points",
         re.compile(
-            rf"(\bwithin\s+)[\[(]?\s*({_NUMBER})\s*(?:[^\W\d]\w*)?\s*(?:\.\.|\bto\b|[,;:]|\s)"
-            rf"\s*({_NUMBER})(?:\s*(?!slew|within)[^\W\d]\w*)?(?:\s*[\])])?"
+            rf"(\bwithin\s+)[\[(]?\s*({NUMBER})\s*(?:[^\W\d]\w*)?\s*(?:\.\.|\bto\b|[,;:]|\s)"
+            rf"\s*({NUMBER})(?:\s*(?!slew|within)[^\W\d]\w*)?(?:\s*[\])])?"
         ),
         r"\1\2 .. \3",
         _LINE,
@@ -265,7 +235,7 @@ SLIPS = (
     Slip(
         "a low-pass has a time",
         re.compile(
-            rf"\b((lag|rate) of {_NAME}[^,]*),"
+            rf"\b((lag|rate) of {NAME}[^,]*),"
             r"\s*(?:tau|T|constant|tc|filter|time)?\s*=?\s*(?=[\d.])"
         ),
         lambda m: f"{m[1]}, {'time' if m[2] == 'lag' else 'filter'} ",
@@ -273,71 +243,71 @@ SLIPS = (
     ),
     Slip(
         "anti-windup says how: hold, or back in a time",
-        re.compile(r"\banti[- _]?windup\b(?:\s+(?:on|yes|true))?(?!\s*(?:hold|back))", _ANY_CASE),
+        re.compile(r"\banti[- _]?windup\b(?:\s+(?:on|yes|true))?(?!\s*(?:hold|back))", ANY_CASE),
         "anti-windup hold",
         (SIGNAL,),
     ),
     # Sources
     Slip(
         "an error is named by its port",
-        re.compile(rf"\breference\s+({_NAME})\s*-\s*measured\s+\1(?![\w-])"),
+        re.compile(rf"\breference\s+({NAME})\s*-\s*measured\s+\1(?![\w-])"),
         r"error of \1",
         _LINE,
     ),
     Slip(
         "the change per second is a rate",
-        re.compile(rf"\bd\s*/\s*dt\s*(?:\(\s*({_NAME})\s*\)|({_NAME}))|\bd([^\W\d]\w*)\s*/\s*dt\b"),
+        re.compile(rf"\bd\s*/\s*dt\s*(?:\(\s*({NAME})\s*\)|({NAME}))|\bd([^\W\d]\w*)\s*/\s*dt\b"),
         lambda m: f"rate of {m[1] or m[2] or m[3]}",
         _LINE,
     ),
     Slip(
         "an error is written behind the word",
-        re.compile(rf"(?<=[=*+(])\s*({_NAME})\s+error\b(?!\s+of)"),
+        re.compile(rf"(?<=[=*+(])\s*({NAME})\s+error\b(?!\s+of)"),
         r" error of \1",
         _LINE,
     ),
     Slip(
         "a rule base is asked by rules",
-        re.compile(rf"\bevalfis\s*\(\s*({_NAME})\s*,\s*\[?([^\])]*)\]?\s*\)"),
+        re.compile(rf"\bevalfis\s*\(\s*({NAME})\s*,\s*\[?([^\])]*)\]?\s*\)"),
         lambda m: f"rules {m[1]}({_comma_list(m[2])})",
         _LINE,
     ),
     Slip(
         "the inputs stand in parentheses",
-        re.compile(rf"\b({_NAME})\s*\[([^\]]*)\]"),
+        re.compile(rf"\b({NAME})\s*\[([^\]]*)\]"),
         lambda m: f"{m[1]}({_comma_list(m[2])})",
         _LINE,
     ),
     Slip(
         "inputs stand in the order of the rule base, without their names",
-        re.compile(rf"(?<=[(,])(\s*){_NAME}\s*=\s*(?={_NAME})"),
+        re.compile(rf"(?<=[(,])(\s*){NAME}\s*=\s*(?={NAME})"),
         r"\1",
         _LINE,
     ),
     Slip(
         "a rule base is asked by rules",
         re.compile(
-            r"\b(?:rule|rulebase|fuzzy|infer|evaluate|eval|fis)\s+(?=[\w']+\s*\()", _ANY_CASE
+            r"\b(?:rule|rulebase|fuzzy|infer|evaluate|eval|fis)\s+(?=[\w']+\s*\()", ANY_CASE
         ),
         "rules ",
         _LINE,
     ),
     Slip(
         "a rule base is asked by rules, a table by table",
-        re.compile(rf"(=\s*)(?!(?:{_NO_CALL})\b)({_NAME})\s*\((?=[^()]*\))", _ANY_CASE),
+        re.compile(rf"(=\s*)(?!(?:{_NO_CALL})\b)({NAME})\s*\((?=[^()]*\))", ANY_CASE),
         r"\1rules \2(",
         _LINE,
     ),
     Slip(
         "the inputs stand in parentheses",
-        re.compile(rf"\b(rules|table)\s+({_NAME})\s+({_NAME}(?:(?:\s*,\s*|\s+){_NAME})*)\s*$"),
+        re.compile(rf"\b(rules|table)\s+({NAME})\s+({NAME}(?:(?:\s*,\s*|\s+){NAME})*)\s*$"),
         lambda m: f"{m[1]} {m[2]}({_comma_list(m[3])})",
         _LINE,
     ),
     Slip("a source is written  WORD of NAME", _OF_ONE, _source, _LINE),
     Slip(
         "a factor stands behind '*'",
-        re.compile(rf"(=\s*)({_NAME})\s+({_SOURCE})(?=\s*(?:,|$))"),
+        re.compile(rf"(=\s*)({NAME})\s+({_SOURCE})(?=\s*(?:,|$))"),
         r"\1\3 * \2",
         (SIGNAL,),
     ),
@@ -349,27 +319,27 @@ SLIPS = (
     ),
     Slip(
         "a power is written as a product",
-        re.compile(rf"({_NAME})\s*(?:\^|\*\*)\s*([23])\b"),
+        re.compile(rf"({NAME})\s*(?:\^|\*\*)\s*([23])\b"),
         lambda m: " * ".join([m[1]] * int(m[2])),
         _LINE,
     ),
     # Drives, zooms, learners
     Slip(
         "a drive is named before what it gets",
-        re.compile(rf"^(\s*)drive\s+([^=]+?)\s+(?:to|into|on)\s+({_NAME})\s*(?=,|$)"),
+        re.compile(rf"^(\s*)drive\s+([^=]+?)\s+(?:to|into|on)\s+({NAME})\s*(?=,|$)"),
         r"\1drive \3 = \2",
         ("drive",),
     ),
     Slip(
         "'=' stands behind the port",
-        re.compile(rf"^(\s*drive\s+)\(?\s*({_NAME})\s*\)?\s*[:=]?\s*(?=[\w'.-])"),
+        re.compile(rf"^(\s*drive\s+)\(?\s*({NAME})\s*\)?\s*[:=]?\s*(?=[\w'.-])"),
         r"\1\2 = ",
         ("drive",),
     ),
     Slip(
         "what goes to the plant is a drive",
         re.compile(
-            rf"^(\s*)(?:output|out|actuator|actuate|send|write|put)\s+(?={_NAME}\s*=)", _ANY_CASE
+            rf"^(\s*)(?:output|out|actuator|actuate|send|write|put)\s+(?={NAME}\s*=)", ANY_CASE
         ),
         r"\1drive ",
         (SIGNAL,),
@@ -384,35 +354,11 @@ SLIPS = (
 )  # fmt: skip
 """Every other notation, in the order in which a line of a controller is put right."""
 
-ENDINGS = re.compile(r"^\s*(?:end\w*(?:[ _-]\w+)?|begin|[{}]+)\s*[;.]?\s*$", _ANY_CASE)
+ENDINGS = re.compile(r"^\s*(?:end\w*(?:[ _-]\w+)?|begin|[{}]+)\s*[;.]?\s*$", ANY_CASE)
 """Lines that end a part elsewhere; here nothing does."""
 
 
 # --- Lines that need more than themselves ---
-
-
-class Advice(NamedTuple):
-    """What is said of a line that cannot be put right alone, and what to do.
-
-    `said` and `hint` may ask the match; the finding stands at its group ``at``, or at all of it.
-    """
-
-    pattern: re.Pattern[str]
-    said: Written
-    hint: Written
-    words: tuple[str, ...] = ()
-
-    def on(self, line: str, number: int) -> tuple[str, str, Span] | None:
-        """Return message, hint and place for a line, None where it is another one."""
-        match = self.pattern.search(line)
-        if match is None:
-            return None
-        group = "at" if "at" in self.pattern.groupindex else 0
-        span = Span(number, match.start(group) + 1, number, match.end(group) + 1)
-        said, hint = (
-            text if isinstance(text, str) else text(match) for text in (self.said, self.hint)
-        )
-        return said, hint, span
 
 
 def _above(match: re.Match[str]) -> str:
@@ -430,13 +376,13 @@ def _in_place_of(match: re.Match[str]) -> str:
 
 
 _ANY_SOURCE = (
-    rf"(?:(?:error|rate|change|integral|lag)\s+of\s+{_NAME}|sum\s+of\s+error\s+of\s+{_NAME}"
-    rf"|(?:reference|measured)\s+{_NAME}|(?:rules|table)\s+{_NAME}\s*\([^()]*\))"
+    rf"(?:(?:error|rate|change|integral|lag)\s+of\s+{NAME}|sum\s+of\s+error\s+of\s+{NAME}"
+    rf"|(?:reference|measured)\s+{NAME}|(?:rules|table)\s+{NAME}\s*\([^()]*\))"
 )
 
 ADVICE = (
     Advice(
-        re.compile(r"^\s*(?P<at>(?:rule\s+)?(?:if|when|case)\b.*)", _ANY_CASE),
+        re.compile(r"^\s*(?P<at>(?:rule\s+)?(?:if|when|case)\b.*)", ANY_CASE),
         "a controller has no rules and no 'if': they stand in a rule base",
         "write them into a rule base, in this file or another, and  u = rules NAME(e, ce)  here",
     ),
@@ -453,13 +399,13 @@ ADVICE = (
         _LINE,
     ),
     Advice(
-        re.compile(rf"\b(?:rules|table)\s+{_NAME}\s*\((?:[^,()]*,)*\s*(?P<at>[^,()]*[*/+][^,()]*)"),
+        re.compile(rf"\b(?:rules|table)\s+{NAME}\s*\((?:[^,()]*,)*\s*(?P<at>[^,()]*[*/+][^,()]*)"),
         "the inputs of a rule base are signals",
         _above,
         _LINE,
     ),
     Advice(
-        re.compile(rf"\b(?P<at>{'|'.join(_FUNCTIONS)})\s*\(", _ANY_CASE),
+        re.compile(rf"\b(?P<at>{'|'.join(_FUNCTIONS)})\s*\(", ANY_CASE),
         _no_function,
         _in_place_of,
         _LINE,
@@ -495,25 +441,25 @@ ADVICE = (
         (SIGNAL,),
     ),
     Advice(
-        re.compile(rf"\b(?P<at>(?:rules|table)\s+({_NAME}))(?!\s*\()"),
+        re.compile(rf"\b(?P<at>(?:rules|table)\s+({NAME}))(?!\s*\()"),
         "the inputs are missing",
         lambda m: f"write them in parentheses:  {' '.join(m['at'].split())}(e, ce)",
         _LINE,
     ),
     Advice(
-        re.compile(rf"(?P<at>({_NAME})\.(?:{_NAME}))"),
+        re.compile(rf"(?P<at>({NAME})\.(?:{NAME}))"),
         "a line with rules names the outputs, all at once",
         lambda m: f"write  u = rules {m[2]}(e, ce)",
         _LINE,
     ),
     Advice(
-        re.compile(rf"=\s*(?P<at>(?!(?:partner|{'|'.join(SOURCES)})\b){_NAME})\s+of\b"),
+        re.compile(rf"=\s*(?P<at>(?!(?:partner|{'|'.join(SOURCES)})\b){NAME})\s+of\b"),
         lambda m: f"there is no source '{m['at']}'",
         f"there are {', '.join(SOURCES)}",
         (SIGNAL,),
     ),
     Advice(
-        re.compile(rf"\bwithin\s+(?P<at>{_NUMBER})\s*(?=,|$)"),
+        re.compile(rf"\bwithin\s+(?P<at>{NUMBER})\s*(?=,|$)"),
         "limits are two numbers",
         lambda m: f"as in  within {_mirrored(m['at'])}",
         _LINE,

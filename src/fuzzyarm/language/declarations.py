@@ -31,6 +31,7 @@ from fuzzyarm.text.diagnostic import (
     Span,
 )
 from fuzzyarm.text.names import near_hint
+from fuzzyarm.text.numbers import number_text
 
 # --- The names in scope, and the findings ---
 
@@ -161,9 +162,23 @@ def _elaborate_shape(node: ShapeNode, draft: Draft | None, scope: Scope) -> Shap
     fault = _shape_fault(kind, parameters)
     if fault is not None:
         index, message = fault
-        scope.report("bad-shape", message, node.figures[index].span)
+        right = _turned_round(kind, parameters)
+        if right:
+            span = node.figures[0].span.to(node.figures[-1].span)
+            hint = f"write  {kind} {right}"
+            scope.report("bad-shape", message, span, hint=hint, replacement=right)
+        else:
+            scope.report("bad-shape", message, node.figures[index].span)
         return None
     return Shape(kind, parameters, height)
+
+
+def _turned_round(kind: str, parameters: tuple[float, ...]) -> str:
+    """Return the numbers of a shape that were written from right to left the right way round."""
+    turned = parameters[::-1]
+    if kind == "points" or turned != tuple(sorted(turned)) or _shape_fault(kind, turned):
+        return ""
+    return " ".join(map(number_text, turned))
 
 
 def _shape_fault(kind: str, parameters: tuple[float, ...]) -> tuple[int, str] | None:
@@ -385,8 +400,14 @@ def add_even_terms(node: EvenTermsNode, scope: Scope) -> None:
         low, high = range_of(draft.node)
         if not (math.isfinite(low) and math.isfinite(high)):
             scope.report(
-                "bad-range", f"'{draft.name}' has no finite range to spread over", word.span
+                "bad-range",
+                f"'{draft.name}' has no finite range to spread over",
+                word.span,
+                hint="give it a finite range, or its terms lines of their own:  term …",
             )
+            # The terms are known all the same, so that their uses are not mistakes too.
+            for name in node.names:
+                _add(draft, Term(name.text, Shape("singleton", (0.0,)), name.span), scope)
             continue
         if len(node.names) < 2 and node.family.text != "singletons":
             scope.report(

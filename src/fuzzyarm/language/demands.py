@@ -56,6 +56,7 @@ def elaborate_expectation(node: ExpectNode, scope: Scope) -> Expectation | None:
             "incomplete-expectation",
             f"an expectation must name every input; missing: {', '.join(missing)}",
             node.span,
+            hint=f"add  {', '.join(f'{name_text(name)} = 0' for name in missing)}",
         )
     outcomes = tuple(_outcome(outcome, scope) for outcome in node.outcomes)
     if len(scope.diagnostics) > before:

@@ -107,7 +107,22 @@ class _Group:
         """Whether `line` belongs here: if indented, or below a grid if it looks like a row."""
         if line.indented:
             return True
-        return self.takes_lines and not near_hint(line.tokens[0].text, STATEMENTS)[0]
+        if not self.takes_lines:
+            return False
+        return self._is_grid_line(line) or not near_hint(line.tokens[0].text, STATEMENTS)[0]
+
+    def _is_grid_line(self, line: Line) -> bool:
+        """Whether a line looks like the header of a grid, or like a row below it."""
+        if self.record.word != "rules":
+            return False
+        names = all(token.kind in ("name", "quoted") or token.text == "." for token in line.tokens)
+        if not self.lines:
+            return any(token.text == "\\" for token in line.tokens) or (
+                names and len(line.tokens) > 1
+            )
+        header = self.lines[0].tokens
+        corner = 2 if any(token.text == "\\" for token in header) else 0
+        return names and len(line.tokens) == len(header) - corner
 
     def extend(self, line: Line, waiting: list[str]) -> None:
         """Add a line; `waiting` are the comments and blank lines before it."""
@@ -147,7 +162,7 @@ def _group_lines(
         elif groups and groups[-1].takes(line):
             groups[-1].extend(line, waiting)
         else:
-            hint, replacement = near_hint(first.text, records)
+            hint, replacement = _likely_statement(first.text, records)
             diagnostics.append(
                 Diagnostic(
                     "unknown-statement",
@@ -169,6 +184,14 @@ def _group_lines(
     while waiting and waiting[-1] == "":
         waiting.pop()
     return groups, tuple(waiting)
+
+
+def _likely_statement(word: str, records: Records) -> tuple[str, str | None]:
+    """Return what a word that starts no statement here was probably meant for."""
+    for heading, others in SECTIONS.items():
+        if others is not records and word in others:
+            return f"it stands below a line  {heading} NAME", None
+    return near_hint(word, records)
 
 
 def _record_of(
@@ -339,10 +362,11 @@ def _read_lines(
 
 
 def _read_group(group: _Group) -> tuple[StatementNode, Found]:
-    cursor = Cursor(group.tokens, group.lines)
-    # A token that the lexer has already complained of needs no second complaint.
-    if any(token.kind == "bad" for token in group.tokens):
-        return Broken(group.record.word, cursor.whole), ()
+    # A token that the lexer has already complained of needs no second complaint: it is read as the
+    # name that was probably meant.
+    told = any(token.kind == "bad" for token in group.tokens)
+    tokens = [t._replace(kind="name") if t.kind == "bad" else t for t in group.tokens]
+    cursor = Cursor(tokens, group.lines)
     hedges = len(HEDGES.words)
     try:
         node: StatementNode = group.record.node.read(cursor)
@@ -350,8 +374,8 @@ def _read_group(group: _Group) -> tuple[StatementNode, Found]:
     except Fault as fault:
         if len(HEDGES.words) > hedges:
             return _read_group(group)  # another package has brought the hedge that was missing
-        return Broken(group.record.word, cursor.whole), (fault.diagnostic,)
-    return node, tuple(cursor.forgiven)
+        return Broken(group.record.word, cursor.whole), () if told else (fault.diagnostic,)
+    return node, () if told else tuple(cursor.forgiven)
 
 
 def size_fault(text: str) -> Diagnostic | None:

@@ -31,6 +31,9 @@ from fuzzyarm.text.shown import one_line
 
 # --- Reading ---
 
+MANY = 3
+"""Mistakes from which on a text may be one of another program."""
+
 
 class Parsed(NamedTuple):
     """What a text says.
@@ -91,8 +94,13 @@ def parse(text: str, path: str = "<text>", memory: ParseMemory | None = None) ->
     meant, mended = document, frozenset[int]()
     heads = {type(statement.node) for statement in document.statements}
     if document.diagnostics and not too_large:
-        from fuzzyarm.language.slips import as_meant
+        from fuzzyarm.language.slips import as_meant, foreign_text
 
+        foreign = foreign_text(text) if len(document.diagnostics) >= MANY else None
+        if foreign is not None:
+            document = document._replace(diagnostics=(foreign,))
+            found = [replace(foreign, path=path)]
+            return Parsed(document, RuleBase(UNNAMED, (), (), ()), tuple(found))
         meant, mended = as_meant(text, document)
         document = document._replace(diagnostics=meant.diagnostics)
         heads = {type(statement.node) for statement in meant.statements}

@@ -46,6 +46,8 @@ def elaborate_grid(node: GridNode, scope: Scope, budget: int) -> list[Rule]:
     """Return the rules of a grid, row by row; cells at fault are reported and left out."""
     node = _turned(node, scope)
     output = scope.variable(node.output, "output")
+    if _lacks_header(node, scope):
+        return []
     condition = None if node.condition is None else _expression(node.condition, scope)
     row = scope.variable(node.row) if node.row is not None else None
     column = scope.variable(node.column)
@@ -68,6 +70,30 @@ def elaborate_grid(node: GridNode, scope: Scope, budget: int) -> list[Rule]:
             break
     sound = node.condition is None or condition is not None
     return rules if sound and output is not None else []
+
+
+def _lacks_header(node: GridNode, scope: Scope) -> bool:
+    """Report a grid whose first line is a row, with the header that it wants."""
+    label = node.column.text
+    if node.row is not None or label in scope.drafts:
+        return False
+    inputs = [draft for draft in scope.drafts.values() if draft.is_input]
+    down = next((draft for draft in inputs if label in draft.terms), None)
+    if down is None:
+        return False
+    count = len(node.columns)
+    others = [draft for draft in inputs if draft is not down and len(draft.terms) == count]
+    across = others[0] if others else None
+    names = [down.name, across.name if across is not None else "…"]
+    terms = "  ".join(map(name_text, across.terms)) if across is not None else "…"
+    corner = " \\ ".join(map(name_text, names))
+    scope.report(
+        "missing-header",
+        f"the grid for '{node.output.text}' begins with a row: the header is missing",
+        node.header_span,
+        hint=f"write  {corner}  {terms}  above",
+    )
+    return True
 
 
 def _turned(node: GridNode, scope: Scope) -> GridNode:

@@ -11,73 +11,14 @@ import re
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
 
-from fuzzyarm.language import controller_slips
-from fuzzyarm.language.controller_slips import ADVICE, ENDINGS, Slip
+from fuzzyarm.language import controller_slips, rulebase_slips
+from fuzzyarm.language.controller_slips import ENDINGS
 from fuzzyarm.language.controllers import CONTROLLER_STATEMENTS, SIGNAL
 from fuzzyarm.language.document import Document, parse_document
+from fuzzyarm.language.notations import ANY_CASE, Slip
+from fuzzyarm.language.rulebase_slips import ANYWHERE, LAST, ORDERS
 from fuzzyarm.language.statements import STATEMENTS
 from fuzzyarm.text.diagnostic import MAX_DIAGNOSTICS, Diagnostic, Span, split_lines
-
-_NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
-
-
-def _small(match: re.Match[str]) -> str:
-    return match.group().lower()
-
-
-_ANY_CASE = re.IGNORECASE
-_CAPITALS = "words of the language are written in small letters"
-_STARTERS = re.compile(rf"^(?:{'|'.join(STATEMENTS)})\b", _ANY_CASE)
-_JOINS = re.compile(r"\b(?:IF|THEN|IS|AND|OR|NOT|WITH|If|Then|Is|And|Or|Not|With)\b")
-_IF = re.compile(r"^(\s*)(?:(?:rule\b\s*)?\w*\s*[:.)]?\s*)??if\b", _ANY_CASE)
-_RANGE = re.compile(rf"({_NUMBER})\s*(?:-(?=\s)|\bto\b|[,:]|\s)\s*({_NUMBER})")
-
-_RULE = ("rule", "row", "header", "")
-_LISTS = ("row", "header", "input", "output", "term", "lookup", "tune")
-_NAMED = ("rulebase", "input", "output")
-_NUMBERS = ("input", "output", "term")
-
-_ANYWHERE = (
-    Slip("quotes are straight", re.compile("[“”„«»]"), '"', whole=True),
-    Slip("quotes are straight", re.compile("[‘’‚‹›]"), "'", whole=True),
-    Slip(
-        "a description stands in double quotes",
-        re.compile(r"'([^']*)'\s*$"),
-        r'"\1"',
-        (*_NAMED, "controller"),
-        whole=True,
-    ),
-    Slip("a comment starts with #", re.compile(r"(?:^|(?<=\s))(?://|%|--(?=\s|$))"), "#"),
-    Slip("a minus is a hyphen", re.compile("[−–—]"), "-"),
-    Slip("a range is written with two points", re.compile(r"\.{3,}|…"), ".."),
-    Slip("a statement ends with its line, without a mark", re.compile(r"\s*[;,]\s*$"), ""),
-)
-"""In rule bases and controllers alike."""
-
-SLIPS = (
-    Slip("a rule starts with 'rule if'", _IF, r"\1rule if", _RULE),
-    Slip(_CAPITALS, _STARTERS, _small),
-    Slip(_CAPITALS, _JOINS, _small, ("rules", *_RULE)),
-    Slip("a proposition has 'is'", re.compile(r"\s*(?<![<>=])==?(?![>=])\s*"), " is ", _RULE),
-    Slip("propositions are joined by 'and'", re.compile(r"\s*&&?\s*"), " and ", ("rule",)),
-    Slip("propositions are joined by 'or'", re.compile(r"\s*\|\|?\s*"), " or ", ("rule",)),
-    Slip("the consequent starts with 'then'", re.compile(r"\s*[-=]>\s*"), " then ", _RULE),
-    Slip("the corner of a grid has a backslash", re.compile(r"\s*/\s*"), r" \\ ", ("header",)),
-    Slip("the output of a grid stands alone", re.compile(r"\bfor\b|\s*:\s*$"), "", ("rules",)),
-    Slip("numbers stand without brackets", re.compile(r"[\[\](){}]"), " ", _NUMBERS),
-    Slip("a colon stands behind the names", re.compile(r"\s*=\s*"), ": ", ("term", "terms")),
-)
-"""Every other notation, in the order in which a line of a rule base is put right."""
-
-_LAST = Slip("a range is written with two points", _RANGE, r"\1 .. \2", ("input", "output"))
-"""Looked for when commas have been put right."""
-
-_POINT = Slip("the decimal mark is a point", re.compile(r"(?<=\d),(?=\d)"), ".")
-_SPACE = Slip(
-    "only spaces stand between numbers and cells", re.compile(r"\s*[,;|]\s*"), "  ", _LISTS
-)
-_ORDERS = ((), (_POINT,), (_SPACE,), (_POINT, _SPACE))
-"""What a comma may have been meant for, as it is tried."""
 
 _PIECES = re.compile(r"\"(?:[^\"\\]|\\.)*\"|'(?:[^'\\]|\\.)*'|#.*|[^\"'#]+|.")
 _FIRST = re.compile(r"\s*([^\W\d]\w*)?")
@@ -120,6 +61,37 @@ def as_meant(text: str, document: Document) -> tuple[Document, frozenset[int]]:
     return best._replace(diagnostics=tuple(ordered)), frozenset(found)
 
 
+# --- Files of other programs ---
+
+_FOREIGN = {
+    "FCL": (
+        ".fcl",
+        r"^\s*(?:(?:END_)?FUNCTION_BLOCK|VAR_(?:INPUT|OUTPUT)|(?:DE)?FUZZIFY|RULEBLOCK)\b",
+    ),
+    "a FIS of MATLAB": (".fis", r"^\[(?:System|Input\d+|Output\d+|Rules)\]"),
+    "FLL": (".fll", r"^\s*(?:Engine|InputVariable|OutputVariable|RuleBlock):"),
+    "FML": (".fml", r"<(?:\?xml|fuzzySystem|FuzzyController|knowledgeBase|KnowledgeBase)\b"),
+    "Structured Text": ("", r"^\s*(?:PROGRAM|VAR|END_VAR|END_IF|END_PROGRAM)\b"),
+    "a program in Python": (".py", r"^(?:import|from)\s+\w+(?:\.\w+)*\s*(?:as|import|$)"),
+}
+"""What a text is that is not of this language: its suffix, and how its lines begin."""
+
+
+def foreign_text(text: str) -> Diagnostic | None:
+    """Return what is said of a text of another program; None of any other."""
+    for what, (suffix, pattern) in _FOREIGN.items():
+        match = re.search(pattern, text[:100_000], re.MULTILINE)
+        if match is None:
+            continue
+        line = text.count("\n", 0, match.start() + len(match[0]) - len(match[0].lstrip())) + 1
+        hint = "a .frb file begins with  rulebase NAME  or  controller NAME"
+        if suffix:
+            hint = f"call it FILE{suffix}, and  fuzzyarm convert FILE{suffix} FILE.frb"
+        message = f"this is {what}, not the language of .frb files"
+        return Diagnostic("foreign-text", message, Span(line, 1, line, 2), hint=hint)
+    return None
+
+
 def _finding(first: Diagnostic, before: str, after: str, said: str) -> Diagnostic:
     """Return what is said of a line: its span and replacement are what differs."""
     start = 0
@@ -156,7 +128,7 @@ def _put_right(lines: Sequence[str], number: int, first: Diagnostic) -> tuple[st
         start, end = first.span.column - 1, first.span.end_column - 1
         if reads(line[:start] + first.replacement + line[end:]):
             return None
-    for order in _ORDERS:
+    for order in ORDERS:
         better, said = _rewritten(line, word, order, controller)
         if said and better.strip() and reads(better):
             return better, said
@@ -190,8 +162,8 @@ def _surroundings(lines: Sequence[str], number: int) -> tuple[list[str], str, li
 
 # --- Controllers ---
 
-_HEADINGS = re.compile(r"^(controller|rulebase)\b", _ANY_CASE)
-_AXIS = re.compile(r"^ax[ei]s\b", _ANY_CASE)
+_HEADINGS = re.compile(r"^(controller|rulebase)\b", ANY_CASE)
+_AXIS = re.compile(r"^ax[ei]s\b", ANY_CASE)
 _SIGNAL = re.compile(r"^\s*(?:'[^']*'|[\w-]+)\s*(?:[,=]|:=|<-)")
 
 
@@ -214,31 +186,39 @@ def _of_controller(lines: Sequence[str], number: int) -> tuple[list[str], str, l
         if _HEADINGS.match(other):
             break
         below_axis |= _AXIS.match(other) is not None
-    first = re.match(r"\s*([\w-]+)", line)
-    word = first[1].lower() if first is not None else ""
-    if word not in CONTROLLER_STATEMENTS or (below_axis and _SIGNAL.match(line)):
+    word = _first_word(line)
+    if not word or (below_axis and _SIGNAL.match(line)):
         word = SIGNAL if below_axis else ""
     return ["controller c", *(["axis a"] if below_axis else [])], word, []
 
 
 _SYNTAX = {
     "unexpected-token", "trailing-text", "incomplete-statement", "unexpected-character",
-    "reserved-word", "unknown-option", "unknown-statement", "bad-number",
+    "reserved-word", "unknown-hedge", "unknown-setting", "unknown-option", "unknown-statement",
+    "bad-number",
 }  # fmt: skip
 """Findings of which the words of an advice say more."""
+
+
+def _first_word(line: str) -> str:
+    """Return the statement of a controller that a line starts, also in capitals."""
+    first = re.match(r"\s*([\w-]+)", line)
+    word = first[1].lower() if first is not None else ""
+    return word if word in CONTROLLER_STATEMENTS else ""
 
 
 def _advised(found: Diagnostic, lines: Sequence[str]) -> Diagnostic:
     """Return a finding with what to do, where the line alone cannot be put right."""
     number = found.line
-    if not 1 <= number <= len(lines) or not _controller_above(lines, number):
+    if not 1 <= number <= len(lines):
         return found
     line = lines[number - 1].partition("#")[0].rstrip()
     mended = found.replacement is not None and found.name != "reserved-word"
     if len(line) > _LONGEST or mended or found.name not in _SYNTAX:
         return found
-    _, word, _ = _of_controller(lines, number)
-    for advice in ADVICE:
+    controller = _controller_above(lines, number)
+    _, word, _ = (_of_controller if controller else _surroundings)(lines, number)
+    for advice in (controller_slips if controller else rulebase_slips).ADVICE:
         told = advice.on(line, number) if not advice.words or word in advice.words else None
         if told is not None:
             said, hint, span = told
@@ -261,15 +241,20 @@ def _code(line: str) -> str:
 def _rewritten(line: str, word: str, order: tuple[Slip, ...], controller: bool) -> tuple[str, str]:
     # Remembered: a text is read again at every key stroke, and most of its lines are as before.
     said: dict[str, None] = {}
-    own = (*controller_slips.SLIPS, *order) if controller else (*SLIPS, *order, _LAST)
-    for slip in (*_ANYWHERE, *own):
+    own = (*controller_slips.SLIPS, *order)
+    if not controller:
+        own = (*rulebase_slips.SLIPS, *order, LAST)
+    for slip in (*ANYWHERE, *own):
         if slip.words and word not in slip.words:
             continue
         if slip.whole:
             line = _apply(slip, line, said)
-            continue
-        pieces = list(_pieces(line))
-        line = "".join(_apply(slip, piece, said) if code else piece for piece, code in pieces)
+        else:
+            pieces = list(_pieces(line))
+            line = "".join(_apply(slip, piece, said) if code else piece for piece, code in pieces)
+        # A line that began with a word of elsewhere may be a statement now.
+        if not word and said:
+            word = (_first_word(line) if controller else _keyword(line)) or ""
     return line.rstrip(), "; ".join(said)
 
 
