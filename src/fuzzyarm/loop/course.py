@@ -190,7 +190,7 @@ class Motion:
     @property
     def sampled(self) -> Vector:
         """Time at which each set point is sampled, s: of its last control period."""
-        return (np.cumsum(self.iterations) - 1) * self.period
+        return np.asarray((np.cumsum(self.iterations) - 1) * self.period, np.float64)
 
 
 def arm_of(arm: ArmParameters, options: Options) -> Arm:
@@ -396,7 +396,7 @@ class Course:
             self._flat(self._pushes()),
         )
         cells, bounds = self._checks()
-        path = [] if motion.path is None else motion.path
+        path: Any = [] if motion.path is None else motion.path
         self._judged = (self._flat(cells, np.int64), self._flat(bounds), self._flat(path))
         self._setting = Setting(
             motion.step,

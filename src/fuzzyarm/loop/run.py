@@ -583,7 +583,7 @@ class ClosedLoop:
         return tuple(found)
 
     def _limits(self, program: Program) -> dict[str, tuple[float, float]]:
-        """Return between what each drive stays: the actuator's limits, the text's where narrower."""
+        """Return the limits of each drive: the actuator's, or the text's where narrower."""
         found = {}
         own = drive_limits(program.controller, self.site)
         for port, actuator in self.site.interface.inputs.items():

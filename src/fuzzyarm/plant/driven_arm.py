@@ -288,7 +288,7 @@ def torques_at(
 def steps_of(period: float) -> int:
     """Return into how many steps a control period is divided."""
     # In single precision 0.6 ms are a little more than that.
-    return max(1, int(math.ceil(period / LONGEST_STEP - 1e-3)))
+    return max(1, math.ceil(period / LONGEST_STEP - 1e-3))
 
 
 @kernel
@@ -369,7 +369,7 @@ def advance_arm_finely(
     state = State((x[0], x[1]), (x[2], x[3]))
     torque = (u[0], u[1])
     steps = steps_of(clock[1])
-    parts = int(math.ceil(clock[2] / steps))
+    parts = math.ceil(clock[2] / steps)
     for i in range(steps):
         if i > 0:
             torque = pushed_torques(x, u, p, clock)

@@ -310,7 +310,7 @@ def _sample_segment(segment: Segment, conventions: Conventions, timing: Timing) 
         time = clock[clock <= duration].astype(np.float64)
     else:  # counted, where the study's programs have nothing to say
         count = int(segment.duration / timing.set_point + 1e-9) + 1
-        time = _stored(np.arange(count) * timing.set_point, number)
+        time = _stored(np.arange(count, dtype=np.float64) * timing.set_point, number)
     start, end = (
         _stored(np.array(angles) * conventions.pi / 180.0, number)
         for angles in (segment.start, segment.end)
