@@ -1,10 +1,11 @@
 """Rules against straight lines: controllers without a model of the arm, and where they end.
 
 All of them drive the same motors at the same 20 V, and follow the same set points, which stand for
-five control periods; errors are those at the set points, in the last of the five, and those from the
-path on which the set points lie. `fuzzy-fine` is 49 rules on the error and its rate; `pd-motor` a straight line
-in their place, `pd-motor-tuned` one with tuned gains. `fuzzy-smooth` and `pid-smooth` average the
-set points first, then there are seven rules or a straight line, and an integral.
+five control periods; errors are those at the set points, in the last of the five, and those from
+the path on which the set points lie. `fuzzy-fine` is 49 rules on the error and its rate; `pd-motor`
+a straight line in their place, `pd-motor-tuned` one with tuned gains. `fuzzy-smooth` and
+`pid-smooth` average the set points first, then there are seven rules or a straight line, and an
+integral.
 """
 
 from fuzzyarm.controller import controller

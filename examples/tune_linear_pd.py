@@ -29,7 +29,7 @@ def random_moves(seed, count):
 
 
 def errors(name, moves, gains=(), sense="rms"):
-    """Return the RMS error of each joint on each move, degrees, at the set points or from the path."""
+    """Return the RMS error of each joint on each move, degrees, in one of its senses."""
     made = controller(name).with_gains(dict(gains))
     runs = [simulate(made, path, payload=payload) for path, payload in moves]
     return np.array([getattr(run, sense) if run.diverged is None else (LOST,) * 2 for run in runs])

@@ -512,7 +512,8 @@ def _compared_markdown(
 ) -> Iterator[str]:
     """Yield a table with a line for each controller; of costs those, beside mean errors."""
     if costs:
-        heads = ["controller", "mean at set points", "mean from the path", *_cost_heads(costs)]
+        heads = ["controller", "geometric mean at set points", "from the path"]
+        heads += _cost_heads(costs)
     else:
         heads = ["controller"]
         for sense in senses:

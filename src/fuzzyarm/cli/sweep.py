@@ -439,6 +439,8 @@ def _lost(many: Many) -> int:
 
 
 def _as_text(many: Many, asked: Asked, arguments: argparse.Namespace) -> list[str]:
+    from fuzzyarm.loop.metrics import ERRORS
+
     on = many.trajectory if many.plant == "arm" else f"{many.plant}, {many.trajectory}"
     lost = _lost(many)
     lines = [
@@ -455,10 +457,6 @@ def _as_text(many: Many, asked: Asked, arguments: argparse.Namespace) -> list[st
     if arguments.out:
         lines.append(f"wrote {arguments.out}")
     return lines
-
-
-ERRORS = ("rms", "max", "final", "overshoot")
-"""Metrics in the unit of the error."""
 
 
 def _as_json(many: Many, asked: Asked, arguments: argparse.Namespace) -> dict[str, Any]:

@@ -78,6 +78,10 @@ class Metrics:
         return found
 
 
+ERRORS = ("rms", "rms_periods", "rms_path", "max", "final", "overshoot")
+"""Metrics in the unit of the error."""
+
+
 def metric_unit(metric: str, error: str, drives: Sequence[str]) -> str:
     """Return the unit of a metric, empty where it has none or drives have different ones.
 
@@ -104,7 +108,7 @@ def metric_unit(metric: str, error: str, drives: Sequence[str]) -> str:
         "saturated": "",
         "chatter": drive,
     }
-    return own.get(metric, own_error)
+    return own_error if metric in ERRORS else own[metric]
 
 
 def metrics_of(

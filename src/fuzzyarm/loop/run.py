@@ -599,7 +599,7 @@ class ClosedLoop:
         return tuple(found)
 
     def _limits(self, program: Program) -> dict[str, tuple[float, float]]:
-        """Return the limits of each drive: those of the actuator, or of the text where narrower."""
+        """Return the limits of each drive: the actuator's, or the text's where narrower."""
         found = {}
         own = drive_limits(program.controller, self.site)
         for port, actuator in self.site.interface.inputs.items():

@@ -1,9 +1,8 @@
 """Sweeps: ranges that span a grid or are drawn from, and the file that holds what came of them.
 
 A file of a sweep begins with what was asked and the units, as JSON behind a ``#``; a heading
-follows, and a line
-for each run in the order of the runs. So the file of a sweep that was interrupted is the front of
-the whole one, and to go on means to write what is missing.
+follows, and a line for each run in the order of the runs. So the file of a sweep that was
+interrupted is the front of the whole one, and to go on means to write what is missing.
 """
 
 from __future__ import annotations

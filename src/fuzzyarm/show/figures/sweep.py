@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fuzzyarm.loop.many import Many, Vector
+from fuzzyarm.loop.metrics import ERRORS
 from fuzzyarm.loop.sweep import Range
 from fuzzyarm.show.figures.style import (
     COLOURS,
@@ -45,7 +46,7 @@ def sweep_figure(many: Many, over: Sequence[Range], metric: str = "rms") -> Figu
     figure = new_figure(max(5.0, width * count), 4.0)
     panels = figure.subplots(1, count, squeeze=False)[0]
     for at, (axes, output) in enumerate(zip(panels, many.outputs, strict=True)):
-        unit = many.units[at] if metric in ("rms", "max", "final", "overshoot") else ""
+        unit = many.units[at] if metric in ERRORS else ""
         label = f"{metric}, {unit}" if unit else metric
         if len(over) == 2:
             _draw_map(figure, axes, over, values[at], lost, label)
