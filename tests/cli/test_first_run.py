@@ -59,9 +59,9 @@ def test_within_other_work_the_bar_is_part_of_its_display():
         assert len(display.tasks) == 1
 
 
-def test_nothing_is_shown_where_there_is_no_terminal(capsys):
+def test_nothing_is_shown_of_short_work_where_there_is_no_terminal(capsys):
     with commands.busy("running") as tell:
-        assert tell is None
+        tell("further")
     with commands.progress_bar("runs", 3) as advance:
         advance(1)
     assert capsys.readouterr() == ("", "")
