@@ -12,7 +12,6 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext, suppress
 from functools import partial
-from tempfile import mkdtemp
 from typing import TYPE_CHECKING, Any, NamedTuple, TextIO
 
 from fuzzyarm import errors
@@ -320,6 +319,8 @@ def saved(path: str, write: Callable[[str], object]) -> Saved:
     try:
         write(path)
     except OSError as error:
+        from tempfile import mkdtemp
+
         what = errors.sentence_of(error)
         try:
             other = os.path.join(mkdtemp(prefix="fuzzyarm-"), os.path.basename(path))
