@@ -145,6 +145,13 @@ class Reader:
             while not cursor.ended and not cursor.skip(_OPTIONS[key]):
                 cursor.take()
             self.findings.info("dropped-options", "the options are left out", word)
+        elif key == "RULE" and not self.blocks:
+            message = (
+                "there are rules here but no variables: VAR_INPUT, VAR_OUTPUT, FUZZIFY and "
+                "DEFUZZIFY, which say what the words of the rules mean, are not in this file"
+            )
+            self.findings.error("no-variables", message, cursor.word)
+            cursor.at = len(cursor.words)
         else:
             found = cursor.word.text[:40]
             message = f"a section such as FUZZIFY or RULEBLOCK is expected here, not '{found}'"

@@ -282,6 +282,7 @@ class Findings:
 
 def listed(names: Sequence[str]) -> str:
     """Return names as the end of a hint, the first of many."""
+    names = [name for name in names if name]
     if not names:
         return ""
     some = ", ".join(map(shortened, names[:MAX_LISTED]))

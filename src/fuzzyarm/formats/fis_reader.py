@@ -364,6 +364,7 @@ class _Reader:
             else:
                 self._variable_setting(draft, key, value, memberships)
         self._name(draft, section)
+        memberships = self._numbered(draft, memberships, lower)
         names: set[str] = set()
         for index, value in memberships:
             # Behind the numbers of an upper and a lower function may stand a height.
@@ -378,6 +379,22 @@ class _Reader:
             self._check_count(word, len(memberships), "terms")
         self.terms[draft.name] = taken
         (self.outputs if is_output else self.inputs).append(draft)
+
+    def _numbered(
+        self, draft: Draft, memberships: list[tuple[int, Word]], lower: Mapping[int, Word]
+    ) -> list[tuple[int, Word]]:
+        """Count terms as they stand where a number is there twice: programs take them in order."""
+        numbers = [number for number, _ in memberships]
+        twice = next((n for i, n in enumerate(numbers) if n in numbers[:i]), None)
+        if twice is None or lower:
+            return memberships
+        at = memberships[numbers.index(twice, numbers.index(twice) + 1)][1]
+        message = (
+            f"'{draft.name}' has two functions with the number {twice}; its terms are counted as "
+            f"they stand, 1 to {len(numbers)}"
+        )
+        self.findings.warn("duplicate-index", message, at)
+        return [(index, value) for index, (_, value) in enumerate(memberships, 1)]
 
     def _name(self, draft: Draft, section: Section) -> None:
         name = draft.name or f"{section.kind}{section.number or ''}"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 from fuzzyarm.expression.kinds import HEDGES, SHAPES
@@ -36,33 +36,35 @@ class Section:
 _GLUED = re.compile(r"\s*#\s*RuleBlock\s+(?=\d)")
 
 
-def _without_comments() -> Callable[[str], str]:
-    """Return what cuts the comment of a line, line by line.
+class _Comments:
+    """Cuts the comments of lines, one after the other, but for a rule that is glued to one.
 
     jfuzzylite writes the first rule of a block right behind its comment, ``# RuleBlock 1`` and
     ``2 1, 3 (1.0) : 1`` as ``# RuleBlock 12 1, 3 (1.0) : 1``; the blocks are counted from 1.
     """
-    blocks = 0
 
-    def cut(raw: str) -> str:
-        nonlocal blocks
+    def __init__(self) -> None:
+        self.blocks = 0
+        self.glued: list[str] = []
+
+    def cut(self, raw: str) -> str:
         match = _GLUED.match(raw)
         if match is None:
             return _without_comment(raw)
-        blocks += 1
-        rest = raw[match.end() :]
-        own = str(blocks)
+        self.blocks += 1
+        own, rest = str(self.blocks), raw[match.end() :]
         if not rest.startswith(own) or "," not in rest or ":" not in rest:
             return ""
-        return " " * (match.end() + len(own)) + rest[len(own) :]
-
-    return cut
+        rule = rest[len(own) :]
+        self.glued.append(rule.strip())
+        return " " * (match.end() + len(own)) + rule
 
 
 def sections(text: str, findings: Findings) -> list[Section]:
     """Return the sections of a file; ``[FISTree]`` ends the reading."""
     found: list[Section] = []
-    for line in lines_of(text, _without_comments()):
+    comments = _Comments()
+    for line in lines_of(text, comments.cut):
         match = _HEADER.match(line.text) if len(line.text) < 100 else None
         if match:
             digits = match.group(2)[:6]
@@ -78,6 +80,10 @@ def sections(text: str, findings: Findings) -> list[Section]:
         elif not findings.failed:  # of many such lines the first
             message = f"'{line.text[:40]}' stands before any section"
             findings.error("syntax", message, line)
+        if line.text in comments.glued:
+            comments.glued.remove(line.text)
+            message = "this rule is glued to the comment before it; fuzzylite leaves such rules out"
+            findings.warn("glued-rule", f"{message}, here it is read", line)
     return found
 
 
