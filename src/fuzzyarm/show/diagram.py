@@ -358,7 +358,7 @@ class _Part:
             return [self._port(kind, name, line.span)]
         if kind == "error":
             return [self._error(name, source.option("weight"), line.span)]
-        details = _option_words(source)
+        details = option_words(source)
         if kind == "sum":
             sources = [(self._error(name, None, line.span), "")]
             return [(self._block(kind, kind, details, sources, span=line.span), 0, "")]
@@ -492,7 +492,7 @@ def _constant(factors: Sequence[Factor], gains: dict[str, GainModel]) -> tuple[s
     return label, details
 
 
-def _option_words(source: Source) -> list[str]:
+def option_words(source: Source) -> list[str]:
     """Return the options of a source as the language writes them."""
     words = []
     for word, value in source.options:

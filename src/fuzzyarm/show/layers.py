@@ -22,7 +22,11 @@ SWEEPS = 24
 """Passes over the layers, to and fro; of all that they find the best is taken."""
 
 LARGE = 400
-"""Items from which on fewer passes have to do."""
+"""Items from which on a few passes have to do, so that any diagram is there at once."""
+
+
+Cost = tuple[int, float]
+"""How many wires cross, and how far and how often they change their row."""
 
 
 class Pins(NamedTuple):
@@ -206,7 +210,7 @@ class _Net:
                 best, least = list(rows), cost
         for column in self.columns:
             column.sort(key=best.__getitem__)
-        rows = self._straightened(best)
+        rows = self._straightened(best) if len(rows) < LARGE else best
         top = min((rows[i] - 0.5 * self.heights[i] + 0.5 for i in range(len(rows))), default=0.0)
         return [row - top for row in rows]
 
@@ -246,7 +250,7 @@ class _Net:
         for item, mean, offset in zip(column, means, offsets, strict=True):
             rows[item] = mean + offset
 
-    def _cost(self, rows: Sequence[float]) -> tuple[int, float]:
+    def _cost(self, rows: Sequence[float]) -> Cost:
         """Return how many wires cross, and how far and how often they change their row."""
         gaps: dict[int, list[tuple[float, float]]] = defaultdict(list)
         length = 0.0
@@ -257,33 +261,52 @@ class _Net:
         return sum(map(_crossings, gaps.values())), length
 
     def _straightened(self, rows: list[float]) -> list[float]:
-        """Move single items, and runs of items on one row, where wires become straighter."""
+        """Move items, runs of items on one row and pairs of neighbours, as long as that helps."""
         least = self._cost(rows)
-        for _ in range(4 if len(rows) < LARGE else 1):
+        for _ in range(6):
             before = least
+            for column in self.columns:
+                for upper in range(len(column) - 1):
+                    rows, least = self._swapped(column, upper, rows, least)
             for run in self._runs(rows):
-                places = {rows[run[0]]}
-                for item in run:
-                    shift = rows[run[0]] - rows[item]
-                    wishes = [
-                        *self._wishes(item, rows, forward=True),
-                        *self._wishes(item, rows, forward=False),
-                    ]
-                    places |= {wish + shift for wish in wishes}
-                for place in sorted(places):
-                    step = place - rows[run[0]]
-                    if not step:
-                        continue
-                    moved = list(rows)
-                    for item in run:
-                        moved[item] += step
-                    if self._free(run, moved):
-                        cost = self._cost(moved)
-                        if cost < least:
-                            rows, least = moved, cost
+                rows, least = self._moved(run, rows, least)
             if least == before:
                 break
         return rows
+
+    def _moved(
+        self, run: Sequence[int], rows: list[float], least: Cost
+    ) -> tuple[list[float], Cost]:
+        """Move items to where one of them has a straight wire, if that is better."""
+        steps = {
+            wish - rows[item]
+            for item in run
+            for forward in (True, False)
+            for wish in self._wishes(item, rows, forward=forward)
+        }
+        for step in sorted(steps - {0.0}):
+            moved = list(rows)
+            for item in run:
+                moved[item] += step
+            if self._free(run, moved):
+                cost = self._cost(moved)
+                if cost < least:
+                    return moved, cost
+        return rows, least
+
+    def _swapped(
+        self, column: list[int], upper: int, rows: list[float], least: Cost
+    ) -> tuple[list[float], Cost]:
+        """Let two neighbours of a layer change places, if that is better."""
+        first, second = column[upper], column[upper + 1]
+        moved = list(rows)
+        moved[second] = rows[first] + 0.5 * (self.heights[second] - self.heights[first])
+        moved[first] = rows[second] + 0.5 * (self.heights[second] - self.heights[first])
+        cost = self._cost(moved)
+        if cost >= least:
+            return rows, least
+        column[upper : upper + 2] = [second, first]
+        return moved, cost
 
     def _runs(self, rows: Sequence[float]) -> Iterator[list[int]]:
         """Yield every item alone, and with what its straight wires reach to the right or left."""

@@ -271,37 +271,72 @@ def table_figure(table: LookupTable, at: Mapping[str, float] | None = None) -> F
     at : mapping of str to float, optional
         A point to mark.
     """
-    at = at or {}
-    sides = [_Side(a.name, a.description, a.low, a.high) for a in table.axes]
-    reach = [float(table.values.min()), float(table.values.max())]
-    low = table.low if table.low is not None and math.isfinite(table.low) else reach[0]
-    high = table.high if table.high is not None and math.isfinite(table.high) else reach[1]
-    target = _Side(table.output, table.description, low, high)
-    if len(sides) == 1:
-        return _table_line(table, sides[0], target, at)
-    pages = table.axes[:-2]
-    index = tuple(a.cell(at.get(a.name, a.levels[len(a.levels) // 2]), "nearest") for a in pages)
-    fixed = {a.name: a.levels[i] for a, i in zip(pages, index, strict=True)}
-    values = table.values[index]
-    texts = _cell_texts(values)
-    cell = max(text_width(text, 7) for text in texts) + 0.09 if texts else 0.0
-    small = max(values.shape) <= 9
-    width = max(cell * values.shape[1], 4.0 if small else 4.6)
-    height = 3.4 if small else 4.4
-    figure = new_figure(width + 2.0, height + 1.2)
-    marks = [at[side.name] for side in sides[-2:] if side.name in at]
-    axes = figure.subplots()
-    image = _cells(axes, table, values, texts, marks)
-    for axis, drawn, room in (
-        (table.axes[-2], axes.yaxis, height),
-        (table.axes[-1], axes.xaxis, width),
-    ):
-        thin_ticks(drawn, [number_words(x, 4) for x in axis.levels], room, 8)
-    title = wrapped(_page_words(table, index, fixed), LABEL, width)
-    label_axes(axes, sides[-1].label, sides[-2].label, title)
-    bar = colour_bar(figure, image, axes, target.label, shrink=0.9)
-    bar.outline.set_visible(False)
+    picture = TablePicture(table, at or {})
+    figure = new_figure(picture.width, picture.height)
+    picture.draw(figure)
     return figure
+
+
+class TablePicture:
+    """A lookup table, and how large its picture is.
+
+    Parameters
+    ----------
+    table : LookupTable
+        What is drawn.
+    at : mapping of str to float
+        A point to mark; of more than two inputs it chooses the page.
+    """
+
+    def __init__(self, table: LookupTable, at: Mapping[str, float]) -> None:
+        self._table, self._at = table, at
+        self._sides = [_Side(a.name, a.description, a.low, a.high) for a in table.axes]
+        if len(self._sides) == 1:
+            return
+        pages = table.axes[:-2]
+        self._index = tuple(
+            a.cell(at.get(a.name, a.levels[len(a.levels) // 2]), "nearest") for a in pages
+        )
+        self._values = table.values[self._index]
+        self._texts = _cell_texts(self._values)
+        cell = max(text_width(text, 7) for text in self._texts) + 0.09 if self._texts else 0.0
+        small = max(self._values.shape) <= 9
+        self._room = max(cell * self._values.shape[1], 4.0 if small else 4.6), 3.4 if small else 4.4
+
+    @property
+    def width(self) -> float:
+        """Of its picture, inches."""
+        return 6.4 if len(self._sides) == 1 else self._room[0] + 2.0
+
+    @property
+    def height(self) -> float:
+        """Of its picture, inches."""
+        return 3.9 if len(self._sides) == 1 else self._room[1] + 1.2
+
+    def draw(self, part: Any) -> None:
+        """Draw it into a figure or a part of one."""
+        table, sides, at = self._table, self._sides, self._at
+        reach = [float(table.values.min()), float(table.values.max())]
+        low = table.low if table.low is not None and math.isfinite(table.low) else reach[0]
+        high = table.high if table.high is not None and math.isfinite(table.high) else reach[1]
+        target = _Side(table.output, table.description, low, high)
+        axes = part.subplots()
+        if len(sides) == 1:
+            _table_line(axes, table, sides[0], target, at)
+            return
+        fixed = {a.name: a.levels[i] for a, i in zip(table.axes[:-2], self._index, strict=True)}
+        width, height = self._room
+        marks = [at[side.name] for side in sides[-2:] if side.name in at]
+        image = _cells(axes, table, self._values, self._texts, marks)
+        for axis, drawn, room in (
+            (table.axes[-2], axes.yaxis, height),
+            (table.axes[-1], axes.xaxis, width),
+        ):
+            thin_ticks(drawn, [number_words(x, 4) for x in axis.levels], room, 8)
+        title = wrapped(_page_words(table, self._index, fixed), LABEL, width)
+        label_axes(axes, sides[-1].label, sides[-2].label, title)
+        bar = colour_bar(part, image, axes, target.label, shrink=0.9)
+        bar.outline.set_visible(False)
 
 
 def _page_words(table: LookupTable, index: tuple[int, ...], fixed: Mapping[str, float]) -> str:
@@ -324,20 +359,19 @@ def _cell_texts(values: Any) -> list[str]:
     return column_of_numbers([float(number_words(float(x), 4)) for x in values.ravel()])
 
 
-def _table_line(table: LookupTable, side: _Side, target: _Side, at: Mapping[str, float]) -> Figure:
+def _table_line(
+    axes: Axes, table: LookupTable, side: _Side, target: _Side, at: Mapping[str, float]
+) -> None:
     import numpy as np
 
-    figure = new_figure(6.4, 3.9)
     xs = np.linspace(
         min(side.low, table.axes[0].levels[0]), max(side.high, table.axes[0].levels[-1]), 2001
     )
-    axes = figure.subplots()
     _line(axes, side, target, xs, table.lookup(xs), f"looked up by {table.default_mode}")
     if len(table.axes[0].levels) <= 60:
         axes.plot(table.axes[0].levels, table.values, "o", color=COLOURS[3], markersize=4)
     if side.name in at:
         axes.axvline(at[side.name], color="#111111", linewidth=1)
-    return figure
 
 
 def _line(axes: Axes, side: _Side, target: _Side, xs: Any, values: Any, title: str) -> None:
