@@ -32,8 +32,8 @@ from fuzzyarm.text.names import printable
 from fuzzyarm.version import __version__
 
 MODULES = (
-    "strings", "draw", "store", "variables", "methods", "gridtools", "terms", "rules", "surface", "viewer", "split", "help", "frame", "listing",
-    "exported",
+    "strings", "draw", "store", "variables", "methods", "gridtools", "terms", "rules", "surface",
+    "viewer", "split", "help", "frame", "listing", "exported",
 )  # fmt: skip
 """Modules of the page without a server, each behind those that it imports."""
 

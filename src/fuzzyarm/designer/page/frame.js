@@ -48,7 +48,7 @@ export function frame(store, hand, text, controls, shownViews = [DESIGN]) {
 
   function turn(to) {
     shown = to;
-    note.hidden = !shownViews[shown].drawn || Boolean(store.scene);
+    note.hidden = !shownViews[shown].drawn || Boolean(store.scene ?? store.diagram);
     views.forEach((view, i) => {
       view.hidden = i !== shown || !note.hidden;
     });
@@ -74,10 +74,13 @@ export function frame(store, hand, text, controls, shownViews = [DESIGN]) {
   }, gone);
   matchMedia(DARK).addEventListener("change", () => store.emit("theme"), gone);
   store.on("closed", () => gone.abort());
-  store.on("scene", () => {
+  const sound = () => {
     area.classList.remove("stale");
+    area.classList.toggle("as-diagram", Boolean(store.diagram) && store.asDiagram);
     turn(shown);
-  });
+  };
+  store.on("scene", sound);
+  store.on("diagram", sound);
   store.on("stale", () => {
     note.textContent = store.why === "other" ? S.noRules : S.notDrawn;
     area.classList.add("stale"); // what is drawn is that of the last sound text
