@@ -49,11 +49,11 @@ def compare(session: Session, asked: dict[str, Any], job: Job) -> None:
     for model in (one, two):
         if not isinstance(model, RuleBase | LookupTable):
             raise ExportRefusedError("surfaces are those of rule bases and tables")
-    shared = [name for name in _outputs(one) if name in _outputs(two)]
+    shared = [name for name in outputs_of(one) if name in outputs_of(two)]
     wanted = str(asked.get("output") or "")
     output = wanted if wanted in shared else shared[0] if shared else ""
-    first = _surface(one, output or _outputs(one)[0])
-    second = _surface(two, output or _outputs(two)[0])
+    first = surface_of(one, output or outputs_of(one)[0])
+    second = surface_of(two, output or outputs_of(two)[0])
     names = [name for name in first.ranges if name in second.ranges]
     if not names:
         raise ExportRefusedError("the two files have no input of the same name")
@@ -61,7 +61,7 @@ def compare(session: Session, asked: dict[str, Any], job: Job) -> None:
     axes = asked.get("axes") or {}
     job.tell({
         "outputs": shared,
-        "output": output or f"{_outputs(one)[0]}, {_outputs(two)[0]}",
+        "output": output or f"{outputs_of(one)[0]}, {outputs_of(two)[0]}",
         "names": list(ranges),
         "shared": names,
         **_slice(first, second, names, ranges, axes),
@@ -71,7 +71,8 @@ def compare(session: Session, asked: dict[str, Any], job: Job) -> None:
     job.tell({"largest": _largest(first, second, names, ranges)})
 
 
-def _outputs(model: RuleBase | LookupTable) -> list[str]:
+def outputs_of(model: RuleBase | LookupTable) -> list[str]:
+    """Return the names of the outputs."""
     if isinstance(model, LookupTable):
         return [model.output]
     if not model.outputs:
@@ -79,7 +80,8 @@ def _outputs(model: RuleBase | LookupTable) -> list[str]:
     return [each.name for each in model.outputs]
 
 
-def _surface(model: RuleBase | LookupTable, output: str) -> Surface:
+def surface_of(model: RuleBase | LookupTable, output: str) -> Surface:
+    """Return one output of a rule base or a table, over its inputs."""
     if isinstance(model, LookupTable):
         ends = {each.name: (each.low, each.high) for each in model.axes}
         for axis in model.axes:

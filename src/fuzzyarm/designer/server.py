@@ -43,6 +43,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from fuzzyarm.designer.assets import asset, index_page
 from fuzzyarm.designer.compared import compare
 from fuzzyarm.designer.computed import surface
+from fuzzyarm.designer.diagram import sheets
 from fuzzyarm.designer.exports import export
 from fuzzyarm.designer.folder import LARGEST_IMPORT, Workspace, converted_file
 from fuzzyarm.designer.jobs import Downloads, Job, Work
@@ -70,6 +71,7 @@ WORKS: dict[str, Work] = {
     "table-error": table_error,
     "tunable": tunable,
     "tune": tune,
+    "sheets": sheets,
 }
 """Long work that a page may start → what does it; `Designer` adds what needs its plants."""
 

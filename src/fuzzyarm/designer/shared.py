@@ -323,7 +323,18 @@ class SharedText:
                 rulebase = reading.model  # it is not finished; what is there is drawn
             if rulebase is not None:
                 found = scene_of(rulebase, reading)
-        return {"is": "scene", "version": session.version, "scene": found, "why": why}
+        message = {"is": "scene", "version": session.version, "scene": found, "why": why}
+        return {**message, "diagram": self._diagram(reading)}
+
+    def _diagram(self, reading: Any) -> dict[str, Any] | None:
+        """Return the block diagram of a controller without mistakes of its own."""
+        controller = reading.parsed.controller if isinstance(reading, Reading) else None
+        if controller is None:
+            return None
+        from fuzzyarm.controller.text import with_files
+        from fuzzyarm.designer.diagram import diagram_of
+
+        return diagram_of(with_files(controller, self.path.parent, str(self.path))[0], reading)
 
     # --- What a page asks ---
 

@@ -3,6 +3,7 @@
 import { COMPARE } from "./compare.js";
 import { connect } from "./connection.js";
 import { makeDesk } from "./desk.js";
+import { diagramPane } from "./diagram.js";
 import { clean } from "./draw.js";
 import { FILES, dropped } from "./files.js";
 import { DESIGN } from "./frame.js";
@@ -12,7 +13,8 @@ import { TABLE, isTable } from "./table.js";
 import { TUNE } from "./tune.js";
 import { S } from "./strings.js";
 
-const VIEWS = [DESIGN, RUN, TABLE, LEARN, TUNE, COMPARE, FILES];
+const DRAWN = { ...DESIGN, panes: [...DESIGN.panes, diagramPane] };
+const VIEWS = [DRAWN, RUN, TABLE, LEARN, TUNE, COMPARE, FILES];
 const MOST_DESKS = 8; // of the files of late: each holds its pictures
 
 const start = JSON.parse(document.getElementById("start").textContent);

@@ -152,7 +152,8 @@ export function makeDesk(file, page, views) {
       if (message.version !== text.version()) return;
       store.findings = latest?.version === message.version ? latest.findings : [];
       if (message.scene) store.show(message.scene);
-      else store.mistaken(message.why);
+      if (message.diagram || message.why !== "mistakes") store.draw(message.diagram);
+      if (!message.scene && !message.diagram) store.mistaken(message.why);
       store.judge(message.why !== "mistakes");
     },
     status(message) {

@@ -204,4 +204,7 @@ export function dropped(bring) {
   });
 }
 
-export const FILES = { name: "files", title: S.files, drawn: false, panes: [folderPane, exportPane] };
+export const FILES = {
+  name: "files", title: S.files, drawn: false, panes: [folderPane, exportPane],
+  splits: [{ key: "files-rows", vertical: false, at: 1, usual: 0.6 }],
+};

@@ -2,7 +2,9 @@
 
 import { el } from "./draw.js";
 import { termsPane } from "./terms.js";
+import { helpButton } from "./help.js";
 import { rulesPane } from "./rules.js";
+import { splitter } from "./split.js";
 import { surfacePane } from "./surface.js";
 import { viewerPane } from "./viewer.js";
 import { S } from "./strings.js";
@@ -15,6 +17,10 @@ import { S } from "./strings.js";
 export const DESIGN = {
   name: "design", title: S.design, drawn: true,
   panes: [termsPane, surfacePane, rulesPane, viewerPane],
+  splits: [
+    { key: "design-columns", vertical: true, at: 1, usual: 0.5 },
+    { key: "design-rows", vertical: false, at: 1, usual: 0.5 },
+  ],
 };
 
 const DARK = "(prefers-color-scheme: dark)";
@@ -22,14 +28,17 @@ const DARK = "(prefers-color-scheme: dark)";
 /** Build what is around the text; `hand` says what a change in a picture does. `root` is to be shown. */
 export function frame(store, hand, text, controls, shownViews = [DESIGN]) {
   const note = el("p", { class: "note" });
-  const views = shownViews.map(({ name, title, drawn, panes }) => {
-    const made = panes.map((make) => make(store, hand));
+  const views = shownViews.map(({ name, title, drawn, panes, splits = [] }) => {
+    const made = [...panes.map((make) => make(store, hand)), ...splits.map(splitter)];
     const panel = shownViews.length > 1 ? { role: "tabpanel", "aria-label": title } : {};
     return el("div", { class: `pictures view-${name}${drawn ? " drawn" : ""}`, id: `view-${name}`, hidden: true, ...panel }, ...made);
   });
   const area = el("div", { class: "area" }, note, ...views);
-  const main = el("main", { class: text ? "design" : "design alone" }, ...(text ? [text] : []), area);
-  const header = el("header", {}, el("h1", { textContent: S.designer }), ...controls, themeButton(store));
+  const between = text ? [text, splitter({ key: "text", vertical: true, at: 1, usual: 0.35 })] : [];
+  const main = el("main", { class: text ? "design" : "design alone" }, ...between, area);
+  const gone = new AbortController();
+  const help = helpButton(shownViews.map((view) => view.name), gone.signal);
+  const header = el("header", {}, el("h1", { textContent: S.designer }), ...controls, el("span", { class: "last" }, help, themeButton(store)));
   let shown = 0;
   const tabs = shownViews.map(({ name, title }, i) => el("button", {
     role: "tab", textContent: title, "aria-controls": `view-${name}`, onclick: () => turn(i),
@@ -39,7 +48,7 @@ export function frame(store, hand, text, controls, shownViews = [DESIGN]) {
 
   function turn(to) {
     shown = to;
-    note.hidden = !shownViews[shown].drawn || Boolean(store.scene);
+    note.hidden = !shownViews[shown].drawn || Boolean(store.scene ?? store.diagram);
     views.forEach((view, i) => {
       view.hidden = i !== shown || !note.hidden;
     });
@@ -60,16 +69,18 @@ export function frame(store, hand, text, controls, shownViews = [DESIGN]) {
   }
 
   turn(0);
-  const gone = new AbortController();
   window.addEventListener("keydown", (event) => {
     if (event.key === "F6" && root.isConnected) step(event);
   }, gone);
   matchMedia(DARK).addEventListener("change", () => store.emit("theme"), gone);
   store.on("closed", () => gone.abort());
-  store.on("scene", () => {
+  const sound = () => {
     area.classList.remove("stale");
+    area.classList.toggle("as-diagram", Boolean(store.diagram) && store.asDiagram);
     turn(shown);
-  });
+  };
+  store.on("scene", sound);
+  store.on("diagram", sound);
   store.on("stale", () => {
     note.textContent = store.why === "other" ? S.noRules : S.notDrawn;
     area.classList.add("stale"); // what is drawn is that of the last sound text

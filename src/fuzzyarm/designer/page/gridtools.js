@@ -23,10 +23,10 @@ export function addGrid({ fill, attempt }, { inputs, outputs }) {
 }
 
 /** What is done with a row or a column: `head` has the grid's line, which way, and the term. */
-export function headDialog({ choose, attempt, fill }, scene, head) {
+export function headDialog({ choose, attempt, change, fill }, scene, head) {
   const words = head.row ? [S.removeRow(head.term), S.addRow] : [S.removeColumn(head.term), S.addColumn];
   return choose(head.row ? S.rowOf(head.variable, head.term) : S.columnOf(head.variable, head.term), words).then((chosen) => {
-    if (chosen === 0) return attempt("head", { ...head, remove: true });
+    if (chosen === 0) return change("head", { ...head, remove: true });
     return chosen === 1 ? addHead({ attempt, fill }, scene, head) : null;
   });
 }

@@ -8,7 +8,13 @@ import { S } from "./strings.js";
 
 const ROOM = { left: 46, right: 10, top: 8, bottom: 34 };
 
-export const LEARN = { name: "learn", title: S.learn, drawn: false, panes: [learnPanes] };
+export const LEARN = {
+  name: "learn", title: S.learn, drawn: false, panes: [learnPanes],
+  splits: [
+    { key: "learn-columns", vertical: true, at: 1, usual: 0.5 },
+    { key: "learn-rows", vertical: false, at: 2, usual: 0.63 },
+  ],
+};
 
 function learnPanes(store, hand) {
   let facts = null; // what may be trained where

@@ -5,6 +5,7 @@ import { curvePane } from "./curves.js";
 import { el, pane, shortNumber } from "./draw.js";
 import { experimentFields, markField, optionsOf, textField, wordsOf } from "./experiment.js";
 import { picturePane } from "./plant.js";
+import { splitter } from "./split.js";
 import { S } from "./strings.js";
 
 const SPEEDS = [0.2, 1, 5, 60, 600];
@@ -30,7 +31,9 @@ function runView(store, hand) {
   });
   const metrics = metricPane();
   const form = formPane(hand, changed);
-  const view = el("div", { class: "run" }, form.section, picture.section, curves.section, gains.section, metrics.section);
+  const view = el("div", { class: "run" }, form.section, picture.section, curves.section, gains.section, metrics.section,
+    splitter({ key: "run-columns", vertical: true, at: 1, usual: 0.4 }),
+    splitter({ key: "run-rows", vertical: false, at: 2, usual: 0.6 }));
 
   form.start.addEventListener("click", start);
   form.pause.addEventListener("click", () => say({ pause: !state.paused }));

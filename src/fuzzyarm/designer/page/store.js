@@ -100,6 +100,8 @@ export class Store {
     this.far = null; // the surface as the server computed it
     this.told = null; // what the server said of the point, where the page does not compute it
     this.view = ""; // which one is shown
+    this.diagram = null; // of a controller
+    this.asDiagram = true; // whether it is shown where there are rules as well
   }
 
   on(name, listener) {
@@ -143,6 +145,19 @@ export class Store {
     }
     this.axes.output = Math.min(this.axes.output, scene.outputs.length - 1);
     this.emit("scene");
+  }
+
+  /** Take the block diagram of a controller, or that there is none. */
+  draw(diagram) {
+    this.diagram = diagram;
+    if (diagram) this.stale = false;
+    this.emit("diagram");
+  }
+
+  /** Show the block diagram or the rules, of a file that has both. */
+  turnDiagram(shown) {
+    this.asDiagram = shown;
+    this.emit("diagram");
   }
 
   /** Keep what is drawn, as of an earlier text; `why` says what the text is now. */

@@ -149,6 +149,63 @@ export const S = {
   sameMeaning: "Both mean the same.",
   inMeaning: "What differs in meaning:",
 
+  helpTitle: "Help and keys",
+  helpHint: "Help and keys: ? or F1",
+  help: [
+    {
+      title: "Everywhere",
+      words: ["The text on the left is what counts: whatever you drag, choose or add is an edit of it, and one step back undoes it. "
+        + "Borders between panes can be dragged."],
+      rows: [
+        ["? or F1", "this help (? where nothing is typed)"],
+        ["F6 or Shift+F6", "to the next pane, or to the one before; Tab goes on within it"],
+        ["Ctrl+Z or Ctrl+Shift+Z", "undo and redo"],
+        ["Ctrl+S", "save"],
+        ["← → ↑ ↓", "move a border that has the focus; Enter puts it back"],
+      ],
+    },
+    {
+      title: "Text",
+      words: ["Point at a word to read what it means. Findings stand below."],
+      rows: [
+        ["Ctrl+Space", "what could stand here"],
+        ["F2", "give the name under the cursor another one, everywhere"],
+        ["Ctrl+.", "fixes for the finding of this line"],
+        ["Shift+Alt+F", "format"],
+        ["Ctrl+F", "search"],
+      ],
+    },
+    {
+      title: "Design: terms", view: "design",
+      words: ["Drag a circle to move a corner, a diamond to change a width, the name to move a whole term. A term that is chosen shows "
+        + "its kind and its numbers below, to be typed. Above each plot: another term, the range, another name, away with it."],
+      rows: [
+        ["Tab", "from handle to handle"],
+        ["← →", "move the handle; with Ctrl ten steps"],
+        ["Alt", "neighbours that share the corner move along"],
+        ["Shift", "the term on the other side moves as well"],
+      ],
+    },
+    {
+      title: "Design: rules, surface, inference", view: "design",
+      words: ["A cell of the grid is a list. The name of a row or a column leads to what is done with it. Methods opens to the lists of "
+        + "and, or, implication, aggregation and defuzzifier.",
+      "A click in the contour, or a slider, moves the point. Rules that fire there are framed; they are called by their place in the text."],
+      rows: [["← → ↑ ↓", "turn the surface, or move the point in a contour, a line or a section"]],
+    },
+    {
+      title: "Run", view: "run",
+      words: ["A controller on a plant. The run stands at its time with all of it in view; Go on, or a push, takes it further. "
+        + "What is changed then is run from the start."],
+      rows: [["Space", "pause and go on, in the picture"], ["← → ↑ ↓", "push the plant, in the picture; with Shift harder"]],
+    },
+    { title: "Table", view: "table", words: ["How far a lookup table is from the rules; of a .lut file its cells."], rows: [["← → ↑ ↓", "from cell to cell"]] },
+    { title: "Learn and Tune", view: "tune", words: ["A table that learns while it runs; a search for better numbers, with its report."], rows: [] },
+    { title: "Compare", view: "compare", words: ["The file beside another one: surfaces, and what differs in meaning."], rows: [] },
+    { title: "Files", view: "files", words: ["New files, copies, other names, imports and exports. Files can be dropped anywhere."], rows: [["↑ ↓", "from name to name"]] },
+  ],
+  split: "Drag it, or move it with the arrow keys; Enter or a double click puts it back",
+  splitOf: (vertical) => (vertical ? "Width of the panes beside" : "Height of the panes above and below"),
   design: "Design",
   terms: "Terms",
   inputs: "input",
@@ -481,7 +538,16 @@ export const S = {
   taken: (written) => `The text has the new numbers; one step back undoes them.${written.length ? ` ${written.join(", ")} is written.` : ""}`,
   notTaken: "The text has changed in the same lines meanwhile.",
   notDrawn: "The text has mistakes; nothing has been drawn yet.",
-  noRules: "Pictures are drawn of rule bases. This file is a controller, a table, or has no rules yet.",
+  noRules: "Pictures are drawn of rule bases and controllers. The cells of a table stand in the view Table.",
+  diagram: "Block diagram",
+  diagramLabel: (name, count) => `Block diagram of ${name}: ${count} blocks; each leads to its line of the text.`,
+  blockKinds: { times: "product", plus: "sum", sum: "sum of", port: "", drive: "drive" },
+  toRules: "Rule base",
+  lookedUp: "What it looks up",
+  openFile: (name) => `Open ${name}`,
+  rulesOf: (count) => (count === 1 ? "1 rule" : `${count} rules`),
+  cellsOf: (count) => `table of ${count} cells`,
+  sheetLabel: ({ name, output, x, y }) => `${name}: ${output} over ${x}${y ? ` and ${y}` : ""}`,
   notHere: (reason) => `This page does not compute ${reason}. fuzzyarm eval and fuzzyarm plot do.`,
   tooManyRules: "There are too many rules to be drawn.",
   readOnly: "This page needs no server. Corners can be dragged; the text follows.",

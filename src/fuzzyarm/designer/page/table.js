@@ -243,4 +243,7 @@ function errorPane(store, hand) {
   return section;
 }
 
-export const TABLE = { name: "table", title: S.tables, drawn: false, panes: [cellsPane, errorPane] };
+export const TABLE = {
+  name: "table", title: S.tables, drawn: false, panes: [cellsPane, errorPane],
+  splits: [{ key: "table-rows", vertical: false, at: 1, usual: 0.4 }],
+};

@@ -66,7 +66,8 @@ export function termsPane(store, hand) {
   };
   const adding = (words, role) => el("button", { textContent: words, title: S.addRole[role], onclick: () => addVariable(hand, role) });
   if (hand.attempt) bar.append(adding(S.addInput, "input"), adding(S.addOutput, "output"));
-  bar.append(el("span", { class: "space" }));
+  const toDiagram = el("button", { textContent: S.diagram, hidden: true, onclick: () => store.turnDiagram(true) });
+  bar.append(toDiagram, el("span", { class: "space" }));
   const partition = option(S.partition, S.partitionHint, false);
   const mirror = option(S.mirror, S.mirrorHint, false);
   const snap = option(S.snap, S.snapHint, true);
@@ -610,6 +611,9 @@ export function termsPane(store, hand) {
 
   const redraw = eachFrame(draw);
   store.on("scene", build);
+  store.on("diagram", () => {
+    toDiagram.hidden = !store.diagram;
+  });
   store.on("reshaped", () => {
     partly = store.busy ? moving : "";
     redraw();

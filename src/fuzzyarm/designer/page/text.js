@@ -12,6 +12,7 @@ import { ask, choose } from "./dialogs.js";
 import { S } from "./strings.js";
 
 const WAIT = 15; // ms after a key stroke before changes are sent
+const [TRIES, BETWEEN] = [300, 20]; // how often, and every how many ms, it is looked whether they have come
 
 /** The words of a hover as elements: pictures and code in the font of the text, nothing as markup. */
 export function explained(markdown) {
@@ -160,7 +161,7 @@ export function textPane(link, nonce) {
 
   /** Ask something of the text as it is: what is typed first goes first. */
   async function question(what, details = {}) {
-    for (let tries = 0; tries < 50; tries++) {
+    for (let tries = 0; tries < TRIES; tries++) {
       send();
       if (settled()) {
         const version = getSyncedVersion(view.state);
@@ -168,7 +169,7 @@ export function textPane(link, nonce) {
         if (answer.version === undefined || (settled() && version === answer.version
           && getSyncedVersion(view.state) === version)) return answer;
       }
-      await new Promise((resolve) => setTimeout(resolve, 20));
+      await new Promise((resolve) => setTimeout(resolve, BETWEEN));
     }
     return { error: S.gone };
   }
@@ -280,9 +281,9 @@ export function textPane(link, nonce) {
 
   /** Wait until the server has everything that is here; whether it has. */
   async function sent() {
-    for (let tries = 0; tries < 100 && !settled(); tries++) {
+    for (let tries = 0; tries < TRIES && !settled(); tries++) {
       send();
-      await new Promise((resolve) => setTimeout(resolve, 20));
+      await new Promise((resolve) => setTimeout(resolve, BETWEEN));
     }
     return settled();
   }

@@ -9,7 +9,13 @@ import { S } from "./strings.js";
 const MOST_ROWS = 120; // of numbers that move
 const LOST = 1e6; // what a run that diverges costs, at least
 
-export const TUNE = { name: "tune", title: S.tune, drawn: false, panes: [tunePanes] };
+export const TUNE = {
+  name: "tune", title: S.tune, drawn: false, panes: [tunePanes],
+  splits: [
+    { key: "tune-columns", vertical: true, at: 1, usual: 0.5 },
+    { key: "tune-rows", vertical: false, at: 2, usual: 0.44 },
+  ],
+};
 
 function tunePanes(store, hand) {
   let facts = null; // whether the text can be tuned, and on what

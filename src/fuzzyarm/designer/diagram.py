@@ -1,0 +1,150 @@
+"""A controller as a page draws it: its block diagram in pixels, and what it looks up."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fuzzyarm.controller.text import ControllerText, with_files
+from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.language.queries import Reading
+from fuzzyarm.lsp.session import UTF16, Session, to_position
+from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.show.diagram import block_diagram
+from fuzzyarm.show.placement import ROUND, Pen, PlacedBlock, place
+from fuzzyarm.text.diagnostic import NOWHERE
+from fuzzyarm.text.names import printable
+
+if TYPE_CHECKING:
+    from fuzzyarm.designer.compared import Surface
+    from fuzzyarm.designer.jobs import Job
+    from fuzzyarm.table import LookupTable
+
+__all__ = ["diagram_of", "sheets"]
+
+SIZES = {"label": 13.0, "detail": 11.0, "signal": 12.0, "head": 13.0}
+"""Of letters, px."""
+
+NARROW, WIDE = frozenset("iljtfrI.,:;|!'()[]/- "), frozenset("mwMW@%")
+
+ACROSS = 41
+"""Points of a small surface along each input."""
+
+MOST_SHEETS = 12
+
+
+def _width(text: str, style: str) -> float:
+    """Return about how wide a text is in a page, rather too much than too little."""
+    bold = 1.08 if style in ("label", "head") else 1.0
+    units = sum(0.42 if c in NARROW else 0.95 if c in WIDE else 0.64 for c in text)
+    return units * SIZES[style] * bold
+
+
+PEN = Pen(width_of=_width, line=16.0, pad=8.0, room=120.0, track=10.0, arrow=20.0)
+
+
+def diagram_of(controller: ControllerText, reading: Reading) -> dict[str, Any]:
+    """Return the block diagram of a controller, fit for JSON; lengths are pixels.
+
+    Parameters
+    ----------
+    controller : ControllerText
+        With its files, as far as they are there.
+    reading : Reading
+        Its text.
+    """
+    diagram = block_diagram(controller)
+    picture = place(diagram, PEN)
+    return {
+        "name": diagram.name,
+        "description": diagram.description,
+        "period": diagram.period,
+        "width": _short(picture.width),
+        "height": _short(picture.height),
+        "blocks": [_block(each, picture.pitch, reading) for each in picture.blocks],
+        "strokes": [[*map(_short, (*start, *end))] for start, end in picture.strokes],
+        "tips": [[*map(_short, points[-1])] for _, points in picture.wires],
+        "dots": [[_short(x), _short(y)] for x, y in picture.dots],
+        "words": [
+            {"text": each.text, "x": _short(each.x), "y": _short(each.y), "style": each.style}
+            for each in picture.words
+        ],
+        "uses": [[use.name, *use.files] for use in controller.model.uses],
+    }
+
+
+def _block(placed: PlacedBlock, pitch: float, reading: Reading) -> dict[str, Any]:
+    block, span = placed.block, placed.block.span
+    at = None
+    if span != NOWHERE:
+        at = list(to_position(reading.raw_lines, span.line, span.column, UTF16))
+    round_ = block.kind in ROUND
+    pins = [[word, _short(x), _short(y)] for word, x, y in placed.pins(pitch)] if round_ else []
+    return {
+        "kind": block.kind,
+        "round": round_,
+        "x": _short(placed.x),
+        "y": _short(placed.y),
+        "width": _short(placed.width),
+        "height": _short(placed.height),
+        "lines": [list(line) for line in placed.lines],
+        "label": " ".join([block.label, *block.details]).strip(),
+        "pins": pins,
+        "at": at,
+    }
+
+
+def _short(value: float) -> float:
+    return round(value, 1)
+
+
+# --- What it looks up ---
+
+
+def sheets(session: Session, asked: dict[str, Any], job: Job) -> None:
+    """Tell what the rule bases and tables of a controller do: each over its first two inputs."""
+    from fuzzyarm.designer.compared import outputs_of, surface_of
+
+    model = session.reading.parsed.controller if isinstance(session.reading, Reading) else None
+    if model is None:
+        raise FuzzyarmError("the text is not a controller without mistakes")
+    controller, _ = with_files(model, Path(session.path).parent, session.path)
+    files = {use.name: use.files for use in model.uses}
+    found: list[dict[str, Any]] = []
+    for name, parts in controller.sheets.items():
+        for number, sheet in enumerate(parts):
+            file = files.get(name, ())[number : number + 1]
+            for output in outputs_of(sheet):
+                if len(found) < MOST_SHEETS:
+                    job.check()
+                    facts = {"name": name, "output": output, "file": file[0] if file else ""}
+                    found.append({**facts, **_facts(sheet), **_plane(sheet, output, surface_of)})
+    job.tell({"sheets": found})
+
+
+def _facts(sheet: RuleBase | LookupTable) -> dict[str, Any]:
+    if isinstance(sheet, RuleBase):
+        return {"kind": "rules", "count": len(sheet.rules)}
+    return {"kind": "table", "count": int(sheet.values.size)}
+
+
+def _plane(sheet: RuleBase | LookupTable, output: str, surface_of: Any) -> dict[str, Any]:
+    """Return the values over two inputs, or one; the others are in the middle of their ranges."""
+    import numpy as np
+
+    try:
+        surface: Surface = surface_of(sheet, output)
+    except FuzzyarmError as error:
+        return {"why": printable(str(error))}
+    names = list(surface.ranges)
+    x, y = names[-1], names[-2] if len(names) > 1 else ""
+    at = {name: np.array(0.5 * (low + high)) for name, (low, high) in surface.ranges.items()}
+    xs = np.linspace(*surface.ranges[x], ACROSS)
+    ys = np.linspace(*surface.ranges[y], ACROSS) if y else np.zeros(1)
+    at[x] = xs[None, :]
+    if y:
+        at[y] = ys[:, None]
+    values = np.broadcast_to(surface.at(at), (ys.size, xs.size))
+    z = [value if math.isfinite(value) else None for value in values.ravel().tolist()]
+    return {"x": x, "y": y, "xs": xs.tolist(), "ys": ys.tolist(), "z": z}

@@ -1,0 +1,114 @@
+// A controller as a block diagram, and the rule bases and tables that it looks up.
+
+import { clean, el, eachFrame, pane, shortNumber, svg } from "./draw.js";
+import { drawLines, drawPlane, rangeOfValues } from "./plane.js";
+import { S } from "./strings.js";
+
+const ROOM = 14; // around the picture
+const TIP = 7; // of a wire
+const SIGNS = { "+": "+", "-": "−", "*": "×", "/": "÷" };
+const GREATEST = 1.25; // scale
+
+/** The corners of a block as a path; a gain has a point. */
+export function outline({ kind, round, x, y, width, height }) {
+  const [right, bottom] = [x + width, y + height];
+  if (round) return `M${x} ${y + width / 2}a${width / 2} ${width / 2} 0 0 1 ${width} 0V${bottom - width / 2}a${width / 2} ${width / 2} 0 0 1 ${-width} 0Z`;
+  if (kind !== "gain") return `M${x} ${y}H${right}V${bottom}H${x}Z`;
+  return `M${x} ${y}H${right - 16}L${right} ${y + height / 2}L${right - 16} ${bottom}H${x}Z`;
+}
+
+/** The picture of a diagram; `goTo` leads from a block to its line of the text. */
+export function diagramPicture(diagram, goTo) {
+  const { width, height, blocks, strokes, tips, dots, words } = diagram;
+  const line = ([x1, y1, x2, y2]) => svg("line", { x1, y1, x2, y2 });
+  const tip = ([x, y]) => svg("path", { class: "tip", d: `M${x} ${y}l${-TIP} ${-TIP / 2}v${TIP}Z` });
+  const word = ({ text, x, y, style }) => svg("text", { x, y, class: style }, text);
+  const picture = svg("svg", {
+    viewBox: `${-ROOM} ${-ROOM} ${width + 2 * ROOM} ${height + 2 * ROOM}`, role: "group",
+    "aria-label": S.diagramLabel(diagram.name, blocks.length), class: "wires",
+  }, ...strokes.map(line), ...tips.map(tip), ...dots.map(([cx, cy]) => svg("circle", { cx, cy, r: 3 })), ...words.map(word),
+  ...blocks.map((block) => blockPicture(block, goTo)));
+  picture.style.width = `${Math.round(GREATEST * (width + 2 * ROOM))}px`;
+  return picture;
+}
+
+function blockPicture(block, goTo) {
+  const { kind, x, y, width, height, lines, pins, label, at } = block;
+  const middle = x + (width - (kind === "gain" ? 16 : 0)) / 2;
+  const top = y + (height - 16 * lines.length) / 2;
+  const said = `${S.blockKinds[kind] ?? kind} ${label}`.trim();
+  const leads = at && goTo ? {
+    tabindex: 0, role: "button", "aria-label": said, onclick: () => goTo(at),
+    onkeydown: (event) => (event.key === "Enter" || event.key === " ") && (event.preventDefault(), goTo(at)),
+  } : {};
+  return svg("g", { class: `block ${kind}`, ...leads }, svg("title", {}, said), svg("path", { d: outline(block) }),
+    ...lines.map(([text, style], i) => svg("text", { x: middle, y: top + 16 * i + 12, class: style }, text)),
+    ...pins.map(([sign, , at_]) => svg("text", { x: x + width / 2, y: at_ + 5, class: "sign" }, SIGNS[sign] ?? sign)));
+}
+
+/** What a rule base or a table of a controller does, as a small picture, and the way to its file. */
+function sheetCard(sheet, hand, names) {
+  const canvas = el("canvas", { role: "img", "aria-label": S.sheetLabel(sheet) });
+  const open = names.includes(sheet.file) ? [el("button", { textContent: S.openFile(sheet.file), onclick: () => hand.turnTo(sheet.file) })] : [];
+  const words = sheet.kind === "rules" ? S.rulesOf(sheet.count) : S.cellsOf(sheet.count);
+  const card = el("div", { class: "sheet" },
+    el("div", { class: "row" }, el("strong", { textContent: sheet.name }), el("span", { class: "small", textContent: words }), el("span", { class: "space" }), ...open),
+    sheet.z ? canvas : el("p", { class: "note", textContent: sheet.why }));
+  const draw = () => {
+    if (!sheet.z) return;
+    const [low, high] = rangeOfValues([sheet.z]);
+    const { x, y, xs, ys, z, output } = sheet;
+    const title = `${clean(output)}: ${shortNumber(low)} … ${shortNumber(high)}`;
+    if (y) drawPlane(canvas, { title, xs, ys, z, low, high, x, y });
+    else drawLines(canvas, { title, xs, lines: [z], low, high, x, y: output });
+  };
+  return { card, draw };
+}
+
+/** The pane: it is shown where the text is a controller. */
+export function diagramPane(store, hand) {
+  const { section, bar, body } = pane("diagram", S.diagram);
+  const said = el("span", { class: "small" });
+  const picture = el("div", { class: "canvas" });
+  const list = el("div", { class: "sheets", role: "group", "aria-label": S.lookedUp });
+  let cards = [];
+  let asked = "";
+  let names = [];
+  const toRules = el("button", { textContent: S.toRules, onclick: () => store.turnDiagram(false) });
+  bar.append(said, el("span", { class: "space" }), toRules);
+  body.append(picture, list);
+
+  function build() {
+    const { diagram } = store;
+    toRules.hidden = !store.scene;
+    if (!diagram) return;
+    said.textContent = clean([diagram.name, diagram.description, diagram.period].filter(Boolean).join(", "));
+    picture.replaceChildren(diagramPicture(diagram, hand.goTo));
+    look();
+  }
+
+  /** Ask what is looked up, when other files are used or it has not been shown yet. */
+  async function look() {
+    const key = JSON.stringify(store.diagram?.uses ?? null);
+    if (!store.diagram || store.view !== "design" || key === asked) return;
+    asked = key;
+    names = ((await hand.folder({ what: "list" })).files ?? []).map((each) => each.name);
+    hand.start("sheets", {}, (news) => {
+      if (news.end === "failed") asked = "";
+      if (!news.sheets || key !== asked) return;
+      cards = news.sheets.map((sheet) => sheetCard(sheet, hand, names));
+      list.replaceChildren(...cards.map(({ card }) => card));
+      redraw();
+    });
+  }
+
+  const redraw = eachFrame(() => {
+    for (const { draw } of cards) draw();
+  });
+  store.on("diagram", build);
+  store.on("scene", build);
+  store.on("view", look);
+  store.on("theme", redraw);
+  new ResizeObserver(redraw).observe(list);
+  return section;
+}

@@ -1,0 +1,174 @@
+"""The designer at any width, its borders moved by hand and by keys, and its help."""
+
+import json
+import shutil
+import subprocess
+
+import pytest
+from test_designer_page import CHROMIUM, Served, put, sync_api, until
+
+from fuzzyarm.designer.assets import asset
+from fuzzyarm.designer.written import page_of
+from fuzzyarm.shipped_files import shipped
+
+SPLITS = """
+import { shareAt, shareBy, sizesOf } from "./split.js";
+console.log(JSON.stringify([
+  shareAt(404, 0, 200, 8, 600), shareAt(-50, 0, 200, 8, 600), shareAt(9000, 0, 200, 8, 600),
+  shareBy("ArrowRight", 0.5, 0.35, true), shareBy("ArrowDown", 0.5, 0.35, true),
+  shareBy("ArrowUp", 0.5, 0.35, false), shareBy("ArrowLeft", 0.5, 0.35, false),
+  shareBy("Home", 0.5, 0.35, true), shareBy("Enter", 0.5, 0.35, true),
+  shareBy("a", 0.5, 0.35, true),
+  sizesOf("120px 8px 300.5px"),
+]));
+"""
+
+
+@pytest.mark.skipif(shutil.which("node") is None, reason="node is not installed")
+def test_a_border_shares_its_room_and_leaves_some_to_both(tmp_path):
+    for name in ("split.js", "draw.js", "strings.js"):
+        (tmp_path / name).write_bytes(asset(name)[0])
+    (tmp_path / "package.json").write_text('{"type": "module"}')
+    (tmp_path / "run.js").write_text(SPLITS)
+    done = subprocess.run(
+        ["node", str(tmp_path / "run.js")], capture_output=True, text=True, check=True, timeout=60
+    )
+    assert json.loads(done.stdout) == [
+        0.5, 0.08, 0.92, 0.52, None, 0.48, None, 0.08, 0.35, None, [120, 8, 300.5],
+    ]  # fmt: skip
+
+
+VIEWS = ("Design", "Run", "Table", "Learn", "Tune", "Compare", "Files")
+FILES = {"Run": "servo.frb", "Learn": "servo.frb", "Tune": "servo.frb"}
+
+# What is cut off: words in a box that hides what does not fit, and controls beyond the window.
+CUT = """() => [...document.querySelectorAll(
+  "button, select, input, label, summary, h1, h2, th, p")]
+  .filter((e) => e.offsetParent && !e.closest(".cm-editor") && !e.classList.contains("unseen"))
+  .filter((e) => {
+    const { left, right } = e.getBoundingClientRect();
+    const hides = getComputedStyle(e).overflowX !== "visible" && e.scrollWidth > e.clientWidth + 1;
+    const pane = e.closest(".pane")?.getBoundingClientRect();
+    const beyond = e.matches("input, select, button") && pane && right > pane.right + 1
+      && e.closest("table") === null;
+    return hides || beyond || right > innerWidth + 1 || left < -1;
+  }).map((e) => `${e.tagName} ${e.className} ${e.textContent || e.value}`.slice(0, 60))"""
+
+
+@pytest.fixture(scope="module")
+def served(tmp_path_factory):
+    server = Served(tmp_path_factory.mktemp("sizes"))
+    for name in ("pd7", "servo", "tipper"):
+        put(server, f"{name}.frb", shipped(f"{name}.frb").read_text())
+    yield server
+    server.stop()
+
+
+@pytest.fixture(scope="module")
+def browser():
+    with sync_api.sync_playwright() as playwright:
+        found = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        yield found
+        found.close()
+
+
+def opened(context, served, file):
+    page = context.new_page()
+    page.goto(f"{served.address}#file={file}")
+    page.get_by_text("no findings").first.wait_for()
+    return page
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")
+@pytest.mark.slow
+@pytest.mark.parametrize("width", [390, 1024, 1440, 3840])
+def test_no_view_is_wider_than_the_window_and_no_field_is_cut(served, browser, width):
+    context = browser.new_context(viewport={"width": width, "height": max(768, width * 9 // 16)})
+    for view in VIEWS:
+        page = opened(context, served, FILES.get(view, "pd7.frb"))
+        page.get_by_role("tab", name=view).click()
+        page.wait_for_timeout(500)
+        assert page.evaluate("document.documentElement.scrollWidth") <= width, view
+        assert page.evaluate(CUT) == [], view
+        page.close()
+    page = opened(context, served, "pd7.frb")
+    page.get_by_role("button", name="Help and keys").click()
+    box = page.locator("dialog.help").bounding_box()
+    assert box["x"] >= 0
+    assert box["x"] + box["width"] <= width
+    context.close()
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")
+@pytest.mark.slow
+def test_borders_are_dragged_moved_by_keys_and_remembered(served, browser):
+    context = browser.new_context(viewport={"width": 1280, "height": 720})
+    page = opened(context, served, "pd7.frb")
+
+    def wide(name):
+        return page.locator(f".{name}").first.bounding_box()
+
+    border = page.locator("main > .split")
+    before, box = wide("text")["width"], border.bounding_box()
+    page.mouse.move(box["x"] + 4, box["y"] + 200)
+    page.mouse.down()
+    page.mouse.move(box["x"] + 124, box["y"] + 200, steps=4)
+    page.mouse.up()
+    assert wide("text")["width"] == pytest.approx(before + 120, abs=2)
+    page.reload()
+    page.get_by_text("no findings").first.wait_for()
+    assert wide("text")["width"] == pytest.approx(before + 120, abs=2)
+
+    rows = page.locator(".view-design > .split.rows")
+    height = wide("terms")["height"]
+    rows.focus()
+    page.keyboard.press("ArrowUp")
+    page.keyboard.press("PageUp")
+    assert wide("terms")["height"] < 0.8 * height
+    assert int(rows.get_attribute("aria-valuenow")) == 38
+    page.locator("header select").select_option("tipper.frb")  # other files have the same borders
+    until(lambda: page.title().startswith("tipper.frb"), "turned")
+    assert page.locator(".terms").bounding_box()["height"] < 0.8 * height
+    rows = page.locator(".view-design > .split.rows")
+    rows.focus()
+    page.keyboard.press("Enter")
+    assert wide("terms")["height"] == pytest.approx(height, abs=2)
+    page.locator("main > .split").dblclick()
+    assert wide("text")["width"] == pytest.approx(before, abs=2)
+    page.reload()
+    page.get_by_text("no findings").first.wait_for()
+    assert wide("text")["width"] == pytest.approx(before, abs=2)
+    context.close()
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")
+@pytest.mark.slow
+def test_help_opens_by_its_button_and_its_keys_but_is_typed_in_the_text(served, browser, tmp_path):
+    context = browser.new_context(viewport={"width": 1280, "height": 720})
+    page = opened(context, served, "pd7.frb")
+    dialog = page.locator("dialog.help")
+    for key in ("?", "F1"):
+        page.locator("header [role=tab]").first.focus()
+        page.keyboard.press(key)
+        dialog.get_by_text("Design: terms").wait_for()
+        page.keyboard.press("Escape")
+        assert dialog.count() == 0
+    page.locator("header select").select_option("tipper.frb")  # a page has one help, not one a file
+    page.locator("header select").select_option("pd7.frb")
+    until(lambda: page.title().startswith("pd7.frb"), "turned")
+    page.locator("header [role=tab]").first.focus()
+    page.keyboard.press("?")
+    assert dialog.count() == 1
+    page.keyboard.press("Escape")
+    page.evaluate("designer.text.goTo([0, 0])")
+    page.keyboard.press("?")
+    assert dialog.count() == 0
+    assert page.evaluate("designer.text.view.state.doc.toString()").startswith("?")
+    page.keyboard.press("Control+z")
+    (tmp_path / "page.html").write_text(page_of(shipped("pd7.frb")))
+    page = context.new_page()
+    page.goto((tmp_path / "page.html").as_uri())
+    page.get_by_role("button", name="Help and keys").click()
+    assert "Design: terms" in page.locator("dialog.help").inner_text()
+    assert "Files" not in page.locator("dialog.help").inner_text()
+    context.close()
