@@ -33,11 +33,7 @@ from fuzzyarm.version import __version__
 
 MODULES = (
     "strings", "draw", "store", "variables", "methods", "gridtools", "terms", "rules", "surface",
-<<<<<<< HEAD
-    "viewer", "frame", "listing", "exported",
-=======
     "viewer", "split", "help", "frame", "listing", "exported",
->>>>>>> designer
 )  # fmt: skip
 """Modules of the page without a server, each behind those that it imports."""
 

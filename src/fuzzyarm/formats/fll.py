@@ -326,8 +326,9 @@ class _Reader:
             if not draft.is_output:
                 name_position(draft)
                 continue
-            line = self.defuzzifiers.get(draft.name)
-            _settle_defuzzifier(draft, line, self._implication(), self.findings)
+            _settle_defuzzifier(
+                draft, self.defuzzifiers.get(draft.name), self._implication(), self.findings
+            )
 
     def _implication(self) -> str | None:
         """Return the implication of all blocks, if it is the same."""

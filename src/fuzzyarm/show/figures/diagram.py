@@ -5,10 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.controller.text import ControllerText
-<<<<<<< HEAD
 from fuzzyarm.model.controller import ControllerModel
-=======
->>>>>>> designer
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.show.diagram import Diagram, block_diagram
 from fuzzyarm.show.figures.labels import text_width
@@ -57,7 +54,6 @@ TIP = 0.07
 SIGNS = {"+": "+", "-": "−", "*": "×", "/": "÷"}
 
 
-<<<<<<< HEAD
 def diagram_figure(controller: ControllerText | ControllerModel) -> Figure:
     """Return the block diagram of a controller.
 
@@ -67,16 +63,6 @@ def diagram_figure(controller: ControllerText | ControllerModel) -> Figure:
         As for :func:`fuzzyarm.show.diagram.block_diagram`.
     """
     diagram = block_diagram(controller)
-=======
-def diagram_figure(diagram: Diagram) -> Figure:
-    """Return a block diagram.
-
-    Parameters
-    ----------
-    diagram : Diagram
-        From :func:`fuzzyarm.show.diagram.block_diagram`.
-    """
->>>>>>> designer
     picture = place(diagram, PEN)
     figure = new_figure(_width(picture), picture.height + 0.55)
     _draw(figure.subplots(), picture)

@@ -290,11 +290,7 @@ class TablePicture:
 
     def __init__(self, table: LookupTable, at: Mapping[str, float]) -> None:
         self._table, self._at = table, at
-<<<<<<< HEAD
         self._sides = [_Side(a.name, a.description, *a.ends) for a in table.axes]
-=======
-        self._sides = [_Side(a.name, a.description, a.low, a.high) for a in table.axes]
->>>>>>> designer
         if len(self._sides) == 1:
             return
         pages = table.axes[:-2]
@@ -320,14 +316,7 @@ class TablePicture:
     def draw(self, part: Any) -> None:
         """Draw it into a figure or a part of one."""
         table, sides, at = self._table, self._sides, self._at
-<<<<<<< HEAD
         target = _Side(table.output, table.description, *table.reach)
-=======
-        reach = [float(table.values.min()), float(table.values.max())]
-        low = table.low if table.low is not None and math.isfinite(table.low) else reach[0]
-        high = table.high if table.high is not None and math.isfinite(table.high) else reach[1]
-        target = _Side(table.output, table.description, low, high)
->>>>>>> designer
         axes = part.subplots()
         if len(sides) == 1:
             _table_line(axes, table, sides[0], target, at)
