@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from fuzzyarm.cli.command import JSON, argument, busy, command, flag, print_json, progress_bar
 from fuzzyarm.cli.compare_plants import compare_on, other_plant
 from fuzzyarm.cli.experiment import CONVENTIONS, conventions_of
-from fuzzyarm.cli.plants import INTERPOLATE, MOTORS, PLANT, motors_of
+from fuzzyarm.cli.plants import MOTORS, PLANT, motors_of
 
 if TYPE_CHECKING:
     from fuzzyarm.plant import Conventions, Trajectory
@@ -581,7 +581,6 @@ COMMANDS = (
             "--payload", "carry the load", action=argparse.BooleanOptionalAction, default=True
         ),
         *CONVENTIONS,
-        INTERPOLATE,
         *MOTORS,
         argument("--errors", "in one of the three senses", choices=list(_SENSES)),
         flag("--cost", "count operations and measure time"),
