@@ -35,6 +35,7 @@ from fuzzyarm.language import format_text, read_text
 from fuzzyarm.language.reading import decoded
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Severity
+from fuzzyarm.text.folders import own_files
 
 _IN_FOLDERS = (*RULEBASE_SUFFIXES, ".lut")
 """Files of a folder that are checked: other tables are any program's."""
@@ -54,8 +55,9 @@ was probably meant. Exit status 1 if any file has an error (with --strict: or a 
 A comment `# allow NAME` on a line silences the finding of that name there; docs/checks.md
 explains every name. A controller is checked on the shipped plant that has its axes, or with
 --plant on that one, where a port that it lacks is an error. Of a folder every rule base and
-.lut file in it is checked, and in the folders below it; `-` checks the text of a .frb file
-from standard input.
+.lut file in it is checked, and in the folders below it, but for hidden ones, Python
+environments, what a .gitignore leaves out and .xml files that are not FML; `-` checks the text
+of a .frb file from standard input.
 """
 
 
@@ -93,15 +95,24 @@ def _files(paths: Iterable[str]) -> Iterator[str]:
         if not os.path.isdir(path):
             yield path
             continue
-        found = sorted(
-            os.path.join(folder, name)
-            for folder, _, names in os.walk(path)
-            for name in names
-            if name.lower().endswith(_IN_FOLDERS)
-        )
+        found = [each for each in own_files(path) if _is_ours(each)]
         if not found:
             raise EmptyFolderError(path)
-        yield from found
+        yield from sorted(found)
+
+
+def _is_ours(path: str) -> bool:
+    """Whether a file of a folder can be checked; much else is called .xml."""
+    name = path.lower()
+    if not name.endswith(".xml"):
+        return name.endswith(_IN_FOLDERS)
+    from fuzzyarm.formats.fml import is_fml
+
+    try:
+        with open(path, "rb") as file:
+            return is_fml(file.read(10_000).decode("utf-8", "replace"))
+    except OSError:
+        return False
 
 
 def _plant_of(arguments: argparse.Namespace) -> PlantOf | None:

@@ -8,6 +8,7 @@ departs from them, the standard counts.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Container, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import reduce
@@ -42,6 +43,16 @@ from fuzzyarm.model.rulebase import (
 )
 from fuzzyarm.model.shapes import membership_function
 from fuzzyarm.text.diagnostic import MAX_NESTING, Span
+
+_ROOT = re.compile(r"<(?![?!])(?:[\w.-]+:)?([\w.-]+)")
+_ROOTS = ("fuzzysystem", "fuzzycontroller", "fuzzycontrol", "fml")
+
+
+def is_fml(text: str) -> bool:
+    """Whether an XML text, of which the beginning is enough, is one of FML by its root."""
+    root = _ROOT.search(re.sub(r"<!--.*?-->", "", text, flags=re.DOTALL))
+    return root is not None and root[1].lower() in _ROOTS
+
 
 # --- XML, with the position of every element ---
 

@@ -1,0 +1,129 @@
+"""The files of a folder that are somebody's own: nothing hidden, nothing that git leaves out."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterator, Sequence
+from functools import lru_cache
+from pathlib import Path
+from typing import NamedTuple
+
+PACKAGES = ("node_modules", "__pycache__", "site-packages")
+"""Folders of packages, whoever made them."""
+
+
+class _Pattern(NamedTuple):
+    """A line of a ``.gitignore``: where it counts from, what it leaves out or takes back."""
+
+    base: str
+    pattern: re.Pattern[str]
+    taken_back: bool
+    folders_only: bool
+
+
+def own_files(folder: str) -> Iterator[str]:
+    """Yield the files in a folder and in those below it, each level in order.
+
+    Parameters
+    ----------
+    folder : str
+        Itself taken whatever it is called. Below it hidden files and folders are left out, those
+        of packages and of Python environments, and what a ``.gitignore`` there or above leaves
+        out.
+    """
+    yield from _below(folder, _patterns_above(folder))
+
+
+def _below(folder: str, patterns: tuple[_Pattern, ...]) -> Iterator[str]:
+    try:
+        entries = sorted(os.scandir(folder), key=lambda entry: entry.name)
+    except OSError:
+        return
+    patterns += _patterns_in(folder)
+    folders = []
+    for entry in entries:
+        if entry.name.startswith(".") or _left_out(entry, patterns):
+            continue
+        if not entry.is_dir():
+            yield entry.path
+        elif not entry.is_symlink() and not _is_of_packages(entry):
+            folders.append(entry.path)
+    for below in folders:
+        yield from _below(below, patterns)
+
+
+def _is_of_packages(entry: os.DirEntry[str]) -> bool:
+    return entry.name in PACKAGES or os.path.exists(os.path.join(entry.path, "pyvenv.cfg"))
+
+
+# --- .gitignore ---
+
+
+def _patterns_above(folder: str) -> tuple[_Pattern, ...]:
+    """Return the patterns of the folders above, up to the root of the repository."""
+    above = []
+    path = Path(folder).resolve()
+    for each in (path, *path.parents):
+        if each != path:
+            above.append(each)
+        if (each / ".git").exists():
+            return tuple(p for parent in reversed(above) for p in _patterns_in(str(parent)))
+    return ()
+
+
+def _patterns_in(folder: str) -> tuple[_Pattern, ...]:
+    try:
+        with open(os.path.join(folder, ".gitignore"), encoding="utf-8", errors="replace") as file:
+            lines = file.read().splitlines()
+    except OSError:
+        return ()
+    base = os.path.abspath(folder)
+    return tuple(p for line in lines if (p := _pattern(line, base)) is not None)
+
+
+def _pattern(line: str, base: str) -> _Pattern | None:
+    text = line.rstrip()
+    if not text or text.startswith("#"):
+        return None
+    taken_back = text.startswith("!")
+    text = text.removeprefix("!").removeprefix("\\")
+    folders_only = text.endswith("/")
+    text = text.rstrip("/")
+    if not text:
+        return None
+    # With a slash inside it counts from its folder, else it is a name anywhere below.
+    anchored = "/" in text
+    return _Pattern(base, _matcher(text.lstrip("/"), anchored=anchored), taken_back, folders_only)
+
+
+_WILD = {"**/": "(?:.*/)?", "/**": "/.*", "**": ".*", "*": "[^/]*", "?": "[^/]"}
+
+
+@lru_cache(maxsize=1024)
+def _matcher(text: str, *, anchored: bool) -> re.Pattern[str]:
+    words = re.findall(r"\*\*/|/\*\*$|\*\*|\*|\?|\[[^\]]*\]|[^*?\[/]+|.", text)
+    try:
+        return re.compile(("" if anchored else "(?:.*/)?") + "".join(map(_as_regex, words)))
+    except re.error:
+        return re.compile(re.escape(text))
+
+
+def _as_regex(word: str) -> str:
+    if word in _WILD:
+        return _WILD[word]
+    if word.startswith("[") and len(word) > 1:
+        return word.replace("[!", "[^", 1)
+    return re.escape(word)
+
+
+def _left_out(entry: os.DirEntry[str], patterns: Sequence[_Pattern]) -> bool:
+    """Whether the last pattern that fits leaves a file or a folder out."""
+    path = os.path.abspath(entry.path)
+    for each in reversed(patterns):
+        if each.folders_only and not entry.is_dir():
+            continue
+        relative = os.path.relpath(path, each.base).replace(os.sep, "/")
+        if each.pattern.fullmatch(relative):
+            return not each.taken_back
+    return False
