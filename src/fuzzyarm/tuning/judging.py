@@ -131,18 +131,18 @@ def with_judgement(
     """
     found, faults = made.found, list(made.faults)
     rows = [Row(row.name, dict(row.scores)) for row in made.rows]
-    linear = None
+    linear, line = None, None
     job = _in_time(job, plan, found)
     try:
         for row, candidate in zip(rows, which, strict=True):
             _judge(row, job.judged, candidate, means, faults)
         if job.linear and not found.interrupted and not found.fault:
             with _told(faults, "the linear controller"):
-                linear, opponent, row = _linear(job.linear["train"], plan, means)
+                linear, line, row = _linear(job.linear["train"], plan, means)
                 rows.append(row)
-            if linear is not None:
+            if line is not None:
                 others = {name: job.linear[name] for name in job.judged}
-                _judge(row, others, opponent, means, faults)
+                _judge(rows[-1], others, line, means, faults)
     except KeyboardInterrupt:  # what was found is kept, judged or not
         found.interrupted = True
     if job.regression:
@@ -155,6 +155,7 @@ def with_judgement(
         unseen=job.names["unseen"],
         linear=linear,
         alone=job.alone,
+        line=line,
         faults=tuple(faults),
     )
 

@@ -134,6 +134,8 @@ class Tuned:
         What failed, in sentences; the numbers stand whatever it was.
     alone : str
         Why there is no linear opponent, where one was asked for.
+    line : Candidate or None
+        The numbers of the linear opponent.
     """
 
     subject: ControllerText | RuleBase
@@ -154,6 +156,7 @@ class Tuned:
     notes: tuple[str, ...]
     faults: tuple[str, ...] = ()
     alone: str = ""
+    line: Candidate | None = None
 
     @property
     def model(self) -> ControllerText | RuleBase:
@@ -400,6 +403,7 @@ def _as_data(tuned: Tuned) -> dict[str, Any]:
         ],
         "remarks": list(tuned.remarks()),
         "faults": list(tuned.faults),
+        "line": None if tuned.line is None else dict(tuned.line.gains),
         "failed": found.failed,
         "parameters": [
             {"name": each.name, "low": each.low, "high": each.high, "start": each.start}
