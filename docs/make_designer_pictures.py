@@ -5,11 +5,13 @@ They are what a browser shows of the running designer, driven by hand movements.
 
 from __future__ import annotations
 
+import contextlib
 import os
 import shutil
 import subprocess
 import sys
 import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -80,8 +82,30 @@ def run(browser: Any, address: str) -> None:
     page.close()
 
 
+def draw_beginning(browser: Any) -> None:
+    """Draw the folder that has nothing in it."""
+    with tempfile.TemporaryDirectory() as folder, serving(Path(folder) / "class") as address:
+        page = browser.new_page(viewport=SIZE)
+        page.goto(address)
+        page.get_by_text("This folder has no rule base yet").wait_for()
+        page.wait_for_timeout(300)
+        page.screenshot(path=HERE / "designer_empty.png")
+        page.close()
+
+
+def draw_controller(browser: Any, address: str) -> None:
+    """Draw a controller as a block diagram with its rule base."""
+    page = browser.new_page(viewport=SIZE)
+    page.goto(f"{address}#file=servo.frb")
+    page.locator(".diagram .sheet canvas").wait_for()
+    page.wait_for_timeout(600)
+    page.screenshot(path=HERE / "designer_controller.png")
+    page.close()
+
+
 def draw(browser: Any, address: str) -> None:
     """Draw every picture."""
+    draw_controller(browser, address)
     page = open_page(browser, address, "pd7")
     page.screenshot(path=HERE / "designer.png")
     page.get_by_label("Partition").check()
@@ -201,26 +225,34 @@ def prepare(folder: str) -> None:
     (Path(folder) / "pd7-soft.frb").write_text(soft, encoding="utf-8")
 
 
+@contextlib.contextmanager
+def serving(folder: Path) -> Iterator[str]:
+    """Serve a folder; yield the address."""
+    words = [sys.executable, "-m", "fuzzyarm", "designer", str(folder), "--no-browser"]
+    state = {**os.environ, "XDG_STATE_HOME": f"{folder}.state"}
+    with subprocess.Popen(words, stdout=subprocess.PIPE, text=True, env=state) as server:
+        assert server.stdout is not None
+        try:
+            yield server.stdout.readline().strip()
+        finally:
+            server.terminate()
+
+
 def main() -> None:
     """Serve copies of shipped files, and look at them."""
-    with tempfile.TemporaryDirectory() as folder:
-        prepare(folder)
-        words = [sys.executable, "-m", "fuzzyarm", "designer", folder, "--no-browser"]
-        state = {**os.environ, "XDG_STATE_HOME": folder}
-        with subprocess.Popen(words, stdout=subprocess.PIPE, text=True, env=state) as server:
-            assert server.stdout is not None
-            address = server.stdout.readline().strip()
-            try:
-                with sync_playwright() as playwright:
-                    browser = playwright.chromium.launch(
-                        executable_path=shutil.which("chromium"), args=["--no-sandbox"]
-                    )
-                    draw_files(browser, address)  # before a hand has changed the files
-                    draw(browser, address)
-                    run(browser, address)
-                    browser.close()
-            finally:
-                server.terminate()
+    with tempfile.TemporaryDirectory() as parent, sync_playwright() as playwright:
+        folder = Path(parent) / "rules"
+        folder.mkdir()
+        prepare(str(folder))
+        browser = playwright.chromium.launch(
+            executable_path=shutil.which("chromium"), args=["--no-sandbox"]
+        )
+        with serving(folder) as address:
+            draw_files(browser, address)  # before a hand has changed the files
+            draw(browser, address)
+            run(browser, address)
+        draw_beginning(browser)
+        browser.close()
 
 
 if __name__ == "__main__":

@@ -1,5 +1,6 @@
 """A rule base by mouse: variables, terms, methods, grids and rules are edits of the text."""
 
+import itertools
 import re
 
 import pytest
@@ -121,6 +122,20 @@ def test_from_a_heading_to_a_rule_base_and_all_the_way_back(open_page):
     for _ in range(20):
         page.get_by_role("button", name="Undo").click()
     assert text_of(page) == blank
+    page.get_by_text("There is no variable yet").wait_for()
+
+
+@pytest.mark.parametrize("order", itertools.permutations(("Input", "Output")))
+def test_variables_may_come_in_any_order(open_page, order):
+    page = open_page("order.frb", 'rulebase order "o"\n')
+    for role in order:
+        add(page, role, variable=role[0].lower(), terms="A B")
+    page.locator(".composer select[data-variable=i]").select_option("A")
+    page.locator(".composer button").click()
+    until(lambda: page.evaluate("designer.store.surface()?.z.length > 0"), "a surface")
+    for name in ("i", "o"):
+        page.get_by_role("button", name=f"{name}: Remove it").click()
+        fill(page)
     page.get_by_text("There is no variable yet").wait_for()
 
 

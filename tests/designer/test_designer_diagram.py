@@ -8,6 +8,7 @@ from test_designer_page import CHROMIUM, Served, put, sync_api, text_of, until
 
 from fuzzyarm.controller.text import with_files
 from fuzzyarm.designer.diagram import PEN, diagram_of, sheets
+from fuzzyarm.designer.folder import Workspace
 from fuzzyarm.language.queries import read
 from fuzzyarm.lsp.session import Session
 from fuzzyarm.shipped_files import shipped, shipped_folder, shipped_names
@@ -83,6 +84,21 @@ def test_what_is_looked_up_is_told_with_its_values(tmp_path):
     assert (first["kind"], first["count"], first["x"], first["y"]) == ("rules", 49, "ce", "e")
     assert len(first["z"]) == len(first["xs"]) * len(first["ys"])
     assert first["z"][0] == pytest.approx(-first["z"][-1])
+
+
+def test_a_shipped_rule_base_can_be_copied_beside_its_controller(tmp_path):
+    path = tmp_path / "servo.frb"
+    path.write_text(shipped("servo.frb").read_text())
+    job = Heard()
+    sheets(Session(str(path), path.read_text()), {}, job)
+    assert job.told[0]["sheets"][0]["shipped"]
+    answer = Workspace(tmp_path).answer({"what": "adopt", "file": "pd7.frb"})
+    assert answer["open"] == "pd7.frb"
+    assert (tmp_path / "pd7.frb").read_bytes() == shipped("pd7.frb").read_bytes()
+    sheets(Session(str(path), path.read_text()), {}, job)
+    assert not job.told[1]["sheets"][0]["shipped"]
+    for name in ("../pd7.frb", "none.frb", "pd7.frb"):
+        assert "error" in Workspace(tmp_path).answer({"what": "adopt", "file": name})
 
 
 slow = pytest.mark.slow

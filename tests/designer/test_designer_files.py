@@ -6,11 +6,13 @@ import json
 import math
 import re
 import shutil
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import fuzzyarm
+from fuzzyarm.builder.starting import PURPOSES
 from fuzzyarm.cli.main import main
 from fuzzyarm.designer.compared import compare
 from fuzzyarm.designer.exports import files_of, kinds_of
@@ -467,6 +469,67 @@ def heard(socket, wanted):
     while not wanted(message := json.loads(socket.receive_text())):
         pass
     return message
+
+
+def test_a_folder_begins_with_the_first_sound_rule_base(tmp_path):
+    workspace = Workspace(tmp_path / "new")
+    assert (workspace.first(), workspace.files(), workspace.trouble) == ("", [], "")
+    for name, text in {
+        "a.lut": shipped("thesis-6.1.lut").read_text(),
+        "b.frb": shipped("servo.frb").read_text(),
+        "c.frb": "rulebase c\ninput\n",
+        "d.frb": PD7,
+    }.items():
+        (tmp_path / name).write_text(text)
+        expected = {"a.lut": "a.lut", "b.frb": "b.frb", "c.frb": "b.frb", "d.frb": "d.frb"}[name]
+        assert Workspace(tmp_path).first() == expected
+    (tmp_path / "aa.frb").write_bytes(b"\xff")
+    assert Workspace(tmp_path).first() == "d.frb"
+
+
+def test_a_folder_that_cannot_be_written_says_so(tmp_path, monkeypatch):
+    (tmp_path / "d.frb").write_text(PD7)
+    monkeypatch.setattr("fuzzyarm.designer.folder.os.access", lambda *_: False)
+    assert "cannot be written" in Workspace(tmp_path).listing()["trouble"]
+    monkeypatch.undo()
+
+    def refused(*_args, **_more):
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(Path, "open", refused)
+    answer = Workspace(tmp_path).answer({"what": "new", "name": "e", "kind": "pd"})
+    assert "Permission denied" in answer["error"]
+    monkeypatch.setattr(Path, "iterdir", refused)
+    assert Workspace(tmp_path).files() == []
+    assert "cannot be read" in Workspace(tmp_path).trouble
+
+
+def test_new_files_are_those_of_the_command(tmp_path):
+    workspace = Workspace(tmp_path / "class")
+    for kind in PURPOSES:
+        answer = workspace.answer({"what": "new", "name": kind, "kind": kind, "around": "pd.frb"})
+        assert answer["open"] == f"{kind}.frb", answer
+        words = ["new", str(tmp_path / kind), "--kind", kind]
+        around = ["--around", str(tmp_path / "class" / "pd.frb")] if kind == "controller" else []
+        assert main([*words, *around]) == 0
+        written = (tmp_path / f"{kind}.frb").read_text().replace("class/pd.frb", "pd.frb")
+        assert (tmp_path / "class" / f"{kind}.frb").read_text() == written
+    asked = {"what": "new", "name": "c", "kind": "controller", "around": "blank.frb"}
+    answer = workspace.answer(asked)
+    assert "has mistakes" in answer["error"]
+    assert "error" in workspace.answer({"what": "new", "name": "c", "kind": "nonsense"})
+
+
+def test_foreign_rule_bases_are_offered_and_nothing_else(tmp_path):
+    (tmp_path / "a.fis").write_text("[System]\n")
+    (tmp_path / "b.xml").write_text("<?xml version='1.0'?><project/>")
+    (tmp_path / "c.xml").write_text("<?xml version='1.0'?><FuzzyController/>")
+    (tmp_path / "d.csv").write_text("1,2\n")
+    workspace = Workspace(tmp_path)
+    assert workspace.foreign() == ["a.fis", "c.xml"]
+    with pytest.raises(OutsideError):
+        workspace.foreign_data("../a.fis")
+    assert Workspace(tmp_path / "a.fis").foreign() == []
 
 
 def test_an_export_is_loaded_by_an_address_with_the_token(client, folder):

@@ -152,6 +152,25 @@ def test_what_is_changed_at_the_end_is_run_from_the_start(server, chromium):
     page.context.close()
 
 
+def test_rules_that_are_not_saved_are_said_where_they_run(server, chromium):
+    put(server, "used.frb", shipped("pd7.frb").read_text())
+    text = shipped("servo.frb").read_text().replace("pd7.frb", "used.frb")
+    address = put(server, "using.frb", text)[1]
+    context = chromium.new_context(viewport={"width": 1280, "height": 720})
+    page = context.new_page()
+    page.goto(f"{server.address}#file=used.frb")
+    until(lambda: page.evaluate("!!window.designer?.store.scene"), "a picture")
+    page.evaluate("designer.text.goTo([0, 0])")
+    page.keyboard.type("# more\n")
+    until(lambda: page.evaluate("designer.text.settled()"), "sent")
+    page.goto(address)
+    page.get_by_role("tab", name="Run").click()
+    page.get_by_text("What is saved of used.frb is what runs").wait_for()
+    page.get_by_role("button", name="Save used.frb").click()
+    until(lambda: (server.folder / "used.frb").read_text().startswith("# more\n"), "saved")
+    context.close()
+
+
 def test_a_rule_base_alone_says_what_to_do_and_a_click_does_it(server, chromium):
     put(server, "servo.frb", shipped("servo.frb").read_text())
     address = put(server, "tipper.frb", shipped("tipper.frb").read_text())[1]

@@ -118,9 +118,18 @@ def sheets(session: Session, asked: dict[str, Any], job: Job) -> None:
             for output in outputs_of(sheet):
                 if len(found) < MOST_SHEETS:
                     job.check()
-                    facts = {"name": name, "output": output, "file": file[0] if file else ""}
+                    facts = {"name": name, "output": output, **_file(file, session)}
                     found.append({**facts, **_facts(sheet), **_plane(sheet, output, surface_of)})
     job.tell({"sheets": found})
+
+
+def _file(files: tuple[str, ...], session: Session) -> dict[str, Any]:
+    """Return the file of a sheet, and whether it is one that comes with the program."""
+    if not files:
+        return {"file": "", "shipped": False}
+    file = Path(files[0])
+    named = file.suffix in (".frb", ".lut") and file.name == files[0]
+    return {"file": files[0], "shipped": named and not (Path(session.path).parent / file).exists()}
 
 
 def _facts(sheet: RuleBase | LookupTable) -> dict[str, Any]:

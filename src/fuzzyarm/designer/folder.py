@@ -206,6 +206,11 @@ class Workspace:
         self._open[name] = SharedText(path, text)
         return self._open[name]
 
+    def is_changed(self, name: str) -> bool:
+        """Whether a window has more of a file than what is saved."""
+        shared = self._open.get(name)
+        return shared is not None and shared.text != shared.saved
+
     def opened(self, name: str) -> SharedText | None:
         """Return the text of a file that a window shows; None of any other."""
         return self._open.get(name)
@@ -260,8 +265,8 @@ class Workspace:
             kind = TABLE
         elif kind != CONTROLLER:
             kind = RULE_BASE
-        changed = shared is not None and shared.text != shared.saved
-        return {"name": name, "kind": kind, "description": words, "changed": changed}
+        row = {"name": name, "kind": kind, "description": words}
+        return {**row, "changed": self.is_changed(name)}
 
     def findings(self, name: str) -> dict[str, Any]:
         """Return how many findings a file has; what was found last, where it has not changed."""
@@ -300,6 +305,11 @@ class Workspace:
         if rulebase is None:
             raise OutsideError(f"'{printable(file)}' has mistakes, or is not a rule base")
         return controller_text(Path(name).stem, file, rulebase)
+
+    def _adopt(self, asked: Mapping[str, Any]) -> dict[str, Any]:
+        """Copy a file that comes with fuzzyarm into the folder, to be changed there."""
+        name = demand_name(str(asked["file"]))
+        return self._written(name, shipped(name).read_text(encoding="utf-8"))
 
     def _duplicate(self, asked: Mapping[str, Any]) -> dict[str, Any]:
         old = str(asked["file"])
@@ -387,6 +397,7 @@ class Workspace:
 _ACTS = {
     "list": Workspace._list,
     "new": Workspace._new,
+    "adopt": Workspace._adopt,
     "duplicate": Workspace._duplicate,
     "rename": Workspace._rename,
     "delete": Workspace._delete,

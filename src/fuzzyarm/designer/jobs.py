@@ -54,6 +54,9 @@ class Folder(Protocol):
     def session(self, name: str) -> Session:
         """Return a file of the folder as it is now."""
 
+    def is_changed(self, name: str) -> bool:
+        """Whether a window has more of a file than what is saved."""
+
 
 class Downloads:
     """Files that a page may load, each under a key of its own; the oldest go."""

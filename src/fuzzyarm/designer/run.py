@@ -50,6 +50,7 @@ from fuzzyarm.plant.setting import PLAIN
 from fuzzyarm.plant.trajectory import TRAJECTORIES, schedule
 from fuzzyarm.show.figures.plants import Scene
 from fuzzyarm.text.diagnostic import RuleBaseError
+from fuzzyarm.text.names import printable
 
 PICTURES = 30.0
 """In a second; a page that asks for calm gets fewer."""
@@ -100,6 +101,7 @@ class Running:
                 "a table does not run by itself",
                 hint='a controller looks it up: use NAME from "FILE", u = table NAME(e, ce)',
             )
+        job.tell({"unsaved": _unsaved(text, session.path, job)})
         try:
             controller = _controller_of(text, session.path)
         except SourceError:
@@ -128,8 +130,17 @@ def _controller_of(text: str, path: str) -> CompiledController:
     try:
         return controller_in(text, path)
     except RuleBaseError as error:
-        first = error.diagnostics[0].message
-        raise FuzzyarmError(f"the text has mistakes: {first}") from error
+        first = error.diagnostics[0]
+        named = Path(first.path).name
+        whose = "the text" if named in ("", Path(path).name) else printable(named)
+        raise FuzzyarmError(f"{whose} has mistakes: {first.message}") from error
+
+
+def _unsaved(text: str, path: str, job: Job) -> list[str]:
+    """Return the files that a controller uses of which a window has more than what is saved."""
+    model = parse(text, path).controller
+    files = {file for use in model.uses for file in use.files} if model is not None else set()
+    return sorted(file for file in files if job.folder.is_changed(file))
 
 
 def _is_rule_base(text: str, path: str) -> bool:

@@ -7,6 +7,7 @@ import { S } from "./strings.js";
 /** Ask for a name, make a controller around the rule base that is open, and turn to it. */
 export async function makeAround(hand) {
   const file = hand.file();
+  await hand.save(); // a controller uses what is saved
   const made = await fill(S.aroundTitle(file), [
     { name: "name", label: S.nameOfFile, value: S.aroundName(file) },
   ], S.create, (values) => hand.folder({ what: "new", kind: "controller", around: file, ...values }));
@@ -33,4 +34,20 @@ export function aroundLine(hand) {
   }
 
   return { line, show };
+}
+
+/** Say which files of a controller have more in their windows than what is saved, which is what runs. */
+export function unsavedLine(hand) {
+  const line = el("p", { class: "around", hidden: true });
+  return {
+    line,
+    show(names) {
+      line.hidden = !names.length;
+      const buttons = names.map((name) => el("button", { textContent: S.saveFile(name), onclick: () => {
+        hand.saveFile(name);
+        line.hidden = true;
+      } }));
+      line.replaceChildren(S.unsavedUsed(names.join(", ")), " ", ...buttons);
+    },
+  };
 }

@@ -86,6 +86,8 @@ export function makeDesk(file, page, views) {
     setGain: (name, values) => text.edit("gain", { name, values }),
     text: () => text.state().text,
     goTo: (at) => text.goTo(at),
+    save: () => saveNow(),
+    saveFile: (name) => connection.send({ do: "save", file: name }),
     askNow: (what, details) => text.question(what, details), // of the text as it is typed
     settled: () => text.sent(),
     replace: (words) => text.replace(words),
@@ -98,6 +100,13 @@ export function makeDesk(file, page, views) {
     listed: page.listed,
     turnTo: page.turnTo,
   };
+  /** Save, and wait until the server has. */
+  async function saveNow() {
+    if (!dirty || !(await text.sent())) return;
+    send({ do: "save" });
+    for (let tries = 0; tries < 100 && dirty; tries++) await new Promise((resolve) => setTimeout(resolve, 20));
+  }
+
   askServer(store, start);
   const banner = el("div", { class: "banner", role: "alert", hidden: true });
   const chooser = page.only ? el("strong", { textContent: file }) : files;

@@ -49,7 +49,7 @@ function blockPicture(block, goTo) {
 /** What a rule base or a table of a controller does, as a small picture, and the way to its file. */
 function sheetCard(sheet, hand, names) {
   const canvas = el("canvas", { role: "img", "aria-label": S.sheetLabel(sheet) });
-  const open = names.includes(sheet.file) ? [el("button", { textContent: S.openFile(sheet.file), onclick: () => hand.turnTo(sheet.file) })] : [];
+  const open = sheetButton(sheet, hand, names);
   const words = sheet.kind === "rules" ? S.rulesOf(sheet.count) : S.cellsOf(sheet.count);
   const card = el("div", { class: "sheet" },
     el("div", { class: "row" }, el("strong", { textContent: sheet.name }), el("span", { class: "small", textContent: words }), el("span", { class: "space" }), ...open),
@@ -63,6 +63,16 @@ function sheetCard(sheet, hand, names) {
     else drawLines(canvas, { title, xs, lines: [z], low, high, x, y: output });
   };
   return { card, draw };
+}
+
+/** What leads to a file of the folder, or brings a shipped one there. */
+function sheetButton({ file, shipped }, hand, names) {
+  if (names.includes(file)) return [el("button", { textContent: S.openFile(file), onclick: () => hand.turnTo(file) })];
+  if (!shipped) return [];
+  return [el("button", { textContent: S.copyHere(file), title: S.copyHereHint, onclick: async () => {
+    const made = await hand.folder({ what: "adopt", file });
+    if (made.open) hand.turnTo(made.open);
+  } })];
 }
 
 /** The pane: it is shown where the text is a controller. */
@@ -92,11 +102,12 @@ export function diagramPane(store, hand) {
     const key = JSON.stringify(store.diagram?.uses ?? null);
     if (!store.diagram || store.view !== "design" || key === asked) return;
     asked = key;
-    names = ((await hand.folder({ what: "list" })).files ?? []).map((each) => each.name);
+    const listing = await hand.folder({ what: "list" });
+    names = (listing.files ?? []).map((each) => each.name);
     hand.start("sheets", {}, (news) => {
       if (news.end === "failed") asked = "";
       if (!news.sheets || key !== asked) return;
-      cards = news.sheets.map((sheet) => sheetCard(sheet, hand, names));
+      cards = news.sheets.map((sheet) => sheetCard({ ...sheet, shipped: sheet.shipped && !listing.only }, hand, names));
       list.replaceChildren(...cards.map(({ card }) => card));
       redraw();
     });

@@ -1,6 +1,6 @@
 // Run: the text controls a plant. The loop of the server steps it; here are its form, its gains and its metrics.
 
-import { aroundLine } from "./around.js";
+import { aroundLine, unsavedLine } from "./around.js";
 import { curvePane } from "./curves.js";
 import { el, pane, shortNumber } from "./draw.js";
 import { experimentFields, markField, optionsOf, textField, wordsOf } from "./experiment.js";
@@ -59,6 +59,7 @@ function runView(store, hand) {
     if (store.view !== RUN.name || !store.sound || text === state.described) return;
     state.described = text;
     hand.start("plants", { text }, (news) => {
+      if (news.unsaved) form.unsaved(news.unsaved);
       if (news.plants) form.offer(news);
       if (news.end !== "failed") return;
       form.note(news.message);
@@ -210,6 +211,7 @@ function formPane(hand, changed) {
   const elsewhere = el("span", { class: "fields" }, reference.shown, suggestions, duration.shown,
     el("label", { class: "small", title: S.runOpenEndedHint }, endless, S.runOpenEnded));
   const around = aroundLine(hand);
+  const unsaved = unsavedLine(hand);
   const more = experimentFields(changed);
   const seed = text(S.runSeed, S.runSeedHint, 5);
   const line = el("code", { class: "command", tabIndex: 0 });
@@ -220,7 +222,7 @@ function formPane(hand, changed) {
   body.addEventListener("change", showLine);
   bar.append(start, pause, step, again, stop, el("label", { class: "small" }, S.runSpeed, speed), clock);
   const choice = el("div", { class: "fields" }, el("label", { class: "small" }, S.runPlant, plant), onArm, elsewhere);
-  body.append(around.line, choice, details, said);
+  body.append(around.line, unsaved.line, choice, details, said);
 
   function open(byHand) {
     if (byHand) changed();
@@ -315,7 +317,7 @@ function formPane(hand, changed) {
 
   note("");
   const mark = (name, message) => markField({ reference: reference.field, duration: duration.field, ...more.inputs }, name, message);
-  return { section, start, pause, step, again, stop, speed, offer, asked, note, mark, running, time };
+  return { section, start, pause, step, again, stop, speed, offer, unsaved: unsaved.show, asked, note, mark, running, time };
 }
 
 // --- Gains ---

@@ -141,9 +141,9 @@ export class Store {
         const [low, high] = rangeOf(variable);
         return low + 0.6 * (high - low);
       });
-      this.axes = { x: 0, y: Math.min(1, scene.inputs.length - 1), output: 0 };
+      this.axes = { x: 0, y: Math.max(0, Math.min(1, scene.inputs.length - 1)), output: 0 };
     }
-    this.axes.output = Math.min(this.axes.output, scene.outputs.length - 1);
+    this.axes.output = Math.max(0, Math.min(this.axes.output, scene.outputs.length - 1));
     this.emit("scene");
   }
 
