@@ -608,12 +608,16 @@ class Course:
             rows += [port.low, port.high, port.slew * period, resting]
         return rows
 
-    def clock(self) -> Any:
-        """Return the clock of the plant at the start, and room for changes and errors."""
+    def clock(self, *, between: bool = True) -> Any:
+        """Return the clock of the plant at the start, and room for changes and errors.
+
+        Without `between` the errors of control periods that are not sampled are not added up.
+        """
         parts = self.options.runge_kutta
         if not parts:
             parts = max(1, math.ceil(self.motion.period / self.plant.longest_step - 1e-9))
-        sums = CHANGES * len(self.site.interface.inputs) + ERRORS * len(self.motion.tracked)
+        errors = ERRORS * len(self.motion.tracked) if between else 0
+        sums = CHANGES * len(self.site.interface.inputs) + errors
         clock = np.zeros(CLOCK_SIZE + sums)
         clock[1:4] = self.motion.step, parts, float(self.conventions.single)
         return self._flat(clock)

@@ -174,7 +174,9 @@ def run_loop(
             control(board[0 : frame.true], laws, numbers, memory, drives)
             actuate(links, state, outputs, drives, constants, clock, limits)
             note_changes(drives, clock, progress[TICK])
-            note_errors(board, taps, path, progress[TICK], clock, len(drives))
+            note_errors(
+                board, taps, path, progress[TICK], clock[CLOCK_SIZE + CHANGES * len(drives) :]
+            )
             if last:  # before the plant moves: the error that these drives answer
                 tap(board, taps, record, samples)
                 samples += 1
@@ -354,23 +356,18 @@ ERRORS = 2
 
 @kernel
 def note_errors(
-    board: list[float],
-    taps: list[int],
-    path: list[float],
-    tick: int,
-    clock: list[float],
-    size: int,
+    board: list[float], taps: list[int], path: list[float], tick: int, errors: list[float]
 ) -> None:
-    """Add up the squares of the errors of a control period; `size` is the number of drives."""
-    first = CLOCK_SIZE + CHANGES * size
-    count = (len(clock) - first) // ERRORS
+    """Add up the squares of the errors of a control period."""
+    count = len(errors) // ERRORS
+    led = len(path) > 0
     for i in range(count):
         value = board[taps[i]]
         error = board[taps[count + i]] - value
-        clock[first + HELD * count + i] += error * error
-        if len(path) > 0:
+        errors[HELD * count + i] += error * error
+        if led:
             error = path[tick * count + i] - value
-        clock[first + LED * count + i] += error * error
+        errors[LED * count + i] += error * error
 
 
 # --- Actuators ---

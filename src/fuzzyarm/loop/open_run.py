@@ -43,6 +43,8 @@ class OpenRun:
         In place of that of the options.
     loaded : bool, optional
         Whether :meth:`push` is to be used, which needs a number for each drive and period.
+    between : bool, optional
+        Whether errors of control periods that are not sampled are added up.
 
     Attributes
     ----------
@@ -63,10 +65,11 @@ class OpenRun:
         seed: int | None = None,
         *,
         loaded: bool = False,
+        between: bool = True,
     ) -> None:
         self.site, self.course = site, course
         self.seed = seed
-        self.record = Record(course, program.memory, taps, seed)
+        self.record = Record(course, program.memory, taps, seed, between=between)
         self.seconds = 0.0
         self.count = len(course.motion.time)
         self._loads = course.loads() if loaded else None

@@ -158,9 +158,19 @@ class Record:
         Cells of the board that are recorded.
     seed : int, optional
         Of the start.
+    between : bool, optional
+        Whether errors of control periods that are not sampled are added up, see :meth:`squares`.
     """
 
-    def __init__(self, course: Course, memory: Any, taps: Any, seed: int | None = None) -> None:
+    def __init__(
+        self,
+        course: Course,
+        memory: Any,
+        taps: Any,
+        seed: int | None = None,
+        *,
+        between: bool = True,
+    ) -> None:
         self.course = course
         count = len(course.motion.time)
 
@@ -172,7 +182,7 @@ class Record:
         self.taps = new(taps, np.int64)
         self.board = new(np.zeros(course.board_size))
         self.state = course.state(seed)
-        self.clock = course.clock()
+        self.clock = course.clock(between=between)
         room = np.zeros(self.columns * count)  # large: not copied
         self.record: Any = room if course.as_array else view(room)
         self.progress = new([0, -1, -1, 0, 0, count, 0], np.int64)

@@ -501,9 +501,8 @@ class ClosedLoop:
             See :meth:`run`.
         """
         program, course = program or self.program, course or self.course
-        found = OpenRun(
-            self.site, program, course, self.taps[: 2 * len(course.motion.tracked)], seed
-        )
+        taps = self.taps[: 2 * len(course.motion.tracked)]
+        found = OpenRun(self.site, program, course, taps, seed, between=False)
         found.advance()
         record = found.record
         stopped = None if course.plant.ended else record.diverged()

@@ -76,6 +76,7 @@ class Arm(Plant):
     """
 
     name = "arm"
+    longest_step = STUDY_TIMING.period
     summary = "the study's two-link arm: torque or motor voltage to joint positions"
 
     def __init__(
@@ -169,9 +170,9 @@ ASKED, MADE = 6, 8
 ROOM = 10
 """Numbers of x."""
 
+# A control period that is longer than the study's is divided, and the motors' torques follow the
+# velocity from step to step, at the voltage of the period.
 LONGEST_STEP = STUDY_TIMING.period
-"""Of a step of the integrator, s: the study's control period. Longer periods are divided, and the
-motors' torques follow the velocity from step to step, at the voltage of the period."""
 
 FIRST_RATIO, SECOND_RATIO = RATIOS
 
@@ -285,7 +286,7 @@ def torques_at(
 
 @kernel
 def steps_of(period: float) -> int:
-    """Return into how many steps a control period is divided."""
+    """Return into how many steps a control period is divided; the clock has finer ones as well."""
     # In single precision 0.6 ms are a little more than that.
     return max(1, math.ceil(period / LONGEST_STEP - 1e-3))
 
@@ -349,15 +350,17 @@ def advance_arm(
     # The pose stands in y already: x has been measured since it moved.
     pose = Pose(y[4], y[5], y[6], y[7])
     state = State((x[0], x[1]), (x[2], x[3]))
-    torque = (u[0], u[1])
-    steps = steps_of(clock[1])
-    for i in range(steps):
-        if i > 0:
-            pose = pose_of(state.position)
-            torque = pushed_torques(x, u, p, clock)
-        state = semi_implicit(state, torque, pose, p, 0, clock[1] / steps, clock[3] != 0.0)
-        x[0], x[1] = state.position
-        x[2], x[3] = state.velocity
+    step = clock[1]
+    if clock[2] > 1.0:
+        step /= clock[2]
+    now = semi_implicit(state, (u[0], u[1]), pose, p, 0, step, clock[3] != 0.0)
+    x[0], x[1] = now.position
+    x[2], x[3] = now.velocity
+    for _ in range(1, int(clock[2])):
+        torque = pushed_torques(x, u, p, clock)
+        now = semi_implicit(now, torque, pose_of(now.position), p, 0, step, clock[3] != 0.0)
+        x[0], x[1] = now.position
+        x[2], x[3] = now.velocity
 
 
 @kernel
