@@ -504,7 +504,7 @@ def test_a_folder_that_cannot_be_written_says_so(tmp_path, monkeypatch):
     assert "cannot be read" in Workspace(tmp_path).trouble
 
 
-def test_new_files_are_those_of_the_command(tmp_path):
+def test_new_files_of_every_purpose_are_those_of_the_command(tmp_path):
     workspace = Workspace(tmp_path / "class")
     for kind in PURPOSES:
         answer = workspace.answer({"what": "new", "name": kind, "kind": kind, "around": "pd.frb"})

@@ -35,7 +35,8 @@ def test_one_half_and_the_top_stay_where_both_kinds_have_flanks(numbers, height,
     else:  # both sides alike: the width is that of both
         inside = max(left, min(right, middle - 0.49 * (right - left)))
         assert degree(inside) > 0.3 * height
-        assert degree(left - (right - left)) < 0.2 * height
+        # A bell made of gentle flanks has long tails.
+        assert degree(left - (right - left)) < (0.25 if kind == "bell" else 0.2) * height
 
 
 @given(steps, st.sampled_from(["ramp", "s", "z", "sigmoid"]))
