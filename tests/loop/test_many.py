@@ -447,7 +447,9 @@ def test_errors_travel():
 
 
 def test_what_a_plant_raises_says_in_which_run(heater, tmp_path):
-    (tmp_path / "mine.py").write_text(KILN.replace("return [0.02", "return [1 / p[0] * 0.02"))
+    (tmp_path / "mine.py").write_text(
+        KILN.replace("return [0.02", "return [float(1 / p[0]) * 0.02")
+    )
     with pytest.raises(FuzzyarmError, match=r"^run 1: plant kiln failed: .*mine.py:21: ZeroDiv"):
         simulate_many(heater, "mine.py:Kiln", {"loss": [0.1, 0.0]}, workers=1)
 

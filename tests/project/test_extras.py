@@ -19,7 +19,7 @@ ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
 PACKAGES = (
     "cma", "control", "dask", "distributed", "flint", "fmpy", "gymnasium", "loky", "pandas",
-    "pyarrow", "pygls", "lsprotocol", "sklearn", "textual", "xarray",
+    "numba", "pyarrow", "pygls", "lsprotocol", "sklearn", "textual", "xarray",
 )  # fmt: skip
 """What the extras bring, as it is imported."""
 

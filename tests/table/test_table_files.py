@@ -144,7 +144,7 @@ def test_an_unknown_suffix_is_refused_before_anything_is_written(tmp_path):
         ('"fuzzyarm-table"', '"something"', "bad-table"),
         ('"version": 1', '"version": 7', "bad-table"),
         ('"values"', '"valeus"', "missing-key"),
-        ("9.0", "NaN", "bad-table"),
+        ("9.0", "NaN", "bad-json"),
         ("9.0", '"9"', "bad-table"),
         ("9.0,", "", "bad-table"),
         ("9.0,", "9.0,,", "bad-json"),

@@ -4,3 +4,14 @@
 (:mod:`fuzzyarm.translation`) and compiles them with ``module.c``, when fuzzyarm itself is built. A
 running fuzzyarm needs nothing of this package; :mod:`fuzzyarm.kernels` loads what it made.
 """
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from fuzzyarm.lazy import lazily
+
+__all__: list[str] = []
+
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = lazily(__name__, {}, __all__)

@@ -3,3 +3,14 @@
 :mod:`fuzzyarm.translation.functions` reads a kernel and finds the type of every name; a
 :class:`~fuzzyarm.translation.targets.Target` says how a language spells what was read.
 """
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from fuzzyarm.lazy import lazily
+
+__all__: list[str] = []
+
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = lazily(__name__, {}, __all__)

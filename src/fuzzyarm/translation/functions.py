@@ -65,8 +65,8 @@ class Translation:
         self.target = target
         self.structures: list[str] = []
         self._tuples: dict[tuple[Type, ...], str] = {}
-        self._functions: dict[tuple[Any, ...], Function] = {}
-        self._finished: list[Function] = []
+        self._functions: dict[tuple[Any, ...], _Function] = {}
+        self._finished: list[_Function] = []
         self._names: dict[str, int] = {}
 
     def function(
@@ -74,7 +74,7 @@ class Translation:
         function: Callable[..., Any],
         types: Sequence[Type],
         bindings: Mapping[str, Callable[..., Any]] | Bindings = (),
-    ) -> Function:
+    ) -> _Function:
         """Translate a function for arguments of some types, with all that it calls.
 
         Parameters
@@ -89,7 +89,7 @@ class Translation:
         bound = tuple(sorted(dict(bindings).items(), key=lambda pair: pair[0]))
         key = (function, tuple(types), tuple(pair for pair in bound if is_kernel(function)))
         if key not in self._functions:
-            made = Function(self, function, types, bound, self._name(function.__name__))
+            made = _Function(self, function, types, bound, self._name(function.__name__))
             self._functions[key] = made
             made.translate()
             self._finished.append(made)
@@ -128,7 +128,7 @@ def _source_of(function: Callable[..., Any]) -> ast.FunctionDef:
     return definition
 
 
-class Function:
+class _Function:
     """One kernel, for arguments of some types.
 
     Attributes
@@ -186,6 +186,7 @@ class Function:
         self.text = "\n".join([head, *declarations, *body, "}", ""])
 
     def declared(self, template: str, name: str) -> str:
+        """Return a declaration of a name."""
         type_ = self.whole.type_name(self.types[name])
         return template.format(type=type_, name=self.variable(name))
 
