@@ -336,6 +336,6 @@ def test_data_cannot_end_the_element_that_holds_it():
 
 def test_an_engine_is_one_text_for_all_rule_bases():
     with pytest.raises(NotCoveredError):
-        numbers_of(replace(fuzzyarm.load(shipped("pd7.frb")), outputs=()))
+        numbers_of(replace(fuzzyarm.load(shipped("pd7.frb")), outputs=(), blocks=()))
     assert "eval(" not in engine_source()
     assert "new Function" not in engine_source()
