@@ -583,31 +583,32 @@ class ClosedLoop:
     def notes(self, course: Course | None = None) -> tuple[str, ...]:
         """Return what is taken otherwise than it was asked for, in sentences."""
         course, site = course or self.course, self.site
-        found = [*delay_notes(course.options, course.motion.period)]
-        parts = [each for each in self.controller.parts() if isinstance(each, CompiledController)]
-        names = {name for part in parts for name in connectable(part)}
+        notes = [*delay_notes(course.options, course.motion.period)]
+        names: set[str] = set()
+        for part in self.controller.parts():
+            names |= connectable(part) if isinstance(part, CompiledController) else set()
         for name, port in site.connect.items():
             if name not in names:
-                found.append(
+                notes.append(
                     f"nothing in {self.controller.name} is called '{name}': "
                     f"that it is joined to {port} changes nothing"
                 )
         idle = set(site.interface.axes) - {axis for axis, _ in course.driven}
         if isinstance(course.plant, Arm):
-            found += [f"nothing drives {axis}" for axis in sorted(idle)]
-        return tuple(found)
+            notes += [f"nothing drives {axis}" for axis in sorted(idle)]
+        return tuple(notes)
 
     def _limits(self, program: Program) -> dict[str, tuple[float, float]]:
         """Return the limits of each drive: the actuator's, or the text's where narrower."""
-        found = {}
+        limits = {}
         own = drive_limits(program.controller, self.site)
         for port, actuator in self.site.interface.inputs.items():
             low, high = own.get(port, (-math.inf, math.inf))
-            found[self.site.interface.label(port)] = (
+            limits[self.site.interface.label(port)] = (
                 max(low, actuator.low),
                 min(high, actuator.high),
             )
-        return found
+        return limits
 
     def _by_port(
         self, course: Course, taps: Vector
