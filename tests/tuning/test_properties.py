@@ -207,7 +207,9 @@ def test_axes_with_lines_of_their_own_have_slopes_of_their_own(tmp_path):
     split.write_text(f"{head}axis joint1\n{body}\naxis joint2\n{body}")
     straight = [straightened(load(each)) for each in (split, shipped("fuzzy-direct.frb"))]
     names = [each.name for each in Design(*straight[0]).parameters]
-    slopes = [f"slope of u along {of} on {axis}" for axis in ("joint1", "joint2") for of in ("e", "ce")]
+    slopes = [
+        f"slope of u along {of} on {axis}" for axis in ("joint1", "joint2") for of in ("e", "ce")
+    ]
     assert sorted(names) == sorted(["G_u", *slopes])
     runs = [simulate(text, reach_return(segment=0.1, hold=0.05)) for text, _ in straight]
     np.testing.assert_array_equal(runs[0].errors, runs[1].errors)

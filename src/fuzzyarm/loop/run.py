@@ -55,6 +55,7 @@ from fuzzyarm.plant.setting import (
     Conventions,
 )
 from fuzzyarm.plant.trajectory import Schedule, Trajectory, reach_return, schedule
+from fuzzyarm.plant.tried import require_sound
 from fuzzyarm.text.mistaken import CONTROLLER, wrong_kind
 from fuzzyarm.text.shown import Plotted, one_line
 
@@ -366,6 +367,7 @@ def plant_motion(
     Without references the first output that the controller asks a reference of follows `step`,
     by default to 1.
     """
+    require_sound(plant)
     site = site_of(plant, connect)
     text = text_of(controller, site)
     signals = as_signals(references)
@@ -413,6 +415,16 @@ def run_along(
 ) -> Run:
     """Run a controller along set points; see :func:`simulate`."""
     return ClosedLoop(controller, followed, conventions, options, connect).run()
+
+
+def _coarse(course: Course) -> tuple[str, ...]:
+    """Return what may have made a run diverge that the controller cannot help."""
+    if course.plant.derivative is None or math.isfinite(course.plant.longest_step):
+        return ()
+    return (
+        f"the plant is integrated in steps of a control period, {course.motion.period:g} s: "
+        "where its equations are faster, give it a longest_step",
+    )
 
 
 class ClosedLoop:
@@ -577,7 +589,7 @@ class ClosedLoop:
             rms_periods=shown_means(course, record, HELD),
             rms_path=shown_means(course, record, LED),
             output_units={label(port): each.unit for port, each in interface.outputs.items()},
-            notes=self.notes(course),
+            notes=self.notes(course) + (() if over or stopped is None else _coarse(course)),
         )
 
     def notes(self, course: Course | None = None) -> tuple[str, ...]:
