@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import linecache
 import math
 import traceback
 from collections.abc import Callable, Mapping, Sequence
@@ -194,6 +195,7 @@ def place_of(plant: Plant, what: str) -> str:
         return f"{code.co_filename}:{code.co_firstlineno}: "
     except (AttributeError, KeyError):
         pass
+    linecache.checkcache()  # another file may have had its name
     try:
         lines, first = inspect.getsourcelines(kind)
         path = inspect.getsourcefile(kind) or ""

@@ -242,12 +242,13 @@ class _Planes:
 def _scaling_gains(model: ControllerModel) -> dict[str, set[str]]:
     """Return the gains that do nothing but scale signals that only rules read, by signal."""
     found: dict[str, set[str]] = {}
+    scaled: list[str] = []
     for part in model.axes:
         for line in part.lines:
             if isinstance(line, Signal) and len(line.names) == 1 and _only_rules_read(line, part):
                 common = set.intersection(*map(_multipliers, line.products))
                 found[line.names[0]] = found.get(line.names[0], common) & common
-    scaled = [name for names in found.values() for name in names]
+                scaled += common
     return {
         signal: {name for name in names if _mentions(model, name) == scaled.count(name)}
         for signal, names in found.items()
