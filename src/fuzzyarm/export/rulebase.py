@@ -165,6 +165,7 @@ class DirectRoutine:
             "an input that is not a number (NaN) counts as the lower border",
             f"the result is {silent}",
             self.precision.words,
+            *_single_words(self.precision.inside),
         ]
 
     def provenance(self) -> Sequence[tuple[str, str]]:
@@ -307,6 +308,16 @@ def _forgiving(rulebase: RuleBase) -> RuleBase:
         for output in rulebase.outputs
     )
     return replace(rulebase, inputs=inputs, outputs=outputs)
+
+
+def _single_words(inside: Kind) -> list[str]:
+    """Return what single precision does next to a corner; in doubles the model has the same bits."""
+    if inside is not np.float32:
+        return []
+    return [
+        "corners, thresholds and degrees are rounded to float: within a few 1e-7 of the range of an"
+        " input of a corner another rule may fire than in the model, or none"
+    ]
 
 
 def _border_words(variable: Input) -> str:
