@@ -89,9 +89,7 @@ def test_so_it_does_where_what_fires_has_no_area_in_the_range(more: str, set_: s
         Prover(error, "u").slope({}, "x")
 
 
-@pytest.mark.parametrize(
-    ("cut", "height"), [("bounded", 0.5), ("drastic", 1), ("nilpotent", 0.5)]
-)
+@pytest.mark.parametrize(("cut", "height"), [("bounded", 0.5), ("drastic", 1), ("nilpotent", 0.5)])
 def test_so_it_does_where_the_implication_leaves_nothing(cut: str, height: float) -> None:
     rulebase = read(
         "rulebase r\ninput x 0 .. 2\noutput u 0 .. 1\nterm x L: triangle -1 0 3\n"
@@ -106,7 +104,8 @@ def test_so_it_does_where_a_set_lies_between_two_samples() -> None:
     rulebase = read(
         "rulebase r\ninput x 0 .. 2\noutput u 0 .. 1\nterm x L: triangle -1 0 3\n"
         "term u B: triangle 0.101 0.105 0.109\n"
-        "inference no-rule 3, outside extend, defuzzifier centroid(11)\nrule if x is L then u is B\n"
+        "inference no-rule 3, outside extend, defuzzifier centroid(11)\n"
+        "rule if x is L then u is B\n"
     )
     assert fuzzyarm.infer(rulebase, x=1.0) == {"u": 3.0}
     assert not prove(rulebase, "u <= 2", budget=5).proved
@@ -210,6 +209,6 @@ def test_something_is_said_before_anything_takes_long(statement: str, more: str)
     told: list[tuple[str, int, float]] = []
     rulebase = nine_terms(1, more)
     verdict = prove(rulebase, statement, budget=1e-6, tell=lambda *each: told.append(each))
-    assert verdict.verdict == "undecided"
+    assert not verdict.proved
     assert told[0][:2] == (verdict.statement, 0)
     assert math.isnan(told[0][2])

@@ -28,7 +28,10 @@ from fuzzyarm.table.compiler import choose_output
 from fuzzyarm.version import __version__
 
 _DENSE_POINTS = 60_000
-_DENSE_SAMPLES = 120_000_000
+_DENSE_HEIGHTS = 120_000_000
+"""Points times samples times sets: where there are many, a point takes long."""
+
+_FEWEST_POINTS = 1_024
 _MOST_POINTS = 6_000_000
 _VECTORS = 48
 
@@ -122,6 +125,11 @@ class DirectRoutine:
     @property
     def _samples(self) -> int:
         return max((sums.count for sums in self.program.sums), default=1)
+
+    @property
+    def _heights(self) -> int:
+        """How often the program asks a set for its height at a sample."""
+        return max((sums.count * len(sums.steps) for sums in self.program.sums), default=1)
 
     def body(self, writer: CWriter, parameters: Sequence[str]) -> list[str]:
         """Return the statements of the function."""
@@ -221,7 +229,7 @@ class DirectRoutine:
 
     def _grid(self) -> list[NDArray[Any]]:
         inputs = self.rulebase.inputs
-        points = min(_DENSE_POINTS, _DENSE_SAMPLES // self._samples)
+        points = max(_FEWEST_POINTS, min(_DENSE_POINTS, _DENSE_HEIGHTS // self._heights))
         count = max(3, round(points ** (1.0 / len(inputs))))
         return [self._axis_points(variable, count) for variable in inputs]
 
@@ -311,7 +319,7 @@ def _forgiving(rulebase: RuleBase) -> RuleBase:
 
 
 def _single_words(inside: Kind) -> list[str]:
-    """Return what single precision does next to a corner; in doubles the model has the same bits."""
+    """Say what single precision does next to a corner; doubles have the bits of the model."""
     if inside is not np.float32:
         return []
     return [

@@ -156,6 +156,11 @@ class Stop:
         self.tell = tell
 
     @property
+    def left(self) -> float:
+        """How many seconds are left."""
+        return self.until - time.monotonic()
+
+    @property
     def now(self) -> bool:
         """Whether time is over."""
         return time.monotonic() > self.until

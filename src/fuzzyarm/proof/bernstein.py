@@ -402,43 +402,42 @@ def maximise(
     best, corner, owner = least, None, -1
     seen, open_ = quotients.count, quotients
     given_up: Quotients = quotients.take(np.zeros(0, dtype=int))
-    while open_.count:
-        found = open_.attained()
-        if found is not None and (best is None or found[0] > best):
-            best, corner = found[0], found[2]
-            owner = int(open_.owner[found[1]])
-            if decide:
-                return Extremum(best, best, corner, owner, seen, given_up)
-        # Without a value anywhere only what has none can be discarded.
-        try:
-            keep = (
-                any_of_rows(open_.lower != 0)
-                if best is None
-                else open_.excess(best + tolerance, stop) > 0
-            )
-        except TimeOverError:
-            given_up = given_up.joined(open_)
-            break
-        open_ = open_.take(np.flatnonzero(keep))
-        shape = open_.corners.astype(float)
-        small = np.ptp(shape, axis=1).max(axis=1, initial=0.0) < smallest
-        if small.any():
-            given_up = given_up.joined(open_.take(np.flatnonzero(small)))
-            open_ = open_.take(np.flatnonzero(~small))
-        if stop.tell is not None and open_.count and best is not None:
-            stop.say(open_.count, open_.bound() - float(best))
-        if stop.now or open_.count > MOST:
-            given_up = given_up.joined(open_)
-            break
-        if open_.count:
-            try:
-                open_ = open_.halved(stop)
-            except TimeOverError:
-                given_up = given_up.joined(open_)
+    try:
+        while open_.count:
+            found = open_.attained()
+            if found is not None and (best is None or found[0] > best):
+                best, corner = found[0], found[2]
+                owner = int(open_.owner[found[1]])
+                if decide:
+                    return Extremum(best, best, corner, owner, seen, given_up)
+            open_, too_small = _worth_halving(open_, best, tolerance, smallest, stop)
+            given_up = given_up.joined(too_small)
+            if stop.tell is not None and open_.count and best is not None:
+                stop.say(open_.count, open_.bound() - float(best))
+            if stop.now or open_.count > MOST:
                 break
-            seen += open_.count
+            if open_.count:
+                open_ = open_.halved(stop)
+                seen += open_.count
+    except TimeOverError:
+        pass
+    given_up = given_up.joined(open_)
     bound = None if best is None else best + tolerance
     if given_up.count:
         crude = given_up.bound()
         bound = crude if bound is None or crude > float(bound) else bound
     return Extremum(best, bound, corner, owner, seen, given_up)
+
+
+def _worth_halving(
+    open_: Quotients, best: Any, tolerance: Any, smallest: float, stop: Stop
+) -> tuple[Quotients, Quotients]:
+    """Return the simplices that may exceed what is attained, and those too small to be halved."""
+    # Without a value anywhere only what has none can be discarded.
+    keep = (
+        any_of_rows(open_.lower != 0) if best is None else open_.excess(best + tolerance, stop) > 0
+    )
+    open_ = open_.take(np.flatnonzero(keep))
+    shape = open_.corners.astype(float)
+    small = np.ptp(shape, axis=1).max(axis=1, initial=0.0) < smallest
+    return open_.take(np.flatnonzero(~small)), open_.take(np.flatnonzero(small))

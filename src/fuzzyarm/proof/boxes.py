@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from copy import copy
 from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise, product
@@ -119,6 +120,12 @@ class Boxes:
         self.tried = 16 if self.output.integrated else 256  # boxes at whose corners it is evaluated
         low, high = self.output.output.low, self.output.output.high
         self.range = high - low if math.isfinite(high - low) else 1.0
+
+    def over(self, ends: Sequence[tuple[float, float]], stop: Stop) -> Boxes:
+        """Return the same over another box: what is known of sets and terms stays known."""
+        other = copy(self)
+        other.ends, other.stop = ends, stop
+        return other
 
     # ── questions ────────────────────────────────────────────────────────────────────
 
@@ -528,9 +535,10 @@ class _Degrees:
                 pairs, back = stretches[self.names.index(part.variable)]
                 known = self._known.setdefault(key, {})
                 shape = self.rulebase.variable(part.variable).term(part.term).shape
+                of_stretch = membership_bounder(shape)
                 for pair in pairs:
                     if pair not in known:
-                        known[pair] = membership_bounds(shape, *pair)
+                        known[pair] = of_stretch(*pair)
                 ends = np.array([known[pair] for pair in pairs])[back]
                 made[key] = ends[:, 0], ends[:, 1]
             return made[key]
@@ -540,30 +548,42 @@ class _Degrees:
 
 def membership_bounds(shape: Shape, low: float, high: float) -> tuple[float, float]:
     """Return bounds of a membership over a stretch."""
+    return membership_bounder(shape)(low, high)
+
+
+def membership_bounder(shape: Shape) -> Callable[[float, float], tuple[float, float]]:
+    """Return what gives the bounds of a membership over stretches."""
+    if shape.kind != "formula" and SHAPES[shape.kind].straight:
+        return _straight_bounder(shape)
     if shape.kind == "formula":
-        root = formula_of(shape).with_constants(())
-        found = bounds(root, {"x": (low, high)})
-        least, most = shape.height * found.low, shape.height * found.high
-    elif SHAPES[shape.kind].straight:
-        return _straight_bounds(shape, low, high)
+        expression, parts = formula_of(shape).with_constants(()), 1
     else:
         record = SHAPES[shape.kind]
         numbers = dict(zip(record.symbols[1:], shape.parameters, strict=True))
-        expression = specialise(record.expression, numbers)
         # A few parts: an expression in which x stands twice has wide bounds over a long stretch.
-        cuts = [low + (high - low) * i / PARTS for i in range(PARTS)] + [high]
-        parts = [bounds(expression, {"x": pair}) for pair in pairwise(cuts)]
-        least = shape.height * min(part.low for part in parts)
-        most = shape.height * max(part.high for part in parts)
-    return max(0.0, least - SLACK), min(shape.height, most + SLACK)
+        expression, parts = specialise(record.expression, numbers), PARTS
+
+    def of_stretch(low: float, high: float) -> tuple[float, float]:
+        cuts = [low + (high - low) * i / parts for i in range(parts)] + [high]
+        found = [bounds(expression, {"x": pair}) for pair in pairwise(cuts)]
+        least = shape.height * min(part.low for part in found)
+        most = shape.height * max(part.high for part in found)
+        return max(0.0, least - SLACK), min(shape.height, most + SLACK)
+
+    return of_stretch
 
 
-def _straight_bounds(shape: Shape, low: float, high: float) -> tuple[float, float]:
+def _straight_bounder(shape: Shape) -> Callable[[float, float], tuple[float, float]]:
     lines = SHAPES[shape.kind].lines(*shape.parameters, height=shape.height)
-    inside = [y for x, y in polyline(shape) if low <= x <= high]
-    values = [lines.at(low), lines.at(high), *inside]
-    least, most = min(values), max(values)
-    return (least if least == 0.0 else max(0.0, least - SLACK)), (most and most + SLACK)
+    corners = polyline(shape)
+
+    def of_stretch(low: float, high: float) -> tuple[float, float]:
+        inside = [y for x, y in corners if low <= x <= high]
+        values = [lines.at(low), lines.at(high), *inside]
+        least, most = min(values), max(values)
+        return (least if least == 0.0 else max(0.0, least - SLACK)), (most and most + SLACK)
+
+    return of_stretch
 
 
 # ── from strengths to a centroid ─────────────────────────────────────────────────────
@@ -659,10 +679,7 @@ class _OfSets:
         if self.lined:
             self.lines = [self._lines(member, pairs) for member in output.members]
             return
-        found = []
-        for member in output.members:
-            stop.check()
-            found.append([_set_bounds(member, a, b) for a, b in pairs])
+        found = [_set_bounds(member, pairs, stop) for member in output.members]
         self.least = [np.array([a for a, _ in each]) for each in found]
         self.most = [np.array([b for _, b in each]) for each in found]
 
@@ -703,8 +720,15 @@ class _OfSets:
         return *bounds, may_lack
 
 
-def _set_bounds(member: Member, low: float, high: float) -> tuple[float, float]:
-    """Return bounds of a set, hedges included, over a panel."""
-    least, most = membership_bounds(member.term.shape, low, high)
-    found = _hedged(member.hedges, (np.array([least]), np.array([most])))
-    return float(found[0][0]), float(found[1][0])
+def _set_bounds(
+    member: Member, panels: Sequence[tuple[float, float]], stop: Stop
+) -> list[tuple[float, float]]:
+    """Return bounds of a set, hedges included, over each of the panels."""
+    of_stretch = membership_bounder(member.term.shape)
+    made = []
+    for low, high in panels:
+        stop.check()
+        least, most = of_stretch(low, high)
+        found = _hedged(member.hedges, (np.array([least]), np.array([most])))
+        made.append((float(found[0][0]), float(found[1][0])))
+    return made

@@ -117,7 +117,7 @@ class Prover:
         self.names = tuple(variable.name for variable in self.inputs)
         self.fixed: dict[str, Fraction] = {}
         self._surfaces: dict[tuple[Any, ...], Surface] = {}
-        self._known_boxes: dict[tuple[tuple[Fraction, Fraction], ...], Boxes] = {}
+        self._any_boxes: Boxes | None = None
         self.reason = ""
         self.model: Straight | None = None
         try:
@@ -246,6 +246,11 @@ class Prover:
         self._demand_value_everywhere("the error of a table")
         question = self._table_question(table, mode, box)
         return self._clamped_or_refused(self.bounds_of(question))
+
+    def demand_bounds(self) -> None:
+        """Refuse a rule base of which nothing is proved, before what takes long is made for it."""
+        if self.model is None:
+            self._boxes(self.box({}))
 
     def table_at_most(self, table: LookupTable, mode: str, bound: float) -> Claim:
         """Tell whether a table differs nowhere by more than `bound`."""
@@ -417,9 +422,7 @@ class Prover:
         except TimeOverError:
             return None  # the bounds of floats stand
 
-    def _searched_again(
-        self, exact: tuple[Surface, Quotients], sign: int, least: Any
-    ) -> Extremum:
+    def _searched_again(self, exact: tuple[Surface, Quotients], sign: int, least: Any) -> Extremum:
         number, quotients = rationals().number, exact[1]
         chosen = quotients if sign == 1 else quotients.negated()
         known = number(Fraction(float(least)))
@@ -543,12 +546,10 @@ class Prover:
     def _boxes(self, box: tuple[tuple[Fraction, Fraction], ...]) -> Boxes:
         from fuzzyarm.proof.boxes import Boxes
 
-        if box not in self._known_boxes:  # its sets are cut into panels once
-            ends = [(float(low), float(high)) for low, high in box]
-            self._known_boxes[box] = Boxes(self.rulebase, self.output.name, ends, self.stop)
-        found = self._known_boxes[box]
-        found.stop = self.stop
-        return found
+        ends = [(float(low), float(high)) for low, high in box]
+        if self._any_boxes is None:
+            self._any_boxes = Boxes(self.rulebase, self.output.name, ends, self.stop)
+        return self._any_boxes.over(ends, self.stop)
 
     # ── single points ────────────────────────────────────────────────────────────────
 

@@ -19,7 +19,7 @@ from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language import parse, write
 from fuzzyarm.language.writer import property_node
 from fuzzyarm.model.rulebase import AnyRuleBase, Property, RuleBase
-from fuzzyarm.proof.arithmetic import Stop
+from fuzzyarm.proof.arithmetic import Stop, TimeOverError
 from fuzzyarm.proof.bounds import LIKE_EXPECT, Bounds, Claim
 from fuzzyarm.proof.prover import Prover, written
 from fuzzyarm.text.diagnostic import RuleBaseError
@@ -616,6 +616,8 @@ class _Case:
         from fuzzyarm.table import compile_table
 
         claim, prover = self.claim, self.prover
+        prover.demand_bounds()
+        self._demand_time_for_table()
         table = compile_table(self.rulebase, claim.output)
         bounds = prover.table(table, claim.mode)
         worst = max(bounds.high, -bounds.low)
@@ -646,6 +648,18 @@ class _Case:
             if found.holds:
                 return self._said(PROVED, **{**facts, "bound": claim.high})
         return self._said(UNDECIDED, **facts)
+
+    def _demand_time_for_table(self) -> None:
+        """Refuse a table whose values alone take longer than there is time."""
+        from fuzzyarm.inference.effort import microseconds
+        from fuzzyarm.inference.plan import part_for
+        from fuzzyarm.table.compiler import choose_axes
+
+        axes = choose_axes(self.rulebase, None, self.claim.output)
+        cells = math.prod(len(axis.levels) for axis in axes)
+        part = part_for(self.rulebase, [self.claim.output])
+        if 1e-6 * cells * microseconds(part) > 3.0 * self.stop.left:
+            raise TimeOverError
 
 
 class _Beyond:
