@@ -408,7 +408,7 @@ class Boxes:
         most = np.stack([b for _, b in numbers], axis=1)
         lower = np.stack([a for a, _ in folded.values()], axis=1)
         upper = np.stack([b for _, b in folded.values()], axis=1)
-        may_lack = ~(lower > 0.0).any(axis=1)
+        may_lack: Array = ~np.any(lower > 0.0, axis=1)
         if self.output.output.defuzzifier.method == "weighted-sum":
             tops = np.maximum(most * lower, most * upper).sum(axis=1)
             bottoms = np.minimum(least * lower, least * upper).sum(axis=1)
@@ -698,7 +698,7 @@ class _OfSets:
         if not self.lined:
             level = _aggregate(self.output, strengths, self.least, self.most)
             lower, upper = (np.stack([each, each], -1) for each in level)
-            may_lack = ~(lower > 0.0).any(axis=(1, 2))
+            may_lack: Array = ~np.any(lower > 0.0, axis=(1, 2))
             return *centroid_bounds(self.edges, lower, upper), may_lack
         count, panels = len(low), len(self.edges) - 1
         lower = np.zeros((count, panels, 2))
@@ -715,7 +715,7 @@ class _OfSets:
             own, known = under.sum(axis=2), lower[:, some].sum(axis=2)
             lower[:, some] = np.where((own > known)[:, :, None], under, lower[:, some])
             upper[:, some] = np.maximum(upper[:, some], over)
-        may_lack = ~(lower > 0.0).any(axis=(1, 2))
+        may_lack = ~np.any(lower > 0.0, axis=(1, 2))
         bounds = centroid_bounds(self.edges, lower * (1.0 - SLACK), upper * (1.0 + SLACK))
         return *bounds, may_lack
 

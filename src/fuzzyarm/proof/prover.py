@@ -198,7 +198,8 @@ class Prover:
             if no_rule is None:
                 raise
             at = {name: float(low) for name, (low, _) in zip(self.names, box, strict=True)}
-            return Bounds(*[no_rule] * 4, at, at, self.pieces_cut, "exact", True)
+            ends = (no_rule, no_rule, no_rule, no_rule)
+            return Bounds(*ends, at, at, self.pieces_cut, "exact", True)
         if no_rule is not None:  # it is not brought into the range
             silent = self.without_value(region)
             if silent is not None:
