@@ -20,14 +20,18 @@ from playwright.sync_api import sync_playwright
 ROOT = Path(__file__).parents[1]
 HERE = ROOT / "docs" / "pictures"
 SIZE: Any = {"width": 1280, "height": 720}
+PATIENCE = 60_000
+"""What is awaited comes within this time, ms."""
+HAS_PLANT = "document.querySelectorAll('.run-form select')[1]?.value"
+HAS_RUN = """document.querySelector('.metrics td')
+  && parseFloat(document.querySelector('output.clock').textContent) > 2.2"""
 
 
 def open_page(browser: Any, address: str, name: str, scheme: str = "light") -> Any:
     """Open a file and wait for its picture."""
     page = browser.new_page(viewport=SIZE, color_scheme=scheme)
     page.goto(f"{address}#file={name}.frb")
-    while not page.evaluate("!!window.designer?.store.scene"):
-        page.wait_for_timeout(50)
+    page.wait_for_function("!!window.designer?.store.scene", timeout=PATIENCE)
     page.wait_for_timeout(400)
     return page
 
@@ -48,16 +52,11 @@ def open_run(browser: Any, address: str, name: str, scheme: str = "light") -> An
     page = browser.new_page(viewport=SIZE, color_scheme=scheme)
     page.goto(f"{address}#file={name}.frb")
     page.get_by_role("tab", name="Run").click()
-    while not page.locator(".run-form select").nth(1).input_value():
-        page.wait_for_timeout(50)
-    page.get_by_role("button", name="Start").click()
-    while not (page.locator(".metrics td").count() and page.evaluate(SIMULATED) > 2.2):
-        page.wait_for_timeout(50)
+    page.wait_for_function(HAS_PLANT, timeout=PATIENCE)
+    page.locator(".run").get_by_label("For", exact=True).fill("2500ms")
+    page.locator(".run").get_by_role("button", name="Start").click()
+    page.wait_for_function(HAS_RUN, timeout=PATIENCE)
     return page
-
-
-SIMULATED = "parseFloat(document.querySelector('output.clock').textContent)"
-"""The time of a run, s."""
 
 
 def run(browser: Any, address: str) -> None:
