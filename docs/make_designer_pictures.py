@@ -63,7 +63,7 @@ def open_run(browser: Any, address: str, name: str, scheme: str = "light") -> An
     page.goto(f"{address}#file={name}.frb")
     page.get_by_role("tab", name="Run").click()
     wait_for(page, HAS_PLANT)
-    page.locator(".run").get_by_label("For", exact=True).fill("2500ms")
+    page.locator(".run").get_by_label("For", exact=True).fill("4s")
     page.locator(".run").get_by_role("button", name="Start").click()
     wait_for(page, HAS_RUN)
     return page
@@ -258,8 +258,8 @@ def main() -> None:
         )
         with serving(folder) as address:
             draw_files(browser, address)  # before a hand has changed the files
-            draw(browser, address)
             run(browser, address)
+            draw(browser, address)
         draw_beginning(browser)
         browser.close()
 
