@@ -11,6 +11,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -20,14 +21,27 @@ from playwright.sync_api import sync_playwright
 ROOT = Path(__file__).parents[1]
 HERE = ROOT / "docs" / "pictures"
 SIZE: Any = {"width": 1280, "height": 720}
+PATIENCE = 60
+"""What is awaited comes within this time, s."""
+HAS_PLANT = "document.querySelectorAll('.run-form select')[1]?.value"
+HAS_RUN = """document.querySelector('.metrics td')
+  && parseFloat(document.querySelector('output.clock').textContent) > 2.2"""
+
+
+def wait_for(page: Any, expression: str) -> None:
+    """Wait until something is so; the policy of the page forbids that it asks itself."""
+    last = time.monotonic() + PATIENCE
+    while not page.evaluate(expression):
+        if time.monotonic() > last:
+            raise TimeoutError(f"{page.url}: {expression} is not so after {PATIENCE} s")
+        page.wait_for_timeout(50)
 
 
 def open_page(browser: Any, address: str, name: str, scheme: str = "light") -> Any:
     """Open a file and wait for its picture."""
     page = browser.new_page(viewport=SIZE, color_scheme=scheme)
     page.goto(f"{address}#file={name}.frb")
-    while not page.evaluate("!!window.designer?.store.scene"):
-        page.wait_for_timeout(50)
+    wait_for(page, "!!window.designer?.store.scene")
     page.wait_for_timeout(400)
     return page
 
@@ -48,16 +62,11 @@ def open_run(browser: Any, address: str, name: str, scheme: str = "light") -> An
     page = browser.new_page(viewport=SIZE, color_scheme=scheme)
     page.goto(f"{address}#file={name}.frb")
     page.get_by_role("tab", name="Run").click()
-    while not page.locator(".run-form select").nth(1).input_value():
-        page.wait_for_timeout(50)
-    page.get_by_role("button", name="Start").click()
-    while not (page.locator(".metrics td").count() and page.evaluate(SIMULATED) > 2.2):
-        page.wait_for_timeout(50)
+    wait_for(page, HAS_PLANT)
+    page.locator(".run").get_by_label("For", exact=True).fill("4s")
+    page.locator(".run").get_by_role("button", name="Start").click()
+    wait_for(page, HAS_RUN)
     return page
-
-
-SIMULATED = "parseFloat(document.querySelector('output.clock').textContent)"
-"""The time of a run, s."""
 
 
 def run(browser: Any, address: str) -> None:
@@ -249,8 +258,8 @@ def main() -> None:
         )
         with serving(folder) as address:
             draw_files(browser, address)  # before a hand has changed the files
-            draw(browser, address)
             run(browser, address)
+            draw(browser, address)
         draw_beginning(browser)
         browser.close()
 

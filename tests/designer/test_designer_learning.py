@@ -16,6 +16,7 @@ from fuzzyarm.designer.shared import SharedText
 from fuzzyarm.designer.stage import Plants
 from fuzzyarm.language.queries import ReshapeError, add_tuning, apply_edits, read, set_ranges
 from fuzzyarm.lsp.session import Session
+from fuzzyarm.plant.equations import traced
 from fuzzyarm.shipped_files import shipped
 from fuzzyarm.table import read_table
 from fuzzyarm.tuning.design import Design, default_ranges, everything
@@ -384,32 +385,32 @@ def test_gains_get_ranges_and_keep_those_that_they_have(page):
 
 PLAIN = """\
 import multiprocessing
-from pathlib import Path
+import os
 
-from fuzzyarm.plant import Plant, Port
+from fuzzyarm.plant import Parameter, Plant, Port
 
 class Kiln(Plant):
     axis = "room"
     inputs = {"power": Port("%", 0, 100)}
     outputs = {"temperature": Port("°C", -50, 100)}
     states = {"T": "°C"}
+    parameters = {"loss": Parameter(0.001, "1/s", "heat lost through the wall")}
     duration = 300.0
 
     def start(self, rng):
         return [15.0]
 
     def derivative(self, t, x, u, p):
-        return [0.002 * u[0] - 0.001 * (x[0] - 10.0)]
+        if x[0] > 80.0:  # a branch on the state: not an expression of symbols
+            return [-0.01 * (x[0] - 10.0)]
+        return [0.002 * u[0] - p[0] * (x[0] - 10.0)]
 
 class Breaks(Kiln):
-    def start(self, rng):
-        import os, sys
-        judging = sys._getframe()
-        while judging is not None and judging.f_code.co_name != "_judge":
-            judging = judging.f_back
-        if judging is not None:
-            os._exit(9)
-        return [15.0]
+    def derivative(self, t, x, u, p):
+        rates = super().derivative(t, x, u, p)
+        if p[0] != 0.001 and multiprocessing.parent_process() is not None:
+            os._exit(9)  # as a library might that is loaded into the process
+        return rates
 """
 
 
@@ -419,11 +420,13 @@ def test_on_a_plant_in_plain_python_the_result_is_kept_whatever_follows(page, na
     monkeypatch.chdir(page.folder)
     (page.folder / "own.py").write_text(PLAIN)
     page.own = (f"own.py:{name}",)
+    assert traced(Plants(page.own).new(f"own.py:{name}")) is None  # it runs as plain Python
 
     def take(news):
         return {"take": True} if "report" in news else "close" if "taken" in news else None
 
     asked = {"plant": f"own.py:{name}", "reference": "temperature=step:20", "evals": 8, "unseen": 1}
+    asked["vary"] = "loss=0.002..0.003"  # in unseen scenarios; the search has the plant as it is
     heard = page.do("tune", "heater.frb", take, **asked)
     report = next(news["report"] for news in heard if "report" in news)
     assert report["trials"] == 8

@@ -99,6 +99,41 @@ def test_no_view_is_wider_than_the_window_and_no_field_is_cut(served, browser, w
     context.close()
 
 
+# What does not stand on the line that it belongs to, or touches the border of its pane.
+BROKEN = """() => {
+  const wrong = [], box = (e) => e.getBoundingClientRect();
+  for (const bar of document.querySelectorAll(".terms > .bar, .rules li")) {
+    const [first, ...others] = [...bar.children].filter((e) => box(e).width > 0);
+    for (const each of others) if (box(each).top >= box(first).bottom) wrong.push(each.textContent);
+  }
+  for (const head of document.querySelectorAll(".terms .head")) {
+    const [name, role] = head.children;
+    if (box(role).left - box(name).right < 4) wrong.push(head.textContent);
+  }
+  const left = box(document.querySelector(".pane.rules")).left;
+  for (const words of document.querySelectorAll(".rules caption")) {
+    if (box(words).left - left < 5) wrong.push(words.textContent);
+  }
+  return wrong;
+}"""
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")
+@pytest.mark.slow
+@pytest.mark.parametrize("file", ["pd7.frb", "tipper.frb"])
+def test_three_plots_fit_into_a_laptops_window_and_lines_are_not_broken(served, browser, file):
+    context = browser.new_context(viewport={"width": 1280, "height": 720})
+    page = opened(context, served, file)
+    plots = page.locator(".terms .plots")
+    assert plots.locator("svg").count() == 3
+    until(lambda: plots.evaluate("e => e.scrollHeight <= e.clientHeight"), "three plots")
+    plots.locator("text[data-term]").first.focus()  # the line of numbers takes room of its own
+    page.locator(".terms .details strong").wait_for()
+    assert plots.evaluate("e => e.scrollHeight <= e.clientHeight")
+    assert page.evaluate(BROKEN) == []
+    context.close()
+
+
 @pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")
 @pytest.mark.slow
 def test_borders_are_dragged_moved_by_keys_and_remembered(served, browser):

@@ -5,10 +5,10 @@ import { rangeOf, cornersOf, sidesOf, shapeKey, WIDTHS } from "./store.js";
 import { S } from "./strings.js";
 import { addVariable, variableHead } from "./variables.js";
 
-const [LEFT, RIGHT, TOP, BOTTOM] = [14, 14, 20, 17];
-const HEAD = 22; // of the line above a plot
-const DETAILS = 34; // below all, for the term that is chosen
-const [LEAST, MOST] = [80, 240]; // height of a plot
+const [LEFT, RIGHT, TOP, BOTTOM] = [14, 14, 18, 15];
+const HEAD = 20; // of the line above a plot
+const DETAILS = 52; // below all, for the term that is chosen: two lines in a narrow pane
+const [LEAST, MOST] = [60, 240]; // height of a plot; three fit into a window of 1280 × 720
 const SMOOTH = 161;
 const LEAST_HEIGHT = 0.05;
 const DIAMOND = 5.5;
