@@ -28,8 +28,9 @@ from fuzzyarm.controller.controller import CompiledController
 from fuzzyarm.controller.law import Law
 from fuzzyarm.controller.on_plant import TextLaw, make_law
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.plant.own import HOME, OWN, SOURCE, Home, module_again, plant_again, plant_class
+from fuzzyarm.plant.own import OWN, SOURCE, module_again, plant_again, plant_class
 from fuzzyarm.plant.plant import Plant
+from fuzzyarm.plant.tried import HOME, Home
 
 Rows = NDArray[np.float64]
 """What came of some runs, one in each row."""

@@ -6,14 +6,14 @@ import linecache
 import os
 import sys
 import traceback
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from copy import copy
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
 from types import ModuleType
-from typing import Any, NamedTuple, cast
+from typing import Any, cast
 
 import numpy as np
 
@@ -27,7 +27,7 @@ from fuzzyarm.plant.adapters import (
 from fuzzyarm.plant.driven_arm import Arm
 from fuzzyarm.plant.library import LIBRARY
 from fuzzyarm.plant.plant import Plant, PlantError, is_compiled
-from fuzzyarm.plant.tried import lacks, require_sound
+from fuzzyarm.plant.tried import HOME, Home, lacks, require_sound
 from fuzzyarm.text.names import near_hint
 
 PLANTS: dict[str, type[Plant]] = {Arm.name: Arm, **LIBRARY}
@@ -94,19 +94,6 @@ def own_plant(place: str) -> Plant:
     return _made(module, wanted or next(iter(found)))
 
 
-HOME = "_fuzzyarm_home"
-"""Under which a plant of a user's file has where it comes from."""
-
-
-class Home(NamedTuple):
-    """Where a plant comes from: a file, its text, a name in it; and its attributes at first."""
-
-    path: str
-    source: str
-    key: str
-    begun: Mapping[str, Any]
-
-
 def _made(module: ModuleType, key: str) -> Plant:
     """Make the plant that a name of a user's file stands for."""
     path = str(module.__file__)
@@ -121,9 +108,8 @@ def _made(module: ModuleType, key: str) -> Plant:
         raise PlantError(failure(path, error), name=key) from error
     if not plant.name:
         plant.name = key.lower()
-    home = Home(path, getattr(module, SOURCE), key, dict(vars(plant)))
+    vars(plant)[HOME] = Home(path, getattr(module, SOURCE), key, dict(vars(plant)))
     require_sound(plant)  # tells what is missing
-    vars(plant)[HOME] = home
     return plant
 
 

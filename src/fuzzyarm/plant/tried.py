@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
+import ast
 import inspect
-import linecache
 import math
 import traceback
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -24,6 +24,19 @@ EXAMPLES = {
 
 ARGUMENTS = {"derivative": "t, x, u, p", "measure": "t, x, u, p", "step": "t, x, u, p, dt"}
 """Of the equations of a plant, behind ``self``."""
+
+
+HOME = "_fuzzyarm_home"
+"""Under which a plant of a user's file has where it comes from."""
+
+
+class Home(NamedTuple):
+    """Where a plant comes from: a file, its text, a name in it; and its attributes at first."""
+
+    path: str
+    source: str
+    key: str
+    begun: Mapping[str, Any]
 
 
 def require_ports(plant: Plant) -> None:
@@ -195,16 +208,27 @@ def place_of(plant: Plant, what: str) -> str:
         return f"{code.co_filename}:{code.co_firstlineno}: "
     except (AttributeError, KeyError):
         pass
-    linecache.checkcache()  # another file may have had its name
-    try:
-        lines, first = inspect.getsourcelines(kind)
-        path = inspect.getsourcefile(kind) or ""
-    except (OSError, TypeError):
+    home = vars(plant).get(HOME)
+    if not isinstance(home, Home):
         return ""
-    for number, line in enumerate(lines, first):
-        if line.split("=")[0].split(":")[0].strip() == what:
-            return f"{path}:{number}: "
-    return f"{path}:{first}: "
+    line = _line_of(home.source, kind.__name__, what)
+    return "" if line is None else f"{home.path}:{line}: "
+
+
+def _line_of(source: str, kind: str, what: str) -> int | None:
+    """Return the line of an attribute in the text of its class, or that of the class."""
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.ClassDef) and node.name == kind:
+            for line in node.body:
+                targets = (
+                    line.targets
+                    if isinstance(line, ast.Assign)
+                    else [getattr(line, "target", None)]
+                )
+                if any(isinstance(each, ast.Name) and each.id == what for each in targets):
+                    return line.lineno
+            return node.lineno
+    return None
 
 
 def _is_number(value: object) -> bool:
