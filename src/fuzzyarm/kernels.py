@@ -293,6 +293,42 @@ def bound_routine(
     return cast(Callable[[], None], module.bind(address, types, arrays, brief))
 
 
+def point_routines(
+    function: Callable[..., None],
+    block: Any,
+    inputs: tuple[int, tuple[str, ...]],
+    outputs: tuple[int, tuple[str, ...]],
+    otherwise: Callable[..., tuple[float, ...]],
+) -> tuple[Callable[..., tuple[float, ...]], Callable[[Any], dict[str, float] | None]]:
+    """Return what evaluates one point as machine code: by position, and by name.
+
+    Parameters
+    ----------
+    function : kernel
+        Of one block.
+    block : ndarray of float64
+        Its numbers, for all threads.
+    inputs, outputs : tuple
+        Where they begin in the block, and their names.
+    otherwise : callable
+        Called with the values by position where one is not a number, or an output has none.
+
+    Returns
+    -------
+    tuple of callable
+        The second takes a dictionary, and returns None where the first goes elsewhere.
+
+    Raises
+    ------
+    ValueError
+        For more inputs than it has room for.
+    """
+    module: Any = _module()
+    address = address_of(function, 1, compiled=True)
+    at, named = module.point(address, block, *inputs, *outputs, otherwise)
+    return at, named
+
+
 # --- Several processors ---
 
 

@@ -238,7 +238,8 @@ def test_any_rule_base_has_the_values_of_the_kernel(tmp_path_factory, rulebase):
     assert made.kernel == "python", made.reason
     points = points_of(rulebase, 12)
     expected = np.array([
-        made._engine.one(each) or [np.nan] * len(rulebase.outputs)
+        list((made._engine.named(dict(zip(points, map(float, each), strict=True)))
+              or dict.fromkeys(rulebase.outputs, np.nan)).values())
         for each in zip(*points.values(), strict=True)
     ]).T  # fmt: skip
     for values, row in zip(expected, in_node(folder, rulebase, points).values(), strict=True):

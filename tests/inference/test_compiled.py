@@ -128,15 +128,18 @@ def test_a_point_by_itself_has_the_bits_that_it_has_among_others(data: st.DataOb
     fast, points = compiled(rulebase), data.draw(input_points(rulebase, 6))
     if fast._engine is None:
         return
-    rows = [fast._engine.one(row) for row in zip(*points.values(), strict=True)]
+    rows = [
+        fast._engine.named(dict(zip(points, row, strict=True)))
+        for row in zip(*map(np.ndarray.tolist, map(np.asarray, points.values())), strict=True)
+    ]
     curved = any(
         not piece.straight
         for output in prepare(rulebase).plan.outputs.values()
         for member in output.members
         for piece in member.pieces
     ) or any(term.shape.kind in SMOOTH for each in rulebase.inputs for term in each.terms)
-    whole = {name: np.array([row if row is None else row[at] for row in rows], float)
-             for at, name in enumerate(each.name for each in rulebase.outputs)}  # fmt: skip
+    whole = {each.name: np.array([row if row is None else row[each.name] for row in rows], float)
+             for each in rulebase.outputs}  # fmt: skip
     silent = dict.fromkeys(whole, np.nan)
     try:
         found = fast(points, held=silent)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 import os
-import struct
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import partial
+from threading import Lock
 from typing import Any
 
 import numpy as np
@@ -15,12 +15,12 @@ from numpy.typing import NDArray
 from fuzzyarm.inference.arrays import blocks, infer_arrays, part_of, working_shape
 from fuzzyarm.inference.block import Block, Layout, NotCoveredError, make_block
 from fuzzyarm.inference.errors import NotANumberError
-from fuzzyarm.inference.kernel import MISSING, evaluate, sweep
+from fuzzyarm.inference.kernel import COLUMNS, MISSING, RESULTS, evaluate, sweep
 from fuzzyarm.inference.labelled import gathered
 from fuzzyarm.inference.layout import lay_out
 from fuzzyarm.inference.plan import plan, remembered
 from fuzzyarm.inference.point import check_names, holds_arrays, number_of, prepare
-from fuzzyarm.kernels import bound_routine, has_machine_code, in_threads
+from fuzzyarm.kernels import bound_routine, has_machine_code, in_threads, point_routines
 from fuzzyarm.model.rulebase import AnyRuleBase, RuleBase
 
 CHUNK = 8192
@@ -32,6 +32,9 @@ POINTS_PER_PROGRAM = 32
 LONGEST_CHUNK = 1 << 17
 """… but no longer than this."""
 
+
+MOST_INPUTS = 64
+"""For which the machine code of a point has room; more go through Python."""
 
 MANY = 100_000
 """Points from which on all processors are used."""
@@ -48,8 +51,8 @@ def on_block(
     return bound_routine(function, "f", (block,), brief=function is evaluate)
 
 
-_Point = Callable[[Iterable[float]], "tuple[float, ...] | None"]
-"""From the inputs at a point to the outputs; None where one of them has no value."""
+_ByName = Callable[[Any], "dict[str, float] | None"]
+"""From the inputs at a point to the outputs; None where one is not a number, or has no value."""
 
 
 class Compiled:
@@ -66,8 +69,6 @@ class Compiled:
         What the kernel does not cover; empty where it does.
     """
 
-    __slots__ = ("_engine", "_names", "_one", "_only", "_outputs", "kernel", "reason", "rulebase")
-
     def __init__(self, rulebase: RuleBase) -> None:
         self.rulebase = rulebase
         self.kernel = "machine code" if has_machine_code() else "python"
@@ -75,18 +76,18 @@ class Compiled:
         self._names = tuple(variable.name for variable in rulebase.inputs)
         self._outputs = tuple(output.name for output in rulebase.outputs)
         self._engine: _Engine | None = None
-        self._one: _Point = lambda _: None
-        self._only = self._outputs[0] if len(self._outputs) == 1 else None
+        self._ordinary: _ByName = lambda _: None
         try:
             layout = lay_out(plan(rulebase), compiled=self.kernel == "machine code")
         except NotCoveredError as error:
             self.kernel, self.reason = "numpy", str(error)
         else:
             self._engine = _Engine(rulebase, layout, compiled=self.kernel == "machine code")
-            self._one = self._engine.one
+            self._ordinary = self._engine.named
+            vars(self)["at"] = self._engine.at  # the shortest way: without a call in between
 
     def __reduce__(self) -> tuple[type[Compiled], tuple[RuleBase]]:
-        # Machine code stays; another process takes its own from the disk.
+        # Another process lays its own numbers out.
         return type(self), (self.rulebase,)
 
     def __repr__(self) -> str:
@@ -106,14 +107,7 @@ class Compiled:
         tuple of float
             The outputs in their order.
         """
-        if len(values) == len(self._names):
-            try:
-                found = self._one(values)
-            except struct.error:  # one is not a number, which the engine for a point says
-                found = None
-            if found is not None:
-                return found
-        return tuple(prepare(self.rulebase).evaluate(self._by_name(values)).values())
+        return _at_plainly(self.rulebase, *values)
 
     def __call__(
         self,
@@ -137,16 +131,10 @@ class Compiled:
         dict of str to float or ndarray of float64
             What :func:`fuzzyarm.infer` returns, and it raises the same errors.
         """
-        if not values and tuple(named) == self._names:  # the thin path
-            for value in named.values():
-                if type(value) is not float:
-                    break
-            else:
-                found = self._one(named.values())
-                if found is not None:
-                    if self._only is not None:
-                        return {self._only: found[0]}
-                    return dict(zip(self._outputs, found, strict=True))
+        if not values and held is None:  # the thin path
+            found = self._ordinary(named)
+            if found is not None:
+                return found
         given, labels = gathered(self._mapping(values), named, self.rulebase.inputs)
         general = self._general(given, held)
         return general if labels is None else labels.on(general)
@@ -168,10 +156,9 @@ class Compiled:
         if self._engine is None or given.keys() != set(self._names):
             return None
         try:
-            found = self._one([number_of(name, given[name]) for name in self._names])
+            return self._ordinary({name: number_of(name, given[name]) for name in self._names})
         except NotANumberError:
             return None  # the engine for a point says so
-        return None if found is None else dict(zip(self._outputs, found, strict=True))
 
     def _plain(self, given: Mapping[str, Any], held: Mapping[str, float] | None) -> dict[str, Any]:
         """Evaluate without the kernel: what it does not cover, and what is wrong."""
@@ -182,12 +169,19 @@ class Compiled:
     def _mapping(self, values: tuple[Any, ...]) -> Any:
         if len(values) == 1 and (values[0] is None or _is_by_name(values[0])):
             return values[0]
-        return self._by_name(values)
+        return _by_name(self._names, values)
 
-    def _by_name(self, values: tuple[Any, ...]) -> dict[str, Any]:
-        if len(values) > len(self._names):
-            raise TypeError(f"{len(values)} inputs are given, there are {len(self._names)}")
-        return dict(zip(self._names, values, strict=False))
+
+def _by_name(names: tuple[str, ...], values: tuple[Any, ...]) -> dict[str, Any]:
+    if len(values) > len(names):
+        raise TypeError(f"{len(values)} inputs are given, there are {len(names)}")
+    return dict(zip(names, values, strict=False))
+
+
+def _at_plainly(rulebase: RuleBase, *values: Any) -> tuple[float, ...]:
+    """Evaluate one point without the kernel: what it does not cover, and what is wrong."""
+    names = tuple(variable.name for variable in rulebase.inputs)
+    return tuple(prepare(rulebase).evaluate(_by_name(names, values)).values())
 
 
 def _is_by_name(value: Any) -> bool:
@@ -205,36 +199,43 @@ class _Engine:
         wanted = min(POINTS_PER_PROGRAM * layout.programs, LONGEST_CHUNK)
         self._chunk = max(CHUNK, wanted)
         self._free: list[tuple[Block, Callable[[], None]]] = []
-        self.one = self._point_function(make_block(layout, 1))
+        self.at, self.named = self._point_functions(make_block(layout, 1))
 
-    def _point_function(self, first: Block) -> _Point:
-        """Make the function; evaluations in several threads at once take a block each."""
-        start = first.numbers.ctypes.data
-        pack = struct.Struct(f"={len(first.columns)}d").pack_into
-        unpack = struct.Struct(f"={len(first.results)}d").unpack_from
-        x_at, y_at = first.columns.ctypes.data - start, first.results.ctypes.data - start
-        free: list[tuple[Callable[..., None], Callable[[], None], Callable[[], Any]]] = []
-        take, give = free.pop, free.append
-        isnan, several = math.isnan, len(first.results) > 1
+    def _point_functions(self, block: Block) -> tuple[Callable[..., tuple[float, ...]], _ByName]:
+        """Make the functions of one point, by position and by name."""
+        inputs = tuple(variable.name for variable in self.rulebase.inputs)
+        outputs = tuple(output.name for output in self.rulebase.outputs)
+        otherwise = partial(_at_plainly, self.rulebase)
+        if self._compiled and len(inputs) <= MOST_INPUTS:
+            whole = block.numbers.view(np.int64)
+            x, y = int(whole[COLUMNS]), int(whole[RESULTS])
+            return point_routines(evaluate, block.numbers, (x, inputs), (y, outputs), otherwise)
+        run_block = on_block(evaluate, block.numbers, compiled=self._compiled)
+        turn = Lock()
 
-        def one(values: Iterable[float]) -> tuple[float, ...] | None:
-            try:
-                calls = take()
-            except IndexError:
-                block = first.numbers.copy()
-                room = memoryview(block).cast("B")  # type: ignore[arg-type]
-                run_block = on_block(evaluate, block, compiled=self._compiled)
-                calls = partial(pack, room, x_at), run_block, partial(unpack, room, y_at)
-            write, run_block, read = calls
-            write(*values)
-            run_block()
-            found: tuple[float, ...] = read()
-            give(calls)
-            if isnan(found[0]) or (several and any(map(isnan, found))):
+        def ordinary(values: Iterable[Any]) -> list[float] | None:
+            with turn:  # there is one block
+                try:
+                    block.columns[:, 0] = [float(value) for value in values]
+                except (TypeError, ValueError, OverflowError):
+                    return None
+                run_block()
+                results: list[float] = block.results[:, 0].tolist()
+            return None if any(map(math.isnan, results)) else results
+
+        def at(*values: Any) -> tuple[float, ...]:
+            results = ordinary(values) if len(values) == len(inputs) else None
+            return otherwise(*values) if results is None else tuple(results)
+
+        def named(given: Mapping[str, Any]) -> dict[str, float] | None:
+            if given.keys() != set(inputs):
                 return None
-            return found
+            values = [given[name] for name in inputs]
+            plain = all(isinstance(value, int | float) for value in values)
+            results = ordinary(values) if plain else None
+            return None if results is None else dict(zip(outputs, results, strict=True))
 
-        return one
+        return at, named
 
     def many(
         self, given: Mapping[str, Any], held: Mapping[str, float] | None
@@ -346,8 +347,7 @@ def compiled(rulebase: AnyRuleBase) -> Compiled:
     Compiled
         A callable with the inputs, results and errors of :func:`fuzzyarm.infer`; it can be
         pickled, and so goes to other processes. Machine
-        code does the work where it covers the model, see its `kernel` and `reason`. The
-        machine code is the same for all models: it is made once, and kept on disk.
+        code does the work where it covers the model, see its `kernel` and `reason`.
 
     Raises
     ------

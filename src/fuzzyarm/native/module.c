@@ -257,6 +257,159 @@ static PyObject *bind(PyObject *module, PyObject *arguments) {
   return function;
 }
 
+/* --- One point of a rule base --- */
+
+enum { MOST_INPUTS = 64 };
+
+/* A kernel on a block with the numbers of a rule base. It keeps the lock of the interpreter, so that
+   one block serves all threads: to give the lock away would cost as much as the work. */
+typedef struct {
+  PyObject_HEAD
+  spread_entry spread;
+  Py_buffer block;
+  int held;
+  double *x, *y;                /* where inputs and outputs stand in the block */
+  Py_ssize_t inputs, outputs;   /* how many there are */
+  PyObject *input_names, *output_names, *otherwise;
+} Point;
+
+static PyTypeObject *point_type;
+
+static void point_free(PyObject *object) {
+  Point *self = (Point *)object;
+  PyTypeObject *type = Py_TYPE(object);
+  if (self->held) PyBuffer_Release(&self->block);
+  Py_XDECREF(self->input_names);
+  Py_XDECREF(self->output_names);
+  Py_XDECREF(self->otherwise);
+  PyObject_Free(object);
+  Py_DECREF(type);
+}
+
+static PyType_Slot point_slots[] = {{Py_tp_dealloc, point_free}, {0, NULL}};
+static PyType_Spec point_spec = {
+    "fuzzyarm._kernels.Point", sizeof(Point), 0, Py_TPFLAGS_DEFAULT, point_slots};
+
+/* Evaluate; whether every output has a value. */
+static int point_evaluate(Point *self, const double *given) {
+  memcpy(self->x, given, (size_t)self->inputs * sizeof(double));
+  void *at[1] = {self->block.buf};
+  const int64_t lengths[1] = {self->block.len / self->block.itemsize};
+  self->spread(at, lengths);
+  for (Py_ssize_t k = 0; k < self->outputs; k++)
+    if (self->y[k] != self->y[k]) return 0;
+  return 1;
+}
+
+/* Read a number as a float; -1 for anything else. */
+static int read_number(PyObject *value, double *number) {
+  *number = PyFloat_AsDouble(value);
+  if (*number == -1.0 && PyErr_Occurred()) {
+    PyErr_Clear();
+    return -1;
+  }
+  return 0;
+}
+
+/* From inputs in their order to a tuple; what is not ordinary goes elsewhere. */
+static PyObject *point_at(PyObject *object, PyObject *const *values, Py_ssize_t count) {
+  Point *self = (Point *)object;
+  double given[MOST_INPUTS];
+  Py_ssize_t read = 0;
+  if (count == self->inputs)
+    while (read < count && read_number(values[read], &given[read]) == 0) read++;
+  PyObject *tuple;
+  if (read < self->inputs || read != count || !point_evaluate(self, given)) {
+    if ((tuple = PyTuple_New(count)) == NULL) return NULL;
+    for (Py_ssize_t k = 0; k < count; k++) {
+      Py_INCREF(values[k]);
+      PyTuple_SetItem(tuple, k, values[k]);
+    }
+    PyObject *result = PyObject_CallObject(self->otherwise, tuple);
+    Py_DECREF(tuple);
+    return result;
+  }
+  if ((tuple = PyTuple_New(self->outputs)) == NULL) return NULL;
+  for (Py_ssize_t k = 0; k < self->outputs; k++) {
+    PyObject *value = PyFloat_FromDouble(self->y[k]);
+    if (value == NULL) {
+      Py_DECREF(tuple);
+      return NULL;
+    }
+    PyTuple_SetItem(tuple, k, value);
+  }
+  return tuple;
+}
+
+/* From a dictionary to a dictionary; None for what is not ordinary. */
+static PyObject *point_named(PyObject *object, PyObject *named) {
+  Point *self = (Point *)object;
+  double given[MOST_INPUTS];
+  if (!PyDict_Check(named) || PyDict_Size(named) != self->inputs) Py_RETURN_NONE;
+  for (Py_ssize_t k = 0; k < self->inputs; k++) {
+    PyObject *value = PyDict_GetItemWithError(named, PyTuple_GetItem(self->input_names, k));
+    if (value == NULL && PyErr_Occurred()) return NULL;
+    if (value == NULL || !(PyFloat_Check(value) || PyLong_Check(value))) Py_RETURN_NONE;
+    if (read_number(value, &given[k]) < 0) Py_RETURN_NONE;
+  }
+  if (!point_evaluate(self, given)) Py_RETURN_NONE;
+  PyObject *result = PyDict_New();
+  for (Py_ssize_t k = 0; result != NULL && k < self->outputs; k++) {
+    PyObject *value = PyFloat_FromDouble(self->y[k]);
+    PyObject *name = PyTuple_GetItem(self->output_names, k);
+    if (value == NULL || PyDict_SetItem(result, name, value) < 0) Py_CLEAR(result);
+    Py_XDECREF(value);
+  }
+  return result;
+}
+
+static PyMethodDef at_method = {
+    "at", (PyCFunction)(void (*)(void))point_at, METH_FASTCALL, "Evaluate inputs in their order."};
+static PyMethodDef named_method = {
+    "named", point_named, METH_O, "Evaluate inputs by name; None for what is not ordinary."};
+
+/* Return both functions of a kernel on a block. */
+static PyObject *point(PyObject *module, PyObject *arguments) {
+  (void)module;
+  unsigned long long address;
+  PyObject *block, *input_names, *output_names, *otherwise;
+  Py_ssize_t x, y;
+  if (!PyArg_ParseTuple(arguments, "KOnO!nO!O", &address, &block, &x, &PyTuple_Type, &input_names,
+                        &y, &PyTuple_Type, &output_names, &otherwise))
+    return NULL;
+  const spread_entry spread = spread_of((void *)(uintptr_t)address);
+  const Py_ssize_t inputs = PyTuple_Size(input_names), outputs = PyTuple_Size(output_names);
+  if (spread == NULL || inputs > MOST_INPUTS)
+    return PyErr_Format(PyExc_ValueError, "no kernel for a point of %zd inputs", inputs);
+  Point *self = PyObject_New(Point, point_type);
+  if (self == NULL) return NULL;
+  self->spread = spread;
+  self->inputs = inputs;
+  self->outputs = outputs;
+  self->held = 0;
+  Py_INCREF(self->input_names = input_names);
+  Py_INCREF(self->output_names = output_names);
+  Py_INCREF(self->otherwise = otherwise);
+  PyObject *pair = NULL;
+  if (take(block, 'f', &self->block) == 0) {
+    self->held = 1;
+    const Py_ssize_t length = self->block.len / self->block.itemsize;
+    if (x < 0 || y < 0 || x + inputs > length || y + outputs > length) {
+      PyErr_Format(PyExc_ValueError, "inputs or outputs lie outside the block");
+    } else {
+      self->x = (double *)self->block.buf + x;
+      self->y = (double *)self->block.buf + y;
+      PyObject *at = PyCFunction_NewEx(&at_method, (PyObject *)self, NULL);
+      PyObject *named = PyCFunction_NewEx(&named_method, (PyObject *)self, NULL);
+      if (at != NULL && named != NULL) pair = PyTuple_Pack(2, at, named);
+      Py_XDECREF(at);
+      Py_XDECREF(named);
+    }
+  }
+  Py_DECREF(self);
+  return pair;
+}
+
 /* Run a program of operations by itself, as kernels call it: rows, numbers, and what is filled. */
 static PyObject *walk(PyObject *module, PyObject *arguments) {
   (void)module;
@@ -285,12 +438,14 @@ static PyMethodDef methods[] = {
     {"addresses", addresses, METH_O, "Return the address of each entry of a level, by its key."},
     {"routine", routine, METH_VARARGS, "Return a function of arrays that runs an entry."},
     {"bind", bind, METH_VARARGS, "Return a function that runs an entry on the same arrays."},
+    {"point", point, METH_VARARGS, "Return what evaluates one point, by position and by name."},
     {"walk", walk, METH_VARARGS, "Run a program of operations on arrays."},
     {NULL, NULL, 0, NULL}};
 
 static int execute(PyObject *module) {
   routine_type = (PyTypeObject *)PyType_FromSpec(&routine_spec);
-  if (routine_type == NULL) return -1;
+  point_type = (PyTypeObject *)PyType_FromSpec(&point_spec);
+  if (routine_type == NULL || point_type == NULL) return -1;
   return PyModule_AddStringConstant(module, "SOURCES", fuzzyarm_sources);
 }
 
