@@ -14,7 +14,7 @@ help:
 	@echo "make docs   set up and build the pages as a site, in build/docs"
 	@echo "make bench  set up and measure against C and the peers that are installed"
 	@echo "make mutants  change the source in 100 ways and see which a test notices"
-	@echo "make fuzz   all random cases of the tests; then files and rule bases, 20,000 each"
+	@echo "make fuzz   all random cases of the tests; then files, rule bases and commands, some 10,000 each"
 	@echo "make editors  compile, test and package the extension for VS Code (needs node)"
 	@echo "make designer  build the editor of the designer's page (needs node)"
 	@echo "make lock   renew the lock files (needs uv)"
@@ -53,6 +53,8 @@ fuzz: $(VENV)/.dev
 	$(BIN)/python tests/fuzz/damaged_tables.py --count 20000
 	$(BIN)/python tests/fuzz/random_rule_bases.py --count 20000
 	$(BIN)/python tests/fuzz/random_proofs.py --count 200
+	$(BIN)/python tests/fuzz/random_commands.py --count 12000
+	$(BIN)/python tests/fuzz/patience.py --count 100
 
 native: $(VENV)/.run
 	$(BIN)/python -m fuzzyarm.native.build

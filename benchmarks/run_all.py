@@ -22,7 +22,7 @@ PARTS = {
     "sweeps": "many runs of the arm",
     "controllers": "exported controllers against the kernel",
     "learning": "rule bases from samples beside regression, boosting and peers",
-    "tuning": "tuned controllers on what was not seen, beside a tuned PD; an hour",
+    "tuning": "tuned controllers on what was not seen, beside a tuned line; an hour",
     "step_cost": "operations and time of a control step of every controller",
     "designer": "the designer in a browser: frames, key strokes, first paint, bytes",
     "keystroke": "the editor's answer to a key",

@@ -5,6 +5,7 @@
     python docs/make_pictures.py structures # runs of each structure alone
     python docs/make_pictures.py type2      # interval type-2 alone
     python docs/make_pictures.py motor      # one of them
+    python docs/make_pictures.py controllers # block diagrams alone
     python docs/make_pictures.py authoring  # editor, commands and studio alone
 
 Every picture comes from what a reader would use: commands, or the functions behind them.
@@ -327,15 +328,30 @@ def draw_authoring() -> None:
                            "studio-broken", (100, 28)))  # fmt: skip
 
 
+CONTROLLERS = {"tanks": [], "cfaf": ["--what", "diagram"]}
+"""Of which controllers there are block diagrams, and what `plot` is told."""
+
+
+def draw_controllers() -> None:
+    """Draw the block diagrams of controllers."""
+    for name, words in CONTROLLERS.items():
+        path = PICTURES / f"controller-{name}.png"
+        do(["plot", str(shipped(f"{name}.frb")), *words, "-o", str(path)])
+        shrunk(path, 100 / 150).quantize(128).save(path, optimize=True)  # 100 dots per inch
+
+
 if __name__ == "__main__":
     PICTURES.mkdir(exist_ok=True)
     words = sys.argv[1:]
     if not words:
         draw_table()
         draw_surface()
+        draw_controllers()
         draw_map()
         draw_phase()
         draw_sector()
+    if words == ["controllers"]:
+        draw_controllers()
     if not words or words == ["authoring"]:
         draw_authoring()
     if not words or words == ["type2"]:

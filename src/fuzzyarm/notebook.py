@@ -154,6 +154,12 @@ def _table_figure(table: Any) -> Figure:
     return table_figure(_as_table(table))
 
 
+def _diagram_figure(controller: Any) -> Figure:
+    from fuzzyarm.show.figures import diagram_figure
+
+    return diagram_figure(controller)
+
+
 def _validation_figure(validation: Any) -> Figure:
     from fuzzyarm.show.figures import validation_figure
 
@@ -162,6 +168,7 @@ def _validation_figure(validation: Any) -> Figure:
 
 _FIGURES: dict[str, Callable[[Any], Figure]] = {
     "fuzzyarm.builder.rulebase.VariableBuilder": _variable_figure,
+    "fuzzyarm.controller.text.ControllerText": _diagram_figure,
     "fuzzyarm.learning.validation.Validation": _validation_figure,
     "fuzzyarm.loop.analysis.Portrait": _portrait_figure,
     "fuzzyarm.loop.run.Run": _run_figure,
@@ -229,6 +236,13 @@ def _plotted(value: Any) -> str:
     return _picture(figure_of(value), repr(value))
 
 
+def _controller(controller: Any) -> str:
+    """Return the block diagram above the text."""
+    return _picture(figure_of(controller), f"block diagram of {controller.model.name}") + _text(
+        controller
+    )
+
+
 def _run(run: Any) -> str:
     return _plotted(run) + _pre(repr(run))
 
@@ -244,7 +258,7 @@ def _text(value: Any) -> str:
 _DRAWINGS: dict[str, Callable[[Any], str]] = {
     "fuzzyarm.api.Review": _text,
     "fuzzyarm.builder.rulebase.VariableBuilder": _plotted,
-    "fuzzyarm.controller.text.ControllerText": _text,
+    "fuzzyarm.controller.text.ControllerText": _controller,
     "fuzzyarm.inference.trace.Trace": _drawn,
     "fuzzyarm.learning.validation.Validation": _plotted,
     "fuzzyarm.loop.analysis.Portrait": _plotted,

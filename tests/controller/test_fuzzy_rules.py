@@ -7,9 +7,10 @@ from hypothesis import strategies as st
 from rule_bases import rule_bases
 
 from fuzzyarm.controller import Sources, controller
-from fuzzyarm.controller.program import SourceError, inference_address, rule_block
+from fuzzyarm.controller.program import SourceError, evaluate_view, rule_block
 from fuzzyarm.inference import InferenceError, infer
-from fuzzyarm.kernels import call, kernel, routine
+from fuzzyarm.inference import kernel as block_of
+from fuzzyarm.kernels import routine
 from fuzzyarm.language import load_rulebase, parse
 from fuzzyarm.loop import Options, simulate
 from fuzzyarm.plant import reach
@@ -21,21 +22,15 @@ POINTS = st.one_of(
 )
 
 
-@kernel
-def conclude(block, address):
-    call(address[0], block)
-
-
 def evaluated(rulebase, points, *, compiled=False):
     numbers, first, result = rule_block(rulebase, compiled=compiled)
-    run = routine(conclude, "fi", compiled=compiled)
-    address = np.array([inference_address(compiled=compiled)])
+    conclude = routine(block_of.evaluate if compiled else evaluate_view, 1, compiled=compiled)
     values = []
     for point in points:
         block = numbers.copy()
         block[first : first + len(point)] = point
         with np.errstate(all="ignore"):  # as in a run
-            run(block, address)
+            conclude(block)
         values.append(float(block[result]))
     return values
 

@@ -1,6 +1,5 @@
 """A rule base by mouse: variables, terms, methods, grids and rules are edits of the text."""
 
-import itertools
 import re
 
 import pytest
@@ -125,7 +124,7 @@ def test_from_a_heading_to_a_rule_base_and_all_the_way_back(open_page):
     page.get_by_text("There is no variable yet").wait_for()
 
 
-@pytest.mark.parametrize("order", itertools.permutations(("Input", "Output")))
+@pytest.mark.parametrize("order", [("Input", "Output"), ("Output", "Input")])
 def test_variables_may_come_in_any_order(open_page, order):
     page = open_page("order.frb", 'rulebase order "o"\n')
     for role in order:

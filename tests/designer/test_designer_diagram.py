@@ -160,7 +160,7 @@ def test_a_controller_is_drawn_and_its_blocks_lead_to_their_lines(served, page):
     until(lambda: page.locator(".area.stale").count() == 0, "sound again")
     page.get_by_role("button", name="Open pd7.frb").click()
     until(lambda: page.title().startswith("pd7.frb"), "its rule base")
-    assert page.locator(".terms").is_visible()
+    page.locator(".terms").wait_for()  # when the server has read it
 
 
 @slow

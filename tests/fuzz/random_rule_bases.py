@@ -218,7 +218,9 @@ def tables(rulebase: RuleBase) -> None:
         return
     if not isinstance(wanted, str):
         order = [list(levels).index(name) for name in table.names]
-        cells = np.transpose(wanted[output.name].reshape([2] * len(levels)), order)
+        rest = [i for i in range(len(levels)) if i not in order]  # which nothing depends on
+        cells = np.transpose(wanted[output.name].reshape([2] * len(levels)), [*order, *rest])
+        cells = cells[(..., *[0] * len(rest))]
         demand_equal(rulebase, {output.name: cells}, {output.name: table.values}, "table")
 
 

@@ -359,3 +359,60 @@ def test_values_need_no_finite_range() -> None:
 def test_too_few_samples() -> None:
     with pytest.raises(InferenceError, match="cannot work with 1 samples"):
         infer(base(RULES, HILLS, resolution=1), a=0.5, b=0.5)
+
+
+NINE = {
+    name: Shape(kind, numbers)
+    for name, kind, numbers in (
+        ("A", "gaussian", (0.0, 1.2)), ("B", "bell", (1.5, 1.0, 2.0)),
+        ("C", "pi", (1.0, 2.0, 3.0, 5.0)),
+        ("D", "gaussian", (4.0, 0.8)), ("E", "cosine", (5.0, 3.0)), ("F", "sigmoid", (6.0, 4.0)),
+        ("G", "spike", (7.0, 5.0)), ("H", "two-sided-gaussian", (8.0, 0.5, 8.5, 0.9)),
+        ("I", "gaussian", (10.0, 1.0)),
+    )
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("aggregation", ["sum", "probor", "bounded", "drastic", "einstein"])
+def test_maxima_of_nine_curved_sets_ask_for_few_heights(aggregation: str, monkeypatch) -> None:
+    from fuzzyarm.inference import maxima
+
+    asked = 0
+    ordinary = maxima.aggregate
+
+    def counted(plan, fired, **options):
+        value = ordinary(plan, fired, **options)
+
+        def height(y: float) -> float:
+            nonlocal asked
+            asked += 1
+            return value(y)
+
+        return height
+
+    monkeypatch.setattr(maxima, "aggregate", counted)
+    rules = [rule(f"{x} high", f"u {name}") for x, name in zip("ab" * 5, NINE, strict=False)]
+    smallest = base(rules, terms(**NINE), "smallest-of-maximum", aggregation=aggregation)
+    value = infer(smallest, a=0.4, b=0.7)["u"]
+    assert asked < 1_500  # a search of all cells asks for 4,000 to 8,000
+    heights = ordinary(maxima_plan(smallest), maxima_fired(smallest, 0.4, 0.7))
+    grid = np.linspace(0.0, 10.0, 20_001)
+    assert heights(value) >= max(map(heights, grid.tolist())) * (1.0 - 1e-9)
+    lower = np.linspace(0.0, value - 1e-6, 2_001).tolist()
+    assert all(heights(y) <= heights(value) for y in lower)
+
+
+def maxima_plan(rulebase: RuleBase):
+    from fuzzyarm.inference.plan import plan
+
+    return plan(rulebase).outputs["u"]
+
+
+def maxima_fired(rulebase: RuleBase, a: float, b: float):
+    """Return members and strengths, by hand: each rule asks for one degree."""
+    output = maxima_plan(rulebase)
+    strengths = {"a": a, "b": b}
+    return [
+        (member, strengths[rulebase.rules[number].antecedent.variable])
+        for member, number in output.contributions
+    ]

@@ -11,14 +11,16 @@ ROOT = Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs/inference.md").read_text(encoding="utf-8")
 
 
-def test_the_example_runs_as_it_stands(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_examples_run_as_they_stand(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(ROOT)
-    (code,) = re.findall(r"```python\n(.*?)```", PAGE, flags=re.DOTALL)
+    code, rounding = re.findall(r"```python\n(.*?)```", PAGE, flags=re.DOTALL)
     names: dict[str, object] = {}
     exec(code, names)
     shown = re.search(r"ce=-2\.2\) +# (\{.*\})", code)
     assert shown is not None
     assert eval(shown[1]) == eval("infer(rulebase, e=1.3, ce=-2.2)", names)
+    exec(rounding, names)
+    assert eval("many.tolist() == one == fast", names) is True
 
 
 def test_every_norm_and_defuzzifier_is_named() -> None:

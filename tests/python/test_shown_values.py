@@ -146,6 +146,7 @@ def test_notebooks_draw_what_is_drawn(values):
         "run",
         "portrait",
         "validation",
+        "controller",
     }
     for name, value in shown.items():
         tags = Tags(value._repr_html_())

@@ -27,6 +27,7 @@ def drawn(tmp_path_factory):
     pictures.PICTURES = tmp_path_factory.mktemp("pictures")
     pictures.draw_table()
     pictures.draw_surface()
+    pictures.draw_controllers()
     pictures.draw_authoring()
     return pictures.PICTURES
 

@@ -256,11 +256,56 @@ def test_a_tolerance_out_of_reach_is_an_error(monkeypatch):
     from fuzzyarm.table import fidelity
 
     monkeypatch.setitem(fidelity.LIMITS, 2, 9)
-    with pytest.raises(TableError, match=r"up to 9 levels .* meets 1e-06; the best differs by"):
+    monkeypatch.setattr(fidelity._Probes, "worst", lambda *_: pytest.fail("a grid was tried"))
+    with pytest.raises(TableError, match=r"up to 9 levels .* meets 1e-06: the surface bends by"):
         smallest_even_grid(rulebase(LOPSIDED), None, 1e-6)
+    for tiny in (1e-300, 5e-324):
+        with pytest.raises(TableError, match="the surface bends by"):
+            smallest_even_grid(rulebase(LOPSIDED), None, tiny)
     for bad in (0.0, -1.0, math.inf, math.nan):
         with pytest.raises(TableError, match="positive number"):
             smallest_even_grid(rulebase(LOPSIDED), None, bad)
+
+
+JUMPS = """rulebase jumps
+input a 0 .. 10
+output y 0 .. 1
+term a L: rectangle 0 3.7
+term a H: rectangle 3.7 10
+term y S: singleton 0
+term y L: singleton 1
+inference defuzzifier weighted-average
+rule if a is L then y is S
+rule if a is H then y is L
+"""
+
+
+def test_a_jump_is_named_at_once_and_what_is_above_it_is_met(monkeypatch):
+    from fuzzyarm.table import fidelity
+
+    asked = 0
+    ordinary = fidelity._Probes._infer
+
+    def counted(probes, columns):
+        nonlocal asked
+        asked += np.size(columns[0])
+        return ordinary(probes, columns)
+
+    monkeypatch.setattr(fidelity._Probes, "_infer", counted)
+    with pytest.raises(TableError, match=r"the surface jumps by \S+ at a = 3\.7"):
+        smallest_even_grid(rulebase(JUMPS), None, 0.2)
+    assert asked < 10_000  # 20,001 sizes would be tried
+    assert smallest_even_grid(rulebase(JUMPS), None, 1.0) == 2
+
+
+def test_a_surface_that_lines_meet_needs_no_more_levels_than_its_kinks():
+    straight = JUMPS.replace("rectangle 0 3.7", "ramp 10 0").replace(
+        "rectangle 3.7 10", "ramp 0 10"
+    )
+    assert smallest_even_grid(rulebase(straight), None, 1e-9) == 2
+    kinked = JUMPS.replace("rectangle 0 3.7", "points (0, 1) (5, 0.1) (10, 0)")
+    kinked = kinked.replace("rectangle 3.7 10", "points (0, 0) (5, 0.9) (10, 1)")
+    assert smallest_even_grid(rulebase(kinked), None, 1e-9) == 3
 
 
 @given(st.floats(-1e4, 1e4), st.sampled_from([0.1, 0.5, 1.0, 0.25, 0.3, 0.001, 2.5, 10.0]))

@@ -188,7 +188,7 @@ def test_candidates_at_which_a_plant_fails_are_left_behind(folder, capsys):
     assert repr(together.found.trials) == repr(alone.found.trials)
     # Where the file itself fails there is nothing to search from.
     (folder / "mine.py").write_text(text.replace("> 60.0", "> -1.0"))
-    with pytest.raises(Exception, match=r"mine.py:\d+: ValueError: the fuse has blown"):
+    with pytest.raises(Exception, match=r"mine.py:\d+: plant kiln: ValueError: the fuse has blown"):
         tuned_on("mine.py:Kiln")
 
 

@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 from fuzzyarm import load, shipped
 from fuzzyarm.inference import infer
 from fuzzyarm.learning.data import as_samples
-from fuzzyarm.loop import Signal
+from fuzzyarm.loop import Signal, simulate
+from fuzzyarm.plant import reach_return
 from fuzzyarm.tuning import Journal, tune
 from fuzzyarm.tuning.design import Design, Parameter
 from fuzzyarm.tuning.linear import straightened
@@ -159,7 +160,6 @@ def line_for(text, gains):
 @given(st.floats(0.02, 2.0), st.floats(1.0, 500.0), st.floats(0.01, 5.0))
 def test_whatever_the_gains_of_the_file_can_do_the_line_can_do(first, second, third):
     """The rules of the heater are a plane; as long as no input is cut off the two are one."""
-    from fuzzyarm.loop import simulate
     from fuzzyarm.tuning.design import Candidate, controller_at
 
     gains = {"G_e": first, "G_ce": second, "G_du": third}
@@ -198,3 +198,18 @@ def test_a_gain_that_stands_elsewhere_does_more_than_a_slope(tmp_path):
     lines = ("gain G_e, G_ce 0.1 .. 10 times",)
     slopes = ["slope of u along e", "slope of u along ce"]
     assert moving(load(tmp_path / "x.frb"), *lines) == [*slopes, "G_e"]
+
+
+def test_axes_with_lines_of_their_own_have_slopes_of_their_own(tmp_path):
+    whole = shipped("fuzzy-direct.frb").read_text()
+    head, _, body = whole.partition("axis joint1, joint2\n")
+    split = tmp_path / "x.frb"
+    split.write_text(f"{head}axis joint1\n{body}\naxis joint2\n{body}")
+    straight = [straightened(load(each)) for each in (split, shipped("fuzzy-direct.frb"))]
+    names = [each.name for each in Design(*straight[0]).parameters]
+    slopes = [
+        f"slope of u along {of} on {axis}" for axis in ("joint1", "joint2") for of in ("e", "ce")
+    ]
+    assert sorted(names) == sorted(["G_u", *slopes])
+    runs = [simulate(text, reach_return(segment=0.1, hold=0.05)) for text, _ in straight]
+    np.testing.assert_array_equal(runs[0].errors, runs[1].errors)

@@ -26,7 +26,8 @@ with --table looked up in tables that are made as above.
 from __future__ import annotations
 
 import argparse
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -247,7 +248,7 @@ def _export(model: RuleBase | LookupTable, arguments: argparse.Namespace) -> Non
     if arguments.precision is not None and arguments.q is not None:
         raise WordError("--precision does not apply with --q: whole numbers have no precision")
     how = _making(arguments)
-    with busy("compiling") as progress:
+    with busy("compiling") as progress, _of_file(arguments.file):
         exported, reports = source_of(model, arguments.out, how, progress)
     for where, text in exported.files:
         write_atomically(where, text)
@@ -257,6 +258,17 @@ def _export(model: RuleBase | LookupTable, arguments: argparse.Namespace) -> Non
         return
     lines = [line for report in reports for line in report_lines(report, arguments.out)]
     say(*lines, *export_lines(exported))
+
+
+@contextmanager
+def _of_file(path: str) -> Iterator[None]:
+    """Say of what cannot be exported in which file it stands."""
+    from fuzzyarm.export.numbers import ExportError
+
+    try:
+        yield
+    except ExportError as error:
+        raise error.in_file(path) from error
 
 
 def _export_controller(
@@ -275,7 +287,7 @@ def _export_controller(
     elif arguments.precision not in (None, "float64"):
         raise WordError("an FMU computes in double precision: --precision float64")
     how = _making(arguments)
-    with busy("exporting") as progress:
+    with busy("exporting") as progress, _of_file(arguments.file):
         exported, reports = program_of(controller, arguments.out, how, progress)
     exported.write()
     if arguments.json:

@@ -222,9 +222,13 @@ class _Training:
 
     def _snapshots(self) -> Iterator[Snapshot]:
         """Train, with a progress bar where a terminal shows it."""
+        from fuzzyarm.loop.course import delay_notes
+
         arguments = self.arguments
         options = options_of(arguments, self.trainee.plant)
         motion, conventions = self._motion(options)
+        for note in delay_notes(options, motion.period):
+            print_error(f"note: {note}")
         points = len(motion.time)
         done = 0
         # A bar and grids on one screen would be in each other's way.

@@ -147,6 +147,7 @@ def _single(arguments: argparse.Namespace, tolerance: float | None, budget: floa
     name = only_output(rulebase, arguments.output)
     with progress() as tell:
         stop = Stop(budget, lambda count, gap: tell(path, count, gap))
+        stop.say(0)
         prover = Prover(rulebase, name, tolerance=tolerance, stop=stop, exact=arguments.exact)
         if arguments.table:
             found = {"worst": _table(prover, arguments.table)}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -39,7 +40,11 @@ def progress() -> Iterator[Callable[[str, int, float], None]]:
         if not shown or (statement and now - last < 0.1):
             return
         last = now
-        text = f"{statement}: {count:,} pieces open, gap {gap:.3g}" if statement else ""
+        text = ""
+        if statement:
+            so_far = f"{count:,} pieces" if count else "reading"
+            text = f"{statement}: {so_far}"
+            text += "" if math.isnan(gap) else f" open, gap {gap:.3g}"
         sys.stderr.write(f"\r\x1b[2K{text[:100]}")
         sys.stderr.flush()
 

@@ -161,7 +161,7 @@ def _rules(found: Validation, *, every: bool) -> list[str]:
         return [*lines, "every rule fires at some sample"]
     lines.append(f"{counted(len(never), 'rule')} never {'fires' if len(never) == 1 else 'fire'}:")
     listed = never if every else never[:_FEW]
-    lines += [f"  line {rule.line}: {rule.text}" for rule in listed]
+    lines += [f"  {rule.place}: {rule.text}" for rule in listed]
     if len(listed) < len(never):
         lines.append(f"  and {len(never) - len(listed)} more")
     return lines
@@ -172,7 +172,7 @@ _RULE = ("line", "often", "mean", "strongest", "leads", "error", "rule")
 
 def _row(rule: RuleUse) -> tuple[str, ...]:
     return (
-        str(rule.line),
+        rule.place.removeprefix("line "),
         f"{100.0 * rule.often:.3g} %",
         f"{rule.mean:.3f}",
         f"{rule.strongest:.3f}",

@@ -418,15 +418,15 @@ def drive_limits(controller: Controller, site: Site) -> dict[Address, Limits]:
 
     Several drives of a port add up, and so do their limits; a law has none.
     """
-    found: dict[Address, Limits] = {}
+    total: dict[Address, Limits] = {}
     for part in controller.parts():
         if isinstance(part, CompiledController) and isinstance(part.law, TextLaw):
             own = _limits_of_text(part, part.law.text.model, site)
         else:
             own = {(joint, "torque"): UNLIMITED for joint in JOINTS}
         for port, limits in own.items():
-            found[port] = _added(found[port], limits) if port in found else limits
-    return found
+            total[port] = _added(total[port], limits) if port in total else limits
+    return total
 
 
 UNLIMITED = (-np.inf, np.inf)
@@ -439,7 +439,7 @@ def _added(first: Limits, second: Limits) -> Limits:
 def _limits_of_text(
     controller: CompiledController, model: ControllerModel, site: Site
 ) -> dict[Address, Limits]:
-    found: dict[Address, Limits] = {}
+    total: dict[Address, Limits] = {}
     for axes in model.axes:
         for axis in axes.names:
             index = model.axis_names.index(axis)
@@ -451,8 +451,8 @@ def _limits_of_text(
                 if isinstance(line, Drive):
                     port = site.find(model, "drive", (axis, line.port))
                     limits = line.within or _limits_of_integral(axes, line, gains)
-                    found[port] = _added(found[port], limits) if port in found else limits
-    return found
+                    total[port] = _added(total[port], limits) if port in total else limits
+    return total
 
 
 def _limits_of_integral(axes: Axes, drive: Drive, gains: Mapping[str, float]) -> Limits:
@@ -476,7 +476,10 @@ def _value(product: Product, gains: Mapping[str, float]) -> float:
     value = -1.0 if product.negative else 1.0
     for factor in product.factors:
         number = gains[factor.value] if isinstance(factor.value, str) else factor.value
-        value = value / number if factor.divides else value * number
+        if factor.divides:
+            value = value / number if number else np.nan
+        else:
+            value *= number
     return value
 
 

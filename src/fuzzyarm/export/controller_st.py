@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.export.controllers import ControllerProgram
 from fuzzyarm.export.names import Names
 from fuzzyarm.export.numbers import ST_TYPES, ExportError, rounded, st_number
@@ -42,6 +43,7 @@ from fuzzyarm.export.table_numbers import (
 )
 from fuzzyarm.expression.nodes import Node, symbol
 from fuzzyarm.expression.printing import Statement, setting, statements, variables
+from fuzzyarm.model.controller import Signal
 
 
 def controller_st(program: ControllerProgram, prefix: str) -> tuple[str, str]:
@@ -59,9 +61,26 @@ def controller_st(program: ControllerProgram, prefix: str) -> tuple[str, str]:
     ExportError
         If the language lacks something that the controller needs.
     """
+    _require_bounds(program.text)
     with printable_only():
         made = _Controller(program.steps, prefix)
         return made.text(program.head()), made.name
+
+
+def _require_bounds(text: ControllerText) -> None:
+    """Raise ExportError for an integral without bounds."""
+    for _, line in text.model.lines():
+        if not isinstance(line, Signal) or line.source is None or line.source.kind != "integral":
+            continue
+        within = line.source.option("within")
+        if not isinstance(within, tuple) or not all(map(math.isfinite, within)):
+            raise ExportError(
+                f"the integral '{line.names[0]}' has no bounds, and Structured Text has no"
+                " infinite number",
+                hint="add  , within LOW .. HIGH  to it, or export C",
+                span=line.span,
+                path=text.path,
+            )
 
 
 @dataclass

@@ -333,8 +333,10 @@ def rule_base_module(rulebase: RuleBase, source: str = "") -> str:
     try:
         numbers = numbers_of(rulebase)
     except NotCoveredError as error:
-        raise ExportError(f"JavaScript has no direct inference of '{rulebase.name}': {error}") \
-            from error  # fmt: skip
+        raise ExportError(
+            f"JavaScript has no direct inference of '{rulebase.name}': {error}",
+            hint="a table as FILE.json can be looked up there",
+        ) from error
     ranges = {
         "inputs": [_range(each) for each in rulebase.inputs],
         "outputs": [_range(each) for each in rulebase.outputs],

@@ -10,12 +10,47 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.text.diagnostic import NOWHERE, Span
 
 # --- What cannot be exported ---
 
 
 class ExportError(FuzzyarmError, ValueError):
-    """A rule base, a table or an option that the target language cannot express."""
+    """A rule base, a table or an option that the target language cannot express.
+
+    Attributes
+    ----------
+    span : Span
+        What is in the way, in its file; `NOWHERE` for what is not one line.
+    path : str
+        The file, where it is known.
+    """
+
+    def __init__(
+        self, message: str, *, hint: str = "", span: Span = NOWHERE, path: str = ""
+    ) -> None:
+        super().__init__(message, hint=hint)
+        self.span, self.path = span, path
+
+    def in_file(self, path: str, hint: str = "") -> ExportError:
+        """Return the error with its file, and another hint where one is given.
+
+        Parameters
+        ----------
+        path : str
+            Where nothing nearer is known.
+        hint : str, optional
+            What to do instead.
+        """
+        return ExportError(
+            self.message, hint=hint or self.hint, span=self.span, path=self.path or path
+        )
+
+    def __str__(self) -> str:
+        if self.span == NOWHERE:
+            return super().__str__()
+        place = f"{self.path}:{self.span.line}" if self.path else f"line {self.span.line}"
+        return f"{place}: {super().__str__()}"
 
 
 # --- The types of numbers, and numbers as the two languages write them ---

@@ -69,6 +69,9 @@ from fuzzyarm.model.rulebase import Expression as Antecedent
 MOST_SAMPLES = 100_000
 """Constants of a centroid over samples."""
 
+SAMPLED = "defuzzifier centroid(101)"
+"""What takes any sets: their samples."""
+
 _LONGEST = 16
 """Operands of one expression before it goes into a variable: nesting stays shallow."""
 
@@ -212,48 +215,58 @@ class _Builder:
         if way.method in KARNIK_MENDEL:
             raise refuse(
                 f"defuzzifier {way.method} of '{name}', whose ends are found by iteration;"
-                " nie-tan can be"
+                " nie-tan can be",
+                output.output.span,
+                "write  defuzzifier nie-tan",
             )
         if way.method not in {"centroid", "nie-tan", *TAKAGI_SUGENO}:
-            raise refuse(f"defuzzifier {way.method} of '{name}'")
+            instead = "write  defuzzifier centroid"
+            raise refuse(f"defuzzifier {way.method} of '{name}'", output.output.span, instead)
         if output.discrete:
             return
         if way.joined:
-            raise refuse(f"joined samples of '{name}'")
+            instead = "write  defuzzifier centroid"
+            raise refuse(f"joined samples of '{name}'", output.output.span, instead)
         if way.resolution is not None:
             size = way.resolution * (1 + len(output.members))
             if size > MOST_SAMPLES:
                 raise refuse(
                     f"the centroid of '{name}' over {way.resolution:,} samples takes {size:,}"
-                    f" constants, and {MOST_SAMPLES:,} are the most"
+                    f" constants, and {MOST_SAMPLES:,} are the most",
+                    output.output.span,
+                    "write  defuzzifier centroid(101)",
                 )
         else:
             self._check_exact(output)
 
     def _check_exact(self, output: OutputPlan) -> None:
         """Refuse an exact centroid without a closed form."""
-        name = output.output.name
-        if output.output.aggregation == "probor":
-            raise refuse(f"the exact centroid under aggregation probor of '{name}'")
+        name, at = output.output.name, output.output.span
         if output.output.aggregation not in {"max", "sum"}:
-            raise refuse(f"aggregation {output.output.aggregation} of '{name}'")
+            what = f"the exact centroid under aggregation {output.output.aggregation} of '{name}'"
+            raise refuse(what, at, f"write  aggregation max  or  {SAMPLED}")
         kinds = {member.implication for member in output.members}
         if len(kinds) > 1 or not kinds <= {"min", "product"}:
-            raise refuse(f"implication {' and '.join(sorted(kinds))} of '{name}'")
+            what = f"implication {' and '.join(sorted(kinds))} of '{name}'"
+            raise refuse(what, at, f"write  implication min  or  {SAMPLED}")
         for member in output.members:
             if any(not piece.straight for piece in member.pieces):
                 words = [*(hedge.name for hedge in member.hedges), member.term.shape.kind]
                 form = " ".join(words)
-                raise refuse(f"term '{member.term.name}' of '{name}' is not straight ({form})")
+                what = f"term '{member.term.name}' of '{name}' is not straight ({form})"
+                raise refuse(what, member.term.span, f"write  {SAMPLED}")
         if kinds == {"min"} and output.closed is None:
-            raise refuse(f"too many sets of '{name}' overlap")
+            raise refuse(f"too many sets of '{name}' overlap", at, f"write  {SAMPLED}")
 
     # ── rules ────────────────────────────────────────────────────────────────────────
 
     def _fire(self, index: int, planned: PlannedRule, outputs: set[str]) -> None:
         if planned.degrees:
             listed = ", ".join(sorted(planned.degrees))
-            raise refuse(f"a rule reads '{listed}' as a set of its own block")
+            what = f"a rule reads '{listed}' as a set of its own block"
+            raise refuse(
+                what, planned.rule.span, "put the rules that read it into a block of their own"
+            )
         strength = times(self._truth(planned.rule.antecedent, planned), planned.rule.weight)
         if planned.threshold > 0.0:
             strength = self.fresh(strength, "s")
@@ -353,7 +366,8 @@ class _Builder:
         if model.no_rule != "hold":
             return constant(math.nan)
         if model.name != self.target:
-            raise refuse(f"'{model.name}' holds its value, and other rules read it")
+            what = f"'{model.name}' holds its value, and other rules read it"
+            raise refuse(what, model.span, "write  no-rule 0")
         return held
 
     def _total_and_value(self, output: OutputPlan) -> tuple[Node, Node]:
@@ -422,7 +436,8 @@ class _Builder:
         if found.value is not None:
             return times(height, found.value)
         if output.output.defuzzifier.method not in WEIGHTED | TYPE_2:
-            raise refuse(f"consequent '{found.term.name}' of '{output.output.name}' is a formula")
+            what = f"consequent '{found.term.name}' of '{output.output.name}' is a formula"
+            raise refuse(what, found.term.span, "write  defuzzifier weighted-average")
         if shape.kind == "formula":
             value: Node = self.fresh(self._formula(output, member), found.term.name)
             # Where its rule does not fire a formula may have no value, such as 1/0.
@@ -438,7 +453,8 @@ class _Builder:
         formula = formula_of(term.shape)
         known = {variable.name for variable in self.plan.rulebase.inputs}
         if not {name for name in formula.names if name not in CONSTANTS} <= known:
-            raise refuse(f"consequent '{term.name}' of '{output.output.name}' reads an output")
+            what = f"consequent '{term.name}' of '{output.output.name}' reads an output"
+            raise refuse(what, term.span, "give it the inputs that the output is made of")
         return replace(formula.with_constants(tuple(known)), self.values)
 
 

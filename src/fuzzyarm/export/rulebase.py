@@ -28,7 +28,10 @@ from fuzzyarm.table.compiler import choose_output
 from fuzzyarm.version import __version__
 
 _DENSE_POINTS = 60_000
-_DENSE_SAMPLES = 120_000_000
+_DENSE_HEIGHTS = 120_000_000
+"""Points times samples times sets: where there are many, a point takes long."""
+
+_FEWEST_POINTS = 1_024
 _MOST_POINTS = 6_000_000
 _VECTORS = 48
 
@@ -123,6 +126,11 @@ class DirectRoutine:
     def _samples(self) -> int:
         return max((sums.count for sums in self.program.sums), default=1)
 
+    @property
+    def _heights(self) -> int:
+        """How often the program asks a set for its height at a sample."""
+        return max((sums.count * len(sums.steps) for sums in self.program.sums), default=1)
+
     def body(self, writer: CWriter, parameters: Sequence[str]) -> list[str]:
         """Return the statements of the function."""
         outer, inner, _ = (C_TYPES[kind] for kind in self.precision)
@@ -165,6 +173,7 @@ class DirectRoutine:
             "an input that is not a number (NaN) counts as the lower border",
             f"the result is {silent}",
             self.precision.words,
+            *_single_words(self.precision.inside),
         ]
 
     def provenance(self) -> Sequence[tuple[str, str]]:
@@ -220,7 +229,7 @@ class DirectRoutine:
 
     def _grid(self) -> list[NDArray[Any]]:
         inputs = self.rulebase.inputs
-        points = min(_DENSE_POINTS, _DENSE_SAMPLES // self._samples)
+        points = max(_FEWEST_POINTS, min(_DENSE_POINTS, _DENSE_HEIGHTS // self._heights))
         count = max(3, round(points ** (1.0 / len(inputs))))
         return [self._axis_points(variable, count) for variable in inputs]
 
@@ -307,6 +316,16 @@ def _forgiving(rulebase: RuleBase) -> RuleBase:
         for output in rulebase.outputs
     )
     return replace(rulebase, inputs=inputs, outputs=outputs)
+
+
+def _single_words(inside: Kind) -> list[str]:
+    """Say what single precision does next to a corner; doubles have the bits of the model."""
+    if inside is not np.float32:
+        return []
+    return [
+        "corners, thresholds and degrees are rounded to float: within a few 1e-7 of the range of an"
+        " input of a corner another rule may fire than in the model, or none"
+    ]
 
 
 def _border_words(variable: Input) -> str:

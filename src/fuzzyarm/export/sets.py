@@ -21,15 +21,17 @@ from fuzzyarm.inference.overlap import Layers
 from fuzzyarm.inference.plan import Member, OutputPlan
 from fuzzyarm.inference.sets import formula_of
 from fuzzyarm.model.rulebase import POSITION, Hedge, Term
+from fuzzyarm.text.diagnostic import NOWHERE, Span
 
 ZERO, ONE = constant(0.0), constant(1.0)
 
 TABLE_HINT = "leave out --direct to export a table"
 
 
-def refuse(what: str) -> ExportError:
-    """Return the error that names what cannot be exported."""
-    return ExportError(f"the direct inference cannot be exported: {what}", hint=TABLE_HINT)
+def refuse(what: str, at: Span = NOWHERE, instead: str = "") -> ExportError:
+    """Return the error that names what cannot be exported, where it stands and what can be."""
+    hint = f"{instead}, or {TABLE_HINT}" if instead else TABLE_HINT
+    return ExportError(f"the direct inference cannot be exported: {what}", hint=hint, span=at)
 
 
 # ── arithmetic that folds zero and one ───────────────────────────────────────────────
@@ -80,11 +82,14 @@ def degree_of(term: Term, variable: str, x: Node) -> Node:
         if len(lines.edges) > MOST_CORNERS:
             raise refuse(
                 f"term '{term.name}' of '{variable}' has {len(lines.edges)} corners, and"
-                f" {MOST_CORNERS} are the most"
+                f" {MOST_CORNERS} are the most",
+                term.span,
+                "give it fewer corners",
             )
         return _on_lines(lines, x)
     if kind.function is None:
-        raise refuse(f"term '{term.name}' of '{variable}' has no degrees that C could compute")
+        what = f"term '{term.name}' of '{variable}' has no degrees that C could compute"
+        raise refuse(what, term.span)
     numbers = dict(zip(kind.symbols[1:], shape.parameters, strict=True))
     degree = replace(specialise(kind.expression, numbers), {kind.symbols[0]: x})
     return times(degree, shape.height)
@@ -94,7 +99,8 @@ def _formula_of_x(term: Term, variable: str, x: Node) -> Node:
     try:
         return replace(formula_of(term.shape).with_constants((POSITION,)), {POSITION: x})
     except FormulaError:
-        raise refuse(f"term '{term.name}' of '{variable}' is a formula of several") from None
+        what = f"term '{term.name}' of '{variable}' is a formula of several"
+        raise refuse(what, term.span) from None
 
 
 def _on_lines(lines: Lines, x: Node) -> Node:
@@ -217,7 +223,9 @@ def scaled_union(plan: OutputPlan, heights: Heights, fresh: Fresh) -> Iterator[t
         if len(present) > 2:
             raise refuse(
                 f"three sets of '{plan.output.name}' overlap at {0.5 * (x0 + x1):g} under"
-                " implication product and aggregation max"
+                " implication product and aggregation max",
+                plan.output.span,
+                "write  implication min  or  aggregation sum",
             )
         for first, second in combinations(present, 2):
             lines = (heights[first], present[first], heights[second], present[second])

@@ -14,18 +14,20 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from fuzzyarm.controller import kernel as at
 from fuzzyarm.controller.program import Program, SourceError, Wiring, write_down
-from fuzzyarm.controller.text import ControllerText, wiring_of
+from fuzzyarm.controller.text import ControllerText, sheet_path, wiring_of
 from fuzzyarm.export.names import Names, identifier
 from fuzzyarm.export.numbers import ExportError, Precision, precision_named
 from fuzzyarm.export.reading import read
 from fuzzyarm.export.routine import Routine
 from fuzzyarm.export.rulebase import direct_routine
+from fuzzyarm.export.sets import TABLE_HINT
 from fuzzyarm.export.table import MOST_CELLS, TableRoutine
 from fuzzyarm.export.table_numbers import (
     FixedTable,
@@ -47,10 +49,12 @@ from fuzzyarm.expression.nodes import (
 )
 from fuzzyarm.expression.operations import OPERATIONS
 from fuzzyarm.model.controller import ControllerModel
+from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.plant.setting import LAST as LAST_PERIOD
 from fuzzyarm.plant.setting import PERIOD, Arithmetic
 from fuzzyarm.table import LookupTable
 from fuzzyarm.table.lookup import GRID_HEAD, INPUTS, VALUES
+from fuzzyarm.text.diagnostic import NOWHERE, Span
 
 MOST_STEPS = 20_000
 """Instructions of a controller, which are written out one after the other."""
@@ -259,6 +263,8 @@ def steps_of(
             f"the partner '{partner.name}' is the law '{partner.law}', which is not text"
             " and cannot be exported",
             hint="leave it out, and write it in the target language",
+            span=partner.span,
+            path=text.path,
         )
     types = precision_named(precision, arithmetic=True)
     wiring = wiring_of(model)
@@ -267,9 +273,12 @@ def steps_of(
         # No inference is called while the instructions are read: any address will do.
         program = write_down(model, text.sheets, {}, wiring, arithmetic, 0)
     except SourceError as error:
-        raise ExportError(error.message, hint=error.hint) from None
+        raise ExportError(error.message, hint=error.hint, path=text.path) from None
     if program.code[0] > MOST_STEPS:
-        raise ExportError(f"{program.code[0]:,} instructions are more than {MOST_STEPS:,}")
+        raise ExportError(
+            f"{program.code[0]:,} instructions are more than {MOST_STEPS:,}",
+            hint="export parts of it as controllers of their own",
+        )
     return _Walk(text, program, wiring, types, options or RoutineOptions()).steps()
 
 
@@ -502,13 +511,15 @@ class _Walk:
                 try:
                     routine = direct_routine(rulebase, output.name, self._inner())
                 except ExportError as error:
-                    hint = "--table looks the rules up in a table"
-                    raise ExportError(error.message, hint=hint) from None
+                    hint = error.hint.replace(TABLE_HINT, "--table looks the rules up in a table")
+                    raise error.in_file(self._file_of(name, rulebase), hint) from None
                 if routine.program.holds:
                     raise ExportError(
                         f"'{output.name}' of '{rulebase.name}' holds its value where no rule"
                         " fires, which exported controllers do not",
                         hint="say a number:  no-rule 0",
+                        span=output.span,
+                        path=self._file_of(name, rulebase),
                     )
                 self.asked[key] = self._routine(f"{name}_{output.name}", routine)
             self.scratch[cell] = self._local()
@@ -546,7 +557,10 @@ class _Walk:
         if table.values.size > MOST_CELLS:
             raise ExportError(
                 f"the table '{name}' has {table.values.size:,} cells; at most {MOST_CELLS:,} are"
-                " exported"
+                " exported",
+                hint="compile it with fewer levels",
+                span=self._use_of(name),
+                path=self.text.path,
             )
         # Signals in single precision find their cell among thresholds in single precision.
         signals = [self.made.variables.get(each) for each in inputs]
@@ -600,7 +614,10 @@ class _Walk:
     def _teach(self, begin: int, into: int) -> None:
         if self.options.q is not None:
             raise ExportError(
-                "a table that learns is exported in floating point", hint="leave out --q"
+                "a table that learns is exported in floating point",
+                hint="leave out --q",
+                span=next(self.text.learners()).span,
+                path=self.text.path,
             )
         entries = self.code[begin : begin + at.LEARN_INPUTS]
         values = entries[VALUES]
@@ -609,12 +626,18 @@ class _Walk:
         place = self.program.learned[key]
         if name in self.made.learned:
             raise ExportError(
-                f"two lines teach the table '{key[1]}' of axis '{key[0]}'; one is exported"
+                f"two lines teach the table '{key[1]}' of axis '{key[0]}'; one is exported",
+                hint="leave one of them out, or give each a table of its own",
+                span=self._learner_of(key[1]),
+                path=self.text.path,
             )
         if place.count > MOST_LEARNED:
             raise ExportError(
                 f"the table '{key[1]}' learns in {place.count:,} cells; at most {MOST_LEARNED:,}"
-                " are exported"
+                " are exported",
+                hint="compile it with fewer levels",
+                span=self._learner_of(key[1]),
+                path=self.text.path,
             )
         start = self.program.cells[values : values + place.count]
         delay = entries[at.DELAY]
@@ -629,6 +652,25 @@ class _Walk:
         rate, bound = (as_node(self.load(entries[field])) for field in (at.GAIN, at.BOUND))
         self.made.steps.append(Teach(name, cell, judge_name, judged, rate, bound))
         self.scratch[into] = cell
+
+    def _file_of(self, name: str, rulebase: RuleBase) -> str:
+        """Return the file in which a rule base stands that the text calls by a name."""
+        for use in self.text.model.uses:
+            if use.name == name:
+                at_axis = next(
+                    (k for k, s in enumerate(self.text.sheets[name]) if s is rulebase), 0
+                )
+                file = use.files[min(at_axis, len(use.files) - 1)]
+                return str(sheet_path(file, Path(self.text.path).parent))
+        return self.text.path
+
+    def _use_of(self, name: str) -> Span:
+        return next((use.span for use in self.text.model.uses if use.name == name), NOWHERE)
+
+    def _learner_of(self, table: str) -> Span:
+        """Return the last line that teaches a table."""
+        spans = [line.span for line in self.text.learners() if line.table == table]
+        return spans[-1] if spans else NOWHERE
 
     def _judge(self, name: str, table: LookupTable) -> str:
         """Return what a performance table is called; axes share one."""

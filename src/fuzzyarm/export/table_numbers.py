@@ -260,7 +260,10 @@ def scale_over(numbers: Sequence[float], bits: int) -> Scale:
     low, high = min(finite), max(finite)
     span = 0.5 * high - 0.5 * low
     if not math.isfinite(span * 2.0):
-        raise ExportError(f"the range {low:g} .. {high:g} is too wide for fixed point")
+        raise ExportError(
+            f"the range {low:g} .. {high:g} is too wide for fixed point",
+            hint="leave out --q",
+        )
     return Scale(0.5 * low + 0.5 * high, span if span > 0.0 else 1.0, bits)
 
 

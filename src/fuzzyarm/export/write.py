@@ -93,14 +93,17 @@ def routines_of(
             raise ExportError("direct inference has no lookup mode", hint="leave out --mode")
         names = [each.name for each in model.outputs] if output is None else [output]
         if not names:
-            raise ExportError(f"'{model.name}' has no outputs")
+            raise ExportError(
+                f"'{model.name}' has no outputs", hint="add a line like  output u -1 .. 1"
+            )
         return tuple(direct_routine(model, name, precision, source) for name in names)
     tables = [model] if isinstance(model, LookupTable) else list(model)
     for table in tables:
         if table.values.size > MOST_CELLS:
             raise ExportError(
                 f"the table of '{table.output}' has {table.values.size:,} cells; at most"
-                f" {MOST_CELLS:,} are exported"
+                f" {MOST_CELLS:,} are exported",
+                hint="compile it with fewer levels:  --levels 101",
             )
     if q is not None:
         return tuple(

@@ -69,14 +69,21 @@ def cut_into_cells(propositions: Sequence[tuple[int, Lines]], low: float, high: 
             parts = [(edge, own), (math.nextafter(edge, math.inf), cell)]
         for start, found in parts:
             # What lies in front of the range does not occur; a corner may stand on the float behind
-            # another that has a cell of its own.
+            # another that has a cell of its own. The end of the range has one where the lines in
+            # front of it would round otherwise there.
             if start <= low or start == edges[-1]:
                 lines[-1] = found
-            elif start < high or (start == high and edge in cut.apart):
+            elif start < high or (start == high and not _reaches(lines[-1], degrees, high)):
                 edges.append(start)
                 lines.append(found)
     first, scale, buckets = _buckets([*edges, math.inf])
     return Cells((*edges, math.inf), tuple(lines), first, scale, buckets)
+
+
+def _reaches(lines: dict[int, Line], degrees: dict[int, float], x: float) -> bool:
+    """Tell whether lines have just these degrees at a position."""
+    found = {number: degree for number, line in lines.items() if (degree := line.at(x)) != 0.0}
+    return found == {number: degree for number, degree in degrees.items() if degree != 0.0}
 
 
 def _buckets(edges: list[float]) -> tuple[float, float, tuple[int, ...]]:

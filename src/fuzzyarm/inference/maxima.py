@@ -430,12 +430,14 @@ def bisector_over_arrays(plan: OutputPlan, strengths: Strengths) -> tuple[Array,
     first = np.searchsorted(point, np.arange(size))
     last = np.append(first[1:], point.size) - 1
     running = _running_sums(area, first, last)
+    before = np.concatenate([[0.0], running[:-1]])
+    before[first] = 0.0
     value = np.zeros(size)
     for share in (0.5 - SAME_HALF, 0.5 + SAME_HALF):
         reached = running >= (share * total)[point]
         panel = np.minimum.reduceat(np.where(reached, np.arange(point.size), point.size), first)
         panel = np.minimum(panel, last)
-        wanted = share * total - (running[panel] - area[panel])
+        wanted = share * total - before[panel]
         a, b, own = x0[panel].copy(), x1[panel].copy(), np.arange(size)
         for _ in range(STEPS):
             middle = 0.5 * (a + b)

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.inference.arrays import firing_strengths
 from fuzzyarm.inference.sets import degrees
+from fuzzyarm.inference.trace import place_of
 from fuzzyarm.language.writer import rule_node
 from fuzzyarm.learning.data import Samples
 from fuzzyarm.learning.written import output_names
@@ -78,6 +79,8 @@ class RuleUse(NamedTuple):
         Samples at which no rule is stronger.
     error : float
         Root mean square of the error, weighed by its firing strength; NaN where it never fires.
+    column : int
+        Where it stands in its line: a row of a grid has several rules.
     """
 
     number: int
@@ -88,6 +91,12 @@ class RuleUse(NamedTuple):
     strongest: float
     leads: int
     error: float
+    column: int = 1
+
+    @property
+    def place(self) -> str:
+        """What the rule is called: where it stands."""
+        return place_of(self.number, self.line, self.column)
 
     @property
     def never_fires(self) -> bool:
@@ -330,6 +339,7 @@ def _uses(rulebase: RuleBase, strengths: Array, errors: Array) -> Iterator[RuleU
             float(fires.max()),
             int(np.sum((fires == strongest) & (fires > 0.0))),
             error,
+            rule.span.column,
         )
 
 

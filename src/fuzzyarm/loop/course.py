@@ -315,12 +315,12 @@ def motion(
     tracked = tuple(wanted) or tuple(interface.outputs)[:1]
     path = None
     if every > 1:
-        given = {interface.port(name): signal for name, signal in references.items()}
+        signals = {interface.port(name): signal for name, signal in references.items()}
         ticks = np.arange(count * every, dtype=np.float64) * period
         path = np.zeros((len(ticks), len(tracked)))
         for column, port in enumerate(tracked):
-            if port in given:
-                path[:, column] = given[port].at(ticks)[0]
+            if port in signals:
+                path[:, column] = signals[port].at(ticks)[0]
     return Motion(
         ", ".join(words) or "at rest",
         time,
@@ -343,15 +343,15 @@ def periods_of(delay: float, period: float) -> int:
 
 def delay_notes(options: Options, period: float) -> tuple[str, ...]:
     """Return in words which delays of sensors are not whole control periods, and what is taken."""
-    found = []
+    notes = []
     for name, sensor in options.sensors.items():
         count = periods_of(sensor.delay, period)
         if not math.isclose(sensor.delay, count * period, rel_tol=1e-6, abs_tol=1e-12):
-            found.append(
+            notes.append(
                 f"the delay of '{name}' is {sensor.delay / period:.4g} control periods of "
                 f"{period:g} s: {count} are taken, {count * period:g} s"
             )
-    return tuple(found)
+    return tuple(notes)
 
 
 # --- What the loop is called with ---

@@ -249,12 +249,12 @@ class Bench:
     def column_units(self) -> dict[str, str]:
         """Units of what differs and of all metrics, by name; without those that have none."""
         interface = self.loop.site.interface
-        found = {"diverged": "s", **{name: self._unit_of(name) for name in self.owners}}
+        units = {"diverged": "s", **{name: self._unit_of(name) for name in self.owners}}
         tracked = zip(self.motion.tracked, self.outputs, self.units, strict=True)
         for (axis, _), output, unit in tracked:
             drives = [port.unit for (home, _), port in interface.inputs.items() if home == axis]
-            found |= {f"{output}.{name}": metric_unit(name, unit, drives) for name in METRICS}
-        return {name: unit for name, unit in found.items() if unit not in ("", "1")}
+            units |= {f"{output}.{name}": metric_unit(name, unit, drives) for name in METRICS}
+        return {name: unit for name, unit in units.items() if unit not in ("", "1")}
 
     def _unit_of(self, name: str) -> str:
         """Return the unit of something that differs from run to run."""

@@ -55,6 +55,7 @@ from fuzzyarm.plant.setting import (
     Conventions,
 )
 from fuzzyarm.plant.trajectory import Schedule, Trajectory, reach_return, schedule
+from fuzzyarm.plant.tried import require_sound
 from fuzzyarm.text.mistaken import CONTROLLER, wrong_kind
 from fuzzyarm.text.shown import Plotted, one_line
 
@@ -366,6 +367,7 @@ def plant_motion(
     Without references the first output that the controller asks a reference of follows `step`,
     by default to 1.
     """
+    require_sound(plant)
     site = site_of(plant, connect)
     text = text_of(controller, site)
     signals = as_signals(references)
@@ -413,6 +415,16 @@ def run_along(
 ) -> Run:
     """Run a controller along set points; see :func:`simulate`."""
     return ClosedLoop(controller, followed, conventions, options, connect).run()
+
+
+def _coarse(course: Course) -> tuple[str, ...]:
+    """Return what may have made a run diverge that the controller cannot help."""
+    if course.plant.derivative is None or math.isfinite(course.plant.longest_step):
+        return ()
+    return (
+        f"the plant is integrated in steps of a control period, {course.motion.period:g} s: "
+        "where its equations are faster, give it a longest_step",
+    )
 
 
 class ClosedLoop:
@@ -577,37 +589,38 @@ class ClosedLoop:
             rms_periods=shown_means(course, record, HELD),
             rms_path=shown_means(course, record, LED),
             output_units={label(port): each.unit for port, each in interface.outputs.items()},
-            notes=self.notes(course),
+            notes=self.notes(course) + (() if over or stopped is None else _coarse(course)),
         )
 
     def notes(self, course: Course | None = None) -> tuple[str, ...]:
         """Return what is taken otherwise than it was asked for, in sentences."""
         course, site = course or self.course, self.site
-        found = [*delay_notes(course.options, course.motion.period)]
-        parts = [each for each in self.controller.parts() if isinstance(each, CompiledController)]
-        names = {name for part in parts for name in connectable(part)}
+        notes = [*delay_notes(course.options, course.motion.period)]
+        names: set[str] = set()
+        for part in self.controller.parts():
+            names |= connectable(part) if isinstance(part, CompiledController) else set()
         for name, port in site.connect.items():
             if name not in names:
-                found.append(
+                notes.append(
                     f"nothing in {self.controller.name} is called '{name}': "
                     f"that it is joined to {port} changes nothing"
                 )
         idle = set(site.interface.axes) - {axis for axis, _ in course.driven}
         if isinstance(course.plant, Arm):
-            found += [f"nothing drives {axis}" for axis in sorted(idle)]
-        return tuple(found)
+            notes += [f"nothing drives {axis}" for axis in sorted(idle)]
+        return tuple(notes)
 
     def _limits(self, program: Program) -> dict[str, tuple[float, float]]:
         """Return the limits of each drive: the actuator's, or the text's where narrower."""
-        found = {}
+        limits = {}
         own = drive_limits(program.controller, self.site)
         for port, actuator in self.site.interface.inputs.items():
             low, high = own.get(port, (-math.inf, math.inf))
-            found[self.site.interface.label(port)] = (
+            limits[self.site.interface.label(port)] = (
                 max(low, actuator.low),
                 min(high, actuator.high),
             )
-        return found
+        return limits
 
     def _by_port(
         self, course: Course, taps: Vector

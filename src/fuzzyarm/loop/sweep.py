@@ -192,8 +192,8 @@ class SweepFile:
         self.columns = columns
         self.count = len(next(iter(columns.values())))
         self.names = ["run", *columns, "diverged", *metric_names(outputs)]
-        told = {**question, "units": dict(units)} if units else question
-        asked = json.dumps(told, sort_keys=True, ensure_ascii=False)
+        head = {**question, "units": dict(units)} if units else question
+        asked = json.dumps(head, sort_keys=True, ensure_ascii=False)
         self.head = f"{HEAD}# {asked}\n{','.join(map(quoted, self.names))}\n"
 
     def begin(self) -> None:

@@ -361,7 +361,7 @@ def _gain_through(
     """Return the gain of a sum of products, where those of some of its signals are known."""
     if products is None:
         return None
-    found: list[Product] = []
+    gain: list[Product] = []
     for product in products:
         inside = [factor for factor in product.factors if factor.value in gains]
         if not inside:
@@ -373,20 +373,20 @@ def _gain_through(
         own = _times(before, (Product(others, product.negative),), constants)
         if own is None:
             return None
-        found += own
-    return tuple(found)
+        gain += own
+    return tuple(gain)
 
 
 def _times(first: Products, second: Products, constants: Collection[str]) -> Products | None:
     """Multiply two sums of products, no products for 1; None where a factor is not constant."""
-    found = tuple(
+    products = tuple(
         Product((*a.factors, *b.factors), a.negative != b.negative)
         for a in first
         for b in second or (Product(()),)
     )
-    factors = [factor for product in found for factor in product.factors]
-    known = all(not isinstance(each.value, str) or each.value in constants for each in factors)
-    return found if known else None
+    values = [factor.value for product in products for factor in product.factors]
+    constant = all(not isinstance(value, str) or value in constants for value in values)
+    return products if constant else None
 
 
 def _names_in(products: tuple[Product, ...]) -> Iterator[str]:

@@ -26,7 +26,8 @@ from fuzzyarm.plant.adapters import (
 )
 from fuzzyarm.plant.driven_arm import Arm
 from fuzzyarm.plant.library import LIBRARY
-from fuzzyarm.plant.plant import Plant, PlantError, interface_of, is_compiled
+from fuzzyarm.plant.plant import Plant, PlantError, is_compiled
+from fuzzyarm.plant.tried import lacks, require_sound
 from fuzzyarm.text.names import near_hint
 
 PLANTS: dict[str, type[Plant]] = {Arm.name: Arm, **LIBRARY}
@@ -81,11 +82,14 @@ def own_plant(place: str) -> Plant:
     path, _, wanted = place.partition(":")
     module = executed(path, PlantError)
     found = {key: value for key, value in vars(module).items() if _is_plant_of(module, value)}
+    whys = lacks({k: v for k, v in vars(module).items() if _is_class_of(module, v)})
     if wanted and wanted not in found:
-        hint = near_hint(wanted, found)[0] or f"its plants: {', '.join(found) or 'none'}"
+        why = next((each for each in whys if each.startswith(f"class {wanted} ")), "")
+        hint = why or near_hint(wanted, found)[0]
+        hint = hint or f"its plants: {', '.join(found) or 'none'}"
         raise PlantError(f"{path} has no plant '{wanted}'", name=wanted, hint=hint)
     if not wanted and len(found) != 1:
-        hint = f"name one, as in {path}:{next(iter(found))}" if found else ""
+        hint = f"name one, as in {path}:{next(iter(found))}" if found else "; ".join(whys)
         raise PlantError(f"{path} has {len(found) or 'no'} plants", name=path, hint=hint)
     return _made(module, wanted or next(iter(found)))
 
@@ -117,8 +121,9 @@ def _made(module: ModuleType, key: str) -> Plant:
         raise PlantError(failure(path, error), name=key) from error
     if not plant.name:
         plant.name = key.lower()
-    interface_of(plant)  # tells what is missing
-    vars(plant)[HOME] = Home(path, getattr(module, SOURCE), key, dict(vars(plant)))
+    home = Home(path, getattr(module, SOURCE), key, dict(vars(plant)))
+    require_sound(plant)  # tells what is missing
+    vars(plant)[HOME] = home
     return plant
 
 
@@ -131,6 +136,10 @@ def plant_again(path: str, source: str, key: str) -> Plant:
 def module_again(path: str, source: str) -> ModuleType:
     """Execute a text that came from another process, once."""
     return executed(path, PlantError, source)
+
+
+def _is_class_of(module: ModuleType, value: Any) -> bool:
+    return isinstance(value, type) and value.__module__ == module.__name__
 
 
 def _is_plant_of(module: ModuleType, value: Any) -> bool:

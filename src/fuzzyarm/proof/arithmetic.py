@@ -7,6 +7,7 @@ rationals that are about five times as fast as the ``Fraction`` of Python.
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from fractions import Fraction
@@ -144,7 +145,8 @@ class Stop:
     seconds : float
         How long a proof may take.
     tell : callable, optional
-        Called with the number of open pieces and the gap between the bounds.
+        Called with the number of open pieces and the gap between the bounds; NaN before there are
+        bounds, while pieces are still being cut.
     """
 
     def __init__(
@@ -154,11 +156,23 @@ class Stop:
         self.tell = tell
 
     @property
+    def left(self) -> float:
+        """How many seconds are left."""
+        return self.until - time.monotonic()
+
+    @property
     def now(self) -> bool:
         """Whether time is over."""
         return time.monotonic() > self.until
 
-    def check(self) -> None:
-        """Raise TimeOverError when time is over."""
+    def check(self, count: int = 0) -> None:
+        """Raise TimeOverError when time is over; tell how many pieces there are by now."""
         if self.now:
             raise TimeOverError
+        if count:
+            self.say(count)
+
+    def say(self, count: int, gap: float = math.nan) -> None:
+        """Tell how many pieces there are, and how far apart the bounds."""
+        if self.tell is not None:
+            self.tell(count, gap)

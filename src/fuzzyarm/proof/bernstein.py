@@ -15,6 +15,7 @@ Source: G. Farin, *Triangular Bernstein–Bézier patches*, 1986.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
@@ -29,6 +30,7 @@ from fuzzyarm.proof.arithmetic import (
     Arithmetic,
     Array,
     Stop,
+    TimeOverError,
     any_of_rows,
     greatest_of_rows,
     rationals,
@@ -209,30 +211,32 @@ class Quotients:
             self.degree,
         )
 
-    def joined(self, other: Quotients) -> Quotients:
+    def joined(self, *others: Quotients) -> Quotients:
         """Return these simplices and others of the same kind."""
-        both = (self, other)
-        error = None
-        if self.error is not None and other.error is not None:
-            error = np.concatenate([self.error, other.error])
+        all_ = (self, *others)
+        errors = [each.error for each in all_ if each.error is not None]
         return Quotients(
-            np.concatenate([each.upper for each in both]),
-            np.concatenate([each.lower for each in both]),
-            error,
-            max(self.reach, other.reach),
-            np.concatenate([each.corners for each in both]),
-            np.concatenate([each.owner for each in both]),
+            np.concatenate([each.upper for each in all_]),
+            np.concatenate([each.lower for each in all_]),
+            np.concatenate(errors) if errors else None,
+            max(each.reach for each in all_),
+            np.concatenate([each.corners for each in all_]),
+            np.concatenate([each.owner for each in all_]),
             self.degree,
         )
 
     # ── bounds ───────────────────────────────────────────────────────────────────────
 
-    def excess(self, bound: Any) -> Array:
+    def excess(self, bound: Any, stop: Stop) -> Array:
         """Return the largest coefficient of N − bound D of each, errors added."""
+        if self.error is None:
+            parts = [
+                greatest_of_rows(self.upper[part] - bound * self.lower[part])
+                for part in _in_parts(self.count, stop)
+            ]
+            return np.concatenate([np.zeros(0, dtype=object), *parts])
         found = self.upper - bound * self.lower
-        if self.error is not None:
-            found = found + (self.reach + abs(bound)) * self.error
-        return greatest_of_rows(found)
+        return greatest_of_rows(found + (self.reach + abs(bound)) * self.error)
 
     def attained(self) -> tuple[Any, int, Array] | None:
         """Return the greatest value at a vertex, with the simplex and the position; or None.
@@ -290,23 +294,20 @@ class Quotients:
 
     # ── refinement ───────────────────────────────────────────────────────────────────
 
-    def halved(self) -> Quotients:
+    def halved(self, stop: Stop) -> Quotients:
         """Return both halves of each, cut across the longest edge."""
         shape = self.corners.astype(float)
         vertices = shape.shape[1]
         pairs = list(combinations(range(vertices), 2))
         lengths = np.stack([((shape[:, i] - shape[:, j]) ** 2).sum(axis=1) for i, j in pairs])
         longest = lengths.argmax(axis=0)
-        parts = [
-            half
-            for number, (i, j) in enumerate(pairs)
-            if (which := np.flatnonzero(longest == number)).size
-            for half in (self._half(which, i, j), self._half(which, j, i))
-        ]
-        found = parts[0]
-        for part in parts[1:]:
-            found = found.joined(part)
-        return found
+        halves: list[Quotients] = []
+        for number, (i, j) in enumerate(pairs):
+            which = np.flatnonzero(longest == number)
+            parts = _in_parts(which.size, stop) if self.exact else [slice(None)] * bool(which.size)
+            for part in parts:
+                halves += [self._half(which[part], i, j), self._half(which[part], j, i)]
+        return halves[0].joined(*halves[1:])
 
     def _half(self, which: Array, stays: int, moves: int) -> Quotients:
         part = self.take(which)
@@ -318,6 +319,16 @@ class Quotients:
         part.corners = part.corners.copy()
         part.corners[:, moves] = (part.corners[:, moves] + part.corners[:, stays]) / 2
         return part
+
+
+AT_ONCE = 500
+"""Simplices whose rationals are computed between two looks at the clock."""
+
+
+def _in_parts(count: int, stop: Stop) -> Iterator[slice]:
+    for start in range(0, count, AT_ONCE):
+        stop.check()
+        yield slice(start, start + AT_ONCE)
 
 
 # ── branch and bound ─────────────────────────────────────────────────────────────────
@@ -391,32 +402,42 @@ def maximise(
     best, corner, owner = least, None, -1
     seen, open_ = quotients.count, quotients
     given_up: Quotients = quotients.take(np.zeros(0, dtype=int))
-    while open_.count:
-        found = open_.attained()
-        if found is not None and (best is None or found[0] > best):
-            best, corner = found[0], found[2]
-            owner = int(open_.owner[found[1]])
-            if decide:
-                return Extremum(best, best, corner, owner, seen, given_up)
-        # Without a value anywhere only what has none can be discarded.
-        has_value = any_of_rows(open_.lower != 0) if best is None else None
-        keep = open_.excess(best + tolerance) > 0 if has_value is None else has_value
-        open_ = open_.take(np.flatnonzero(keep))
-        shape = open_.corners.astype(float)
-        small = np.ptp(shape, axis=1).max(axis=1, initial=0.0) < smallest
-        if small.any():
-            given_up = given_up.joined(open_.take(np.flatnonzero(small)))
-            open_ = open_.take(np.flatnonzero(~small))
-        if stop.tell is not None and open_.count and best is not None:
-            stop.tell(open_.count, open_.bound() - float(best))
-        if stop.now or open_.count > MOST:
-            given_up = given_up.joined(open_)
-            break
-        if open_.count:
-            open_ = open_.halved()
-            seen += open_.count
+    try:
+        while open_.count:
+            found = open_.attained()
+            if found is not None and (best is None or found[0] > best):
+                best, corner = found[0], found[2]
+                owner = int(open_.owner[found[1]])
+                if decide:
+                    return Extremum(best, best, corner, owner, seen, given_up)
+            open_, too_small = _worth_halving(open_, best, tolerance, smallest, stop)
+            given_up = given_up.joined(too_small)
+            if stop.tell is not None and open_.count and best is not None:
+                stop.say(open_.count, open_.bound() - float(best))
+            if stop.now or open_.count > MOST:
+                break
+            if open_.count:
+                open_ = open_.halved(stop)
+                seen += open_.count
+    except TimeOverError:
+        pass
+    given_up = given_up.joined(open_)
     bound = None if best is None else best + tolerance
     if given_up.count:
         crude = given_up.bound()
         bound = crude if bound is None or crude > float(bound) else bound
     return Extremum(best, bound, corner, owner, seen, given_up)
+
+
+def _worth_halving(
+    open_: Quotients, best: Any, tolerance: Any, smallest: float, stop: Stop
+) -> tuple[Quotients, Quotients]:
+    """Return the simplices that may exceed what is attained, and those too small to be halved."""
+    # Without a value anywhere only what has none can be discarded.
+    keep = (
+        any_of_rows(open_.lower != 0) if best is None else open_.excess(best + tolerance, stop) > 0
+    )
+    open_ = open_.take(np.flatnonzero(keep))
+    shape = open_.corners.astype(float)
+    small = np.ptp(shape, axis=1).max(axis=1, initial=0.0) < smallest
+    return open_.take(np.flatnonzero(~small)), open_.take(np.flatnonzero(small))

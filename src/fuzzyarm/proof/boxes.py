@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from copy import copy
 from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise, product
@@ -21,7 +22,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fuzzyarm.expression.evaluation import bounds, specialise
-from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
+from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS, Norm
 from fuzzyarm.inference.aggregate import sample_positions, sampled_set, weights
 from fuzzyarm.inference.centroid_bounds import average_bounds, centroid_bounds
 from fuzzyarm.inference.plan import Member, OutputPlan, Plan, PlannedRule, needed, plan
@@ -49,13 +50,16 @@ SLACK = 4e-15
 MOST = 3_000_000
 """Boxes looked at before the search is given up."""
 
-CHUNK = 4_000
-"""Boxes at one time: their aggregates have to fit into the cache."""
+AT_ONCE = 200_000
+"""Numbers of the aggregates of the boxes that are looked at together: they fit into the cache."""
 
 PARTS = 4
 """Parts of a stretch over which a curved membership is bounded."""
 
 Interval = tuple[Array, Array]
+
+Valued = tuple[Array, Array, Array]
+"""Bounds of a value, NaN where there is none in a box, and where there may be none."""
 
 
 class _Found(NamedTuple):
@@ -98,15 +102,30 @@ class Boxes:
         self.stop = stop
         self.names = [variable.name for variable in rulebase.inputs]
         self._demand_covered()
-        outputs = tuple(
-            each if isinstance(each.no_rule, float | int) else replace(each, no_rule=math.nan)
-            for each in rulebase.outputs
+        self._bare = replace(
+            rulebase,
+            outputs=tuple(
+                replace(
+                    each,
+                    no_rule=each.no_rule if isinstance(each.no_rule, float | int) else math.nan,
+                    outside="extend" if each.outside == "error" else each.outside,
+                )
+                for each in rulebase.outputs
+            ),
         )
-        self._silent = replace(rulebase, outputs=outputs)
         self._degrees = _Degrees(rulebase, self.names)
         self._bounds_of = self._chosen_bounds()
+        width = getattr(self._bounds_of, "width", len(self.output.members))
+        self.chunk = max(16, AT_ONCE // width)
+        self.tried = 16 if self.output.integrated else 256  # boxes at whose corners it is evaluated
         low, high = self.output.output.low, self.output.output.high
         self.range = high - low if math.isfinite(high - low) else 1.0
+
+    def over(self, ends: Sequence[tuple[float, float]], stop: Stop) -> Boxes:
+        """Return the same over another box: what is known of sets and terms stays known."""
+        other = copy(self)
+        other.ends, other.stop = ends, stop
+        return other
 
     # ── questions ────────────────────────────────────────────────────────────────────
 
@@ -154,8 +173,10 @@ class Boxes:
 
         return self._both(over, at, gap, positions)
 
-    def uncovered(self) -> dict[str, Fraction] | None:
+    def silent(self, *, valued: bool) -> dict[str, Fraction] | None:
         """Return a point at which no rule fires; None if some rule fires everywhere.
+
+        `valued`: at which there is no value, for what fires leaves no area either.
 
         Raises
         ------
@@ -166,24 +187,34 @@ class Boxes:
         seen = 0
         while len(low):
             seen += len(low)
-            if self.stop.now or seen > MOST:
+            if seen > MOST:
                 raise UnprovableError("whether some rule fires everywhere is open: too many boxes")
-            strengths = [self._strengths(low[i : i + CHUNK], high[i : i + CHUNK])
-                         for i in range(0, len(low), CHUNK)]  # fmt: skip
-            least = np.concatenate([_most(found, 0) for found in strengths])
-            most = np.concatenate([_most(found, 1) for found in strengths])
-            nothing = np.flatnonzero(most == 0.0)
+            judged = []
+            for start in range(0, len(low), self.chunk):
+                self.stop.check()
+                part = slice(start, start + self.chunk)
+                judged.append(self._judge(low[part], high[part], valued=valued))
+            fires, none = (np.concatenate(column) for column in zip(*judged, strict=True))
+            nothing = np.flatnonzero(none)
             if nothing.size:
-                middle = 0.5 * (low[nothing[0]] + high[nothing[0]])
-                return {
-                    name: Fraction(float(x)) for name, x in zip(self.names, middle, strict=True)
-                }
-            open_ = least <= 0.0
+                sizes = (high[nothing] - low[nothing]).prod(axis=1)
+                k = nothing[sizes.argmax()]
+                middle = (0.5 * (low[k] + high[k])).tolist()
+                return dict(zip(self.names, map(Fraction, middle), strict=True))
             size = (high - low).max(axis=1)
-            if (size[open_] < 1e-9).any():
+            if (size[~fires] < 1e-9).any():
                 raise UnprovableError("whether some rule fires everywhere is open")
-            low, high = self._halved(low[open_], high[open_])
+            self.stop.say(int((~fires).sum()))
+            low, high = self._halved(low[~fires], high[~fires])
         return None
+
+    def _judge(self, low: Array, high: Array, *, valued: bool) -> tuple[Array, Array]:
+        """Tell where a rule fires all over a box, and where none does anywhere in it."""
+        strengths = self._strengths(low, high)
+        if not valued:
+            return _most(strengths, 0) > 0.0, _most(strengths, 1) == 0.0
+        least, _, may_lack = self._bounds_of(strengths, low, high)
+        return ~may_lack, np.isnan(least)
 
     # ── the search ───────────────────────────────────────────────────────────────────
 
@@ -230,14 +261,14 @@ class Boxes:
         tops = np.full(len(low), math.inf)  # what is not reached in time keeps that of its parent
         while len(low):
             seen += len(low)
-            for start in range(0, len(low), CHUNK):
+            for start in range(0, len(low), self.chunk):
                 if self.stop.now:
                     break
-                part = slice(start, start + CHUNK)
+                part = slice(start, start + self.chunk)
                 tops[part] = np.minimum(tops[part], over(low[part], high[part])[1])
             if at is not None:
                 middles = 0.5 * (low + high)
-                promising = np.argsort(-tops)[:256]
+                promising = np.argsort(-tops)[: self.tried]
                 points = np.concatenate([middles[promising], low[promising], high[promising]])
                 found = at(points)
                 if np.isfinite(found).any() and np.nanmax(found) > best:
@@ -249,8 +280,8 @@ class Boxes:
             if (~open_).any():
                 done = max(done, float(tops[~open_].max()))
             low, high, tops = low[open_], high[open_], tops[open_]
-            if self.stop.tell is not None and len(low):
-                self.stop.tell(len(low), float(tops.max()) - best)
+            if len(low):
+                self.stop.say(len(low), float(tops.max()) - best)
             tiny = len(low) and float((high - low).max()) < 1e-10 * self.range
             if self.stop.now or seen > MOST or tiny:
                 return _Found(
@@ -295,26 +326,24 @@ class Boxes:
         from fuzzyarm.inference import infer
 
         inputs = {name: points[:, i] for i, name in enumerate(self.names)}
-        found = infer(self._silent, inputs)[self.output.output.name]
+        found = infer(self._bare, inputs)[self.output.output.name]
         return np.asarray(found, dtype=float)
 
     # ── one step: from a box to bounds of the output ─────────────────────────────────
 
     def _value_bounds(self, low: Array, high: Array) -> Interval:
         strengths = self._strengths(low, high)
-        least, most = self._bounds_of(strengths, low, high)
+        least, most, may_lack = self._bounds_of(strengths, low, high)
         output = self.output.output
-        may_be_silent = _most(strengths, 0) <= 0.0
-        if isinstance(output.no_rule, int | float) and may_be_silent.any():
-            value = float(output.no_rule)
-            least = np.where(may_be_silent, np.fmin(least, value), least)
-            most = np.where(may_be_silent, np.fmax(most, value), most)
-        least = np.where(np.isnan(least), np.inf, least)
-        most = np.where(np.isnan(most), -np.inf, most)
+        nothing = np.isnan(least)
         if output.outside == "clamp":
-            keep = np.isfinite(least)
-            least = np.where(keep, np.clip(least, output.low, output.high), least)
-            most = np.where(np.isfinite(most), np.clip(most, output.low, output.high), most)
+            least = np.clip(least, output.low, output.high)
+            most = np.clip(most, output.low, output.high)
+        least, most = np.where(nothing, np.inf, least), np.where(nothing, -np.inf, most)
+        if isinstance(output.no_rule, int | float) and may_lack.any():
+            value = float(output.no_rule)  # which is not brought into the range
+            least = np.where(may_lack, np.fmin(least, value), least)
+            most = np.where(may_lack, np.fmax(most, value), most)
         return least, most
 
     def _strengths(self, low: Array, high: Array) -> list[tuple[int, Interval]]:
@@ -349,7 +378,7 @@ class Boxes:
             self._truth(operand, planned, degrees) for operand in expression.operands
         )
         for other_least, other_most in rest:
-            least, most = _widened(norm.array(least, other_least), norm.array(most, other_most))
+            least, most = _joined(norm, (least, most), (other_least, other_most))
         return least, most
 
     def _folded(self, strengths: list[tuple[int, Interval]]) -> dict[int, Interval]:
@@ -360,34 +389,34 @@ class Boxes:
             if member not in folded:
                 folded[member] = least, most
                 continue
-            known = folded[member]
-            folded[member] = _widened(norm.array(known[0], least), norm.array(known[1], most))
+            folded[member] = _joined(norm, folded[member], (least, most))
         return folded
 
     # ── the ways to a number ─────────────────────────────────────────────────────────
 
-    def _chosen_bounds(self) -> Callable[[list[tuple[int, Interval]], Array, Array], Interval]:
+    def _chosen_bounds(self) -> Callable[[list[tuple[int, Interval]], Array, Array], Valued]:
         if self.output.discrete:
             return self._of_numbers
         if self.output.output.defuzzifier.resolution is not None:
             return _OfSamples(self.output)
-        return _OfSets(self.output)
+        return _OfSets(self.output, self.stop)
 
-    def _of_numbers(
-        self, strengths: list[tuple[int, Interval]], low: Array, high: Array
-    ) -> Interval:
+    def _of_numbers(self, strengths: list[tuple[int, Interval]], low: Array, high: Array) -> Valued:
         folded = self._folded(strengths)
         numbers = [self._number(self.output.members[m], low, high) for m in folded]
         least = np.stack([a for a, _ in numbers], axis=1)
         most = np.stack([b for _, b in numbers], axis=1)
         lower = np.stack([a for a, _ in folded.values()], axis=1)
         upper = np.stack([b for _, b in folded.values()], axis=1)
+        may_lack: Array = ~np.any(lower > 0.0, axis=1)
         if self.output.output.defuzzifier.method == "weighted-sum":
             tops = np.maximum(most * lower, most * upper).sum(axis=1)
             bottoms = np.minimum(least * lower, least * upper).sum(axis=1)
             slack = 1e-13 * np.maximum(np.abs(most), np.abs(least)).sum(axis=1)
-            return bottoms - slack, tops + slack
-        return average_bounds(least, most, lower, upper)
+            nothing = ~(upper > 0.0).any(axis=1)
+            bottoms = np.where(nothing, np.nan, bottoms - slack)
+            return bottoms, np.where(nothing, np.nan, tops + slack), may_lack
+        return *average_bounds(least, most, lower, upper), may_lack
 
     def _number(self, member: Member, low: Array, high: Array) -> Interval:
         """Return bounds of the number of a consequent over boxes."""
@@ -457,6 +486,15 @@ def _widened(least: Array, most: Array) -> Interval:
     return np.maximum(least * (1.0 - SLACK), 0.0), most * (1.0 + SLACK)
 
 
+def _joined(norm: Norm, one: Interval, other: Interval) -> Interval:
+    """Return bounds of the norm of two degrees, which rises with both."""
+    least, most = norm.array(one[0], other[0]), norm.array(one[1], other[1])
+    if norm is TNORMS["bounded"]:  # the sum loses what is smaller than its last bit
+        least = np.maximum(least - SLACK, 0.0)
+        most = np.maximum(one[1] + other[1] - 1.0 + SLACK, 0.0)
+    return _widened(least, most)
+
+
 def _hedged(hedges: Sequence[Hedge], degree: Interval) -> Interval:
     """Return bounds of hedged degrees: every built-in hedge rises or falls."""
     for hedge in reversed(hedges):
@@ -497,9 +535,10 @@ class _Degrees:
                 pairs, back = stretches[self.names.index(part.variable)]
                 known = self._known.setdefault(key, {})
                 shape = self.rulebase.variable(part.variable).term(part.term).shape
+                of_stretch = membership_bounder(shape)
                 for pair in pairs:
                     if pair not in known:
-                        known[pair] = membership_bounds(shape, *pair)
+                        known[pair] = of_stretch(*pair)
                 ends = np.array([known[pair] for pair in pairs])[back]
                 made[key] = ends[:, 0], ends[:, 1]
             return made[key]
@@ -509,30 +548,42 @@ class _Degrees:
 
 def membership_bounds(shape: Shape, low: float, high: float) -> tuple[float, float]:
     """Return bounds of a membership over a stretch."""
+    return membership_bounder(shape)(low, high)
+
+
+def membership_bounder(shape: Shape) -> Callable[[float, float], tuple[float, float]]:
+    """Return what gives the bounds of a membership over stretches."""
+    if shape.kind != "formula" and SHAPES[shape.kind].straight:
+        return _straight_bounder(shape)
     if shape.kind == "formula":
-        root = formula_of(shape).with_constants(())
-        found = bounds(root, {"x": (low, high)})
-        least, most = shape.height * found.low, shape.height * found.high
-    elif SHAPES[shape.kind].straight:
-        return _straight_bounds(shape, low, high)
+        expression, parts = formula_of(shape).with_constants(()), 1
     else:
         record = SHAPES[shape.kind]
         numbers = dict(zip(record.symbols[1:], shape.parameters, strict=True))
-        expression = specialise(record.expression, numbers)
         # A few parts: an expression in which x stands twice has wide bounds over a long stretch.
-        cuts = [low + (high - low) * i / PARTS for i in range(PARTS)] + [high]
-        parts = [bounds(expression, {"x": pair}) for pair in pairwise(cuts)]
-        least = shape.height * min(part.low for part in parts)
-        most = shape.height * max(part.high for part in parts)
-    return max(0.0, least - SLACK), min(shape.height, most + SLACK)
+        expression, parts = specialise(record.expression, numbers), PARTS
+
+    def of_stretch(low: float, high: float) -> tuple[float, float]:
+        cuts = [low + (high - low) * i / parts for i in range(parts)] + [high]
+        found = [bounds(expression, {"x": pair}) for pair in pairwise(cuts)]
+        least = shape.height * min(part.low for part in found)
+        most = shape.height * max(part.high for part in found)
+        return max(0.0, least - SLACK), min(shape.height, most + SLACK)
+
+    return of_stretch
 
 
-def _straight_bounds(shape: Shape, low: float, high: float) -> tuple[float, float]:
+def _straight_bounder(shape: Shape) -> Callable[[float, float], tuple[float, float]]:
     lines = SHAPES[shape.kind].lines(*shape.parameters, height=shape.height)
-    inside = [y for x, y in polyline(shape) if low <= x <= high]
-    values = [lines.at(low), lines.at(high), *inside]
-    least, most = min(values), max(values)
-    return (least if least == 0.0 else max(0.0, least - SLACK)), (most and most + SLACK)
+    corners = polyline(shape)
+
+    def of_stretch(low: float, high: float) -> tuple[float, float]:
+        inside = [y for x, y in corners if low <= x <= high]
+        values = [lines.at(low), lines.at(high), *inside]
+        least, most = min(values), max(values)
+        return (least if least == 0.0 else max(0.0, least - SLACK)), (most and most + SLACK)
+
+    return of_stretch
 
 
 # ── from strengths to a centroid ─────────────────────────────────────────────────────
@@ -546,7 +597,7 @@ class _OfSamples:
         assert way.resolution is not None
         self.output = output
         places = sample_positions(output.output.low, output.output.high, way)
-        self.positions = np.array(places)
+        self.positions, self.width = np.array(places), len(places)
         self.weights = np.array(weights(way.resolution, way.sampling))
         model = output.output
         self.sets = [
@@ -556,11 +607,11 @@ class _OfSamples:
             for m in output.members
         ]
 
-    def __call__(self, strengths: list[tuple[int, Interval]], low: Array, high: Array) -> Interval:
+    def __call__(self, strengths: list[tuple[int, Interval]], low: Array, high: Array) -> Valued:
         lower, upper = _aggregate(self.output, strengths, self.sets, self.sets)
-        return average_bounds(
-            self.positions, self.positions, lower * self.weights, upper * self.weights
-        )
+        lower, upper = lower * self.weights, upper * self.weights
+        bounds = average_bounds(self.positions, self.positions, lower, upper)
+        return *bounds, ~(lower > 0.0).any(axis=1)
 
 
 def _aggregate(
@@ -579,13 +630,9 @@ def _aggregate(
         active = np.flatnonzero(b > 0.0)
         some = np.flatnonzero(most[member] > 0.0)
         where = np.ix_(active, some)
-        under, over = _widened(
-            cut.array(a[active, None], least[member][None, some]),
-            cut.array(b[active, None], most[member][None, some]),
-        )
-        lower[where], upper[where] = _widened(
-            norm.array(lower[where], under), norm.array(upper[where], over)
-        )
+        cuts = (a[active, None], b[active, None])
+        part = _joined(cut, cuts, (least[member][None, some], most[member][None, some]))
+        lower[where], upper[where] = _joined(norm, (lower[where], upper[where]), part)
     return lower, upper
 
 
@@ -614,7 +661,7 @@ class _OfSets:
     chord of the largest at the ends. Elsewhere the lines are level.
     """
 
-    def __init__(self, output: OutputPlan) -> None:
+    def __init__(self, output: OutputPlan, stop: Stop) -> None:
         self.output = output
         low, high = output.output.low, output.output.high
         ends = {x for member in output.members for piece in member.pieces for x in piece[:3:2]}
@@ -627,11 +674,12 @@ class _OfSets:
         panels = PANELS if self.lined else LEVEL_PANELS
         even = {low + (high - low) * i / panels for i in range(panels + 1)}
         self.edges = np.array(sorted({low, high, *ends, *even}))
+        self.width = 2 * len(self.edges)
         pairs = list(pairwise(self.edges.tolist()))
         if self.lined:
             self.lines = [self._lines(member, pairs) for member in output.members]
             return
-        found = [[_set_bounds(member, a, b) for a, b in pairs] for member in output.members]
+        found = [_set_bounds(member, pairs, stop) for member in output.members]
         self.least = [np.array([a for a, _ in each]) for each in found]
         self.most = [np.array([b for _, b in each]) for each in found]
 
@@ -646,12 +694,12 @@ class _OfSets:
             made[i] = piece.y0 + slope * (a - piece.x0), piece.y0 + slope * (b - piece.x0)
         return np.clip(made, 0.0, 1.0)
 
-    def __call__(self, strengths: list[tuple[int, Interval]], low: Array, high: Array) -> Interval:
+    def __call__(self, strengths: list[tuple[int, Interval]], low: Array, high: Array) -> Valued:
         if not self.lined:
-            lower, upper = _aggregate(self.output, strengths, self.least, self.most)
-            return centroid_bounds(
-                self.edges, np.stack([lower, lower], -1), np.stack([upper, upper], -1)
-            )
+            level = _aggregate(self.output, strengths, self.least, self.most)
+            lower, upper = (np.stack([each, each], -1) for each in level)
+            may_lack: Array = ~np.any(lower > 0.0, axis=(1, 2))
+            return *centroid_bounds(self.edges, lower, upper), may_lack
         count, panels = len(low), len(self.edges) - 1
         lower = np.zeros((count, panels, 2))
         upper = np.zeros((count, panels, 2))
@@ -667,11 +715,20 @@ class _OfSets:
             own, known = under.sum(axis=2), lower[:, some].sum(axis=2)
             lower[:, some] = np.where((own > known)[:, :, None], under, lower[:, some])
             upper[:, some] = np.maximum(upper[:, some], over)
-        return centroid_bounds(self.edges, lower * (1.0 - SLACK), upper * (1.0 + SLACK))
+        may_lack = ~np.any(lower > 0.0, axis=(1, 2))
+        bounds = centroid_bounds(self.edges, lower * (1.0 - SLACK), upper * (1.0 + SLACK))
+        return *bounds, may_lack
 
 
-def _set_bounds(member: Member, low: float, high: float) -> tuple[float, float]:
-    """Return bounds of a set, hedges included, over a panel."""
-    least, most = membership_bounds(member.term.shape, low, high)
-    found = _hedged(member.hedges, (np.array([least]), np.array([most])))
-    return float(found[0][0]), float(found[1][0])
+def _set_bounds(
+    member: Member, panels: Sequence[tuple[float, float]], stop: Stop
+) -> list[tuple[float, float]]:
+    """Return bounds of a set, hedges included, over each of the panels."""
+    of_stretch = membership_bounder(member.term.shape)
+    made = []
+    for low, high in panels:
+        stop.check()
+        least, most = of_stretch(low, high)
+        found = _hedged(member.hedges, (np.array([least]), np.array([most])))
+        made.append((float(found[0][0]), float(found[1][0])))
+    return made

@@ -516,7 +516,7 @@ class Pieces:
         """Cut pieces until none of the differences has both signs on one; return them all."""
         done: list[Array] = []
         while which.size:
-            self.stop.check()
+            self.stop.check(self.count)
             differences = undecided_on(which)
             cuts = np.full(len(which), -1)
             for number, gap in enumerate(differences):

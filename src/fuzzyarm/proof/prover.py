@@ -13,14 +13,24 @@ from collections.abc import Callable, Mapping
 from copy import copy
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fuzzyarm.inference.plan import plan
 from fuzzyarm.model.rulebase import Output, RuleBase
-from fuzzyarm.proof.arithmetic import FLOATS, Arithmetic, Array, Stop, as_fraction, rationals
-from fuzzyarm.proof.bernstein import SMALLEST, Quotients, maximise
+from fuzzyarm.proof.arithmetic import (
+    FLOATS,
+    Arithmetic,
+    Array,
+    Stop,
+    TimeOverError,
+    as_fraction,
+    rationals,
+)
+from fuzzyarm.proof.bernstein import SMALLEST, Extremum, Quotients, maximise
 from fuzzyarm.proof.bounds import (
     GAP,
     WIDENED,
@@ -107,12 +117,25 @@ class Prover:
         self.names = tuple(variable.name for variable in self.inputs)
         self.fixed: dict[str, Fraction] = {}
         self._surfaces: dict[tuple[Any, ...], Surface] = {}
+        self._any_boxes: Boxes | None = None
         self.reason = ""
         self.model: Straight | None = None
         try:
             self.model = straight(rulebase, output)
         except NotStraightError as error:
             self.reason = str(error)
+
+    @cached_property
+    def stays_inside(self) -> bool:
+        """Whether no value but that for *no rule* can leave the range of the output."""
+        if self.output.outside != "extend":
+            return True
+        made, way = plan(self.rulebase).outputs[self.output.name], self.output.defuzzifier.method
+        if not made.discrete:
+            return True
+        low, high = self.output.low, self.output.high
+        inside = all(m.value is not None and low <= m.value <= high for m in made.members)
+        return inside and way not in {"weighted-sum", "tsukamoto"}
 
     # ── the box ──────────────────────────────────────────────────────────────────────
 
@@ -129,6 +152,8 @@ class Prover:
         found = []
         for variable in self.inputs:
             low, high = region.get(variable.name, (variable.low, variable.high))
+            if variable.outside != "extend":  # beyond its range an input takes the border
+                low, high = (min(max(x, variable.low), variable.high) for x in (low, high))
             if not (math.isfinite(low) and math.isfinite(high)):
                 raise UnprovableError(
                     f"'{variable.name}' is unbounded",
@@ -166,20 +191,27 @@ class Prover:
         box = self.box(region)
         if self.model is None:
             return self._boxes(box).value(self.gap)
-        no_rule = self.output.no_rule
+        no_rule = self.no_rule
         try:
-            bounds = self.bounds_of(Question(box, Surface.value), shifted=True)
+            bounds = self._clamped(self.bounds_of(Question(box, Surface.value), shifted=True))
         except NothingFiresError:
-            if not isinstance(no_rule, int | float):
+            if no_rule is None:
                 raise
-            only = float(no_rule)
             at = {name: float(low) for name, (low, _) in zip(self.names, box, strict=True)}
-            return Bounds(only, only, only, only, at, at, self.pieces_cut, "exact", True)
-        if isinstance(no_rule, int | float):
-            silent = self.uncovered(region)
+            ends = (no_rule, no_rule, no_rule, no_rule)
+            return Bounds(*ends, at, at, self.pieces_cut, "exact", True)
+        if no_rule is not None:  # it is not brought into the range
+            silent = self.without_value(region)
             if silent is not None:
-                bounds = _including(bounds, float(no_rule), silent)
-        return self._clamped(bounds)
+                bounds = _including(bounds, no_rule, silent)
+        return bounds
+
+    @property
+    def no_rule(self) -> float | None:
+        """The number that stands where there is no value; None where it is no number."""
+        no_rule = self.output.no_rule
+        stated = isinstance(no_rule, int | float) and not math.isnan(no_rule)
+        return float(no_rule) if stated else None
 
     def slope(self, region: Mapping[str, tuple[float, float]], name: str) -> Bounds:
         """Return bounds of the slope along an input, wherever the output has one."""
@@ -215,6 +247,11 @@ class Prover:
         self._demand_value_everywhere("the error of a table")
         question = self._table_question(table, mode, box)
         return self._clamped_or_refused(self.bounds_of(question))
+
+    def demand_bounds(self) -> None:
+        """Refuse a rule base of which nothing is proved, before what takes long is made for it."""
+        if self.model is None:
+            self._boxes(self.box({}))
 
     def table_at_most(self, table: LookupTable, mode: str, bound: float) -> Claim:
         """Tell whether a table differs nowhere by more than `bound`."""
@@ -285,18 +322,35 @@ class Prover:
         UnprovableError
             If it cannot be decided.
         """
+        return self._silent(region, valued=False)
+
+    def without_value(
+        self, region: Mapping[str, tuple[float, float]]
+    ) -> dict[str, Fraction] | None:
+        """Return a point at which no rule fires, or only such whose sets have no area in the range.
+
+        Raises
+        ------
+        UnprovableError
+            If it cannot be decided.
+        """
+        return self._silent(region, valued=True)
+
+    def _silent(
+        self, region: Mapping[str, tuple[float, float]], *, valued: bool
+    ) -> dict[str, Fraction] | None:
         box = self.box(region)
         if self.model is None:
-            return self._boxes(box).uncovered()
+            return self._boxes(box).silent(valued=valued)
         question = Question(box, Surface.value)
         surface = self.surface(question, rationals() if self.exact else FLOATS)
         if not self.exact:
-            open_ = surface.nearly_uncovered()
+            open_ = surface.nearly_silent(valued=valued)
             if not open_.size:
                 return None
             cells = np.unique(surface.pieces.flat_cells[open_])
             surface = self.surface(question, rationals(), cells)
-        found = surface.uncovered()
+        found = surface.silent(valued=valued)
         return None if found is None else self.named(surface.pieces.position(*found))
 
     # ── the search ───────────────────────────────────────────────────────────────────
@@ -315,50 +369,65 @@ class Prover:
         gap = arithmetic.number(Fraction(self.gap * share))
         quotients = question.make(surface)
         shift = surface.centre if shifted else arithmetic.number(Fraction(0))
-        pieces, complete, ends = 0, True, []
-        for sign in (-1, 1) if both else (1,):
-            chosen = quotients if sign == 1 else quotients.negated()
-            doubtful = self._doubtful(question, surface)
-            found = maximise(chosen.without(doubtful), gap, self.stop)
-            left = np.concatenate([found.left.owner, np.flatnonzero(doubtful)])
-            pieces = max(pieces, found.pieces)
-            if found.reached is None:
+        doubtful = self._doubtful(question, surface)
+        searched = {
+            sign: maximise(
+                (quotients if sign == 1 else quotients.negated()).without(doubtful), gap, self.stop
+            )
+            for sign in ((-1, 1) if both else (1,))
+        }
+        open_ = [found.left.owner for found in searched.values()]
+        left = np.concatenate([*open_, np.flatnonzero(doubtful)])
+        if any(found.reached is None for found in searched.values()):
+            if self.exact or not left.size:
                 raise NothingFiresError(f"no rule fires anywhere for '{self.output.name}'")
+            rational = self.in_rationals()
+            return rational.bounds_of(question, shifted=shifted, both=both, share=share)
+        # What floats leave open is cut once in rationals, for both ends.
+        exact = self._again(question, surface, left) if left.size and not self.exact else None
+        pieces, complete, ends = 0, True, []
+        for sign, found in searched.items():
+            pieces = max(pieces, found.pieces)
             reached, bound = found.reached, found.bound
             at: dict[str, Fraction] = {}
             if found.corner is not None:
                 at = self.named(surface.pieces.position(found.owner, found.corner))
-            if left.size and not self.exact:
-                again = self._again(question, surface, left, sign, reached)
-                if again is not None:
-                    bound = max(float(reached) + float(gap), again[0])
-                    if again[1] is not None:
-                        reached, at = again[1]
-                    pieces += again[2]
-                elif doubtful.any():
-                    bound = math.inf
+            if exact is not None and (found.left.count or doubtful.any()):
+                again = self._searched_again(exact, sign, reached)
+                bound = max(float(reached) + float(gap), float(again.bound))
+                if again.corner is not None:
+                    place = exact[0].pieces.position(again.owner, again.corner)
+                    reached, at = again.reached, self.named(place)
+                pieces += again.pieces
+            elif exact is None and doubtful.any():
+                bound = math.inf
             complete &= float(bound) <= float(reached) + 2.0 * float(gap)
             ends.append((sign, reached, bound, at))
         return self._as_bounds(ends, shift, pieces, complete=complete)
 
+    def in_rationals(self) -> Prover:
+        """Return the same prover without floats: strengths may be too small for them."""
+        made = copy(self)
+        made.exact, made._surfaces = True, {}
+        return made
+
     def _again(
-        self, question: Question, surface: Surface, left: Array, sign: int, least: Any
-    ) -> tuple[float, tuple[Any, dict[str, Fraction]] | None, int] | None:
-        """Search in rationals the cells that floats have left open."""
+        self, question: Question, surface: Surface, left: Array
+    ) -> tuple[Surface, Quotients] | None:
+        """Return in rationals the cells that floats have left open; None when time is over."""
         if self.stop.now:
             return None
-        cells = np.unique(surface.pieces.flat_cells[left])
-        exact = self.surface(question, rationals(), cells)
-        quotients = question.make(exact)
+        try:
+            exact = self.surface(question, rationals(), np.unique(surface.pieces.flat_cells[left]))
+            return exact, question.make(exact)
+        except TimeOverError:
+            return None  # the bounds of floats stand
+
+    def _searched_again(self, exact: tuple[Surface, Quotients], sign: int, least: Any) -> Extremum:
+        number, quotients = rationals().number, exact[1]
         chosen = quotients if sign == 1 else quotients.negated()
-        number = rationals().number
         known = number(Fraction(float(least)))
-        found = maximise(chosen, number(Fraction(self.gap)), self.stop, least=known)
-        better = None
-        if found.corner is not None:
-            at = self.named(exact.pieces.position(found.owner, found.corner))
-            better = found.reached, at
-        return float(found.bound), better, found.pieces
+        return maximise(chosen, number(Fraction(self.gap)), self.stop, least=known)
 
     def at_most(
         self,
@@ -373,8 +442,11 @@ class Prover:
         seen = 0
         cells: Array | None = None
         for arithmetic in (rationals(),) if self.exact else (FLOATS, rationals()):
-            surface = self.surface(question, arithmetic, cells)
-            quotients = question.make(surface)
+            try:
+                surface = self.surface(question, arithmetic, cells)
+                quotients = question.make(surface)
+            except TimeOverError:
+                break
             centre = as_fraction(surface.centre) if shifted else Fraction(0)
             limit = bound + centre if negated else bound - centre
             doubtful = self._doubtful(question, surface)
@@ -409,7 +481,7 @@ class Prover:
                 break
             owners = left
             if found.owner >= 0:  # above the bound by less than floats can tell
-                above = chosen.excess(start) > 0
+                above = chosen.excess(start, self.stop) > 0
                 owners = np.concatenate([owners, chosen.owner[above]])
             cells = np.unique(surface.pieces.flat_cells[owners])
         return Claim(None, {}, seen, False)
@@ -476,19 +548,20 @@ class Prover:
         from fuzzyarm.proof.boxes import Boxes
 
         ends = [(float(low), float(high)) for low, high in box]
-        return Boxes(self.rulebase, self.output.name, ends, self.stop)
+        if self._any_boxes is None:
+            self._any_boxes = Boxes(self.rulebase, self.output.name, ends, self.stop)
+        return self._any_boxes.over(ends, self.stop)
 
     # ── single points ────────────────────────────────────────────────────────────────
 
     def exactly(self, at: Mapping[str, float | Fraction]) -> Fraction | None:
-        """Return the output at a point in exact arithmetic; None where no rule fires."""
+        """Return the output at a point in exact arithmetic; None where it has no value."""
         assert self.model is not None
         box = tuple((Fraction(at[name]), Fraction(at[name])) for name in self.names)
         surface = Surface(self.model, cut(self.model, Cut(box), rationals()))
         quotients = surface.value()
-        if not quotients.lower[0, 0] > 0 or surface.uncovered() is not None:
-            no_rule = self.output.no_rule
-            return Fraction(no_rule) if isinstance(no_rule, int | float) else None
+        if not quotients.lower[0, 0] > 0 or surface.silent(valued=True) is not None:
+            return None if self.no_rule is None else Fraction(self.no_rule)
         value = as_fraction(quotients.upper[0, 0] / quotients.lower[0, 0] + surface.centre)
         if math.isfinite(self.output.low) and self.output.outside == "clamp":
             value = max(value, Fraction(self.output.low))
@@ -517,12 +590,12 @@ class Prover:
             name: (float(a), float(b))
             for name, (a, b) in zip(self.names, question.box, strict=True)
         }
-        if low < high and self.uncovered(region) is not None:
+        if low < high and self.without_value(region) is not None:
             raise UnprovableError("there are points at which no rule fires")
         self.demand_inside_range("slopes")
 
     def _demand_value_everywhere(self, what: str) -> None:
-        at = self.uncovered({})
+        at = self.without_value({})
         if at is not None:
             raise UnprovableError(f"{what}: no rule fires at {written(at)}")
 

@@ -109,7 +109,7 @@ def sector(
     prover.demand_pieces("sectors")
     region = dict(region or {})
     values = _fixed_inputs(prover, weights, region)
-    exact = (prover if prover.exact else _in_rationals(prover)).with_fixed(values)
+    exact = (prover if prover.exact else prover.in_rationals()).with_fixed(values)
     exact.demand_inside_range("sectors")
     form = tuple(Fraction(weights.get(name, 0)) for name in exact.names)
     box = exact.box({name: each for name, each in region.items() if name in exact.names})
@@ -161,20 +161,13 @@ def _fixed_inputs(
     return values
 
 
-def _in_rationals(prover: Prover) -> Prover:
-    return Prover(
-        prover.rulebase, prover.output.name,
-        tolerance=prover.tolerance, stop=prover.stop, exact=True,
-    )  # fmt: skip
-
-
 def _silent(prover: Prover, region: Mapping[str, tuple[float, float]]) -> bool:
     """Tell whether there are points without a rule, at which the output is 0; refuse others."""
-    at = prover.uncovered(region)
+    at = prover.without_value(region)
     if at is None:
         return False
-    no_rule = prover.output.no_rule
-    if not isinstance(no_rule, int | float):
+    no_rule = prover.no_rule
+    if no_rule is None:
         raise UnprovableError(f"sectors: no rule fires at {written(at)}")
     if no_rule != 0.0:
         raise NoSectorError(f"no sector: the output is {no_rule:g} at {written(at)} (no rule)")

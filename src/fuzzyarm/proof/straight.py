@@ -106,7 +106,7 @@ class Straight:
     low, high : Fraction
         What a centroid or an average cannot leave, where that is known; else infinite floats.
     no_rule : float or None
-        The value where no rule fires, None where there is none.
+        The value where there is no other, None where there is none.
     """
 
     names: tuple[str, ...]
@@ -123,6 +123,13 @@ class Straight:
     low: Fraction | float
     high: Fraction | float
     no_rule: float | None
+
+    @property
+    def counts(self) -> tuple[bool, ...]:
+        """For each column, whether its set has an area in the range: if not, it gives no value."""
+        if self.form is not None:
+            return tuple(any(any(layer[2:4]) for layer in layers) for layers in self.form.own)
+        return tuple(area > 0 for area in self.areas)
 
 
 def straight(rulebase: RuleBase, output: str) -> Straight:
@@ -242,7 +249,7 @@ class _Reading:
             raise NotStraightError(f"no rule concludes '{name}'")
         if not self.output.discrete and way.method != "centroid":
             raise NotStraightError(f"defuzzifier {way.method} is not in straight pieces")
-        if way.method in {"tsukamoto", "bisector"} or "maximum" in way.method:
+        if way.method not in _AVERAGES:
             raise NotStraightError(f"defuzzifier {way.method} is not in straight pieces")
         if way.resolution is not None and not self.output.discrete:
             raise NotStraightError(f"defuzzifier {way} is sampled")
@@ -378,6 +385,9 @@ class _Reading:
             number is not None and output.low <= number <= output.high for number in numbers
         )
 
+
+_AVERAGES = frozenset({"centroid", "weighted-average", "weighted-sum", "nie-tan"})
+"""Defuzzifiers that average (or sum) numbers."""
 
 _CONJUNCTIONS: dict[
     str, Literal["min", "bounded and", "product"]

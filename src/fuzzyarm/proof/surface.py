@@ -42,8 +42,8 @@ from fuzzyarm.table.axis import TableHeader
 
 __all__ = ["Surface", "TableValues"]
 
-_CHUNK = 4_000_000
-"""Numbers in one array while the lattice is evaluated."""
+_CHUNK, _CHUNK_OF_RATIONALS = 4_000_000, 40_000
+"""Numbers in one array while the lattice is evaluated; rationals take a thousand times as long."""
 
 
 class _Sums(NamedTuple):
@@ -210,31 +210,38 @@ class Surface:
 
         return self._quotients(self.degree + (self.model.form is None), make)
 
-    def uncovered(self) -> tuple[int, Array] | None:
-        """Return a piece and a vertex of it at which no rule fires; None if there is none."""
-        heights = self._fired()
+    def silent(self, *, valued: bool) -> tuple[int, Array] | None:
+        """Return a piece and a vertex of it at which no rule fires; None if there is none.
+
+        `valued`: at which there is no value, for what fires has no area in the range either.
+        """
+        heights = self._fired(valued=valued)
         rows, columns = np.nonzero(heights == 0)
         if not rows.size:
             return None
         owner = int(rows[0])
         whole = np.flatnonzero((heights == 0).all(axis=1))
         if whole.size:  # the middle of a piece, rather than its edge
-            owner = int(whole[0])
+            shapes = self.pieces.corners[whole].astype(float)
+            owner = int(whole[np.ptp(shapes, axis=1).prod(axis=1).argmax()])
             return owner, self.pieces.corners[owner].sum(axis=0) / (self.dimension + 1)
         return owner, self.pieces.corners[owner, columns[0]]
 
-    def nearly_uncovered(self) -> Array:
+    def nearly_silent(self, *, valued: bool) -> Array:
         """Return the pieces of which floats cannot say that a rule fires everywhere."""
-        return np.flatnonzero((self._fired() <= 1e-12).any(axis=1))
+        return np.flatnonzero((self._fired(valued=valued) <= 1e-12).any(axis=1))
 
-    def _fired(self) -> Array:
+    def _fired(self, *, valued: bool) -> Array:
+        counts = self.model.counts if valued else (True,) * self.model.columns
         if not self.model.multiplies:
-            return np.asarray(self.pieces.heights.sum(axis=2))
+            some = np.flatnonzero(counts * self.pieces.systems)
+            return np.asarray(self.pieces.heights[:, :, some].sum(axis=2))
         points = barycentric(self.dimension, 1, exact=self.arithmetic.exact)
         which = np.arange(self.pieces.count)
         total = self.arithmetic.zeros(self.pieces.count, self.dimension + 1)
-        for _, rows, strength, _ in self._products(which, points):
-            total[rows] += strength
+        for column, rows, strength, _ in self._products(which, points):
+            if counts[column]:
+                total[rows] += strength
         return total
 
     # ── polynomials from values at the lattice ───────────────────────────────────────
@@ -249,13 +256,14 @@ class Surface:
         points = barycentric(self.dimension, degree, exact=exact)
         matrix = from_values(self.dimension, degree, exact=exact)
         which = np.arange(self.pieces.count) if some is None else some
-        step = max(1, _CHUNK // (len(points) * max(self.pieces.heights.shape[2], 4)))
+        most = _CHUNK_OF_RATIONALS if exact else _CHUNK
+        step = max(1, most // (len(points) * max(self.pieces.heights.shape[2], 4)))
         ends = list(vertices_of(self.dimension, degree))
         parts = [make(ids, points) for ids in _chunks(which, step, self.pieces.stop)]
         if not parts:
             parts = [make(which, points)]
-        upper = np.concatenate([part.upper for part in parts]) @ matrix.T
-        lower = np.concatenate([part.lower for part in parts]) @ matrix.T
+        upper = np.concatenate([part.upper @ matrix.T for part in parts])
+        lower = np.concatenate([part.lower @ matrix.T for part in parts])
         corners = self.pieces.corners[which]
         if exact:
             return Quotients(upper, lower, None, 0.0, corners, which, degree)
@@ -558,7 +566,7 @@ def _pick(
 
 def _chunks(which: Array, step: int, stop: Stop) -> Iterator[Array]:
     for start in range(0, len(which), step):
-        stop.check()
+        stop.check(len(which))
         yield which[start : start + step]
 
 

@@ -44,6 +44,12 @@ def table_proof(
         cannot be proved in exact pieces: boxes take longer than compiling may.
     """
     provers: dict[bool, Prover] = {}
+    last: list[tuple[LookupTable, Stop]] = []  # the modes of a table share its time
+
+    def stop_for(table: LookupTable) -> Stop:
+        if not last or last[0][0] is not table:
+            last[:] = [(table, Stop(seconds))]
+        return last[0][1]
 
     def prover_for(table: LookupTable) -> Prover:
         enough = _covers(table, rulebase, output)
@@ -56,7 +62,7 @@ def table_proof(
             prover = prover_for(table)
             if prover.model is None:
                 return None
-            prover.stop = Stop(seconds)
+            prover.stop = stop_for(table)
             bounds = prover.table(table, mode)
         except FuzzyarmError:
             return None

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
@@ -19,7 +19,7 @@ from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language import parse, write
 from fuzzyarm.language.writer import property_node
 from fuzzyarm.model.rulebase import AnyRuleBase, Property, RuleBase
-from fuzzyarm.proof.arithmetic import Stop
+from fuzzyarm.proof.arithmetic import Stop, TimeOverError
 from fuzzyarm.proof.bounds import LIKE_EXPECT, Bounds, Claim
 from fuzzyarm.proof.prover import Prover, written
 from fuzzyarm.text.diagnostic import RuleBaseError
@@ -32,6 +32,8 @@ if TYPE_CHECKING:
 __all__ = ["Verdict", "property_text", "prove", "prove_all", "read_property"]
 
 PROVED, REFUTED, UNDECIDED = "proved", "refuted", "undecided"
+
+_IN_EXACT_ARITHMETIC = "in exact arithmetic, by less than the rounding of inference"
 
 Tell = Callable[[str, int, float], None]
 """Called with the statement, the number of open pieces and the gap between the bounds."""
@@ -123,8 +125,6 @@ def read_property(rulebase: RuleBase, text: str) -> Property:
     RuleBaseError
         With what is wrong with it, and what was probably meant.
     """
-    from dataclasses import replace
-
     from fuzzyarm.language.statements import STATEMENTS
 
     statement = text if text.split(maxsplit=1)[:1] == ["prove"] else f"prove {text}"
@@ -179,7 +179,8 @@ def prove(
     exact : bool
         Compute in rationals throughout, so that bounds are not widened.
     tell : callable, optional
-        Called with the statement, the number of open pieces and the gap.
+        Called with the statement, the number of pieces and the gap between the bounds; NaN while
+        pieces are still being cut.
 
     Returns
     -------
@@ -250,6 +251,7 @@ class _Case:
         watch = None if tell is None else (lambda count, gap: tell(self.text, count, gap))
         self.stop = Stop(budget, watch)
         self.failing: list[dict[str, float]] = []
+        self.remark = ""
 
     @property
     def prover(self) -> Prover:
@@ -273,6 +275,7 @@ class _Case:
             "covered": self._covered,
             "table": self._table,
         }[self.claim.kind]
+        self.stop.say(0)  # before anything takes long
         try:
             return judge()
         except FuzzyarmError as error:  # out of time, nothing to prove, a table that is none
@@ -310,9 +313,10 @@ class _Case:
         bounds = prover.value(self.region)
         for sign, limit in ((-1, low), (1, high)):
             said, bounds = self._side(bounds, sign, limit, strict=strict)
-            if said != PROVED:
-                evidence = () if isinstance(said, str) else said
-                return self._said(REFUTED if evidence else UNDECIDED, bounds, evidence=evidence)
+            if said == UNDECIDED:
+                return self._said(UNDECIDED, bounds)
+            if isinstance(said, tuple):
+                return self._said(REFUTED, bounds, evidence=said, reason=self.remark)
         return self._said(PROVED, bounds)
 
     def _side(
@@ -327,16 +331,17 @@ class _Case:
         )
         if sign * (limit - bound) > 0.0 or (not strict and limit == bound):
             return PROVED, bounds
-        no_rule = prover.output.no_rule
-        silent = isinstance(no_rule, int | float) and sign * (no_rule - limit) > 0.0
         beyond = _Beyond(sign, Fraction(limit), strict=strict)
-        if at and (silent or sign * (reached - limit) > LIKE_EXPECT * prover.range):
+        no_rule = prover.no_rule
+        if no_rule is not None and beyond(Fraction(no_rule)):
+            # The pieces do not know the value for no rule; the bounds do.
+            silent = prover.without_value(self.region)
+            if silent is not None:
+                return self._shown(silent, beyond), bounds
+        if at and sign * (reached - limit) > LIKE_EXPECT * prover.range:
             confirmed = self._confirmed(at, beyond)
             if confirmed is not None:
                 return confirmed, bounds
-        # The pieces do not know the value for no rule; the bounds do.
-        if silent and prover.uncovered(self.region) is not None:
-            return UNDECIDED, bounds
         return self._decided(bounds, sign, limit, beyond)
 
     def _decided(
@@ -354,36 +359,93 @@ class _Case:
         if claim.holds:
             return PROVED, _at_most(bounds, sign, limit)
         value = prover.exactly(claim.at) if claim.at else None
-        shown = value is not None and beyond(value)
-        return (self._points([claim.at]) if shown else UNDECIDED), bounds
+        if value is None or not beyond(value):
+            return UNDECIDED, bounds
+        return self._shown(claim.at, beyond), bounds
 
     def _without_value(self) -> Verdict | None:
         """Refute a statement on the value where the output has none."""
         if self.prover.output.no_rule != "error":
             return None
-        at = self.prover.uncovered(self.region)
+        at = self.prover.without_value(self.region)
         if at is None:
             return None
+        return self._said(REFUTED, reason=self._silence(at))
+
+    def _silence(self, at: Mapping[str, Any]) -> str:
+        """Say where no rule fires, and whether floats say so, too."""
+        from fuzzyarm.inference import prepare
+
         self._note(at)
-        return self._said(REFUTED, reason=f"no rule fires at {written(at)}")
+        said = f"no rule fires at {written(at)}"
+        outputs = tuple(replace(each, no_rule=math.nan) for each in self.rulebase.outputs)
+        prepared = prepare(replace(self.rulebase, outputs=outputs))
+        found = prepared.run({name: float(x) for name, x in at.items()})
+        fires = self.claim.output not in found.silent or (
+            self.claim.kind == "covered" and found.fired[self.claim.output]
+        )
+        return f"{said}, {_IN_EXACT_ARITHMETIC}" if fires else said
 
     def _note(self, at: Mapping[str, Any]) -> None:
         """Remember a point at which the statement fails, if it is refuted."""
         self.failing.append({name: float(x) for name, x in at.items()})
+
+    # --- evidence: what floats say of a point that is found in exact arithmetic ---
+
+    def _inferred(self, at: Mapping[str, Any]) -> float | None:
+        """Return the output at a point as inference gives it; None where it has none."""
+        from fuzzyarm.inference import prepare
+
+        point = {name: float(x) for name, x in at.items()}
+        try:
+            value = prepare(self.rulebase).evaluate(point)[self.claim.output]
+        except FuzzyarmError:
+            return None
+        return None if math.isnan(value) else value
 
     def _confirmed(
         self, at: Mapping[str, float], fails: Callable[[Fraction], bool]
     ) -> tuple[str, ...] | None:
         """Return a point as evidence, if exact arithmetic says that a statement fails there.
 
-        The point with the fewest digits that shows it is taken.
+        The point with the fewest digits at which inference shows it, too, is taken. Where there are
+        no exact pieces inference alone says it, by more than an `expect` line allows.
         """
         for digits in (0, 1, 2, 3, 6, None):
             near = self._rounded(at, digits)
-            value = self._value_at(near)
-            if value is not None and fails(value):
-                return (self._expect(near, value),)
+            value = self._inferred(near)
+            if value is None or not fails(Fraction(value)):
+                continue
+            if self.prover.model is None:
+                outcome = self.prover.no_rule
+                if value != outcome and not self._clearly(fails, value):
+                    continue
+            else:
+                exact = self.prover.exactly(near)
+                if exact is None or not fails(exact):
+                    continue
+            return (self._expect(near, value),)
         return None
+
+    def _clearly(self, fails: Callable[[Fraction], bool], value: float) -> bool:
+        """Tell whether a statement fails for all values that are the same to an `expect` line."""
+        slack = LIKE_EXPECT * self.prover.range
+        return fails(Fraction(value - slack)) and fails(Fraction(value + slack))
+
+    def _shown(
+        self, at: Mapping[str, Fraction], fails: Callable[[Fraction], bool]
+    ) -> tuple[str, ...]:
+        """Return a point, at which exact arithmetic says that a statement fails, as evidence.
+
+        Nothing but a sentence, where inference with its roundings does not show it.
+        """
+        near = {name: float(x) for name, x in at.items()}
+        confirmed = self._confirmed(near, fails)
+        if confirmed is not None:
+            return confirmed
+        self._note(at)
+        self.remark = f"it fails at {written(at)}, {_IN_EXACT_ARITHMETIC}"
+        return ()
 
     def _rounded(self, at: Mapping[str, float], digits: int | None) -> dict[str, float]:
         """Return a point to some digits behind the decimal point, inside the box."""
@@ -393,31 +455,28 @@ class _Case:
             for (name, x), (low, high) in zip(at.items(), ends, strict=True)
         }
 
-    def _value_at(self, at: Mapping[str, float]) -> Fraction | None:
-        """Return the output at a point: exact, or of floats where there are no exact pieces."""
-        if self.prover.model is not None:
-            return self.prover.exactly(at)
-        from fuzzyarm.inference import infer
-
-        found = infer(self.rulebase, dict(at))[self.claim.output]
-        return Fraction(float(found))
-
     def _points(self, points: list[Mapping[str, Any]]) -> tuple[str, ...]:
+        """Return points as evidence, where inference has the values of exact arithmetic."""
         found = []
         for at in points:
             near = {name: float(x) for name, x in at.items()}
-            value = self.prover.exactly(near)
-            if value is not None:
-                found.append(self._expect(near, value))
-        return tuple(found)
+            value, exact = self._inferred(near), self.prover.exactly(near)
+            if value is None or exact is None:
+                return ()
+            if abs(Fraction(value) - exact) > Fraction(LIKE_EXPECT * self.prover.range):
+                return ()
+            found.append((near, value))
+        return tuple(self._expect(near, value) for near, value in found)
 
-    def _expect(self, at: Mapping[str, float], value: Fraction) -> str:
+    def _expect(self, at: Mapping[str, float], value: float) -> str:
         from fuzzyarm.language.tokens import name_text
 
         self._note(at)
         inputs = ", ".join(f"{name_text(name)} = {number_text(x)}" for name, x in at.items())
-        output = name_text(self.claim.output)
-        return f"expect {inputs} -> {output} = {number_text(float(f'{float(value):.12g}'))}"
+        shown = float(f"{value:.12g}")
+        if abs(shown - value) > 0.1 * LIKE_EXPECT * self.prover.range:
+            shown = value
+        return f"expect {inputs} -> {name_text(self.claim.output)} = {number_text(shown)}"
 
     # ── slopes ───────────────────────────────────────────────────────────────────────
 
@@ -551,13 +610,14 @@ class _Case:
         way = "boxes" if prover.model is None else "exact"
         if at is None:
             return self._said(PROVED, pieces=pieces, way=way)
-        self._note(at)
-        return self._said(REFUTED, pieces=pieces, way=way, reason=f"no rule fires at {written(at)}")
+        return self._said(REFUTED, pieces=pieces, way=way, reason=self._silence(at))
 
     def _table(self) -> Verdict:
         from fuzzyarm.table import compile_table
 
         claim, prover = self.claim, self.prover
+        prover.demand_bounds()
+        self._demand_time_for_table()
         table = compile_table(self.rulebase, claim.output)
         bounds = prover.table(table, claim.mode)
         worst = max(bounds.high, -bounds.low)
@@ -575,7 +635,9 @@ class _Case:
             def fails(value: Fraction) -> bool:
                 return abs(value - there) > Fraction(far)
 
-            confirmed = (self._expect(at, u),) if fails(u := self._value_at(at) or there) else None
+            value = self._inferred(at)
+            shows = value is not None and fails(Fraction(value))
+            confirmed = (self._expect(at, value),) if shows and value is not None else None
             if confirmed is not None or claim.mode != "linear":
                 if confirmed is None:
                     self._note(at)
@@ -586,6 +648,18 @@ class _Case:
             if found.holds:
                 return self._said(PROVED, **{**facts, "bound": claim.high})
         return self._said(UNDECIDED, **facts)
+
+    def _demand_time_for_table(self) -> None:
+        """Refuse a table whose values alone take longer than there is time."""
+        from fuzzyarm.inference.effort import microseconds
+        from fuzzyarm.inference.plan import part_for
+        from fuzzyarm.table.compiler import choose_axes
+
+        axes = choose_axes(self.rulebase, None, self.claim.output)
+        cells = math.prod(len(axis.levels) for axis in axes)
+        part = part_for(self.rulebase, [self.claim.output])
+        if 1e-6 * cells * microseconds(part) > 3.0 * self.stop.left:
+            raise TimeOverError
 
 
 class _Beyond:

@@ -328,9 +328,9 @@ class Walk:
     ) -> Interval:
         """Return where a conclusion can be; that of the whole output where no bound is closer."""
         output = prover.output
-        whole = Interval(output.low, output.high)
-        if isinstance(output.no_rule, int | float):
-            whole = hull(whole, Interval(float(output.no_rule), float(output.no_rule)))
+        whole = Interval(output.low, output.high) if prover.stays_inside else EVERYTHING
+        if prover.no_rule is not None:
+            whole = hull(whole, Interval(prover.no_rule, prover.no_rule))
         bounds = self.case.value(prover, region)
         if bounds is None:
             return whole

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from fuzzyarm.inference.effort import points_within
 from fuzzyarm.inference.plan import part_for, plan
 from fuzzyarm.model.rulebase import AnyRuleBase, RuleBase
 from fuzzyarm.table.axis import Axis, TableError
@@ -38,6 +39,9 @@ _FEW_POINTS = 4_096
 
 _SAMPLES = 320_000_000
 """Points times samples of a sampled centroid."""
+
+_SECONDS = 2.0
+"""What the even points of a dense grid may take, and each of the four kinds of points besides."""
 
 _CORNERS = 400_000_000
 """Points times corners of a cell between which the table interpolates."""
@@ -110,7 +114,8 @@ def measure_fidelity(
     rulebase = rulebase.model
     chosen = tuple(dict.fromkeys(modes or (table.default_mode, "linear")))
     tallies = {mode: _Tally() for mode in chosen}
-    drawn = _drawn_points(table.axes)
+    part = part_for(rulebase, [table.output])
+    drawn = _drawn_points(table.axes, _even_points(part))
     if drawn is not None:
         truth = evaluate(rulebase, table.output, table.names, drawn)
         for mode in chosen:
@@ -118,18 +123,19 @@ def measure_fidelity(
             tallies[mode].add_drawn(difference, drawn)
         size = (drawn[0].size,)
         return tuple(tallies[mode].result(mode, table.names, size) for mode in chosen)
-    points, weights = _dense_grid(table.axes, _even_points(part_for(rulebase, [table.output])))
+    most = points_within(part, 5 * _SECONDS, least=_FEW_POINTS, most=_MOST_POINTS)
+    points, weights = _dense_grid(table.axes, _even_points(part), most)
     rows = max(1, _SLAB // math.prod(x.size for x in points[1:]))
     for start in range(0, points[0].size, rows):
-        part = [points[0][start : start + rows], *points[1:]]
+        slab = [points[0][start : start + rows], *points[1:]]
         weight = np.ones(())
         for share in np.ix_(weights[0][start : start + rows], *weights[1:]):
             weight = weight * share
-        mesh = np.ix_(*part)
+        mesh = np.ix_(*slab)
         truth = evaluate(rulebase, table.output, table.names, mesh)
         for mode in chosen:
             difference = np.abs(table.lookup(*mesh, mode=mode) - truth)
-            tallies[mode].add(difference, weight, part)
+            tallies[mode].add(difference, weight, slab)
     sizes = tuple(x.size for x in points)
     return tuple(tallies[mode].result(mode, table.names, sizes) for mode in chosen)
 
@@ -145,13 +151,13 @@ def _even_points(rulebase: RuleBase) -> int:
             count = min(count, max(_FEW_POINTS // 16, _SAMPLES // way.resolution))
         elif way.method != "centroid" or (output.closed is None and not output.enveloped):
             count = min(count, _FEW_POINTS)
-    return count
+    return points_within(rulebase, _SECONDS, least=_FEW_POINTS // 16, most=count)
 
 
 _Points = list[NDArray[np.float64]]
 
 
-def _drawn_points(axes: Sequence[Axis]) -> _Points | None:
+def _drawn_points(axes: Sequence[Axis], most: int) -> _Points | None:
     """Return points drawn at random where the corners of a grid alone would be too many.
 
     Each coordinate is even in its range or one of those that a grid has besides. None where a
@@ -159,7 +165,7 @@ def _drawn_points(axes: Sequence[Axis]) -> _Points | None:
     """
     if 3 ** len(axes) <= _DENSE_POINTS:
         return None
-    count = min(_DENSE_POINTS, max(256, _CORNERS >> len(axes)))
+    count = min(most, max(256, _CORNERS >> len(axes)))
     draw = np.random.default_rng(len(axes))
     points = []
     for axis in axes:
@@ -178,14 +184,16 @@ def dense_points(axes: Sequence[Axis]) -> list[NDArray[np.float64]]:
     return _dense_grid(axes)[0]
 
 
-def _dense_grid(axes: Sequence[Axis], wanted: int = _DENSE_POINTS) -> tuple[_Points, _Points]:
+def _dense_grid(
+    axes: Sequence[Axis], wanted: int = _DENSE_POINTS, most: int = _MOST_POINTS
+) -> tuple[_Points, _Points]:
     """Return the points along each axis and their weights: 1 on the even ones, else 0.
 
     With many inputs or levels some of the points besides the even ones are given up, so
     that the grid does not explode.
     """
     count = max(3, round(wanted ** (1.0 / len(axes))))
-    most = _MOST_POINTS if wanted == _DENSE_POINTS else 5 * wanted
+    most = most if wanted == _DENSE_POINTS else min(most, 5 * wanted)
     even = [np.linspace(*axis.ends, count) for axis in axes]
     for besides in zip(*map(_besides, axes), strict=True):
         points = [np.unique(np.concatenate(pair)) for pair in zip(even, besides, strict=True)]
@@ -245,12 +253,25 @@ class _Tally:
 # Every number of levels is tried in turn, because the error does not fall evenly: a grid
 # whose levels meet the kinks of the surface beats larger ones. Trying is cheap: the
 # interpolation is first computed at a few thousand probes only, and each probe that proved
-# an earlier grid wrong is asked again first.
+# an earlier grid wrong is asked again first. What no grid can meet is known before: the surface
+# jumps, or it bends within a step of the finest grid by more than the tolerance.
 
 LIMITS = {1: 20_001, 2: 1_001, 3: 101, 4: 33}
 """Most levels that are tried for each input, by the number of inputs; 17 for more."""
 
 _PROBES = 2_048
+
+_FIRST_PROBES = 64
+"""Those that are asked first of a grid: most are proved wrong by them."""
+
+_WINDOWS = 96
+"""Stretches along each input in which bends are looked for; fewer where a point takes long."""
+
+_LINES, _MARKS, _HALVINGS = 24, 33, 60
+"""Lines along each input on which jumps are looked for, marks on each, halvings between two."""
+
+_SEARCH_SECONDS = 60.0
+"""What trying grids may take, roughly; where a point takes long, fewer are tried."""
 
 
 def smallest_even_grid(
@@ -269,15 +290,23 @@ def smallest_even_grid(
     Raises
     ------
     TableError
-        If the tolerance is not a positive number, or no grid within `LIMITS` meets it.
+        If the tolerance is not a positive number, or no grid within `LIMITS` meets it: at once
+        where the surface jumps or bends too much for any of them.
     """
     if not (tolerance > 0 and math.isfinite(tolerance)):
         raise TableError(f"a tolerance is a positive number, not {tolerance:g}")
     target = choose_output(rulebase, output)
-    limit = LIMITS.get(len(needed_inputs(rulebase, target.name)), 17)
+    inputs = len(needed_inputs(rulebase, target.name))
+    limit = LIMITS.get(inputs, 17)
+    if progress is not None:
+        progress("looking for jumps and bends")
     probes = _Probes(rulebase, target.name)
+    first = probes.fewest(limit, tolerance)
+    part = part_for(rulebase, [target.name])
+    trials = points_within(part, _SEARCH_SECONDS, least=1, most=1 << 40) >> inputs
+    limit = min(limit, first + max(64, trials // _FIRST_PROBES))
     best = math.inf
-    for count in range(2, limit + 1):
+    for count in range(first, limit + 1):
         if progress is not None:
             progress(f"trying {count} levels")
         worst = probes.worst(count, tolerance)
@@ -296,7 +325,7 @@ def smallest_even_grid(
     raise TableError(
         f"no even grid of up to {limit} levels for each input meets {tolerance:g}; "
         f"the best differs by {best:.4g}",
-        hint="the surface may have a jump, which no interpolation can follow",
+        hint="a tolerance above that is met; --levels takes any number of levels",
     )
 
 
@@ -313,6 +342,9 @@ class _Probes:
         self.high = np.array([high for _, high in ends])
         spread = np.random.default_rng(1).random((_PROBES, len(ends)))
         self.points = self.low + spread * (self.high - self.low)
+        points = points_within(part_for(rulebase, [output]), 1.0, least=1, most=100_000)
+        self.windows = min(_WINDOWS, max(8, points // (50 * len(ends))))
+        self.lines = min(_LINES, max(4, points // ((_MARKS + _HALVINGS) * len(ends))))
         self.truth = self._infer(self.points.T)
 
     def remember(self, point: list[float]) -> None:
@@ -323,12 +355,84 @@ class _Probes:
     def worst(self, count: int, tolerance: float) -> float:
         """Return the worst difference of a grid of `count` levels; stop at the first part over."""
         worst = 0.0
-        for part in (slice(0, 64), slice(64, None)):
+        for part in (slice(0, _FIRST_PROBES), slice(_FIRST_PROBES, None)):
             value = self._interpolate(self.points[part], count)
             worst = max(worst, float(np.max(np.abs(value - self.truth[part]), initial=0.0)))
             if worst > tolerance:
                 break
         return worst
+
+    def fewest(self, limit: int, tolerance: float) -> int:
+        """Return a number of levels that no grid within the tolerance has fewer of.
+
+        Raises
+        ------
+        TableError
+            If no grid of up to `limit` levels can meet the tolerance.
+        """
+        jump, where = self._jump()
+        if 0.5 * jump > tolerance:
+            at = ", ".join(f"{name} = {x:.6g}" for name, x in zip(self.names, where, strict=True))
+            raise TableError(
+                f"no table of even levels meets {tolerance:g}: the surface jumps by {jump:.4g}"
+                f" at {at}",
+                hint="no interpolation follows a jump; --mode bins looks up without one",
+            )
+        bend = self._bend(limit)
+        if bend > tolerance:
+            raise TableError(
+                f"no even grid of up to {limit} levels for each input meets {tolerance:g}:"
+                f" the surface bends by {bend:.4g} or more within a step of the finest",
+                hint="a tolerance above that is met by more levels",
+            )
+        low, high = 1, limit
+        while high - low > 1 + low // 16:
+            middle = math.isqrt(low * high) if low > 1 else (low + high) // 4 + 1
+            low, high = (middle, high) if self._bend(middle) > tolerance else (low, middle)
+        return low + 1
+
+    def _bend(self, count: int) -> float:
+        """Return what grids of up to `count` levels are off by at least, seen along each input.
+
+        A stretch shorter than a step has one level at most. In one of its halves there is none,
+        and the interpolation is a line there: it misses one of three points by a quarter of
+        their second difference.
+        """
+        steps = 0.999 * (self.high - self.low) / (count - 1)
+        bend = 0.0
+        for axis, step in enumerate(steps):
+            points = np.repeat(self.points[None, -self.windows :], 5, axis=0)
+            start = np.minimum(points[0, :, axis], self.high[axis] - step)
+            points[:, :, axis] = start + step * np.linspace(0.0, 1.0, 5)[:, None]
+            y = self._infer(np.moveaxis(points, 2, 0))
+            halves = np.abs(y[[0, 2]] - 2.0 * y[[1, 3]] + y[[2, 4]]) / 4.0
+            bend = max(bend, float(halves.min(axis=0).max()))
+        return bend
+
+    def _jump(self) -> tuple[float, Sequence[float]]:
+        """Return the highest jump along the inputs that was found, and where it is."""
+        highest, where = 0.0, self.low.tolist()
+        for axis in range(len(self.names)):
+            lines = np.repeat(self.points[None, -self.lines :], _MARKS, axis=0)
+            marks = np.linspace(self.low[axis], self.high[axis], _MARKS)
+            lines[:, :, axis] = marks[:, None]
+            y = self._infer(np.moveaxis(lines, 2, 0))
+            steepest = np.abs(np.diff(y, axis=0)).argmax(axis=0)
+            own = np.arange(self.lines)
+            a, b = lines[steepest, own].copy(), lines[steepest + 1, own].copy()
+            fa, fb = y[steepest, own], y[steepest + 1, own]
+            for _ in range(_HALVINGS):
+                middle = 0.5 * (a + b)
+                f_middle = self._infer(middle.T)
+                left = np.abs(f_middle - fa) > np.abs(fb - f_middle)
+                a, b = np.where(left[:, None], a, middle), np.where(left[:, None], middle, b)
+                fa, fb = np.where(left, fa, f_middle), np.where(left, f_middle, fb)
+            # What a line from level to level may rise between two neighbouring floats.
+            rise = LIMITS[1] * np.abs(b - a).max(axis=1) / (self.high[axis] - self.low[axis])
+            jumps = np.abs(fb - fa) - rise * float(np.ptp(y))
+            if float(jumps.max()) > highest:
+                highest, where = float(jumps.max()), b[int(jumps.argmax())].tolist()
+        return highest, where
 
     def _interpolate(self, points: NDArray[np.float64], count: int) -> NDArray[np.float64]:
         """Return the interpolation at `points` from the corners of their cells alone."""

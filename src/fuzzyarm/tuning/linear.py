@@ -99,7 +99,7 @@ def straightened(
     for part in model.axes:
         lines: list[Line] = []
         for line in part.lines:
-            lines += planes.lines_for(line) if _is_rules(line) else [line]
+            lines += planes.lines_for(line, part) if _is_rules(line) else [line]
         axes.append(Axes(part.names, tuple(lines), part.span))
     if not planes.moving:
         hint = "leave the linear controller out (--no-linear)"
@@ -139,9 +139,11 @@ class _Planes:
         self.gains: dict[str, GainModel] = {}
         self.moving: list[GainTuning] = []
         self._spoken_for: set[str] = set()
+        self.part = text.model.axes[0]
 
-    def lines_for(self, line: Line) -> Iterator[Line]:
+    def lines_for(self, line: Line, part: Axes) -> Iterator[Line]:
         """Yield lines for the signals of a rule base: sums, and what cuts them off."""
+        self.part = part
         assert isinstance(line, Signal)
         assert line.source is not None
         sheet, inputs = line.source.name, line.source.inputs
@@ -159,7 +161,7 @@ class _Planes:
             if constant != 0.0 or not products or lopsided:
                 offset = self._offset(name, output, constant, moves=bool(products))
                 products.append(Product((Factor(offset),)))
-            plane, cut = f"plane of {name}", f"cut of {name}"
+            plane, cut = f"plane of {name}", self._named(f"cut of {name}")
             yield Signal((plane,), None, tuple(products), line.span)
             self.sheets[cut] = (cut_off(output),)
             factors = line.products
@@ -174,9 +176,20 @@ class _Planes:
 
     # --- Gains of its own ---
 
+    def _named(self, name: str) -> str:
+        """Return the name of something; where axes have lines of their own, each has another."""
+        return name if len(self.model.axes) == 1 else f"{name} on {', '.join(self.part.names)}"
+
     def _own(self, name: str, value: float, unit: str) -> str:
+        """Add a gain."""
+        name = self._named(name)
         self.gains[name] = GainModel(name, (Amount(((value, False),)),), unit)
         return name
+
+    def _move(self, gain: str, low: float, high: float, *, times: bool = False) -> None:
+        # Numbers for axes of other lines would be dead ones.
+        several = len(self.part.names) > 1
+        self.moving.append(GainTuning((gain,), low, high, times=times, per_axis=several))
 
     def _slope(self, name: str, signal: str, slope: float) -> str:
         """Return the gain of a slope; it reaches as far as what scales the signal in the file."""
@@ -187,20 +200,20 @@ class _Planes:
                 least, most = self._multiples(other)
                 low, high = min(low, least), max(high, most)
                 self._spoken_for.add(other)
-        self.moving.append(GainTuning((gain,), low, high, times=True, per_axis=True))
+        self._move(gain, low, high, times=True)
         return gain
 
     def _offset(self, name: str, output: Output, constant: float, *, moves: bool) -> str:
         """Return the gain of what an output is in the middle of its inputs."""
         gain = self._own(f"offset of {name}", constant, "offset")
         if moves:
-            self.moving.append(GainTuning((gain,), output.low, output.high, per_axis=True))
+            self._move(gain, output.low, output.high)
         return gain
 
     def _limit(self, name: str) -> str:
         """Return the gain of how far an output goes, where peaks say it and no gain does."""
         gain = self._own(f"limit of {name}", 1.0, "limit")
-        self.moving.append(GainTuning((gain,), 1.0 / SPAN, 1.0, times=True, per_axis=True))
+        self._move(gain, 1.0 / SPAN, 1.0, times=True)
         return gain
 
     # --- Gains of the file ---
@@ -229,12 +242,13 @@ class _Planes:
 def _scaling_gains(model: ControllerModel) -> dict[str, set[str]]:
     """Return the gains that do nothing but scale signals that only rules read, by signal."""
     found: dict[str, set[str]] = {}
+    scaled: list[str] = []
     for part in model.axes:
         for line in part.lines:
             if isinstance(line, Signal) and len(line.names) == 1 and _only_rules_read(line, part):
                 common = set.intersection(*map(_multipliers, line.products))
                 found[line.names[0]] = found.get(line.names[0], common) & common
-    scaled = [name for names in found.values() for name in names]
+                scaled += common
     return {
         signal: {name for name in names if _mentions(model, name) == scaled.count(name)}
         for signal, names in found.items()

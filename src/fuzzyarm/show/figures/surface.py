@@ -37,7 +37,11 @@ if TYPE_CHECKING:
 
 _LINE = 601
 _PLANE = 121
-"""Points of a line, and along each side of a surface."""
+"""Points of a line, and along each side of a surface; fewer where each takes long."""
+
+_FEWEST = 31
+_SECONDS = 4.0
+"""Points along a side, and what all of them may take, roughly."""
 
 _SPACE = 41
 """Meshes along each side of a surface in space."""
@@ -148,9 +152,8 @@ class Response:
             self._output.name, self._output.description, self._output.low, self._output.high
         )
         line = len(sides) == 1
-        points = [
-            _points(variable, _LINE if line else _PLANE, edges=line) for variable in self._free
-        ]
+        count = self._count(line=line)
+        points = [_points(variable, count, edges=line) for variable in self._free]
         grid = np.ix_(*points)
         inputs = {
             **self._fixed,
@@ -176,6 +179,16 @@ class Response:
             space.plot(y, x, height, "X", **_FAILS, zorder=10)
             _mark(flat, x, y, number)
         _name_failures(flat, self._fails)
+
+    def _count(self, *, line: bool) -> int:
+        """Return how many even points there are along a side."""
+        from fuzzyarm.inference.effort import points_within
+        from fuzzyarm.inference.plan import part_for
+
+        part = part_for(self._rulebase, [self._output.name])
+        if line:
+            return points_within(part, _SECONDS, least=_FEWEST, most=_LINE)
+        return math.isqrt(points_within(part, _SECONDS, least=_FEWEST**2, most=_PLANE**2))
 
     def _failures(self) -> list[tuple[list[float], float, int]]:
         """Return where properties fail on what is drawn, the output there, and which property."""

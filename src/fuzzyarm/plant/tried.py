@@ -1,0 +1,239 @@
+"""A plant of a user's own, tried once before it runs: what does not fit is said with its line."""
+
+from __future__ import annotations
+
+import inspect
+import linecache
+import math
+import traceback
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fuzzyarm.plant.plant import Parameter, Plant, PlantError, Port, interface_of
+
+EXAMPLES = {
+    "inputs": '{"power": Port("%", 0, 100)}',
+    "outputs": '{"temperature": Port("°C")}',
+    "states": '{"T": "°C"}',
+    "parameters": '{"loss": 0.01}',
+}
+
+ARGUMENTS = {"derivative": "t, x, u, p", "measure": "t, x, u, p", "step": "t, x, u, p, dt"}
+"""Of the equations of a plant, behind ``self``."""
+
+
+def require_ports(plant: Plant) -> None:
+    """Raise PlantError where the ports, states or parameters of a plant are not what they are.
+
+    Parameters
+    ----------
+    plant : Plant
+        Of a user's own.
+    """
+    for what, example in EXAMPLES.items():
+        found = getattr(plant, what)
+        if not found and what != "parameters":
+            raise _fault(plant, what, f"it has no {what}", hint=f"write  {what} = {example}")
+        if not isinstance(found, Mapping):
+            raise _fault(
+                plant, what, f"{what} are not names with what they are, but {_words(found)}",
+                hint=f"write  {what} = {example}",
+            )  # fmt: skip
+        for name, value in found.items():
+            if not isinstance(name, str):
+                raise _fault(plant, what, f"a name among the {what} is {_words(name)}")
+            _require_value(plant, what, name, value)
+    if plant.derivative is None and plant.step is None and plant.dynamics is None:
+        near = next(
+            (each for each in dir(plant) if each.startswith("der") and each != "derivative"), ""
+        )
+        said = f", but '{near}'" if near else ""
+        hint = "def derivative(self, t, x, u, p):  returns the rate of each state"
+        raise _fault(plant, near or "states", f"it has no derivative{said}", hint=hint)
+    for what in ("longest_step", "duration"):
+        number = getattr(plant, what)
+        if number is not None and not (_is_number(number) and number > 0.0):
+            raise _fault(plant, what, f"{what} is {_words(number)}", hint="a positive number of s")
+
+
+def _require_value(plant: Plant, what: str, name: str, value: object) -> None:
+    if what in ("inputs", "outputs"):
+        if isinstance(value, Port):
+            return
+        unit = value if isinstance(value, str) else "1"
+        rest = ", 0, 100" if what == "inputs" else ""
+        raise _fault(
+            plant, what, f"{what[:-1]} '{name}' is {_words(value)}, not a Port",
+            hint=f'write  "{name}": Port("{unit}"{rest})',
+        )  # fmt: skip
+    if what == "states" and not isinstance(value, str):
+        hint = f'its unit stands behind it:  "{name}": "m"'
+        raise _fault(plant, what, f"state '{name}' has {_words(value)} for a unit", hint=hint)
+    if what == "parameters" and not (isinstance(value, Parameter) or _is_number(value)):
+        hint = f'write  "{name}": 0.01  or  "{name}": Parameter(0.01, "1/s")'
+        raise _fault(plant, what, f"parameter '{name}' is {_words(value)}, not a number", hint=hint)
+
+
+def require_sound(plant: Plant) -> None:
+    """Do both for a plant that is not one of the package.
+
+    Parameters
+    ----------
+    plant : Plant
+        Any.
+    """
+    if not type(plant).__module__.startswith("fuzzyarm."):
+        require_ports(plant)
+        interface_of(plant)
+        try_equations(plant)
+
+
+def try_equations(plant: Plant) -> None:
+    """Ask the equations of a plant once, at the start, and raise PlantError if they do not fit.
+
+    Parameters
+    ----------
+    plant : Plant
+        Whose ports are sound. Equations that step are not asked: they may not be asked twice.
+    """
+    if plant.dynamics is not None or plant.step is not None:
+        return
+    numbers = [
+        each.value if isinstance(each, Parameter) else float(each)
+        for each in plant.parameters.values()
+    ]
+    drives = [min(max(0.0, port.low), port.high) for port in plant.inputs.values()]
+    states = _numbers(plant, "start", lambda: plant.start(np.random.default_rng(0)), plant.states)
+    for what, wanted in (("derivative", plant.states), ("measure", plant.outputs)):
+        equations = getattr(plant, what)
+        if equations is None:
+            continue
+        _numbers(plant, what, partial(equations, 0.0, list(states), drives, numbers), wanted)
+
+
+def _numbers(
+    plant: Plant, what: str, ask: Callable[[], Any], wanted: Mapping[str, object]
+) -> list[float]:
+    """Return what a method of a plant gives, one number for each that is wanted."""
+    try:
+        given = ask()
+    except PlantError:
+        raise
+    except Exception as error:
+        message, hint = _of_error(plant, what, error)
+        raise _fault(plant, what, message, hint, _user_frame(error)) from error
+    kind = {"derivative": "rate for each state", "measure": "value for each output"}
+    each = f"one {kind.get(what, 'number for each state')}: {', '.join(wanted)}"
+    if given is None:
+        raise _fault(plant, what, f"{what} returns nothing", hint=f"return a list, {each}")
+    try:
+        values = list(given)
+    except TypeError:
+        raise _fault(
+            plant,
+            what,
+            f"{what} returns {_words(given)}, not a list",
+            hint=f"return a list, {each}",
+        ) from None
+    if len(values) != len(wanted):
+        counts = f"{len(values)} number{'' if len(values) == 1 else 's'} for {len(wanted)}"
+        nouns = "outputs" if what == "measure" else "states"
+        raise _fault(plant, what, f"{what} returns {counts} {nouns}", hint=f"return {each}")
+    for name, value in zip(wanted, values, strict=True):
+        if not _is_number(value):
+            raise _fault(plant, what, f"{what} returns {_words(value)} for '{name}', not a number")
+        if not math.isfinite(value):
+            hint = "it divides by zero, or takes a root of what is negative"
+            at_first = "at the start, with all inputs at 0 or their nearest limit"
+            message = f"{what} returns {value} for '{name}' {at_first}"
+            raise _fault(plant, what, message, hint=hint if math.isnan(value) else "")
+    return [float(value) for value in values]
+
+
+def _of_error(plant: Plant, what: str, error: Exception) -> tuple[str, str]:
+    """Return what is said of an error in a method of a plant, and what to do."""
+    message = f"{type(error).__name__}: {error}"
+    names = {
+        "x": list(plant.states), "u": list(plant.inputs), "p": list(plant.parameters),
+    }  # fmt: skip
+    if isinstance(error, TypeError) and "list indices must be integers" in str(error):
+        order = "; ".join(f"{k}[0] is {v[0]}" for k, v in names.items() if v)
+        return message, f"x, u and p are lists in the order of their names: {order}"
+    if isinstance(error, IndexError):
+        counts = ", ".join(f"{len(v)} in {k}" for k, v in names.items())
+        return message, f"there are {counts}"
+    if isinstance(error, TypeError) and what in ARGUMENTS and "argument" in str(error):
+        return message, f"write  def {what}(self, {ARGUMENTS[what]}):"
+    return message, ""
+
+
+def _user_frame(error: Exception) -> str:
+    """Return `FILE:LINE: ` of the last line of somebody else that an error went through."""
+    own = str(Path(__file__).parents[1])
+    frames = traceback.extract_tb(error.__traceback__)
+    places = [f"{f.filename}:{f.lineno}: " for f in frames if not f.filename.startswith(own)]
+    return places[-1] if places else ""
+
+
+def _fault(plant: Plant, what: str, message: str, hint: str = "", place: str = "") -> PlantError:
+    name = plant.name or type(plant).__name__
+    place = place or place_of(plant, what)
+    return PlantError(f"{place}plant {name}: {message}", name=what, hint=hint)
+
+
+def place_of(plant: Plant, what: str) -> str:
+    """Return ``FILE:LINE: `` of an attribute of a plant in its text; empty where it has none."""
+    classes = [each for each in type(plant).__mro__ if not each.__module__.startswith("fuzzyarm.")]
+    kind = next((each for each in classes if what in vars(each)), type(plant))
+    try:
+        method = inspect.unwrap(vars(kind)[what])
+        code = method.__code__
+        return f"{code.co_filename}:{code.co_firstlineno}: "
+    except (AttributeError, KeyError):
+        pass
+    linecache.checkcache()  # another file may have had its name
+    try:
+        lines, first = inspect.getsourcelines(kind)
+        path = inspect.getsourcefile(kind) or ""
+    except (OSError, TypeError):
+        return ""
+    for number, line in enumerate(lines, first):
+        if line.split("=")[0].split(":")[0].strip() == what:
+            return f"{path}:{number}: "
+    return f"{path}:{first}: "
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float | np.number) and not isinstance(value, bool)
+
+
+def _words(value: object) -> str:
+    """Return a value as it is said: its text if that is short, else its kind."""
+    text = repr(value)
+    return text if len(text) <= 40 else f"a {type(value).__name__}"
+
+
+def lacks(found: Mapping[str, object]) -> Sequence[str]:
+    """Return why the classes of a file are not plants, a sentence each.
+
+    Parameters
+    ----------
+    found : mapping of str to object
+        The classes that the file defines.
+    """
+    said = []
+    for name, kind in found.items():
+        has = {what for what in (*EXAMPLES, *ARGUMENTS, "dynamics") if hasattr(kind, what)}
+        if not has & {"inputs", "outputs", "states", "derivative", "step"}:
+            continue
+        if "outputs" not in has or not getattr(kind, "outputs", None):
+            said.append(f"class {name} has no outputs")
+        elif not {"derivative", "step"} & {w for w in has if getattr(kind, w) is not None}:
+            near = [word for word in vars(kind) if word[:3] == "der"]
+            other = f", but {near[0]}" if near else ""
+            said.append(f"class {name} has no derivative(self, t, x, u, p){other}")
+    return said

@@ -1,0 +1,261 @@
+"""A point, arrays, machine code and C have the same bits: at random, at corners and beside them."""
+
+from __future__ import annotations
+
+import math
+import os
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+from budget import cases
+
+import fuzzyarm
+from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.export import ExportError, routines_of
+from fuzzyarm.inference import compiled, engine, infer, prepare
+from fuzzyarm.inference.arrays import firing_strengths, infer_arrays
+from fuzzyarm.language import parse
+from fuzzyarm.model.rulebase import KARNIK_MENDEL, RuleBase
+from fuzzyarm.model.shapes import corner_points
+from tests.export.c_programs import run_c
+
+SHIPPED = ("pd7", "pd7-study", "alpha7", "alpha7-study", "fine7", "slide7", "balance", "fan",
+           "roompi", "thermostat", "tipper", "tipper2")  # fmt: skip
+CORPUS = Path(
+    os.environ.get("FUZZYARM_CORPUS", Path(__file__).parents[2].parent / "shared" / "corpus")
+)
+FOREIGN = sorted(CORPUS.glob("files/*")) if CORPUS.is_dir() else []
+
+Columns = dict[str, np.ndarray]
+
+
+def silent(rulebase: RuleBase) -> RuleBase:
+    """Return a rule base that is NaN where no rule fires."""
+    outputs = tuple(replace(each, no_rule=math.nan) for each in rulebase.outputs)
+    return replace(rulebase, outputs=outputs)
+
+
+def points(rulebase: RuleBase, count: int, seed: int = 0) -> Columns:
+    """Return points: three of five at random, the others at corners, beside and between them."""
+    rng = np.random.default_rng(seed)
+    found = {}
+    for variable in rulebase.inputs:
+        corners = {x for term in variable.terms for x in corner_points(term.shape)} or {0.0}
+        low = variable.low if math.isfinite(variable.low) else min(corners) - 1.0
+        high = variable.high if math.isfinite(variable.high) else max(corners) + 1.0
+        edges = sorted({low, high, *(x for x in corners if low <= x <= high)})
+        near = [math.nextafter(x, way) for x in edges for way in (-math.inf, math.inf)]
+        special = [*edges, *near, *(0.5 * (a + b) for a, b in pairwise(edges))]
+        even = rng.uniform(low, high, count)
+        found[variable.name] = np.where(rng.random(count) < 0.6, even, rng.choice(special, count))
+    return found
+
+
+def same(found: np.ndarray, wanted: np.ndarray, what: str) -> None:
+    np.testing.assert_array_equal(found, wanted, err_msg=what)
+
+
+def demand_same_bits(rulebase: RuleBase, columns: Columns, one_by_one: int) -> None:
+    """Compare the engines over all points, and single points with the first of them."""
+    wanted = infer_arrays(rulebase, columns)
+    fast = compiled(rulebase)
+    if not fast.reason:
+        for name, values in fast(columns).items():
+            same(values, wanted[name], f"machine code of {name}")
+    for i in range(one_by_one):
+        row = {name: float(column[i]) for name, column in columns.items()}
+        for name, value in prepare(rulebase).evaluate(row).items():
+            same(np.array(value), wanted[name][i], f"{name} at {row}")
+        if not fast.reason:
+            ordinary = fast.ordinary(row)
+            for name, value in (ordinary or {}).items():
+                same(np.array(value), wanted[name][i], f"machine code of {name} at {row}")
+
+
+def demand_same_bits_in_c(rulebase: RuleBase, columns: Columns, folder: Path) -> int:
+    """Compare C in double precision, where there is one that goes the same way."""
+    compared = 0
+    wanted = infer_arrays(rulebase, columns)
+    for output in rulebase.outputs:
+        try:
+            (routine,) = routines_of(rulebase, output=output.name, precision="float64")
+        except ExportError:
+            continue
+        (found,) = run_c([routine], [list(columns.values())], folder)
+        same(found, wanted[output.name], f"C of {output.name}")
+        same(routine.evaluate(*columns.values()), found, f"the model of C of {output.name}")
+        compared += 1
+    return compared
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_engines_agree_on_shipped_rule_bases(name: str) -> None:
+    rulebase = silent(fuzzyarm.load(fuzzyarm.shipped(f"{name}.frb")))
+    demand_same_bits(rulebase, points(rulebase, cases(4_000, 100_000)), 300)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", SHIPPED[:-1])
+def test_c_agrees_on_shipped_rule_bases(name: str, tmp_path: Path) -> None:
+    rulebase = silent(fuzzyarm.load(fuzzyarm.shipped(f"{name}.frb")))
+    columns = points(rulebase, cases(5_000, 100_000), 1)
+    assert demand_same_bits_in_c(rulebase, columns, tmp_path) == len(rulebase.outputs)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not FOREIGN, reason="the corpus is not at hand")
+def test_engines_agree_on_rule_files_of_others() -> None:
+    compared = 0
+    for path in FOREIGN:
+        try:
+            rulebase = silent(fuzzyarm.load(path))
+            columns = points(rulebase, cases(1_000, 100_000))
+            infer_arrays(rulebase, columns)
+        except FuzzyarmError:  # what is not read here, or has a formula without a value
+            continue
+        demand_same_bits(rulebase, columns, 25)
+        compared += 1
+    assert compared > 120
+
+
+# ── where a rounding decides ─────────────────────────────────────────────────────────
+
+DECIDING = """
+rulebase decides
+input x 0 .. 98
+input y 0 .. 98
+output u 0 .. 100
+term x low:  triangle 0 49 98
+term x edge: rectangle 10 49
+term x odd:  points (0, 0.3) (49, 1) (98, 0.1)
+term y low:  triangle 0 49 98
+term y high: trapezoid 30 79 98 98
+terms u: triangles A B C
+inference and {norm}, or {either}, implication {cut}, threshold {threshold}
+inference u: aggregation {union}, defuzzifier {way}, no-rule 0
+rule if x is low and y is low then u is A
+rule if x is edge and y is high then u is B
+rule if x is odd or y is not low then u is C
+rule if x is not odd then u is A with 0.7
+rule if not (x is low and y is high) then u is B
+"""
+
+NORMS = [("min", "max"), ("product", "probor"), ("bounded", "bounded"), ("drastic", "drastic"),
+         ("hamacher", "hamacher"), ("einstein", "einstein"),
+         ("nilpotent", "nilpotent")]  # fmt: skip
+WAYS = [("centroid exact", "max"), ("centroid exact", "sum"), ("centroid(41)", "max"),
+        ("centroid(41, trapezoid)", "probor"), ("mean-of-maximum exact", "max"),
+        ("smallest-of-maximum exact", "max"), ("largest-of-maximum(33)", "max"),
+        ("bisector(50, midpoints)", "max"), ("centroid(21, joined)", "max"),
+        ("bisector(21, joined)", "sum"), ("weighted-average", "sum"),
+        ("bisector exact", "max")]  # fmt: skip
+
+
+@pytest.mark.parametrize(("norm", "either"), NORMS, ids=str)
+@pytest.mark.parametrize("cut", ["min", "product"])
+def test_norms_thresholds_and_edges_decide_alike(norm: str, either: str, cut: str) -> None:
+    for k, (way, union) in enumerate(WAYS):
+        threshold = (0, 0.25, 1 / 3)[k % 3]
+        text = DECIDING.format(norm=norm, either=either, cut=cut, threshold=threshold, way=way,
+                               union=union)  # fmt: skip
+        rulebase = parse(text).rulebase
+        assert rulebase is not None
+        demand_same_bits(rulebase, points(rulebase, 40 if "exact" in way else 120, k), 12)
+
+
+def test_a_peak_that_a_slope_misses_counts_in_full() -> None:
+    """Under drastic a degree of 1 − 2⁻⁵³ would not fire."""
+    text = DECIDING.format(norm="drastic", either="max", cut="min", threshold=0,
+                           way="centroid exact", union="max")  # fmt: skip
+    rulebase = parse(text.replace("rule if not", "# ").replace("rule if x is not", "# ")).rulebase
+    assert rulebase is not None
+    at = {"x": 49.0, "y": 49.0}
+    (strength, *_), _ = firing_strengths(rulebase, at)
+    assert strength == 1.0
+    demand_same_bits(rulebase, {name: np.array([x]) for name, x in at.items()}, 1)
+
+
+FEWER = """
+rulebase fewer
+input x 0 .. 1
+input y 0 .. 1
+input z 0 .. 1
+output u 0 .. 1
+term x A: points (0, 0.05) (1, 0.95)
+term y A: triangle 0 1 1
+term z A: triangle 0 1 1
+terms u: triangles P Q
+inference and {norm}, or {either}, no-rule 0
+rule if x is A and y is A then u is P
+rule if x is A and y is A and z is A then u is Q
+rule if x is A or y is A then u is Q
+rule if z is A then u is P
+"""
+
+
+@pytest.mark.parametrize(("norm", "either"), NORMS, ids=str)
+def test_a_rule_of_fewer_operands_is_not_rounded_more(norm: str, either: str) -> None:
+    rulebase = parse(FEWER.format(norm=norm, either=either)).rulebase
+    assert rulebase is not None
+    demand_same_bits(rulebase, points(rulebase, 500), 100)
+
+
+# ── the same bits on every call ──────────────────────────────────────────────────────
+
+CURVED = """
+rulebase curved
+input x 0 .. 10
+output u 0 .. 10
+term x A: gaussian 2 1.7
+term x B: bell 7 1.3 2.5
+term u P: gaussian 3 1
+term u Q: sigmoid 7 3
+inference u: defuzzifier {way}, aggregation {union}, no-rule 0
+rule if x is somewhat A then u is P
+rule if x is power(0.3) B then u is Q
+"""
+
+
+def without_and_with(
+    rulebase: RuleBase, columns: Columns, monkeypatch: pytest.MonkeyPatch
+) -> list[np.ndarray]:
+    """Return what `infer` says of arrays where there is no machine code, and where there is."""
+    found = []
+    for there in (False, True):
+        monkeypatch.setattr(engine, "has_machine_code", lambda there=there: there)
+        found.append(infer(rulebase, columns)["u"])
+    return found
+
+
+@pytest.mark.parametrize("way", ["centroid exact", "bisector exact", "centroid(31)"])
+@pytest.mark.parametrize("union", ["max", "probor"])
+def test_infer_does_not_show_which_engine_it_takes(
+    way: str, union: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rulebase = parse(CURVED.format(way=way, union=union)).rulebase
+    assert rulebase is not None
+    columns = points(rulebase, 60)
+    same(*without_and_with(rulebase, columns, monkeypatch), "with machine code")
+    demand_same_bits(rulebase, columns, 4)
+
+
+def test_ends_of_curved_interval_sets_differ_by_roundings_alone(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    text = CURVED.format(way="karnik-mendel exact", union="max")
+    rulebase = parse(text.replace("gaussian 3 1", "gaussian 3 1 over gaussian 3 0.5")).rulebase
+    assert rulebase is not None
+    assert rulebase.outputs[0].defuzzifier.method in KARNIK_MENDEL
+    found = without_and_with(rulebase, points(rulebase, 5), monkeypatch)
+    np.testing.assert_allclose(*found, rtol=0.0, atol=1e-13)
+
+
+def test_sums_go_from_left_to_right() -> None:
+    """The `sum` of Python 3.12 and later keeps what is lost here."""
+    from fuzzyarm.inference.aggregate import added_up
+
+    assert added_up([1.0, 1e-16, 1e-16, 1e-16]) == 1.0
+    assert added_up([]) == 0.0

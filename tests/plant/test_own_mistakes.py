@@ -1,0 +1,168 @@
+"""What is wrong in a plant of one's own is one sentence with its line, before it runs."""
+
+import pytest
+
+from fuzzyarm.cli.main import main
+from fuzzyarm.loop import simulate
+from fuzzyarm.plant import Plant, PlantError, Port, find_plant
+from fuzzyarm.shipped_files import shipped
+
+KILN = """\
+from fuzzyarm.plant import Plant, Port
+
+class Kiln(Plant):
+    inputs = {"power": Port("%", 0, 100)}
+    outputs = {"temperature": Port("°C")}
+    states = {"charge": "°C", "element": "°C"}
+    parameters = {"loss": 0.01}
+    duration = 10.0
+
+    def start(self, rng):
+        return [20.0, 20.0]
+
+    def derivative(self, t, x, u, p):
+        return [x[1] - x[0], 0.2 * u[0] - p[0] * x[1]]
+"""
+
+MISTAKES = {
+    # what is changed, what it becomes: the line, what is said, what to do
+    ('Port("%", 0, 100)', '"%"'): (4, "input 'power' is '%', not a Port", 'Port("%", 0, 100)'),
+    ('Port("%", 0, 100)', "(0, 100)"): (4, "input 'power' is (0, 100), not a Port", 'Port("1", 0'),
+    ('Port("°C")', '"°C"'): (5, "output 'temperature' is '°C', not a Port", 'Port("°C")'),
+    ('{"power": Port("%", 0, 100)}', '["power"]'): (4, "inputs are not names", 'inputs = {"power"'),
+    ('{"power": Port("%", 0, 100)}', "{}"): (4, "it has no inputs", 'inputs = {"power"'),
+    ('{"charge": "°C", "element": "°C"}', '["charge", "element"]'): (6, "states are", "states ="),
+    ('"element": "°C"', '"element": 20.0'): (6, "'element' has 20.0 for a unit", '"element": "m"'),
+    ("0.01}", '"0.01"}'): (7, "parameter 'loss' is '0.01', not a number", '"loss": 0.01'),
+    ("duration = 10.0", "duration = -1"): (8, "duration is -1", "positive"),
+    ("duration = 10.0", "longest_step = 0"): (8, "longest_step is 0", "positive"),
+    ("[20.0, 20.0]", "[20.0]"): (10, "start returns 1 number for 2 states", "charge, element"),
+    ("return [x[1] - x[0], 0.2", "return [0.2"): (13, "returns 1 number for 2", "charge"),
+    ("p[0] * x[1]]", "p[0] * x[1], 0.0]"): (13, "derivative returns 3 numbers for 2", "charge"),
+    ("        return [x[1]", "        rates = [x[1]"): (13, "returns nothing", "return a"),
+    ("return [x[1] - x[0], 0.2 * u[0] - p[0] * x[1]]", "return 3.0"): (13, "returns 3.0", "list"),
+    ("0.2 * u[0]", '"hot" + u[0]'): (14, "TypeError", ""),
+    ("x[1] - x[0],", "None,"): (13, "returns None for 'charge', not a number", ""),
+    ("x[1] - x[0],", "float('nan'),"): (13, "returns nan for 'charge' at the start", "divides by"),
+    ("x[1] - x[0],", "float('inf'),"): (13, "returns inf for 'charge' at the start", ""),
+    ("x[1] - x[0],", "x[0] / (x[1] - x[0]),"): (14, "ZeroDivisionError", ""),
+    ("x[1] - x[0],", "x[2] - x[0],"): (14, "IndexError", "2 in x, 1 in u, 1 in p"),
+    ("p[0] *", 'p["loss"] *'): (14, "list indices must be integers", "p[0] is loss"),
+    ("x[1] - x[0],", 'x["element"],'): (14, "list indices must be", "x[0] is charge"),
+    ("derivative(self, t, x, u, p)", "derivative(self, x, u)"): (13, "TypeError", "t, x, u, p"),
+    ("def derivative", "def derivitive"): (13, "no derivative, but 'derivitive'", "rate of each"),
+    ("0.2 * u[0] - p[0] * x[1]]", "0.2 * u[0] - q]"): (14, "NameError", ""),
+    ('outputs = {"temperature": Port("°C")}', 'outputs = {f"t{i}": Port() for i in range(3)}'): (
+        None, "3 outputs and 2 states", "measure(self, t, x, u, p)",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("change", MISTAKES, ids=lambda change: " -> ".join(change)[:60])
+def test_a_mistake_is_one_sentence_with_its_line(change, tmp_path, monkeypatch, capsys):
+    line, said, hint = MISTAKES[change]
+    monkeypatch.chdir(tmp_path)
+    text = KILN.replace(*change, 1)
+    assert text != KILN
+    (tmp_path / "mine.py").write_text(text, encoding="utf-8")
+    words = [str(shipped("heater.frb")), "--plant", "mine.py:Kiln", "--step", "50"]
+    assert main(["simulate", *words]) == 1
+    err = capsys.readouterr().err
+    assert err.count("\n") == 1, err
+    assert said in err
+    assert hint in err
+    if line is not None:
+        assert err.startswith(f"fuzzyarm: mine.py:{line}: plant kiln: "), err
+
+
+def test_the_kiln_itself_runs(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    kiln = KILN.replace("duration = 10.0", "longest_step = 0.5")
+    (tmp_path / "mine.py").write_text(kiln, encoding="utf-8")
+    for plant in ("mine.py", "mine.py:Kiln"):
+        words = [str(shipped("heater.frb")), "--plant", plant, "--step", "50", "--for", "60s"]
+        assert main(["simulate", *words]) == 0
+    assert "kiln" in capsys.readouterr().out
+
+
+def test_a_plant_faster_than_a_period_is_told_of_the_longest_step(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mine.py").write_text(KILN, encoding="utf-8")
+    words = [str(shipped("heater.frb")), "--plant", "mine.py", "--step", "50", "--for", "60s"]
+    assert main(["simulate", *words]) == 3
+    assert "steps of a control period, 10 s" in capsys.readouterr().err
+
+
+def measured(body):
+    return KILN + f"\n    def measure(self, t, x, u, p):\n        {body}\n"
+
+
+FILES = {
+    "class Kiln(Plant:\n": ("mine.py:1: ", ""),
+    "import nothing_of_that_name\n": ("mine.py:1: ModuleNotFoundError", ""),
+    "x = 1\n": ("mine.py has no plants", ""),
+    KILN.replace("class Kiln(Plant)", "class Oven(Plant)"): ("no plant 'Kiln'", "its plants: Oven"),
+    KILN.replace("class Kiln(Plant)", "class Klin(Plant)"): ("no plant 'Kiln'", "mean 'Klin'?"),
+    KILN.replace("(Plant)", "").replace("    outputs", "    output"): (
+        "no plant 'Kiln'", "class Kiln has no outputs",
+    ),
+    KILN.replace("(Plant)", "").replace("def derivative", "def derivs"): (
+        "no plant 'Kiln'", "class Kiln has no derivative(self, t, x, u, p), but derivs",
+    ),
+    KILN.replace("duration = 10.0", "def __init__(self, size): pass"): (
+        "missing 1 required positional argument", "",
+    ),
+    measured("return [x[0], x[1]]"): ("measure returns 2 numbers for 1 outputs", "temperature"),
+    measured("pass"): ("measure returns nothing", "one value for each output: temperature"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("text", FILES)
+def test_a_mistake_in_the_file_is_one_sentence(text, tmp_path, monkeypatch, capsys):
+    said, hint = FILES[text]
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mine.py").write_text(text, encoding="utf-8")
+    plant = "mine.py" if text == "x = 1\n" else "mine.py:Kiln"
+    assert main(["check", str(shipped("heater.frb")), "--plant", plant]) == 1
+    err = capsys.readouterr().err
+    assert err.count("\n") == 1, err
+    assert said in err
+    assert hint in err
+
+
+def test_a_plant_in_python_says_the_same():
+    class Kiln(Plant):
+        name = "kiln"
+        inputs = {"power": Port("%", 0, 100)}
+        outputs = {"temperature": Port("°C")}
+        states = {"charge": "°C", "element": "°C"}
+
+        def derivative(self, t, x, u, p):
+            return [u[0]]
+
+    with pytest.raises(PlantError, match=r"py:\d+: plant kiln: derivative returns 1 number for 2"):
+        simulate(shipped("heater.frb"), Kiln(), duration=10.0)
+
+
+def test_a_plant_that_steps_is_not_asked_twice(tmp_path):
+    (tmp_path / "steps.py").write_text(
+        "from fuzzyarm.plant import Plant, Port\n"
+        "class Counter(Plant):\n"
+        "    inputs = {'power': Port()}\n"
+        "    outputs = {'temperature': Port()}\n"
+        "    states = {'T': '1'}\n"
+        "    count = 0\n"
+        "    def step(self, t, x, u, p, dt):\n"
+        "        Counter.count += 1\n"
+        "        return x\n"
+    )
+    plant = find_plant(str(tmp_path / "steps.py"))
+    assert type(plant).count == 0
+
+
+def test_an_unknown_parameter_has_a_near_one(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mine.py").write_text(KILN, encoding="utf-8")
+    words = [str(shipped("heater.frb")), "--plant", "mine.py", "--set", "plant.los=1"]
+    assert main(["simulate", *words]) == 1
+    assert "kiln has no parameter 'los' (did you mean 'loss'?)" in capsys.readouterr().err
