@@ -312,7 +312,7 @@ def read_script(
 
 
 _HINTS = {
-    "EOFError": "input() is not answered: write the value into the script",
+    "EOFError": "input() is answered with 1: write the value into the script",
     "ModuleNotFoundError": "--python names an interpreter that has it",
     "SystemExit": "a script that needs arguments gets none: --call NAME calls a function of it",
 }
@@ -345,9 +345,7 @@ def _about_script(
         what = f"'{raised['called']}'" if raised.get("called") else "the script"
         detail = f": {raised['message']}" if raised["message"] else ""
         message = f"{what} ends with {raised['kind']}{detail}{so_far}"
-        findings.loss(
-            "failed-script", message, at, _HINTS.get(raised["kind"], ""), slight=taken
-        )
+        findings.loss("failed-script", message, at, _HINTS.get(raised["kind"], ""), slight=taken)
     if left_out := data.get("left_out"):
         message = (
             f"{', '.join(left_out)} had not computed anything before that and may lack rules; "

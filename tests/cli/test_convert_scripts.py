@@ -103,9 +103,16 @@ def test_every_system_becomes_a_file(folder: Path, capsys: pytest.CaptureFixture
             "write the value into the script",
         ),
         ("import no_such_module\n", "no fuzzy system found", "took the place of no_such_module"),
-        ("import skfuzzy.nothing\n", "ModuleNotFoundError: No module named 'skfuzzy.nothing'", "1 |"),
-        ("import argparse\np = argparse.ArgumentParser()\np.add_argument('a')\np.parse_args()\n",
-         "the script ends with SystemExit: 2", "--call NAME"),
+        (
+            "import skfuzzy.nothing\n",
+            "ModuleNotFoundError: No module named 'skfuzzy.nothing'",
+            "1 |",
+        ),
+        (
+            "import argparse\np = argparse.ArgumentParser()\np.add_argument('a')\np.parse_args()\n",
+            "the script ends with SystemExit: 2",
+            "--call NAME",
+        ),
         ("while True:\n    pass\n", "the script has not ended within 1 s", "--seconds"),
         ("print('nothing')\n", "no fuzzy system found", "a ControlSystem of scikit-fuzzy"),
         ("import os\nos._exit(7)\n", "its process ended with status 7", ""),
@@ -285,7 +292,11 @@ def test_functions_and_classes_are_named_and_called(
 
 @pytest.mark.parametrize(
     ("call", "said"),
-    [("none", "'none' ends with NameError: the script has no 'none'"), ("make('x')", "TypeError")],
+    [
+        ("none", "'none' ends with NameError: the script has no 'none'"),
+        ("make()", "'make()' ends with TypeError: make() missing 1 required positional argument"),
+        ("make('x')", "make: error[unreadable-object]: the object cannot be read"),
+    ],
 )
 def test_a_call_that_fails(
     call: str, said: str, folder: Path, capsys: pytest.CaptureFixture[str]
@@ -320,7 +331,7 @@ figure, (left, right) = nobody.subplots(1, 2)
 while ok and nobody.is_open():
     pass
 try:
-    value = float(nobody.number) + len(nobody) + sum(nobody.rows()) + nobody.x[3] * 2
+    value = float(nobody.number) + len(nobody) + nobody[1] + sum(nobody.rows()) + nobody.x[3] * 2
 except ThingError as error:
     value = 0
 for each in Thing().events.get():

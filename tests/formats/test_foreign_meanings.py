@@ -426,6 +426,7 @@ def test_what_the_reader_of_scikit_fuzzy_does_not_take(old: str, new: str, name:
 
 # ── formulas that are sets, corners out of order, FML ────────────────────────────────
 
+
 def test_formulas_are_the_sets_that_they_draw() -> None:
     imported = read(DATA / "drawn.fll")
     steer = good(imported).outputs[0]

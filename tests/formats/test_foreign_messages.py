@@ -54,8 +54,10 @@ def test_rules_that_are_glued_to_the_comment_of_their_block() -> None:
 
 
 def test_a_comment_of_a_block_without_a_rule_stays_one() -> None:
-    text = (DATA / "glued_jfuzzylite.fis").read_text().replace(
-        "# RuleBlock 11.000 0.000", "# RuleBlock 1\n1.000 0.000"
+    text = (
+        (DATA / "glued_jfuzzylite.fis")
+        .read_text()
+        .replace("# RuleBlock 11.000 0.000", "# RuleBlock 1\n1.000 0.000")
     )
     assert len(good(parse_fis(text)).rules) == 4
     odd = text.replace("# RuleBlock 1\n", "# RuleBlock 17: a comment, with signs\n")
@@ -95,9 +97,7 @@ def test_a_condition_without_a_variable_says_so() -> None:
     assert "'max' alone is not a conclusion" in of_name(other, "lone-word")[0]
 
 
-@pytest.mark.parametrize(
-    "end", ["END_VAR", "END_FUZZIFY", "END_DEFUZZIFY", "END_RULEBLOCK"]
-)
+@pytest.mark.parametrize("end", ["END_VAR", "END_FUZZIFY", "END_DEFUZZIFY", "END_RULEBLOCK"])
 def test_a_missing_end_is_said_and_read_over(end: str) -> None:
     """jFuzzyLogic says so too, and goes on."""
     imported = parse_fcl(PUMP.replace(end, "", 1))
@@ -138,7 +138,9 @@ def test_an_unknown_name_is_said_once_with_those_there_are() -> None:
     fll = "Engine: e\nInputVariable: warmth\nrange: 0 1\nterm: cold Ramp 1 0\nterm: hot Ramp 0 1\n"
     fll += "OutputVariable: y\nrange: 0 1\naggregation: Maximum\ndefuzzifier: Centroid\n"
     fll += "term: on Ramp 0 1\nRuleBlock:\nimplication: Minimum\n"
-    fll += "rule: if warmht is hot then y is on\n" * 40 + "rule: if warmth is icy then y is on\n" * 3
+    fll += (
+        "rule: if warmht is hot then y is on\n" * 40 + "rule: if warmth is icy then y is on\n" * 3
+    )
     first, second = parse_fll(fll).errors
     assert first.message == "the variable 'warmht' is not known (here and 39 more times)"
     assert first.hint == "did you mean 'warmth'?; known: warmth, y"

@@ -492,6 +492,7 @@ def main() -> None:
     answers = standing.prepare(str(script.parent))
     sys.meta_path.insert(0, _Finder())
     told = _told_by_text(script)
+
     def finish(ended_by: dict[str, Any] | None, *, endless: bool) -> None:
         os.chdir(script.parent)
         data = {

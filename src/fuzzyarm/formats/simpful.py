@@ -373,5 +373,3 @@ def _polygon(each: Any) -> Shape:
     if last != points[-1][1]:
         points.append((math.nextafter(points[-1][0], math.inf), last))
     return Shape("points", tuple(value for point in points for value in point))
-
-

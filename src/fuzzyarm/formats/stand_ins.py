@@ -17,7 +17,7 @@ import sys
 import time
 from collections.abc import Iterator, Sequence
 from types import FunctionType, ModuleType
-from typing import Any
+from typing import Any, Self
 
 ANSWER = "1"
 """What ``input()`` gives."""
@@ -39,11 +39,10 @@ REPLACED = frozenset(
 """Modules that show windows, serve or talk to devices: replaced wherever they are installed."""
 
 
-class StandIn:
-    """Swallows everything that is done with it."""
+class _Swallows:
+    """Has everything that it is asked for, and swallows everything that is done with it."""
 
-    def __init__(self, name: str) -> None:
-        object.__setattr__(self, "_stand_in", name)
+    _stand_in: str  # what it stands for, as the script would write it
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("__") and name.endswith("__"):
@@ -63,7 +62,7 @@ class StandIn:
     def __iter__(self) -> Iterator[Any]:
         return iter([StandIn(f"{self._stand_in}[{i}]") for i in range(_unpacked())])
 
-    def __enter__(self) -> StandIn:
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -115,17 +114,24 @@ class StandIn:
 
     __le__ = __gt__ = __ge__ = __lt__
 
-    def __add__(self, _: object) -> StandIn:
+    def __add__(self, _: object) -> Self:
         return self
 
     __radd__ = __sub__ = __rsub__ = __mul__ = __rmul__ = __truediv__ = __rtruediv__ = __add__
     __floordiv__ = __rfloordiv__ = __mod__ = __rmod__ = __pow__ = __rpow__ = __add__
     __and__ = __rand__ = __or__ = __ror__ = __xor__ = __rshift__ = __lshift__ = __add__
 
-    def __neg__(self) -> StandIn:
+    def __neg__(self) -> Self:
         return self
 
     __pos__ = __abs__ = __invert__ = __neg__
+
+
+class StandIn(_Swallows):
+    """What a module that nobody has would give."""
+
+    def __init__(self, name: str) -> None:
+        object.__setattr__(self, "_stand_in", name)
 
 
 class Swallower:
@@ -143,19 +149,17 @@ class Swallower:
         return _attribute(f"{type(self).__name__}.{name}", name)
 
 
-class _Module(ModuleType):
-    """A module that has everything that it is asked for."""
+class _Module(_Swallows, ModuleType):
+    """A module that nobody has."""
 
     __path__: list[str] = []
 
+    def __init__(self, name: str) -> None:
+        super().__init__(name)
+        self._stand_in = name
+
     def __getattr__(self, name: str) -> Any:
-        if name == "__all__":
-            return _undefined
-        if name.startswith("__") and name.endswith("__"):
-            raise AttributeError(name)
-        value = _attribute(f"{self.__name__}.{name}", name)
-        setattr(self, name, value)
-        return value
+        return _undefined if name == "__all__" else super().__getattr__(name)
 
 
 def _attribute(full: str, name: str) -> Any:
@@ -241,9 +245,9 @@ class Answers:
         self.count = 0
 
     def __call__(self, _prompt: object = "") -> str:
-        self.count += 1
-        if self.count > MOST_ANSWERS:
+        if self.count == MOST_ANSWERS:
             raise EOFError("input() was answered often enough")
+        self.count += 1
         return ANSWER
 
 

@@ -1,4 +1,4 @@
-from simpful import FuzzyRuleGenerator, FuzzySet, FuzzySystem, LinguisticVariable
+from simpful import FuzzySet, FuzzySystem, LinguisticVariable
 
 FS = FuzzySystem(show_banner=False)
 low = FuzzySet(points=[[0, 1], [5, 0]], term="low")
