@@ -1,7 +1,7 @@
 """Meanings that a file does not show: what a program does with it, measured with that program.
 
-The numbers are those of fuzzylite 7.0.0 (C++), pyfuzzylite 8.0.6, jFuzzyLogic and JFML 1.3 for these
-files, or arithmetic that is written out here.
+The numbers are those of fuzzylite 7.0.0 (C++), pyfuzzylite 8.0.6, jFuzzyLogic and JFML 1.3 for
+these files, or arithmetic that is written out here.
 """
 
 from __future__ import annotations
@@ -355,8 +355,8 @@ def test_a_step_makes_the_points_of_scikit_fuzzy() -> None:
     none = (np.arange(40) == 0).astype(float)
     some, full = skfuzzy.trapmf(dose, [0.5, 1, 2, 3]), skfuzzy.gaussmf(dose, 4, 0.6)
     at = skfuzzy.interp_membership
-    for w, h in ((3.25, 0.1), (9.9, 0.6), (14.2, 0.3), (25.0, 2.0), (0.0, 0.0)):
-        w, h = min(w, 19.5), min(h, 0.75)
+    for wind_at, wet_at in ((3.25, 0.1), (9.9, 0.6), (14.2, 0.3), (25.0, 2.0), (0.0, 0.0)):
+        w, h = min(wind_at, 19.5), min(wet_at, 0.75)
         c, s, y = at(wind, calm, w), at(wind, storm, w), at(wet, yes, h)
         f = at(wind, fresh**2, w)
         first, second = c * (1 - y), 0.8 * (f + y * c - f * y * c)
@@ -368,9 +368,9 @@ def test_a_step_makes_the_points_of_scikit_fuzzy() -> None:
         for cut, degrees in cuts:
             union = np.fmax(union, np.fmin(cut, np.interp(xs, dose, degrees)))
         expected = skfuzzy.defuzz(xs, union, "centroid")
-        found = infer(rulebase, wind=w, wet=h)["dose"]
+        found = infer(rulebase, wind=wind_at, wet=wet_at)["dose"]
         # `fresh` differs by 0.5 % from straight lines between its points
-        assert found == pytest.approx(expected, abs=2e-2), (w, h)
+        assert found == pytest.approx(expected, abs=2e-2), (wind_at, wet_at)
 
 
 def test_terms_of_coarse_points_are_straight_between_them() -> None:

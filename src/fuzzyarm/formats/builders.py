@@ -10,10 +10,10 @@ import ast
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
-SYSTEMS = frozenset(
-    """ControlSystem ControlSystemSimulation FuzzySystem Engine IT2Mamdani IT2TSK IT2FLS
-    T1Mamdani T1TSK""".split()
-)
+SYSTEMS = frozenset({
+    "ControlSystem", "ControlSystemSimulation", "FuzzySystem", "Engine",
+    "IT2Mamdani", "IT2TSK", "IT2FLS", "T1Mamdani", "T1TSK",
+})  # fmt: skip
 """Classes whose objects are systems."""
 
 BY_HAND = frozenset({"interp_membership", "defuzz", "fuzzy_or", "fuzzy_and", "centroid"})

@@ -136,13 +136,18 @@ def _no_windows(matplotlib: Any) -> None:
     matplotlib.use = lambda *_, **__: None
 
 
+def _old_names(numpy: Any) -> None:
+    """Give NumPy the names back that it has dropped."""
+    sys.modules["stand_ins"].old_names(numpy)
+
+
 def _no_files(figures: Any) -> None:
     """Let a figure be saved nowhere: what the script shows is dropped."""
     figures.Figure.savefig = lambda *_, **__: None
 
 
 _AFTER_IMPORT: dict[str, Callable[[ModuleType], None]] = {
-    "numpy": lambda module: sys.modules["stand_ins"].old_names(module),
+    "numpy": _old_names,
     "matplotlib": _no_windows,
     "matplotlib.figure": _no_files,
     "skfuzzy.control.controlsystem": _keep(ControlSystem="", ControlSystemSimulation=""),

@@ -225,8 +225,8 @@ def _terms(variable: Any, findings: Findings, *, points: bool) -> tuple[Term, ..
         _note_between(variable, [each for each in curved if each not in lines], findings)
     if lines and not points:
         message = (
-            f"{', '.join(lines)} of '{name}' would differ by more than {NEAR_LINES:.0%} between its "
-            f"{len(xs)} points, which scikit-fuzzy joins by straight lines; these are kept"
+            f"{', '.join(lines)} of '{name}' would differ by more than {NEAR_LINES:.0%} between "
+            f"its {len(xs)} points, which scikit-fuzzy joins by straight lines; these are kept"
         )
         findings.info("between-samples", message)
     return tuple(

@@ -16,8 +16,8 @@ import os
 import sys
 import time
 from collections.abc import Iterator, Sequence
-from types import FunctionType, ModuleType
-from typing import Any, Self
+from types import FrameType, FunctionType, ModuleType
+from typing import Any, ClassVar, Self
 
 ANSWER = "1"
 """What ``input()`` gives."""
@@ -28,14 +28,18 @@ MOST_ANSWERS = 100
 LIBRARIES = frozenset({"skfuzzy", "simpful", "pyit2fls", "fuzzylogic", "fuzzylite"})
 """Modules that nothing can stand in for: they make the systems."""
 
-REPLACED = frozenset(
-    """tkinter Tkinter turtle customtkinter ttkbootstrap PySimpleGUI easygui
-    PyQt4 PyQt5 PyQt6 PySide PySide2 PySide6 wx kivy pygame pyglet arcade ursina
-    flask flask_cors flask_restful fastapi uvicorn bottle cherrypy sanic aiohttp
-    streamlit dash gradio nicegui pywebio django socketio
-    serial smbus smbus2 spidev pigpio gpiozero RPi Adafruit_DHT board busio pyfirmata
-    paho telebot telegram discord pyttsx3 pyautogui keyboard pynput winsound""".split()
-)
+REPLACED = frozenset({
+    "tkinter", "Tkinter", "turtle", "customtkinter", "ttkbootstrap", "PySimpleGUI", "easygui",
+    "PyQt4", "PyQt5", "PyQt6", "PySide", "PySide2", "PySide6", "wx", "kivy", "pygame", "pyglet",
+    "arcade", "ursina",
+    "flask", "flask_cors", "flask_restful", "fastapi", "uvicorn", "bottle", "cherrypy", "sanic",
+    "aiohttp",
+    "streamlit", "dash", "gradio", "nicegui", "pywebio", "django", "socketio",
+    "serial", "smbus", "smbus2", "spidev", "pigpio", "gpiozero", "RPi", "Adafruit_DHT", "board",
+    "busio", "pyfirmata",
+    "paho", "telebot", "telegram", "discord", "pyttsx3", "pyautogui", "keyboard", "pynput",
+    "winsound",
+})  # fmt: skip
 """Modules that show windows, serve or talk to devices: replaced wherever they are installed."""
 
 
@@ -152,7 +156,7 @@ class Swallower:
 class _Module(_Swallows, ModuleType):
     """A module that nobody has."""
 
-    __path__: list[str] = []
+    __path__: ClassVar[list[str]] = []
 
     def __init__(self, name: str) -> None:
         super().__init__(name)
@@ -225,13 +229,13 @@ class Finder(importlib.abc.MetaPathFinder):
         return importlib.machinery.ModuleSpec(name, _Loader(), is_package=True)
 
     def _is_asked_by_script(self) -> bool:
-        frame = sys._getframe(2)
+        frame: FrameType | None = sys._getframe(2)
         while frame is not None:
             file = frame.f_code.co_filename
             if "importlib" not in file:
                 full = os.path.realpath(file)
                 return full.startswith(self.home) and "site-packages" not in full
-            frame = frame.f_back  # type: ignore[assignment]
+            frame = frame.f_back
         return False
 
 
@@ -245,6 +249,7 @@ class Answers:
         self.count = 0
 
     def __call__(self, _prompt: object = "") -> str:
+        """Return an answer, whatever the question."""
         if self.count == MOST_ANSWERS:
             raise EOFError("input() was answered often enough")
         self.count += 1
