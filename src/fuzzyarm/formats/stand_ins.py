@@ -17,7 +17,7 @@ import sys
 import time
 from collections.abc import Iterator, Sequence
 from types import FrameType, FunctionType, ModuleType
-from typing import Any, ClassVar, Self
+from typing import Any, Self
 
 ANSWER = "1"
 """What ``input()`` gives."""
@@ -156,10 +156,9 @@ class Swallower:
 class _Module(_Swallows, ModuleType):
     """A module that nobody has."""
 
-    __path__: ClassVar[list[str]] = []
-
     def __init__(self, name: str) -> None:
         super().__init__(name)
+        self.__path__ = []
         self._stand_in = name
 
     def __getattr__(self, name: str) -> Any:
