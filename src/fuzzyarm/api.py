@@ -72,8 +72,13 @@ class UnknownKindError(FuzzyarmError, ValueError):
     """
 
     def __init__(self, path: str) -> None:
+        from fuzzyarm.formats.not_texts import called
+
         known = ", ".join((*RULEBASE_SUFFIXES, *SUFFIXES))
-        super().__init__(f"{path}: cannot tell what kind of file this is", hint=f"known: {known}")
+        message, hint = f"{path}: cannot tell what kind of file this is", f"known: {known}"
+        if known_as := called(path):
+            message, hint = f"{path}: this is {known_as[0]}, not a text", known_as[1]
+        super().__init__(message, hint=hint)
         self.path = path
 
 

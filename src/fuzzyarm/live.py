@@ -55,8 +55,8 @@ def from_live(
     ----------
     found : object
         A ``ControlSystem`` or ``ControlSystemSimulation`` of scikit-fuzzy, an ``Engine`` of
-        pyfuzzylite, a ``FuzzySystem`` of simpful, a ``Rule`` of fuzzylogic, or an ``IT2Mamdani``
-        or ``IT2TSK`` of pyit2fls.
+        pyfuzzylite, a ``FuzzySystem`` of simpful, a ``Rule`` of fuzzylogic, or a system of
+        pyit2fls (``IT2Mamdani``, ``IT2TSK``, ``IT2FLS``, ``T1Mamdani``, ``T1TSK``).
     name : str, optional
         What the rule base is called; by default that of the library.
     points : bool
@@ -252,15 +252,17 @@ def read_script(
     *,
     seconds: float = 60.0,
     python: str | os.PathLike[str] | None = None,
+    call: str | None = None,
     points: bool = False,
     lossy: bool = False,
     strict: bool = False,
 ) -> tuple[tuple[System, ...], tuple[Diagnostic, ...]]:
     """Run a script in a process of its own and return the fuzzy systems that it makes.
 
-    The script is run as ``python SCRIPT`` does it, in its own folder, without a terminal,
-    windows or input; what it prints is dropped. It can do whatever its user may do: run only
-    what you trust.
+    The script is run as ``python SCRIPT`` does it, in its own folder, without a terminal, windows,
+    servers or devices: a stand-in that does nothing takes the place of their modules, and of those
+    that are not installed. ``input()`` is answered with 1, what the script prints or saves as a
+    figure is dropped. It can do whatever its user may do: run only what you trust.
 
     Parameters
     ----------
@@ -271,9 +273,12 @@ def read_script(
     python : path-like, optional
         Another interpreter (3.11 or newer), for libraries that cannot be installed beside
         fuzzyarm; this one by default.
+    call : str, optional
+        A function, a class or a `Class.method` of the script that is called when it has run, with
+        1 for each argument that it demands; or a call with its arguments, as `fan(20, "low")`.
     points, lossy, strict : bool
         As for :func:`from_live`, and for :func:`fuzzyarm.formats.read`. `lossy` also takes what
-        a script has made before it failed.
+        a script has made before it failed and not yet used.
 
     Returns
     -------
@@ -292,53 +297,83 @@ def read_script(
     script = Path(path).resolve()
     with script.open("rb"):  # a clear error before any process
         pass
-    options = {"seconds": seconds, "points": points, "lossy": lossy, "strict": strict}
+    options = {"seconds": seconds, "call": call, "points": points, "lossy": lossy, "strict": strict}
     try:
         data, last_words = _answer(script, os.fspath(python or sys.executable), options)
     except ScriptError as error:
         raise ScriptError(f"{os.fspath(path)}: {error}", error.hint) from None
-    diagnostics = _about_script(data, os.fspath(path), seconds, last_words, lossy=lossy)
+    diagnostics = _about_script(data, os.fspath(path), seconds, lossy=lossy, strict=strict)
     systems = tuple(_system(found, lossy=lossy, strict=strict) for found in data["found"])
-    if not systems:
-        raise ScriptError(
-            f"{os.fspath(path)}: no fuzzy system found",
-            "a ControlSystem of scikit-fuzzy, an Engine of pyfuzzylite, a FuzzySystem of simpful, "
-            "a Rule of fuzzylogic or an IT2Mamdani or IT2TSK of pyit2fls must be there when the "
-            "script has run",
-            diagnostics,
-        )
-    return systems, diagnostics
+    if systems:
+        return systems, diagnostics
+    if data.get("refused"):
+        raise ScriptError(f"{os.fspath(path)}: {data['refused']}", last_words, diagnostics)
+    raise ScriptError(f"{os.fspath(path)}: no fuzzy system found", _what_to_do(data), diagnostics)
 
 
 _HINTS = {
-    "EOFError": "input() is not answered: write the value into the script",
+    "EOFError": "input() is answered with 1: write the value into the script",
     "ModuleNotFoundError": "--python names an interpreter that has it",
+    "SystemExit": "a script that needs arguments gets none: --call NAME calls a function of it",
 }
 """What helps against some exceptions of a script."""
 
 
 def _about_script(
-    data: Mapping[str, Any], path: str, seconds: float, last_words: str, *, lossy: bool
+    data: Mapping[str, Any], path: str, seconds: float, *, lossy: bool, strict: bool
 ) -> tuple[Diagnostic, ...]:
-    """Return what is to be said of the script, or raise it."""
-    findings = Findings(path, lossy=lossy)
+    """Return what is to be said of a script, or raise it where nothing is to be had of it.
+
+    What had been made before a script ended early is taken, with a warning.
+    """
+    findings = Findings(path, lossy=lossy, strict=strict)
+    if names := data.get("stand_ins"):
+        message = f"a stand-in that does nothing took the place of {', '.join(names)}"
+        findings.warn("stand-in", message)
+    if times := data.get("answers"):
+        message = f"input() was answered with 1, {times} {'time' if times == 1 else 'times'}"
+        findings.loss("answered-input", message, slight=True)
+    taken = bool(data["found"])
+    so_far = "; what it had made by then is taken" if taken else ""
     raised = data.get("raised")
     if data.get("endless"):
-        message = f"the script has not ended within {seconds:g} s"
-        findings.loss("endless-script", message, hint="" if lossy else "--seconds gives it more")
-    elif raised:
+        message = f"the script has not ended within {seconds:g} s{so_far}"
+        findings.loss("endless-script", message, hint="--seconds gives it more", slight=taken)
+    elif raised and not (taken and raised["kind"] == "SystemExit"):
         line, column = max(1, raised["line"]), max(1, raised["column"])
         at = Span(line, column, line, column + 1) if raised["line"] else NOWHERE
+        what = f"'{raised['called']}'" if raised.get("called") else "the script"
         detail = f": {raised['message']}" if raised["message"] else ""
-        message = f"the script ends with {raised['kind']}{detail}"
-        findings.loss("failed-script", message, at, _HINTS.get(raised["kind"], ""))
-    elif data.get("refused"):
-        raise ScriptError(f"{path}: {data['refused']}", last_words)
+        message = f"{what} ends with {raised['kind']}{detail}{so_far}"
+        findings.loss("failed-script", message, at, _HINTS.get(raised["kind"], ""), slight=taken)
+    if left_out := data.get("left_out"):
+        message = (
+            f"{', '.join(left_out)} had not computed anything before that and may lack rules; "
+            "left out"
+        )
+        findings.warn("failed-script", message, hint="--lossy takes it all the same")
     found = findings.all()
-    if findings.failed:
+    if findings.failed and not data.get("refused"):
         name = "does not end" if data.get("endless") else "ends with an error"
-        raise ScriptError(f"{path}: the script {name}; nothing is gathered", "", found)
+        hint = _what_to_do(data) if data.get("builders") else ""
+        raise ScriptError(f"{path}: the script {name}; nothing is gathered", hint, found)
     return found
+
+
+def _what_to_do(data: Mapping[str, Any]) -> str:
+    """Return what helps where a script has made no system."""
+    if builders := data.get("builders"):
+        names = ", ".join(builders[:6]) + (", …" if len(builders) > 6 else "")
+        return f"--call NAME calls what would build one: {names}"
+    if data.get("by_hand"):
+        return (
+            "the script computes by itself, with interp_membership and the like: its rules are in "
+            "no object; a ControlSystem of skfuzzy.control would hold them"
+        )
+    return (
+        "a ControlSystem of scikit-fuzzy, an Engine of pyfuzzylite, a FuzzySystem of simpful, a "
+        "Rule of fuzzylogic or a system of pyit2fls must be there when the script has run"
+    )
 
 
 def _system(found: Mapping[str, Any], *, lossy: bool, strict: bool) -> System:

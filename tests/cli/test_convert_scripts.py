@@ -96,8 +96,23 @@ def test_every_system_becomes_a_file(folder: Path, capsys: pytest.CaptureFixture
             "the script ends with ZeroDivisionError: division by zero",
             "2 |     return 1 / x",
         ),
-        ("x = input('x? ')\n", "the script ends with EOFError", "input() is not answered"),
-        ("import no_such_module\n", "ModuleNotFoundError: No module named 'no_such_module'", "1 |"),
+        ("x = input('x? ')\n", "no fuzzy system found", "input() was answered with 1, 1 time"),
+        (
+            "while True:\n    input()\n",
+            "the script ends with EOFError: input() was answered often enough",
+            "write the value into the script",
+        ),
+        ("import no_such_module\n", "no fuzzy system found", "took the place of no_such_module"),
+        (
+            "import skfuzzy.nothing\n",
+            "ModuleNotFoundError: No module named 'skfuzzy.nothing'",
+            "1 |",
+        ),
+        (
+            "import argparse\np = argparse.ArgumentParser()\np.add_argument('a')\np.parse_args()\n",
+            "the script ends with SystemExit: 2",
+            "--call NAME",
+        ),
         ("while True:\n    pass\n", "the script has not ended within 1 s", "--seconds"),
         ("print('nothing')\n", "no fuzzy system found", "a ControlSystem of scikit-fuzzy"),
         ("import os\nos._exit(7)\n", "its process ended with status 7", ""),
@@ -114,16 +129,40 @@ def test_scripts_that_make_nothing(
     assert not list(folder.glob("*.frb"))
 
 
-def test_what_a_script_has_made_before_it_failed(
+def test_what_a_script_has_made_by_the_end_of_its_time(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     text = "from fuzzylite import Engine\nengine = Engine('one')\nwhile True: pass\n"
     words = ["convert", script(folder, text), "--run", "--seconds", "1"]
-    assert main(words) == 1
-    assert "nothing is gathered" in capsys.readouterr().err
-    assert main([*words, "--lossy"]) == 0
-    assert "warning[endless-script]" in capsys.readouterr().out
+    assert main([*words, "--strict"]) == 1
+    assert "error[endless-script]" in capsys.readouterr().err
+    assert main(words) == 0
+    assert "within 1 s; what it had made by then is taken" in capsys.readouterr().out
     assert load_rulebase(folder / "engine.frb").name == "one"
+
+
+def test_a_script_that_catches_every_interrupt(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = "from fuzzylite import Engine\nengine = Engine('one')\nwhile True:\n"
+    text += "    try:\n        [0] * 9\n    except BaseException:\n        pass\n"
+    assert main(["convert", script(folder, text), "--run", "--seconds", "1"]) == 0
+    assert "warning[endless-script]" in capsys.readouterr().out
+
+
+def test_what_had_computed_before_a_script_failed(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = "from fuzzylite import Engine\nused, unused = Engine('one'), Engine('two')\n"
+    text += "used.process()\nprint(1 / 0)\n"
+    words = ["convert", script(folder, text), "--run"]
+    assert main(words) == 0
+    said = capsys.readouterr().out
+    assert "ends with ZeroDivisionError: division by zero; what it had made by then" in said
+    assert "unused had not computed anything before that and may lack rules; left out" in said
+    assert [path.name for path in folder.glob("*.frb")] == ["used.frb"]
+    assert main([*words, "--lossy", "--force"]) == 0
+    assert {path.name for path in folder.glob("*.frb")} == {"used.frb", "unused.frb"}
 
 
 ONE = "from fuzzylite import Engine\nengine = Engine('one', slope=2)\n"
@@ -207,3 +246,138 @@ def test_in_python(folder: Path) -> None:
     with pytest.raises(ScriptError, match=r"bad\.py: the script ends with an error") as caught:
         read_script("bad.py")
     assert [(d.name, d.line) for d in caught.value.diagnostics] == [("failed-script", 1)]
+
+
+# ── what a script asks for ───────────────────────────────────────────────────────────
+
+BUILDERS = """
+from fuzzylite import Engine
+
+def make(slope):
+    return Engine("made", slope=slope)
+
+class Fan:
+    def __init__(self, name="fan"):
+        self.engine = Engine(name, slope=3)
+
+class Late:
+    def build(self):
+        self.found = {"one": [make(2)]}
+
+def other():
+    pass
+"""
+
+
+@pytest.mark.parametrize(
+    ("call", "name", "slope"),
+    [
+        ("make", "make", 1.0),
+        ("make(4)", "make", 4.0),
+        ("Fan", "Fan_engine", 3.0),
+        ("Late.build", "Late_object_found_one_1", 2.0),
+    ],
+)
+def test_functions_and_classes_are_named_and_called(
+    call: str, name: str, slope: float, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ["convert", script(folder, BUILDERS), "--run"]
+    assert main(words) == 1
+    said = capsys.readouterr().err
+    assert "--call NAME calls what would build one: make(slope), Fan(), Late.build()" in said
+    assert "other" not in said
+    assert main([*words, "--call", call]) == 0
+    assert load_rulebase(folder / f"{name}.frb").outputs[0].high == slope
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        ("none", "'none' ends with NameError: the script has no 'none'"),
+        ("make()", "'make()' ends with TypeError: make() missing 1 required positional argument"),
+        ("make('x')", "make: error[unreadable-object]: the object cannot be read"),
+    ],
+)
+def test_a_call_that_fails(
+    call: str, said: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["convert", script(folder, BUILDERS), "--run", "--call", call]) == 1
+    assert said in capsys.readouterr().err
+
+
+WINDOW = """
+from tkinter import *
+import nobody_has_this.deep as nobody, numpy as np
+from nobody_has_this import Thing, ThingError
+from fuzzylite import Engine
+engine = Engine("one")
+
+class App(Frame):
+    def __init__(self, root):
+        super().__init__(root)
+        self.button = Button(self, text="x", command=self.press)
+        self.grid(row=0)
+    def press(self):
+        raise SystemExit(1)
+
+@nobody.route("/x", methods=["GET"])
+def answer():
+    return 1
+
+root = Tk()
+App(root).pack(side=LEFT)
+ok, picture = nobody.camera(0).read()
+figure, (left, right) = nobody.subplots(1, 2)
+while ok and nobody.is_open():
+    pass
+try:
+    value = float(nobody.number) + len(nobody) + nobody[1] + sum(nobody.rows()) + nobody.x[3] * 2
+except ThingError as error:
+    value = 0
+for each in Thing().events.get():
+    pass
+with nobody.opened("x") as file:
+    file.write(f"{nobody.y:.2f}")
+assert answer() == 1 and np.asarray(nobody.z).shape == ()
+root.mainloop()
+made = Engine("two")
+"""
+
+
+def test_stand_ins_for_windows_and_for_what_is_not_installed(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["convert", script(folder, WINDOW), "--run"]) == 0
+    said = capsys.readouterr().out
+    assert "warning[stand-in]: a stand-in that does nothing took the place of" in said
+    assert "nobody_has_this, tkinter" in said
+    assert {path.name for path in folder.glob("*.frb")} == {"engine.frb", "made.frb"}
+
+
+def test_no_stand_in_where_a_library_asks(folder: Path) -> None:
+    (folder / "site-packages").mkdir()
+    (folder / "site-packages/lib.py").write_text(
+        "try:\n    import nobody_has_this\nexcept ImportError:\n    nobody_has_this = None\n"
+    )
+    text = "import sys\nsys.path.insert(0, 'site-packages')\nimport lib\n"
+    script(folder, text + "assert lib.nobody_has_this is None\n" + ONE)
+    (system,), diagnostics = read_script("project.py")
+    assert (system.name, diagnostics) == ("engine", ())
+
+
+def test_answers_and_notebooks(folder: Path) -> None:
+    text = "%matplotlib inline\n!pip install x\nslope = float(input('slope? '))\ndisplay(slope)\n"
+    text += "get_ipython().run_line_magic('time', '')\nfrom fuzzylite import Engine\n"
+    script(folder, text + "engine = Engine('one', slope=2 * slope)\n")
+    (system,), diagnostics = read_script("project.py")
+    assert system.rulebase is not None
+    assert system.rulebase.outputs[0].high == 2.0
+    assert [(d.name, str(d.severity)) for d in diagnostics] == [("answered-input", "warning")]
+
+
+def test_a_script_that_computes_by_hand_is_told_so(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = "import skfuzzy as fuzz\nprint(fuzz.interp_membership([0, 1], [0, 1], 0.5))\n"
+    assert main(["convert", script(folder, text), "--run"]) == 1
+    assert "the script computes by itself, with interp_membership" in capsys.readouterr().err

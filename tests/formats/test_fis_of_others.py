@@ -207,7 +207,7 @@ def test_a_file_that_is_cut_off_is_said_wherever_it_is_cut(path: Path) -> None:
             continue
         assert imported.rulebase is not None
         if not same_model(imported.rulebase, whole):  # between two rules, which it says
-            assert re.search(r": *\d\s*\Z", text[:end]), text[:end][-60:]
+            assert re.search(r": *\d\s*(#[^\n]*)?\Z", text[:end]), text[:end][-60:]
             assert "wrong-count" in {d.name for d in imported.diagnostics}
 
 
@@ -270,7 +270,7 @@ def test_load_and_check_agree_on_errors(text: str, tmp_path: Path) -> None:
 
 def test_bytes_are_not_shown(tmp_path: Path) -> None:
     path = tmp_path / "a.fis"
-    path.write_bytes(b"MATLAB 5.0 MAT-file\x00\x01\xff\xfe" * 9)
+    path.write_bytes(b"a fuzzy system\x00\x01\xff\xfe" * 9)
     review = check_file(path)
     assert [(d.name, d.message) for d in review.diagnostics] == [("not-text", "not a text file")]
     assert review.text == ""

@@ -36,6 +36,7 @@ from fuzzyarm.model.rulebase import (
     Term,
     Variable,
 )
+from fuzzyarm.text.diagnostic import Severity
 
 DATA = Path(__file__).parent / "data"
 FILES = sorted(DATA.glob("*.f??"))
@@ -288,9 +289,13 @@ def _one_term(name: str, shape: Shape) -> RuleBase:
     return RuleBase("r", (Input("x", 0.0, 1.0, terms),), outputs, (RuleBlock((rule,)),))
 
 
-@pytest.mark.parametrize(
-    "path", [path for path in FILES if path.suffix in SUFFIXES], ids=lambda path: path.name
-)
+FOR_SCIKIT_FUZZY = DATA / "spray_scikit.fcl"
+"""In a dialect that is read and not written: FCL goes out for fuzzylite or jFuzzyLogic."""
+
+WRITTEN = [path for path in FILES if path.suffix in SUFFIXES and path != FOR_SCIKIT_FUZZY]
+
+
+@pytest.mark.parametrize("path", WRITTEN, ids=lambda path: path.name)
 def test_our_files_survive_their_own_format(path: Path) -> None:
     rulebase = read(path).rulebase
     assert rulebase is not None
@@ -300,6 +305,18 @@ def test_our_files_survive_their_own_format(path: Path) -> None:
     if not any(d.name == "renamed" for d in exported.diagnostics):
         assert same_model(again, rulebase)
     assert same_numbers(rulebase, again, points)
+
+
+def test_a_file_for_scikit_fuzzy_does_not_come_back_and_that_is_said() -> None:
+    """Its universe of points and its clamped inputs have no words in the FCL of others."""
+    rulebase = read(FOR_SCIKIT_FUZZY).rulebase
+    assert rulebase is not None
+    exported = write(rulebase, ".fcl")
+    warnings = {d.name for d in exported.diagnostics if d.severity is Severity.WARNING}
+    assert warnings == {"no-rule", "outside-range", "sampling", "threshold"}
+    assert write(rulebase, ".fcl", strict=True).text is None
+    again = comes_back(rulebase, ".fcl", exported)
+    assert [rule.antecedent for rule in again.rules] == [r.antecedent for r in rulebase.rules]
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)

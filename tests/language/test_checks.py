@@ -665,7 +665,8 @@ def test_a_missing_rule_under_a_condition_names_it():
 @pytest.mark.parametrize(
     ("name", "formula", "method", "fits"),
     [
-        ("x", "x + 0.5", "weighted-average", False),
+        ("x", "x + 0.5", "weighted-average", True),  # a value: the variable of that name
+        ("x", "2 * x", "weighted-sum", True),
         ("a", "x + 0.5", "weighted-average", False),
         ("a", "a + 0.5", "weighted-average", True),
         ("a", "x / 2", "centroid", True),

@@ -17,8 +17,10 @@ A table becomes the rules whose terms come nearest; what they cannot express is 
 
 A script of scikit-fuzzy, pyfuzzylite, simpful, fuzzylogic or pyit2fls is run, in a process of its
 own and after a question (--run answers it), and each fuzzy system that it makes becomes a .frb,
-named after the variable. Numbers are compared at 100 points with those of the library's own
-object: they are the same to 1e-9 of the range, or the greatest difference is said.
+named after the variable. What it needs and is not there (modules, windows, answers) has a stand-in;
+what it has made by its end, or by the end of its time, is taken. --call NAME calls a function or a
+class of it that builds a system. Numbers are compared at 100 points with those of the library's
+own object: they are the same to 1e-9 of the range, or the greatest difference is said.
 """
 
 from __future__ import annotations
@@ -180,6 +182,7 @@ def _convert_script(arguments: argparse.Namespace) -> int:
                 source,
                 seconds=arguments.seconds,
                 python=arguments.python,
+                call=arguments.call,
                 points=arguments.points,
                 lossy=arguments.lossy,
                 strict=arguments.strict,
@@ -379,6 +382,7 @@ COMMANDS = (
                 default=SECONDS,
             ),
             argument("--python PATH", "run it by another Python, 3.11 or newer"),
+            argument("--call NAME", "call a function or class of it that builds a system"),
             flag("--points", "keep scikit-fuzzy's straight lines between points"),
             flag("--force", "replace files that are there"),
         ),

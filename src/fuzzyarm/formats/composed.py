@@ -62,9 +62,11 @@ def composed(
     straight = all(SHAPES[part.kind].straight for part in parts)
     if straight and {norm.partition(":")[2] for norm in norms} <= _STRAIGHT:
         xs = _corners(degree, parts, low, high)
-        lines = joined(xs, [degree(x) for x in xs])
-        if all(abs(_between(lines, x) - degree(x)) <= 1e-9 for x in _asked(xs)):
-            return straight_shape(lines), True
+        lines = straight_shape(joined(xs, [degree(x) for x in xs]))
+        asked = _asked([low - (high - low), *xs, high + (high - low)])
+        for shape in (lines, *_closed(lines, low, high)):
+            if all(abs(_degree(shape, x) - degree(x)) <= 1e-9 for x in asked):
+                return shape, True
     xs = [low + (high - low) * i / (POINTS - 1) for i in range(POINTS)]
     return joined(xs, [degree(x) for x in xs]), False
 
@@ -99,5 +101,14 @@ def _asked(xs: Sequence[float]) -> list[float]:
     return [a + share * (b - a) for a, b in pairwise(xs) for share in (0.2, 0.5, 0.8)]
 
 
-def _between(lines: Shape, x: float) -> float:
-    return membership_function(lines)(x)
+def _closed(shape: Shape, low: float, high: float) -> list[Shape]:
+    """Return a shape that goes on beyond the range as one that ends with it."""
+    if shape.kind != "ramp":
+        return []
+    foot, top = shape.parameters
+    corners = (foot, top, high, high) if foot < top else (low, low, top, foot)
+    return [Shape("trapezoid", corners, shape.height)]
+
+
+def _degree(shape: Shape, x: float) -> float:
+    return membership_function(shape)(x)

@@ -36,7 +36,7 @@ from fuzzyarm.formats.findings import (
 from fuzzyarm.formats.meaning import Block, blocks_in_model, is_on
 from fuzzyarm.formats.sentences import RuleText, read_sentences
 from fuzzyarm.formats.shapes import estimated_range
-from fuzzyarm.formats.values import name_position, values_as_sets
+from fuzzyarm.formats.values import formulas_of_input, values_as_sets
 from fuzzyarm.model.rulebase import Defuzzifier, RuleBase
 
 # --- A function block while it is read ---
@@ -496,7 +496,7 @@ class Reader:
         draft.settle_range(self.findings)
         at = self.block.methods.get(draft.name, draft.word)
         if not draft.is_output:
-            name_position(draft)
+            formulas_of_input(draft, self.findings)
         elif self._own:
             settle_maximum(draft, at, self.findings)
             if draft.integrates:

@@ -8,10 +8,12 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from itertools import islice
 
+from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.expression.evaluation import evaluate
 from fuzzyarm.expression.formulas import FormulaError, read_formula
 from fuzzyarm.model.rulebase import RuleBase
@@ -119,6 +121,38 @@ class Word:
             return None
         start = len(self.text) - len(after.lstrip())
         return self.part(0, len(before.rstrip())), self.part(start, len(self.text))
+
+
+class UnreadableError(Exception):
+    """A part of an object of another library that could not be read, and why.
+
+    Parameters
+    ----------
+    what : str
+        The part, as a message calls it.
+    error : Exception
+        What reading it raised.
+    """
+
+    def __init__(self, what: str, error: Exception) -> None:
+        super().__init__(f"{what} cannot be read: {type(error).__name__}: {error}")
+
+
+@contextmanager
+def reading(what: str) -> Iterator[None]:
+    """Let whatever is raised within name the part of an object that was read.
+
+    Parameters
+    ----------
+    what : str
+        The part, as a message calls it.
+    """
+    try:
+        yield
+    except (UnreadableError, FuzzyarmError):
+        raise
+    except Exception as error:
+        raise UnreadableError(what, error) from error
 
 
 class FaultError(ValueError):

@@ -54,7 +54,7 @@ from fuzzyarm.formats.fis_type2 import (
 )
 from fuzzyarm.formats.meaning import Block, blocks_in_model
 from fuzzyarm.formats.sentences import NOT, RuleText
-from fuzzyarm.formats.values import name_position, values_as_sets
+from fuzzyarm.formats.values import formulas_of_input, values_as_sets
 from fuzzyarm.model.rulebase import (
     And,
     Consequent,
@@ -159,7 +159,7 @@ class _Reader:
         for draft in (*self.inputs, *self.outputs):
             draft.settle_range(self.findings)
         for draft in self.inputs:
-            name_position(draft)
+            formulas_of_input(draft, self.findings)
         for draft in self.outputs:
             if self.is_type2:
                 self._reduce_output(draft)

@@ -34,6 +34,7 @@ class Section:
 
 
 _GLUED = re.compile(r"\s*#\s*RuleBlock\s+(?=\d)")
+_OF_A_RULE = re.compile(r"[-+\d.eE\s,():]+")
 
 
 class _Comments:
@@ -53,9 +54,10 @@ class _Comments:
             return _without_comment(raw)
         self.blocks += 1
         own, rest = str(self.blocks), raw[match.end() :]
-        if not rest.startswith(own) or "," not in rest or ":" not in rest:
-            return ""
         rule = rest[len(own) :]
+        is_rule = _OF_A_RULE.fullmatch(rule) and "," in rule and ":" in rule
+        if not rest.startswith(own) or not is_rule:
+            return ""
         self.glued.append(rule.strip())
         return " " * (match.end() + len(own)) + rule
 

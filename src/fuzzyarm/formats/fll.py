@@ -34,7 +34,7 @@ from fuzzyarm.formats.meaning import Block, blocks_in_model, is_on
 from fuzzyarm.formats.recovery import straight_shape
 from fuzzyarm.formats.sentences import read_sentences
 from fuzzyarm.formats.shapes import formula_shape, spelled_shape
-from fuzzyarm.formats.values import name_position, values_as_sets
+from fuzzyarm.formats.values import formulas_of_input, values_as_sets
 from fuzzyarm.formats.writing import FUZZYLITE_WORDS, HEADER, Writer, identifiers, written_sentences
 from fuzzyarm.model.rulebase import (
     TAKAGI_SUGENO,
@@ -324,7 +324,7 @@ class _Reader:
         for draft in self.variables.values():
             draft.settle_range(self.findings)
             if not draft.is_output:
-                name_position(draft)
+                formulas_of_input(draft, self.findings)
                 continue
             _settle_defuzzifier(
                 draft, self.defuzzifiers.get(draft.name), self._implication(), self.findings

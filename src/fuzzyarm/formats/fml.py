@@ -29,7 +29,7 @@ from fuzzyarm.formats.findings import (
 )
 from fuzzyarm.formats.meaning import Block, around, blocks_in_model, hedged_weight
 from fuzzyarm.formats.sentences import NOT, RuleText
-from fuzzyarm.formats.shapes import make_shape, spelled_shape
+from fuzzyarm.formats.shapes import make_shape, range_of_values, spelled_shape
 from fuzzyarm.model.rulebase import (
     And,
     Consequent,
@@ -215,6 +215,7 @@ class _Reader:
         inputs = sum(not _is_output(each) for each in found)
         for element in found:
             self._variable(element, inputs)
+        self._estimate_ranges()
         blocks = [
             block
             for element in self.root.all(*_RULE_BASES)
@@ -227,6 +228,21 @@ class _Reader:
         made = blocks_in_model(blocks, self.variables, FML, self.findings)
         name = self.root.get("name").text
         return rulebase_of(name, self.variables.values(), made)
+
+    def _estimate_ranges(self) -> None:
+        """Give an output of values, which has no domain, the range that they span."""
+        ends = {d.name: (d.low, d.high) for d in self.variables.values() if not d.is_output}
+        for draft in self.variables.values():
+            if not draft.is_output or draft.bounded or draft.integrates:
+                continue
+            found = range_of_values((term.shape for term in draft.terms), ends)
+            if found is None:
+                continue
+            draft.low, draft.high = found
+            message = (
+                f"'{draft.name}' has no domain; its values span {draft.low:g} to {draft.high:g}"
+            )
+            self.findings.info("estimated-range", message, draft.word)
 
     def _refuse_others(self, elements: list[_Element], known: Container[str]) -> None:
         for element in elements:

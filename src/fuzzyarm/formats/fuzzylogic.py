@@ -12,7 +12,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, NamedTuple
 
-from fuzzyarm.formats.findings import Findings, Imported, unique_name
+from fuzzyarm.formats.findings import Findings, Imported, reading, unique_name
 from fuzzyarm.formats.recovery import TOLERANCE, constant_beyond, even_family, joined, shape_of
 from fuzzyarm.formats.sentences import NOT
 from fuzzyarm.model.rulebase import (
@@ -163,8 +163,12 @@ _POWERS = {2.0: Hedge("very"), 0.5: Hedge("somewhat"), 3.0: Hedge("extremely")}
 
 def _input(label: str, domain: Any, sets: Iterable[_Named], findings: Findings) -> Input:
     low, high = float(domain._low), float(domain._high)
-    shapes = {name: _shape(each, low, high, f"'{name}' of '{label}'", findings)
-              for name, _, each in sets if each is not None}  # fmt: skip
+    shapes = {}
+    for name, _, each in sets:
+        if each is not None:
+            what = f"'{name}' of '{label}'"
+            with reading(what):
+                shapes[name] = _shape(each, low, high, what, findings)
     outside = "extend"
     if all(constant_beyond(shape, low, high) for shape in shapes.values()):
         outside = "clamp"

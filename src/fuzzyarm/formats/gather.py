@@ -8,10 +8,12 @@ takes no array library to read live objects. What was found goes into a file as 
 
 from __future__ import annotations
 
+import ast
 import builtins
 import importlib.abc
 import importlib.machinery
 import importlib.util
+import inspect
 import json
 import os
 import signal
@@ -33,6 +35,23 @@ MOST_MADE = 1000
 MEASURING = 40.0
 """Seconds for the numbers of all systems."""
 
+DEEPEST = 3
+"""How deep in objects of the script systems are looked for."""
+
+CALL = "_fuzzyarm_call"
+"""Attribute of a system whose settings are the arguments of its evaluation: the last of them."""
+
+
+def _beside(name: str) -> Any:
+    """Load a module of this folder without its package."""
+    spec = importlib.util.spec_from_file_location(name, Path(__file__).with_name(f"{name}.py"))
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module
+    spec.loader.exec_module(module)
+    return module
+
 
 # --- What happens at imports ---
 
@@ -45,19 +64,26 @@ class _Made(NamedTuple):
 
 
 _made: list[_Made] = []
+_computed: set[int] = set()  # systems that have computed something: they are complete
 
 
-def _keep(*classes: str) -> Callable[[ModuleType], None]:
-    """Return what makes some classes of a module remember their objects."""
+def _keep(**classes: str) -> Callable[[ModuleType], None]:
+    """Return what makes some classes of a module remember their objects.
+
+    The word of a class is its method that computes, empty where an object is complete as soon as
+    it is made.
+    """
 
     def change(module: ModuleType) -> None:
-        for name in classes:
-            _remember(getattr(module, name))
+        for name, method in classes.items():
+            kind = getattr(module, name, None)
+            if kind is not None:
+                _remember(kind, method)
 
     return change
 
 
-def _remember(kind: Any) -> None:
+def _remember(kind: Any, method: str) -> None:
     make, home = kind.__init__, _top_module(kind.__module__)
 
     def init(self: Any, *arguments: Any, **options: Any) -> None:
@@ -67,9 +93,37 @@ def _remember(kind: Any) -> None:
             frame = frame.f_back  # the library itself: whoever has called it
         if frame is not None and len(_made) < MOST_MADE:
             _made.append(_Made(self, frame))
+        if not method:
+            _computed.add(id(self))
+        elif method in vars(self):  # bound to the object by its constructor
+            vars(self)[method] = _noted(vars(self)[method], self)
 
     init.__doc__ = make.__doc__
     kind.__init__ = init
+    if method and hasattr(kind, method):
+        setattr(kind, method, _noting(getattr(kind, method)))
+
+
+def _noting(compute: Callable[..., Any]) -> Callable[..., Any]:
+    """Return a method that notes that its object has computed, and with which arguments."""
+
+    def method(self: Any, *arguments: Any, **options: Any) -> Any:
+        result = compute(self, *arguments, **options)
+        _computed.add(id(self))
+        vars(self)[CALL] = (arguments, options)
+        return result
+
+    method.__doc__ = compute.__doc__
+    return method
+
+
+def _noted(compute: Callable[..., Any], system: Any) -> Callable[..., Any]:
+    def function(*arguments: Any, **options: Any) -> Any:
+        result = compute(*arguments, **options)
+        _computed.add(id(system))
+        return result
+
+    return function
 
 
 def _top_module(name: object) -> str:
@@ -82,13 +136,31 @@ def _no_windows(matplotlib: Any) -> None:
     matplotlib.use = lambda *_, **__: None
 
 
+def _old_names(numpy: Any) -> None:
+    """Give NumPy the names back that it has dropped."""
+    sys.modules["stand_ins"].old_names(numpy)
+
+
+def _no_files(figures: Any) -> None:
+    """Let a figure be saved nowhere: what the script shows is dropped."""
+    figures.Figure.savefig = lambda *_, **__: None
+
+
 _AFTER_IMPORT: dict[str, Callable[[ModuleType], None]] = {
+    "numpy": _old_names,
     "matplotlib": _no_windows,
-    "skfuzzy.control.controlsystem": _keep("ControlSystem", "ControlSystemSimulation"),
-    "fuzzylite.engine": _keep("Engine"),
-    "simpful.simpful": _keep("FuzzySystem"),
-    "fuzzylogic.classes": _keep("Rule"),
-    "pyit2fls.pyit2fls": _keep("IT2Mamdani", "IT2TSK"),
+    "matplotlib.figure": _no_files,
+    "skfuzzy.control.controlsystem": _keep(ControlSystem="", ControlSystemSimulation=""),
+    "fuzzylite.engine": _keep(Engine="process"),
+    "simpful.simpful": _keep(FuzzySystem="inference"),
+    "fuzzylogic.classes": _keep(Rule=""),
+    "pyit2fls.pyit2fls": _keep(
+        IT2Mamdani="evaluate",
+        IT2TSK="evaluate",
+        IT2FLS="evaluate",
+        T1Mamdani="evaluate",
+        T1TSK="evaluate",
+    ),
 }
 """Module → what is changed in it as soon as it is loaded."""
 
@@ -150,16 +222,66 @@ class _Interrupt:
             timer.cancel()
 
 
-def _run(script: Path, module: ModuleType) -> dict[str, Any] | None:
-    """Run a script as Python would; return what ended it early, if anything did."""
+def _run(script: Path, module: ModuleType, call: str | None) -> dict[str, Any] | None:
+    """Run a script as Python would, and call what was asked for; return what ended it early."""
+    ended = _ending(lambda: exec(_code(script), module.__dict__), str(script))
+    if call is None or (ended and ended["kind"] == "SyntaxError"):
+        return ended
+    called = _ending(lambda: _called(call, module), str(script))
+    return {**called, "called": call} if called else ended
+
+
+def _code(script: Path) -> Any:
+    return sys.modules["stand_ins"].compiled(script.read_bytes(), str(script))
+
+
+def _ending(act: Callable[[], None], script: str) -> dict[str, Any] | None:
+    """Return what ended an act early, if anything did."""
     try:
-        code = builtins.compile(script.read_bytes(), str(script), "exec", dont_inherit=True)
-        exec(code, module.__dict__)
-    except SystemExit:
-        return None
+        act()
+    except SystemExit as error:
+        if error.code in (None, 0):
+            return None
+        return {**_as_data(error, script), "kind": "SystemExit"}
     except BaseException as error:
-        return _as_data(error, str(script))
+        return _as_data(error, script)
     return None
+
+
+def _called(call: str, module: ModuleType) -> None:
+    """Call a function or a class of the script, and keep what it gives by its name.
+
+    What asks for arguments gets ones, unless they stand in parentheses.
+    """
+    names = vars(module)
+    if "(" in call:
+        kept = call.partition("(")[0].rpartition(".")[2]
+        names[kept] = eval(call, names)
+        return
+    head, *others = call.split(".")
+    if head not in names:
+        raise NameError(f"the script has no '{head}'")
+    value, kept = names[head], head
+    for name in others:
+        if isinstance(value, type):
+            value = _with_ones(value)
+            names[f"{kept}_object"] = value
+        value, kept = getattr(value, name), name
+    result = _with_ones(value)
+    if result is not None:
+        names[kept] = result
+
+
+def _with_ones(function: Any) -> Any:
+    """Call a function with 1 for each argument that it demands."""
+    try:
+        parameters = inspect.signature(function).parameters.values()
+    except (TypeError, ValueError):
+        return function()
+    positional = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
+    demanded = [p for p in parameters if p.default is inspect.Parameter.empty]
+    keywords = {p.name: 1 for p in demanded if p.kind is inspect.Parameter.KEYWORD_ONLY}
+    return function(*[1 for p in demanded if p.kind in positional], **keywords)
 
 
 def _as_data(error: BaseException, script: str) -> dict[str, Any]:
@@ -185,36 +307,65 @@ def _as_data(error: BaseException, script: str) -> dict[str, Any]:
 
 def _named(module: ModuleType) -> Iterator[tuple[str, Any]]:
     """Yield names and objects: variables, what they contain, variables of functions."""
+    own = _own_modules(module)
+    seen: set[int] = set()
     variables = {n: v for n, v in vars(module).items() if not n.startswith("__")}
-    yield from _in_scope(variables)
+    yield from _in_scope(variables, own, seen)
     for made in reversed(_made):
         if made.frame.f_locals is not vars(module):
-            yield from _in_scope(dict(made.frame.f_locals))
+            yield from _in_scope(dict(made.frame.f_locals), own, seen)
 
 
-def _in_scope(variables: dict[str, Any]) -> Iterator[tuple[str, Any]]:
+def _own_modules(module: ModuleType) -> frozenset[str]:
+    """Return the names of the modules that stand in the folder of the script."""
+    home = os.path.join(os.path.dirname(os.path.realpath(str(module.__file__))), "")
+    files = {name: getattr(each, "__file__", None) for name, each in list(sys.modules.items())}
+    inside = {n for n, f in files.items() if f and os.path.realpath(f).startswith(home)}
+    return frozenset({"__main__", *(n for n in inside if "site-packages" not in str(files[n]))})
+
+
+def _in_scope(
+    variables: dict[str, Any], own: frozenset[str], seen: set[int], depth: int = 0
+) -> Iterator[tuple[str, Any]]:
     yield from variables.items()
+    if depth == DEEPEST:
+        return
     for name, value in variables.items():
-        if isinstance(value, dict):
-            yield from ((f"{name}_{key}", each) for key, each in list(value.items())[:MOST_MADE])
-        elif isinstance(value, list | tuple):
-            yield from ((f"{name}_{i}", each) for i, each in enumerate(value[:MOST_MADE], 1))
-        elif type(value).__module__ == "__main__":
-            inside = getattr(value, "__dict__", {})
-            yield from ((k if name == "self" else f"{name}_{k}", v) for k, v in inside.items())
+        inside = _inside(name, value, own)
+        if inside and id(value) not in seen:
+            seen.add(id(value))
+            yield from _in_scope(inside, own, seen, depth + 1)
 
 
-def _systems(module: ModuleType, stem: str, is_system: Callable[[Any], bool]) -> dict[str, Any]:
-    """Return the systems by name, each once, however many names it has.
+def _inside(name: str, value: Any, own: frozenset[str]) -> dict[str, Any]:
+    """Return what a value contains, by names: of a container, or of an object of the script."""
+    if isinstance(value, dict):
+        return {f"{name}_{key}": each for key, each in list(value.items())[:MOST_MADE]}
+    if isinstance(value, list | tuple):
+        return {f"{name}_{i}": each for i, each in enumerate(value[:MOST_MADE], 1)}
+    if type(value).__module__ not in own:
+        return {}
+    attributes = dict(getattr(value, "__dict__", {}))
+    return {k if name == "self" else f"{name}_{k}": each for k, each in attributes.items()}
 
-    What has no name at all counts where nothing has one.
+
+def _systems(
+    module: ModuleType, stem: str, is_system: Callable[[Any], bool], *, whole: bool
+) -> tuple[dict[str, Any], list[str]]:
+    """Return the systems by name, each once, however many names it has, and those left out.
+
+    What has no name at all counts where nothing has one. With `whole` only those count that have
+    computed something, which are complete.
     """
     found: dict[int, tuple[str, Any]] = {}
     simulations: dict[int, tuple[str, Any]] = {}
+    left_out: dict[int, str] = {}
     named = [(n, v) for n, v in _named(module) if not isinstance(v, type) and is_system(v)]
     for name, value in named or [(stem, made.system) for made in _made]:
         system = getattr(value, "ctrl", value)
-        if system is not value:
+        if whole and id(value) not in _computed and id(system) not in _computed:
+            left_out.setdefault(id(system), name)
+        elif system is not value:
             simulations.setdefault(id(system), (name, value))
         elif not hasattr(value, "conditions") or value.conditions:
             found.setdefault(id(value), (name, value))
@@ -222,7 +373,7 @@ def _systems(module: ModuleType, stem: str, is_system: Callable[[Any], bool]) ->
         known = found.get(key, (name, None))[0]
         clips = getattr(simulation, "clip_to_bounds", True)
         found[key] = (known, simulation.ctrl if clips else simulation)
-    return _with_names([*_without_parts(list(found.values()))])
+    return _with_names([*_without_parts(list(found.values()))]), list(left_out.values())
 
 
 def _without_parts(found: list[tuple[str, Any]]) -> Iterator[tuple[str, Any]]:
@@ -266,14 +417,19 @@ def _load_fuzzyarm() -> None:
     spec.loader.exec_module(package)
 
 
-def _gathered(module: ModuleType, stem: str, options: dict[str, Any]) -> list[dict[str, Any]]:
+def _gathered(
+    module: ModuleType, stem: str, options: dict[str, Any], *, whole: bool
+) -> dict[str, Any]:
     _load_fuzzyarm()
     from fuzzyarm.formats.objects import library_of
 
     _name_sets(module)
-    systems = _systems(module, stem, lambda value: library_of(value) is not None)
+    systems, left_out = _systems(
+        module, stem, lambda value: library_of(value) is not None, whole=whole
+    )
     deadline = time.monotonic() + MEASURING
-    return [_as_found(name, each, options, deadline) for name, each in systems.items()]
+    found = [_as_found(name, each, options, deadline) for name, each in systems.items()]
+    return {"found": found, "left_out": left_out}
 
 
 def _name_sets(module: ModuleType) -> None:
@@ -281,7 +437,8 @@ def _name_sets(module: ModuleType) -> None:
     from fuzzyarm.formats.pyit2fls import NAME
 
     for name, value in _named(module):
-        if type(value).__module__.partition(".")[0] == "pyit2fls" and hasattr(value, "umf"):
+        is_set = hasattr(value, "umf") or hasattr(value, "mf")
+        if is_set and type(value).__module__.partition(".")[0] == "pyit2fls":
             vars(value).setdefault(NAME, name)
 
 
@@ -306,6 +463,21 @@ def _as_found(name: str, system: Any, options: dict[str, Any], deadline: float) 
     return found
 
 
+def _told_by_text(script: Path) -> dict[str, Any]:
+    """Return what a script would build if it were called, and whether it computes by hand."""
+    try:
+        tree = ast.parse(script.read_bytes())
+    except (SyntaxError, ValueError, RecursionError):
+        return {"builders": [], "by_hand": False}
+    module = _beside("builders")
+    calls = [each.call for each in module.builders(tree)]
+    return {"builders": calls, "by_hand": module.is_by_hand(tree)}
+
+
+HARMLESS = ("EOFError", "SystemExit", "KeyboardInterrupt")
+"""What ends a script that has done what it could: no answer, no time."""
+
+
 def main() -> None:
     """Run ``gather.py SCRIPT ANSWER OPTIONS`` and end the process."""
     script, target, options = Path(sys.argv[1]), Path(sys.argv[2]), json.loads(sys.argv[3])
@@ -321,18 +493,32 @@ def main() -> None:
     sys.modules["__main__"] = module
     sys.argv = [str(script)]
     sys.path[0] = str(script.parent)
+    standing = _beside("stand_ins")
+    answers = standing.prepare(str(script.parent))
     sys.meta_path.insert(0, _Finder())
-    interrupt = _Interrupt(options["seconds"], lambda: answer({"endless": True, "found": []}))
-    ended_by = _run(script, module)
+    told = _told_by_text(script)
+
+    def finish(ended_by: dict[str, Any] | None, *, endless: bool) -> None:
+        os.chdir(script.parent)
+        data = {
+            "raised": None if endless else ended_by,
+            "endless": endless,
+            "stand_ins": sorted(set(standing.used)),
+            "answers": answers.count,
+            **told,
+        }
+        failed = not endless and ended_by is not None and ended_by["kind"] not in HARMLESS
+        try:
+            whole = failed and not options["lossy"]
+            answer({**data, **_gathered(module, script.stem, options, whole=whole)})
+        except BaseException as error:
+            answer({**data, "found": [], "refused": f"{type(error).__name__}: {error}"[:500]})
+
+    # A script that catches every interrupt goes on while its systems are gathered.
+    interrupt = _Interrupt(options["seconds"], lambda: finish(None, endless=True))
+    ended_by = _run(script, module, options.get("call"))
     interrupt.cancel()
-    os.chdir(script.parent)
-    data = {"raised": ended_by, "endless": interrupt.happened}
-    if (ended_by or interrupt.happened) and not options["lossy"]:
-        answer({**data, "found": []})  # what there is would not be used
-    try:
-        answer({**data, "found": _gathered(module, script.stem, options)})
-    except BaseException as error:
-        answer({**data, "found": [], "refused": f"{type(error).__name__}: {error}"[:500]})
+    finish(ended_by, endless=interrupt.happened)
 
 
 if __name__ == "__main__":

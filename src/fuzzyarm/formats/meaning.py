@@ -41,7 +41,7 @@ POWERS = {"very": 2.0, "somewhat": 0.5, "extremely": 3.0, "power": 1.0}
 
 NEVER = (NOT, Hedge("any"))
 
-_SAMPLES = 1000
+_SAMPLES = 10_000
 _SLIGHT_SHARE = 0.01
 """Up to this share of a range a difference is a warning."""
 

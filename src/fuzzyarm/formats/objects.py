@@ -14,10 +14,10 @@ from dataclasses import dataclass, replace
 from itertools import islice, product
 from typing import Any
 
-from fuzzyarm.formats.findings import Imported
+from fuzzyarm.formats.findings import Imported, UnreadableError
 from fuzzyarm.formats.fll import parse_fll
 from fuzzyarm.formats.fuzzylogic import from_fuzzylogic, fuzzylogic_numbers
-from fuzzyarm.formats.pyit2fls import from_pyit2fls, pyit2fls_numbers
+from fuzzyarm.formats.pyit2fls import KINDS, from_pyit2fls, pyit2fls_numbers
 from fuzzyarm.formats.simpful import from_simpful, simpful_numbers
 from fuzzyarm.formats.skfuzzy import from_skfuzzy, skfuzzy_numbers
 from fuzzyarm.model.rulebase import Input, RuleBase
@@ -114,7 +114,7 @@ LIBRARIES = (
     ),
     Library("simpful", "simpful", ("FuzzySystem",), from_simpful, simpful_numbers),
     Library("fuzzylogic", "fuzzylogic", ("Rule",), from_fuzzylogic, fuzzylogic_numbers),
-    Library("pyit2fls", "pyit2fls", ("IT2Mamdani", "IT2TSK"), from_pyit2fls, pyit2fls_numbers),
+    Library("pyit2fls", "pyit2fls", KINDS, from_pyit2fls, pyit2fls_numbers),
 )  # fmt: skip
 """Libraries whose live objects are read."""
 
@@ -143,8 +143,8 @@ def read_object(
     ----------
     found : object
         A ``ControlSystem`` or ``ControlSystemSimulation`` of scikit-fuzzy, an ``Engine`` of
-        pyfuzzylite, a ``FuzzySystem`` of simpful, a ``Rule`` of fuzzylogic, or an ``IT2Mamdani``
-        or ``IT2TSK`` of pyit2fls.
+        pyfuzzylite, a ``FuzzySystem`` of simpful, a ``Rule`` of fuzzylogic, or a system of
+        pyit2fls (``IT2Mamdani``, ``IT2TSK``, ``IT2FLS``, ``T1Mamdani``, ``T1TSK``).
     name : str
         What the rule base is called.
     points : bool
@@ -166,6 +166,8 @@ def read_object(
     options = {"points": points} if library.module == "skfuzzy" else {}
     try:
         return library.read(found, name, lossy=lossy, strict=strict, **options)
+    except UnreadableError as error:
+        return Imported(None, (Diagnostic("unreadable-object", str(error)[:500]),), library.name)
     except Exception as error:  # whatever the library raises over an object that is half made
         message = f"the object cannot be read: {type(error).__name__}: {error}"
         return Imported(None, (Diagnostic("unreadable-object", message[:500]),), library.name)

@@ -1,19 +1,26 @@
-"""pyit2fls: ``IT2Mamdani`` and ``IT2TSK`` systems of interval type 2 to rule bases.
+"""pyit2fls: its systems of interval type 2 and of type 1 to rule bases.
 
-A set there is two functions with their parameters, and has no name. The centroid of a Mamdani
-system is that of the points of the sets' domain, with both ends; where nothing fires, 0. The
-objects are known by their attributes; pyit2fls itself is not imported.
+A set there is a function or two with their parameters, and has no name. The centroid of a Mamdani
+system of type 2 is that of the points of the sets' domain, with both ends; where nothing fires, 0.
+One of type 1 is integrated by trapezoids. ``IT2FLS`` is told its norms when it is evaluated, the
+functions of ``T1TSK`` their arguments. The objects are known by their attributes; pyit2fls itself
+is not imported.
 """
 
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
-from fuzzyarm.formats.findings import Findings, Imported, unique_name
+from fuzzyarm.expression.formulas import FormulaError
+from fuzzyarm.formats.findings import Findings, Imported, reading, unique_name
+from fuzzyarm.formats.python_formulas import function_shape
 from fuzzyarm.formats.recovery import TOLERANCE, constant_beyond, joined, shape_of
+from fuzzyarm.formats.shapes import range_of_values
 from fuzzyarm.model.rulebase import (
     And,
     Consequent,
@@ -29,18 +36,30 @@ from fuzzyarm.model.rulebase import (
 )
 from fuzzyarm.model.shapes import membership_function
 
-__all__ = ["NAME", "from_pyit2fls", "pyit2fls_numbers"]
+__all__ = ["CALL", "KINDS", "NAME", "from_pyit2fls", "pyit2fls_numbers"]
+
+KINDS = ("IT2Mamdani", "IT2TSK", "IT2FLS", "T1Mamdani", "T1TSK")
+"""Classes whose objects are systems."""
 
 NAME = "_fuzzyarm_name"
 """Attribute of a set that says what the script calls it."""
 
+CALL = "_fuzzyarm_call"
+"""Attribute of a system with the arguments of its last evaluation."""
+
 
 def pyit2fls_numbers(system: Any) -> Callable[[Mapping[str, float]], dict[str, float]]:
     """Return what asks a system for its own numbers: the middle of both ends."""
+    kind = _kind(system)
+    order = _order(system) if kind == "T1TSK" else []
+    settings = _evaluation(system) if kind == "IT2FLS" else {}
 
     def numbers(values: Mapping[str, float]) -> dict[str, float]:
         given = dict.fromkeys(system.inputs, 0.0) | dict(values)
-        found = system.evaluate(given)
+        if kind == "T1TSK":
+            found = system.evaluate(given, tuple(given[name] for name in order))
+        else:
+            found = system.evaluate(given, **settings)
         reduced = found[1] if isinstance(found, tuple) else found
         middles = {str(name): _middle(value) for name, value in reduced.items()}
         return {name: value for name, value in middles.items() if not math.isnan(value)}
@@ -59,8 +78,9 @@ def from_pyit2fls(
 
     Parameters
     ----------
-    system : pyit2fls.IT2Mamdani or pyit2fls.IT2TSK
-        With its rules.
+    system : pyit2fls.IT2Mamdani, IT2TSK, IT2FLS, T1Mamdani or T1TSK
+        With its rules. An ``IT2FLS`` must have been evaluated in a script that is gathered, or
+        its minimum, maximum, centroid and ``EIASC`` are assumed.
     name : str
         What the rule base is called.
     lossy, strict : bool
@@ -100,18 +120,76 @@ _ALGORITHMS = {
 }
 
 
+# --- What an object is, and what it was told when it computed ---
+
+
+def _kind(system: Any) -> str:
+    """Return which of the classes an object is of."""
+    return next((c.__name__ for c in type(system).__mro__ if c.__name__ in KINDS), KINDS[0])
+
+
+_EVALUATION = (
+    "inputs", "t_norm", "s_norm", "domain", "method", "method_params", "algorithm",
+    "algorithm_params",
+)  # fmt: skip
+"""Parameters of ``IT2FLS.evaluate``, in their order."""
+
+
+def _evaluation(system: Any) -> dict[str, Any]:
+    """Return how an ``IT2FLS`` was evaluated; of one that never was what the examples do."""
+    given, options = vars(system).get(CALL, ((), {}))
+    settings = dict(zip(_EVALUATION, given, strict=False)) | dict(options)
+    settings.pop("inputs", None)
+    if settings:
+        return settings
+    module = sys.modules[type(system).__module__]
+    used = [each for _, conclusions in system.rules for _, each in conclusions]
+    return {
+        "t_norm": module.min_t_norm,
+        "s_norm": module.max_s_norm,
+        "domain": used[0].domain if used else None,
+    }
+
+
+def _order(system: Any) -> list[str]:
+    """Return the inputs in the order in which the functions of a ``T1TSK`` get them.
+
+    Told from an evaluation where each argument is the value of one input; else as they were added.
+    """
+    names = [str(name) for name in system.inputs]
+    given, options = vars(system).get(CALL, ((), {}))
+    settings = dict(zip(("inputs", "params"), given, strict=False)) | dict(options)
+    values, arguments = settings.get("inputs"), settings.get("params")
+    if not values or arguments is None:
+        return names
+    found = [
+        [name for name in names if name in values and values[name] is argument]
+        or [name for name in names if name in values and values[name] == argument]
+        for argument in arguments
+    ]
+    if any(len(each) != 1 for each in found):
+        return names[: len(found)] if len(found) < len(names) else names
+    return [each[0] for each in found]
+
+
 class _Reader:
     """One system; `sets` has the terms of each variable in the order of their first use."""
 
     def __init__(self, system: Any, findings: Findings) -> None:
         self.system = system
         self.findings = findings
-        self.kind = next(
-            (c.__name__ for c in type(system).__mro__ if c.__name__ in ("IT2Mamdani", "IT2TSK")),
-            "IT2Mamdani",
-        )
+        self.kind = _kind(system)
         self.sets: dict[str, list[Any]] = {str(name): [] for name in system.inputs}
         self.results: dict[str, list[Any]] = {str(name): [] for name in system.outputs}
+
+    @property
+    def _is_type1(self) -> bool:
+        return self.kind in ("T1Mamdani", "T1TSK")
+
+    @property
+    def _has_values(self) -> bool:
+        """Whether the conclusions are values rather than sets."""
+        return self.kind in ("IT2TSK", "T1TSK")
 
     def rulebase(self, name: str) -> RuleBase | None:
         if not self.system.rules:
@@ -119,30 +197,68 @@ class _Reader:
             return None
         if not self._gather():
             return None
-        conjunction = self._norm("t_norm", _T_NORMS)
-        aggregation = self._norm("s_norm", _S_NORMS)
+        if self._is_type1:
+            conjunction, aggregation = self._engine(), "max"
+        else:
+            conjunction = self._norm("t_norm", _T_NORMS)
+            aggregation = self._norm("s_norm", _S_NORMS)
         inputs = self._inputs()
         names = {each.name: [term.name for term in each.terms] for each in inputs}
-        if self.kind == "IT2TSK":
-            outputs = tuple(self._values(each, inputs) for each in self.results)
-        else:
-            outputs = tuple(self._output(each, aggregation) for each in self.results)
+        outputs = tuple(self._output(each, inputs, aggregation) for each in self.results)
         if self.findings.failed:
             return None
         names |= {each.name: [term.name for term in each.terms] for each in outputs}
-        rules = tuple(self._rule(when, then, names) for when, then in self.system.rules)
-        block = RuleBlock(rules, conjunction=conjunction, implication=conjunction)
+        rules = [
+            rule
+            for when, then in self.system.rules
+            for rule in self._rules(self._rule(when, then, names), then)
+        ]
+        block = RuleBlock(tuple(rules), conjunction=conjunction, implication=conjunction)
         return RuleBase(name, inputs, outputs, (block,))
 
+    def _output(self, name: str, inputs: tuple[Input, ...], aggregation: str) -> Output:
+        if self.kind == "T1TSK":
+            return self._functions(name, inputs)
+        if self.kind == "IT2TSK":
+            return self._values(name, inputs)
+        if self.kind == "T1Mamdani":
+            return self._centres(name) if self._by_centres else self._plain_sets(name)
+        return self._sets(name, aggregation)
+
+    # --- Settings ---
+
     def _setting(self, name: str) -> Any:
+        if self.kind == "IT2FLS":
+            return _evaluation(self.system).get(name, {"method": "Centroid"}.get(name))
         return getattr(self.system, f"_{self.kind}__{name}", None)
 
     def _norm(self, name: str, known: Mapping[str, str]) -> str:
+        if self.kind == "IT2FLS" and CALL not in vars(self.system) and name == "t_norm":
+            message = (
+                "the system was never evaluated, which is when it is told its norms: the minimum, "
+                "the maximum and the centroid are assumed"
+            )
+            self.findings.warn("assumed-norms", message)
         function = self._setting(name)
         found = known.get(str(getattr(function, "__name__", "")))
         if found is None:
             self.findings.error("unknown-norm", f"the norm '{_called(function)}' is not supported")
         return found or "min"
+
+    def _engine(self) -> str:
+        """Return the T-norm of a system of type 1, which is its implication too."""
+        if self.kind == "T1TSK":
+            return "product"
+        engine = str(self.system.engine)
+        found = {"Product": "product", "Minimum": "min"}.get(engine)
+        if found is None:
+            message = f"the engine '{engine}' is not supported; Product and Minimum are"
+            self.findings.error("unknown-norm", message)
+        return found or "min"
+
+    @property
+    def _by_centres(self) -> bool:
+        return str(getattr(self.system, "defuzzification", "CoG")) == "CoA"
 
     # --- Rules ---
 
@@ -160,7 +276,7 @@ class _Reader:
                     elif not any(_same(used, other) for other in known[variable]):
                         known[variable].append(used)
         for name in [each for each, used in self.sets.items() if not used]:
-            if self.kind == "IT2Mamdani":
+            if not self._has_values:
                 self.findings.info("unused-variable", f"no rule uses '{name}'; it is left out")
                 del self.sets[name]
         for name in [each for each, used in self.results.items() if not used]:
@@ -176,6 +292,15 @@ class _Reader:
         ends = tuple(Consequent(str(name), term(name, used)) for name, used in conclusions)
         return Rule(And(parts) if len(parts) > 1 else parts[0], ends)
 
+    def _rules(self, rule: Rule, conclusions: Any) -> list[Rule]:
+        """Return a rule, or one for each conclusion where they count with different weights."""
+        if self.kind != "T1Mamdani" or not self._by_centres:
+            return [rule]
+        return [
+            replace(rule, consequents=(consequent,), weight=_height(used))
+            for consequent, (_, used) in zip(rule.consequents, conclusions, strict=True)
+        ]
+
     # --- Variables ---
 
     def _inputs(self) -> tuple[Input, ...]:
@@ -184,7 +309,7 @@ class _Reader:
             low, high = _range(sets)
             terms = self._terms(name, sets, low, high)
             shapes = [each for term in terms for each in (term.shape, term.lower) if each]
-            inside = self.kind == "IT2Mamdani" and all(
+            inside = not self._has_values and all(
                 constant_beyond(each, low, high) for each in shapes
             )
             outside = "clamp" if inside else "extend"
@@ -199,11 +324,17 @@ class _Reader:
         for number, each in enumerate(sets, 1):
             name = unique_name(str(getattr(each, NAME, f"set{number}")), taken)
             taken.add(name)
-            what = f"'{name}' of '{variable}'"
-            upper = self._shape(each.umf, each.umf_params, low, high, what)
-            lower = self._shape(each.lmf, each.lmf_params, low, high, what)
-            made.append(Term(name, upper, lower=None if lower == upper else lower))
+            with reading(f"'{name}' of '{variable}'"):
+                made.append(self._term(each, name, variable, low, high))
         return tuple(made)
+
+    def _term(self, each: Any, name: str, variable: str, low: float, high: float) -> Term:
+        what = f"'{name}' of '{variable}'"
+        if self._is_type1:
+            return Term(name, self._shape(each.mf, each.params, low, high, what))
+        upper = self._shape(each.umf, each.umf_params, low, high, what)
+        lower = self._shape(each.lmf, each.lmf_params, low, high, what)
+        return Term(name, upper, lower=None if lower == upper else lower)
 
     def _shape(
         self, function: Any, parameters: Sequence[Any], low: float, high: float, what: str
@@ -225,7 +356,10 @@ class _Reader:
             shape = joined(xs, [degree(x) for x in xs])
         return shape
 
-    def _output(self, name: str, aggregation: str) -> Output:
+    # --- Sets of Mamdani ---
+
+    def _points(self, name: str) -> tuple[float, float, int]:
+        """Return the range of an output and the number of its points, which must be even."""
         sets = self.results[name]
         low, high = _range(sets)
         points = [float(x) for x in sets[0].domain]
@@ -234,6 +368,10 @@ class _Reader:
         step = (high - low) / max(1, len(points) - 1)
         if any(abs(low + step * i - x) > 1e-9 * (high - low) for i, x in enumerate(points)):
             self.findings.error("bad-range", f"the points of '{name}' are not even")
+        return low, high, len(points)
+
+    def _sets(self, name: str, aggregation: str) -> Output:
+        low, high, count = self._points(name)
         way = self._setting("method")
         if way != "Centroid":
             message = f"the type reduction '{way}' is not supported; Centroid is"
@@ -242,18 +380,66 @@ class _Reader:
             name,
             low,
             high,
-            self._terms(name, sets, low, high),
+            self._terms(name, self.results[name], low, high),
             outside="extend",
             aggregation=aggregation,
-            defuzzifier=Defuzzifier(self._algorithm("algorithm"), len(points), "endpoints"),
+            defuzzifier=Defuzzifier(self._algorithm("algorithm"), count, "endpoints"),
             no_rule=0.0,
+        )
+
+    def _plain_sets(self, name: str) -> Output:
+        """Return an output of type 1, whose centroid is that of trapezoids."""
+        low, high, count = self._points(name)
+        way = str(getattr(self.system, "defuzzification", "CoG"))
+        if way != "CoG":
+            message = f"the defuzzification '{way}' is not supported; CoG and CoA are"
+            self.findings.error("unknown-defuzzifier", message)
+        return Output(
+            name,
+            low,
+            high,
+            self._terms(name, self.results[name], low, high),
+            outside="extend",
+            aggregation="max",
+            defuzzifier=Defuzzifier("centroid", count, "trapezoid"),
+            no_rule=math.nan,
+        )
+
+    def _centres(self, name: str) -> Output:
+        """Return an output that averages the centres of its sets, by their degrees there.
+
+        Of a set that is scaled by a product the centre stays where it is.
+        """
+        low, high, _ = self._points(name)
+        if self._engine() != "product":
+            message = "the centres (CoA) of sets that are cut move; only Product carries them"
+            self.findings.error("unknown-defuzzifier", message)
+        terms = self._terms(name, self.results[name], low, high)
+        centres = [float(each.defuzzify()) for each in self.results[name]]
+        values = tuple(
+            Term(term.name, Shape("singleton", (centre,)))
+            for term, centre in zip(terms, centres, strict=True)
+        )
+        return Output(
+            name,
+            low,
+            high,
+            values,
+            outside="extend",
+            aggregation="sum",
+            defuzzifier=Defuzzifier("weighted-average"),
+            no_rule=math.nan,
         )
 
     def _algorithm(self, name: str) -> str:
         function = self._setting(name) or getattr(self.system, name, None)
-        found = _ALGORITHMS.get(str(getattr(function, "__name__", "")))
+        if self.kind == "IT2FLS":
+            word = f"{function or 'EIASC'}_algorithm"
+        else:
+            word = str(getattr(function, "__name__", ""))
+        found = _ALGORITHMS.get(word)
         if found is None:
-            message = f"the algorithm '{_called(function)}' is not supported"
+            message = f"the algorithm '{word or _called(function)}' is not supported"
             self.findings.error("unknown-defuzzifier", message)
         return found or "karnik-mendel"
 
@@ -261,22 +447,63 @@ class _Reader:
 
     def _values(self, name: str, inputs: tuple[Input, ...]) -> Output:
         shapes = [_value(each, inputs) for each in self.results[name]]
-        numbers = [x for shape in shapes for x in _extremes(shape, inputs)]
-        low, high = min(numbers), max(numbers)
-        if not -math.inf < low < high < math.inf:
-            low, high = (low - 0.5, low + 0.5) if math.isfinite(low) else (0.0, 1.0)
+        terms = tuple(Term(f"value{i}", shape) for i, shape in enumerate(shapes, 1))
+        return self._average(name, inputs, terms, Defuzzifier(self._algorithm("algorithm")), 0.0)
+
+    def _functions(self, name: str, inputs: tuple[Input, ...]) -> Output:
+        """Return the values of functions, which get the inputs in the order of an evaluation."""
+        order = _order(self.system)
+        terms = []
+        for number, function in enumerate(self.results[name], 1):
+            with reading(f"value{number} of '{name}'"):
+                shape = self._function(function, order, inputs, f"value{number} of '{name}'")
+                terms.append(Term(f"value{number}", shape))
+        default = float(getattr(self.system, "default", 0.0))
+        way = Defuzzifier("weighted-average")
+        return self._average(name, inputs, tuple(terms), way, default)
+
+    def _function(
+        self, function: Any, order: list[str], inputs: tuple[Input, ...], what: str
+    ) -> Shape:
+        try:
+            shape = function_shape(function, order)
+        except (SyntaxError, ValueError, FormulaError, OSError, TypeError) as error:
+            message = f"{what} is a function that is not arithmetic of the inputs: {error}"
+            self.findings.error("bad-formula", message[:300])
+            return Shape("singleton", (0.0,))
+        if shape.kind != "linear":
+            return shape
+        factors = dict(zip(order, shape.parameters, strict=False))
+        ordered = (factors.get(each.name, 0.0) for each in inputs)
+        return Shape("linear", (*ordered, shape.parameters[-1]))
+
+    def _average(
+        self,
+        name: str,
+        inputs: tuple[Input, ...],
+        terms: tuple[Term, ...],
+        defuzzifier: Defuzzifier,
+        no_rule: float,
+    ) -> Output:
+        ends = {each.name: (each.low, each.high) for each in inputs}
+        low, high = range_of_values((term.shape for term in terms), ends) or (0.0, 1.0)
         message = f"'{name}' has no universe of discourse; {low:g} to {high:g} by its values"
         self.findings.info("estimated-range", message)
         return Output(
             name,
             low,
             high,
-            tuple(Term(f"value{i}", shape) for i, shape in enumerate(shapes, 1)),
+            terms,
             outside="extend",
             aggregation="sum",
-            defuzzifier=Defuzzifier(self._algorithm("algorithm")),
-            no_rule=0.0,
+            defuzzifier=defuzzifier,
+            no_rule=no_rule,
         )
+
+
+def _height(each: Any) -> float:
+    """Return the degree of a set at its own centre."""
+    return float(each(each.defuzzify()))
 
 
 def _called(function: Any) -> str:
@@ -285,12 +512,14 @@ def _called(function: Any) -> str:
 
 def _same(one: Any, other: Any) -> bool:
     """Whether two sets, or two sums of inputs, are the same."""
-    if one is other or isinstance(one, dict):
+    if one is other or isinstance(one, dict) or not hasattr(one, "domain"):
         return one is other or bool(one == other)
     return _definition(one) == _definition(other)
 
 
 def _definition(each: Any) -> tuple[Any, ...]:
+    if hasattr(each, "mf"):
+        return (each.mf, [*map(float, each.params)], [*map(float, each.domain)])
     return (
         each.umf,
         [*map(float, each.umf_params)],
@@ -317,15 +546,6 @@ def _value(factors: Mapping[str, Any], inputs: tuple[Input, ...]) -> Shape:
     if not any(numbers):
         return Shape("singleton", (constant,))
     return Shape("linear", (*numbers, constant))
-
-
-def _extremes(shape: Shape, inputs: tuple[Input, ...]) -> list[float]:
-    """Return the least and the largest value of a sum of inputs over their ranges."""
-    *factors, constant = shape.parameters
-    if not factors:
-        return [constant]
-    parts = [(f * i.low, f * i.high) for f, i in zip(factors, inputs, strict=True)]
-    return [constant + sum(map(end, parts)) for end in (min, max)]
 
 
 def _ordered(kind: str, *numbers: float, height: float) -> Shape | None:

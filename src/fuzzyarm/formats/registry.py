@@ -18,6 +18,7 @@ from fuzzyarm.formats.fis_reader import parse_fis
 from fuzzyarm.formats.fis_writer import write_fis
 from fuzzyarm.formats.fll import parse_fll, write_fll
 from fuzzyarm.formats.fml import parse_fml
+from fuzzyarm.formats.not_texts import called, started
 from fuzzyarm.formats.writing import note_threshold
 from fuzzyarm.model.rulebase import AnyRuleBase, RuleBase
 from fuzzyarm.text.diagnostic import MAX_CHARACTERS as MAX_OWN_CHARACTERS
@@ -62,6 +63,9 @@ def suffix_of(path: str | os.PathLike[str], known: tuple[str, ...] = SUFFIXES) -
     suffix = Path(path).suffix.lower()
     if suffix not in known:
         endings = ", ".join(known)
+        if known_as := called(path):
+            what, hint = known_as
+            raise FormatError(f"{os.fspath(path)}: this is {what}, not a text", hint=hint)
         raise FormatError(f"{os.fspath(path)}: a rule base ends in {endings}, not '{suffix}'")
     return suffix
 
@@ -171,6 +175,11 @@ def decoded(data: bytes, path: str) -> tuple[str, tuple[Diagnostic, ...]]:
     """
     if data[:2] in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE):
         return data.decode("utf-16", errors="replace"), ()
+    if known_as := started(data):
+        what, hint = known_as
+        findings = Findings(path)
+        findings.error("not-text", f"this is {what}, not a text", hint=hint)
+        return "", findings.all()
     if b"\0" in data:
         findings = Findings(path)
         findings.error("not-text", "not a text file")

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from itertools import pairwise
+from itertools import pairwise, product
 
 from fuzzyarm.expression import formulas
 from fuzzyarm.expression.formulas import FormulaError, read_formula, write_formula
@@ -244,6 +244,35 @@ def _settle_ties(xs: list[float], ys: list[float], ties: str) -> None:
             xs[i] = math.nextafter(xs[i], math.inf)
         elif ties == "last" and ys[i - 1] > ys[i] and (i < 2 or xs[i - 2] < xs[i - 1]):
             xs[i - 1] = math.nextafter(xs[i - 1], -math.inf)
+
+
+def range_of_values(
+    shapes: Iterable[Shape], inputs: Mapping[str, tuple[float, float]]
+) -> tuple[float, float] | None:
+    """Return the range that the values of an output span over the ranges of the inputs.
+
+    Of a formula the corners and the middle of the inputs are asked. None where there is no
+    finite value; a range without width gets half a unit on either side.
+    """
+    found = [x for shape in shapes for x in _values(shape, inputs) if math.isfinite(x)]
+    if not found:
+        return None
+    low, high = min(found), max(found)
+    return (low, high) if low < high else (low - 0.5, high + 0.5)
+
+
+def _values(shape: Shape, inputs: Mapping[str, tuple[float, float]]) -> list[float]:
+    """Return values of a consequent, the extreme ones of a constant or a linear sum."""
+    if shape.kind == "singleton":
+        return list(shape.parameters)
+    if shape.kind == "linear":
+        *factors, constant = shape.parameters
+        parts = [(f * a, f * b) for f, (a, b) in zip(factors, inputs.values(), strict=True) if f]
+        return [constant + sum(map(end, parts)) for end in (min, max)]
+    ends = list(inputs.values())
+    corners = [*(product(*ends) if len(ends) <= 10 else []), [0.5 * (a + b) for a, b in ends]]
+    formula = read_formula(shape.formula)
+    return [formula.evaluate(dict(zip(inputs, corner, strict=True))) for corner in corners]
 
 
 def estimated_range(shapes: list[Shape]) -> tuple[float, float] | None:

@@ -8,19 +8,18 @@ is not imported.
 
 from __future__ import annotations
 
-import ast
 import math
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
-from itertools import product
 from typing import Any
 
-from fuzzyarm.expression.formulas import FormulaError, read_formula, write_formula
+from fuzzyarm.expression.formulas import FormulaError
 from fuzzyarm.formats.drafts import blocks_by_norms
-from fuzzyarm.formats.findings import Findings, Imported, Word, unique_name, written
+from fuzzyarm.formats.findings import Findings, Imported, Word, reading, unique_name, written
+from fuzzyarm.formats.python_formulas import text_shape
 from fuzzyarm.formats.recovery import constant_beyond, even_family, joined, shape_of
 from fuzzyarm.formats.sentences import NOT, hedged
-from fuzzyarm.formats.shapes import estimated_range
+from fuzzyarm.formats.shapes import estimated_range, range_of_values
 from fuzzyarm.model.rulebase import (
     And,
     Consequent,
@@ -242,7 +241,8 @@ class _Reader:
         finite = -math.inf < low < high < math.inf
         shapes: dict[str, Shape] = {}
         for each in variable._FSlist:
-            shape = self._shape(each, name, *((low, high) if finite else (-1e3, 1e3)))
+            with reading(f"the term '{each._term}' of '{name}'"):
+                shape = self._shape(each, name, *((low, high) if finite else (-1e3, 1e3)))
             if each._term in shapes:
                 message = f"'{name}' has two terms called '{each._term}'"
                 self.findings.error("duplicate-term-name", message)
@@ -274,10 +274,8 @@ class _Reader:
     def _values(self, name: str, inputs: tuple[Input, ...], rules: list[Rule]) -> Output:
         used = [c.term for rule in rules for c in rule.consequents if c.variable == name]
         shapes = {term: self._value(term, inputs) for term in dict.fromkeys(used)}
-        numbers = [v for shape in shapes.values() for v in _extremes(shape, inputs)]
-        low, high = min(numbers, default=0.0), max(numbers, default=1.0)
-        if not -math.inf < low < high < math.inf:
-            low, high = (low - 0.5, low + 0.5) if math.isfinite(low) else (0.0, 1.0)
+        ends = {each.name: (each.low, each.high) for each in inputs}
+        low, high = range_of_values(shapes.values(), ends) or (0.0, 1.0)
         message = f"'{name}' has no universe of discourse; {low:g} to {high:g} by its values"
         self.findings.info("estimated-range", message)
         return Output(
@@ -293,7 +291,7 @@ class _Reader:
         text = str(self.system._outputfunctions.get(name, "0"))
         names = [each.name for each in inputs]
         try:
-            return _formula(text, factor, names)
+            return text_shape(text, names, factor)
         except (SyntaxError, ValueError, FormulaError) as error:
             message = f"the function '{text[:60]}' of '{name}': {error}"
             self.findings.error("bad-formula", message)
@@ -375,89 +373,3 @@ def _polygon(each: Any) -> Shape:
     if last != points[-1][1]:
         points.append((math.nextafter(points[-1][0], math.inf), last))
     return Shape("points", tuple(value for point in points for value in point))
-
-
-# --- Functions of Sugeno systems: Python's arithmetic as a formula ---
-
-_SIGNS = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.Pow: "^"}
-_FUNCTIONS = frozenset({"abs", "min", "max", "log10"})
-
-
-def _formula(text: str, factor: float, names: list[str]) -> Shape:
-    """Return a linear consequent where a function is one, else a formula."""
-    if "{" in text:
-        raise ValueError("templates are not supported")
-    tree = ast.parse(text.strip(), mode="eval").body
-    affine = _affine(tree, names)
-    if affine is not None:
-        return Shape("linear", tuple(factor * number for number in affine))
-    formula = _in_words(tree, names)
-    formula = formula if factor == 1.0 else f"{written(factor)} * ({formula})"
-    return Shape("formula", (), 1.0, write_formula(read_formula(formula).root))
-
-
-def _affine(tree: ast.expr, names: list[str]) -> list[float] | None:
-    """Return a coefficient for each name and the constant, or None."""
-    match tree:
-        case ast.Constant(value=int() | float() as number):
-            return [*[0.0] * len(names), float(number)]
-        case ast.Name(id=name) if name in names:
-            return [float(each == name) for each in names] + [0.0]
-        case ast.UnaryOp(op=ast.USub() | ast.UAdd() as sign, operand=operand):
-            inner = _affine(operand, names)
-            return inner and [-x if isinstance(sign, ast.USub) else x for x in inner]
-        case ast.BinOp(left=left, op=sign, right=right):
-            a, b = _affine(left, names), _affine(right, names)
-            return _affine_of(sign, a, b) if a is not None and b is not None else None
-    return None
-
-
-def _affine_of(sign: ast.operator, a: list[float], b: list[float]) -> list[float] | None:
-    match sign:
-        case ast.Add():
-            return [x + y for x, y in zip(a, b, strict=True)]
-        case ast.Sub():
-            return [x - y for x, y in zip(a, b, strict=True)]
-        case ast.Mult() if not any(a[:-1]):
-            return [a[-1] * y for y in b]
-        case ast.Mult() if not any(b[:-1]):
-            return [x * b[-1] for x in a]
-        case ast.Div() if not any(b[:-1]) and b[-1]:
-            return [x / b[-1] for x in a]
-    return None
-
-
-def _in_words(tree: ast.expr, names: list[str]) -> str:
-    match tree:
-        case ast.Constant(value=int() | float() as number):
-            return written(float(number))
-        case ast.Name(id=name):
-            if name not in names:
-                raise ValueError(f"'{name}' is not an input")
-            return name
-        case ast.UnaryOp(op=ast.USub(), operand=operand):
-            return f"(-({_in_words(operand, names)}))"
-        case ast.UnaryOp(op=ast.UAdd(), operand=operand):
-            return _in_words(operand, names)
-        case ast.BinOp(left=left, op=sign, right=right) if type(sign) in _SIGNS:
-            return f"({_in_words(left, names)} {_SIGNS[type(sign)]} {_in_words(right, names)})"
-        case ast.Call(func=ast.Name(id=function), args=args, keywords=[]) if function in _FUNCTIONS:
-            return f"{function}({', '.join(_in_words(each, names) for each in args)})"
-    raise ValueError(f"'{ast.unparse(tree)}' is not supported")
-
-
-def _extremes(shape: Shape, inputs: tuple[Input, ...]) -> list[float]:
-    """Return values of a consequent at the corners and the middle of the inputs' ranges."""
-    if shape.kind == "singleton":
-        return list(shape.parameters)
-    ends = [(each.low, each.high) for each in inputs]
-    corners = [*(product(*ends) if len(ends) <= 10 else []), [0.5 * (a + b) for a, b in ends]]
-    found = []
-    for corner in corners:
-        if shape.kind == "linear":
-            *factors, constant = shape.parameters
-            found.append(constant + sum(f * x for f, x in zip(factors, corner, strict=True)))
-            continue
-        values = dict(zip((each.name for each in inputs), corner, strict=True))
-        found.append(read_formula(shape.formula).evaluate(values))
-    return [x for x in found if math.isfinite(x)]

@@ -22,8 +22,15 @@ from typing import Any
 
 from fuzzyarm.expression.kinds import SHAPES, SNORMS, TNORMS
 from fuzzyarm.formats.drafts import VALUES, blocks_by_norms
-from fuzzyarm.formats.findings import Findings, Imported
-from fuzzyarm.formats.recovery import even_family, is_joined, joined, recovered
+from fuzzyarm.formats.findings import Findings, Imported, reading
+from fuzzyarm.formats.recovery import (
+    NEAR_LINES,
+    beside_lines,
+    even_family,
+    is_joined,
+    joined,
+    recovered,
+)
 from fuzzyarm.formats.sentences import NOT, hedged
 from fuzzyarm.formats.writing import note_chaining, note_left_out, note_threshold, refuse_type_2
 from fuzzyarm.model.rulebase import (
@@ -192,46 +199,73 @@ def _range(variable: Any) -> tuple[float, float]:
 
 def _terms(variable: Any, findings: Findings, *, points: bool) -> tuple[Term, ...]:
     """Return the terms of a variable; say so where one differs between the points."""
-    name, xs = variable.label, [float(x) for x in variable.universe]
+    name = variable.label
+    with reading(f"the universe of '{name}'"):
+        xs = [float(x) for x in variable.universe]
     if len(xs) < 2 or any(not a < b for a, b in pairwise(xs)):
         message = f"the universe of '{name}' must be two and more numbers that increase"
         findings.error("unordered-points", message)
         return ()
-    degrees = {str(label): [float(y) for y in term.mf] for label, term in variable.terms.items()}
+    degrees = {}
+    for label, term in variable.terms.items():
+        with reading(f"the term '{label}' of '{name}'"):
+            degrees[str(label)] = _degrees(term, len(xs))
     if not all(map(math.isfinite, chain(xs, *degrees.values()))):
         findings.error("not-finite", f"the universe or a term of '{name}' has a nan or inf")
         return ()
-    shapes = [recovered(xs, ys) or joined(xs, ys) for ys in degrees.values()]
-    shapes = even_family(shapes, xs[0], xs[-1], xs) or shapes
-    if points:
-        shapes = [
-            shape if is_joined(shape, xs) else joined(xs, ys)
-            for shape, ys in zip(shapes, degrees.values(), strict=True)
-        ]
-    changed = [
-        label for label, shape in zip(degrees, shapes, strict=True) if not is_joined(shape, xs)
-    ]
+    found = [recovered(xs, ys) or joined(xs, ys) for ys in degrees.values()]
+    shapes = dict(zip(degrees, even_family(found, xs[0], xs[-1], xs) or found, strict=True))
+    curved = [label for label, shape in shapes.items() if not is_joined(shape, xs)]
     # An output is joined by its defuzzifier, which takes no notice of a shape between the points.
-    if changed and not (_is_output(variable) and _are_even(xs)):
+    anyway = _is_output(variable) and _are_even(xs)
+    lines = curved if points else [
+        each for each in curved if not anyway and beside_lines(shapes[each], xs) > NEAR_LINES
+    ]  # fmt: skip
+    if not anyway:
+        _note_between(variable, [each for each in curved if each not in lines], findings)
+    if lines and not points:
         message = (
-            f"{', '.join(changed)} of '{name}' between its {len(xs)} points: the whole shape here, "
-            "straight lines to scikit-fuzzy"
+            f"{', '.join(lines)} of '{name}' would differ by more than {NEAR_LINES:.0%} between "
+            f"its {len(xs)} points, which scikit-fuzzy joins by straight lines; these are kept"
         )
-        findings.info("between-samples", message, hint="--points keeps the straight lines")
-    return tuple(Term(label, shape) for label, shape in zip(degrees, shapes, strict=True))
+        findings.info("between-samples", message)
+    return tuple(
+        Term(label, joined(xs, degrees[label]) if label in lines else shape)
+        for label, shape in shapes.items()
+    )
+
+
+def _degrees(term: Any, count: int) -> list[float]:
+    """Return the degrees of a term, one for each point of the universe."""
+    found = [float(y) for y in term.mf]
+    if len(found) != count:
+        raise ValueError(f"it has {len(found)} degrees for {count} points")
+    return found
+
+
+def _note_between(variable: Any, labels: list[str], findings: Findings) -> None:
+    if not labels:
+        return
+    message = (
+        f"{', '.join(labels)} of '{variable.label}' between its {len(variable.universe)} points: "
+        "the whole shape here, straight lines to scikit-fuzzy"
+    )
+    findings.info("between-samples", message, hint="--points keeps the straight lines")
 
 
 def _blocks(rules: list[Any], findings: Findings) -> tuple[RuleBlock, ...]:
     """Return a block for each run of rules with the same norms."""
     read: list[tuple[tuple[str, str], Rule]] = []
     for rule in rules:
-        _note_intermediates(rule, findings)
-        norms = (_norm_name(rule.and_func), _norm_name(rule.or_func))
+        with reading(f"the rule '{rule.label}'"):
+            _note_intermediates(rule, findings)
+            norms = (_norm_name(rule.and_func), _norm_name(rule.or_func))
         if norms[0] not in _TNORMS or norms[1] not in _SNORMS:
             message = f"the rule '{rule.label}' joins conditions by a function of its own"
             findings.error("unknown-norm", message)
             continue
-        read += [(norms, made) for made in _rules(rule)]
+        with reading(f"the rule '{rule.label}'"):
+            read += [(norms, made) for made in _rules(rule)]
     return blocks_by_norms(read)
 
 

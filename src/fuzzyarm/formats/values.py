@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from fuzzyarm.expression.formulas import FormulaError, read_formula, write_formula
+from fuzzyarm.expression.formulas import Formula, FormulaError, read_formula, write_formula
 from fuzzyarm.expression.nodes import replace as put_in
 from fuzzyarm.expression.nodes import symbol
 from fuzzyarm.formats.drafts import VALUES, Draft
@@ -16,19 +16,47 @@ from fuzzyarm.formats.findings import Findings, Word
 from fuzzyarm.formats.recovery import joined, shape_of
 from fuzzyarm.model.rulebase import POSITION, Shape, Term
 
-__all__ = ["name_position", "values_as_sets"]
+__all__ = ["formulas_of_input", "values_as_sets"]
 
 
-def name_position(draft: Draft) -> None:
-    """Let the formulas of an input ask for x where they ask for the input by its name."""
+def formulas_of_input(draft: Draft, findings: Findings) -> None:
+    """Put the shapes that the formulas of an input draw in their place.
+
+    A formula may ask for the input by its name. One that draws none of the shapes stays, of x.
+    """
     for index, term in enumerate(draft.terms):
-        if term.shape.kind != "formula" or draft.name == POSITION:
+        if term.shape.kind != "formula":
             continue
         formula = read_formula(term.shape.formula)
-        if draft.name not in formula.names:
-            continue
-        text = write_formula(put_in(formula.root, {draft.name: symbol(POSITION)}))
-        draft.put(index, Term(term.name, Shape("formula", (), 1.0, text), term.span))
+        if draft.name in formula.names:
+            root = put_in(formula.root, {draft.name: symbol(POSITION)})
+            formula = read_formula(write_formula(root))
+        shape = Shape("formula", (), 1.0, write_formula(formula.root))
+        known = _drawn(formula, draft)
+        if known is not None:
+            message = (
+                f"the formula of '{term.name}' of '{draft.name}' is taken as the {known.kind} that "
+                "it draws"
+            )
+            findings.info("formula-as-set", message, term.span)
+        draft.put(index, Term(term.name, known or shape, term.span))
+
+
+def _drawn(formula: Formula, draft: Draft) -> Shape | None:
+    """Return the shape that a formula in x is, also beyond the range, or None."""
+    if set(formula.names) != {POSITION} or not draft.bounded:
+        return None
+
+    def degree(x: float) -> float:
+        value = formula.evaluate({POSITION: x})
+        if not 0.0 <= value <= 1.0:
+            raise FormulaError("a degree goes from 0 to 1", draft.name)
+        return value
+
+    try:
+        return shape_of(degree, draft.low, draft.high)
+    except FormulaError:
+        return None
 
 
 def values_as_sets(draft: Draft, implication: str | None, at: Word, findings: Findings) -> None:

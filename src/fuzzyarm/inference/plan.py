@@ -499,17 +499,19 @@ def _member(
     *,
     discrete: bool,
 ) -> Member:
-    shape, formula = term.shape, None
+    shape, formula, holds_value = term.shape, None, is_value(term.shape)
     if shape.kind == "formula":
         formula = formula_of(shape)
-        _check_formula(rulebase, output, term, formula, discrete=discrete)
+        # What is weighed is a value: `x` is then the variable of that name, and not a position.
+        holds_value |= output.defuzzifier.method in WEIGHTED
+        _check_formula(rulebase, output, term, formula, discrete=discrete, is_set=not holds_value)
     if shape.kind == "linear" and len(shape.parameters) != len(rulebase.inputs) + 1:
         raise InferenceError(
             f"'{output.name} is {term.name}' needs {len(rulebase.inputs) + 1} numbers"
             f" (one for each input and the constant), not {len(shape.parameters)}"
         )
     function = term_function(shape, hedges)
-    if is_value(shape) and discrete:
+    if holds_value and discrete:
         if hedges:
             raise InferenceError(
                 f"'{output.name} is {term.name}' is a value, and hedges modify sets only"
@@ -524,7 +526,13 @@ def _member(
 
 
 def _check_formula(
-    rulebase: RuleBase, output: Output, term: Term, formula: Formula, *, discrete: bool
+    rulebase: RuleBase,
+    output: Output,
+    term: Term,
+    formula: Formula,
+    *,
+    discrete: bool,
+    is_set: bool,
 ) -> None:
     from fuzzyarm.expression.formulas import CONSTANTS
 
@@ -534,7 +542,7 @@ def _check_formula(
             continue
         if name not in known and name not in CONSTANTS:
             raise UnknownNameError(name, known, what="variable")
-        if name in known and not is_value(term.shape):
+        if name in known and is_set:
             raise InferenceError(
                 f"'{output.name} is {term.name}' is a set: its formula may use {POSITION} only"
             )

@@ -100,6 +100,8 @@ def _formulas(output: Output, variables: set[str]) -> Iterator[Diagnostic]:
             continue
         others = sorted(names & (variables - {POSITION}))
         method, message, hint = output.defuzzifier.method, "", ""
+        if method in WEIGHTED and POSITION in variables:
+            continue  # a value, which asks for the variable of that name
         if method in WEIGHTED:
             message = f"which makes it a set; {method} needs a value"
         elif POSITION in variables:

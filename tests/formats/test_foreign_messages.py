@@ -1,0 +1,204 @@
+"""Files that are not quite right: read with a warning where the meaning is clear, else said why."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from fuzzyarm.api import UnknownKindError, load
+from fuzzyarm.cli.main import main
+from fuzzyarm.formats import FormatError, Imported, parse_fcl, parse_fis, parse_fll, read
+from fuzzyarm.inference import infer
+from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.text.diagnostic import Severity
+
+DATA = Path(__file__).parent / "data"
+PUMP = (DATA / "pump_jfuzzylogic.fcl").read_text(encoding="utf-8")
+TIPPER = (DATA / "tipper_matlab.fis").read_text(encoding="utf-8")
+
+
+def good(imported: Imported) -> RuleBase:
+    assert imported.rulebase is not None, [str(d) for d in imported.errors]
+    return imported.rulebase
+
+
+def of_name(imported: Imported, name: str) -> list[str]:
+    return [d.message for d in imported.diagnostics if d.name == name]
+
+
+# ── FIS ──────────────────────────────────────────────────────────────────────────────
+
+
+def test_fewer_rules_than_the_file_says_are_a_warning() -> None:
+    count = TIPPER.partition("[Rules]")[2].count(":")
+    text = TIPPER.replace(f"NumRules={count}", f"NumRules={count + 12}")
+    assert text != TIPPER
+    imported = parse_fis(text)
+    assert good(imported).rules == good(parse_fis(TIPPER)).rules
+    (finding,) = [d for d in imported.diagnostics if d.name == "wrong-count"]
+    assert finding.severity is Severity.WARNING
+    assert finding.hint == "is the file cut off?"
+
+
+def test_rules_that_are_glued_to_the_comment_of_their_block() -> None:
+    imported = read(DATA / "glued_jfuzzylite.fis")
+    rulebase = good(imported)
+    assert imported.producer == "fuzzylite"
+    assert len(rulebase.rules) == 4
+    assert [d.line for d in imported.diagnostics if d.name == "glued-rule"] == [38, 40]
+    first = rulebase.rules[0]
+    assert (first.antecedent.variable, first.antecedent.term) == ("a", "low")  # type: ignore[union-attr]
+    assert rulebase.rules[2].weight == 0.5
+    assert "wrong-count" not in {d.name for d in imported.diagnostics}
+
+
+def test_a_comment_of_a_block_without_a_rule_stays_one() -> None:
+    text = (
+        (DATA / "glued_jfuzzylite.fis")
+        .read_text()
+        .replace("# RuleBlock 11.000 0.000", "# RuleBlock 1\n1.000 0.000")
+    )
+    assert len(good(parse_fis(text)).rules) == 4
+    odd = text.replace("# RuleBlock 1\n", "# RuleBlock 17: a comment, with signs\n")
+    assert len(good(parse_fis(odd)).rules) == 4
+
+
+def test_functions_with_one_number_are_counted_as_they_stand() -> None:
+    """fuzzylite counts them so, whatever their numbers."""
+    imported = read(DATA / "glued_jfuzzylite.fis")
+    (message,) = of_name(imported, "duplicate-index")
+    assert message == (
+        "'b' has two functions with the number 1; its terms are counted as they stand, 1 to 2"
+    )
+    second = good(imported).rules[1].antecedent.operands[1]  # type: ignore[union-attr]
+    assert (second.variable, second.term) == ("b", "high")
+
+
+# ── FCL ──────────────────────────────────────────────────────────────────────────────
+
+
+def test_rules_without_variables_say_so() -> None:
+    text = "RULE 1: IF (pain IS strong) THEN (health IS bad);\nRULE 2: IF a THEN b;\n"
+    (error,) = parse_fcl(text).errors
+    assert (error.name, error.line) == ("no-variables", 1)
+    assert "there are rules here but no variables" in error.message
+
+
+def test_a_condition_without_a_variable_says_so() -> None:
+    text = PUMP.replace("IF level IS low AND", "IF low AND")
+    messages = of_name(parse_fcl(text), "lone-word")
+    assert messages == [
+        "'low' alone is not a condition, which is 'variable IS term': it is a term of level"
+    ]
+    lone = parse_fcl(PUMP.replace("IF level IS low AND", "IF level AND"))
+    assert "it is a variable, and no term is named" in of_name(lone, "lone-word")[0]
+    other = parse_fcl(PUMP.replace("THEN power IS max,", "THEN max,"))
+    assert "'max' alone is not a conclusion" in of_name(other, "lone-word")[0]
+
+
+@pytest.mark.parametrize("end", ["END_VAR", "END_FUZZIFY", "END_DEFUZZIFY", "END_RULEBLOCK"])
+def test_a_missing_end_is_said_and_read_over(end: str) -> None:
+    """jFuzzyLogic says so too, and goes on."""
+    imported = parse_fcl(PUMP.replace(end, "", 1))
+    assert good(imported) == good(parse_fcl(PUMP)) or good(imported).rules
+    (message,) = of_name(imported, "missing-end")
+    assert message.startswith(f"'{end}' is missing before '")
+
+
+def test_another_end_is_taken_for_the_one_that_is_missing() -> None:
+    imported = parse_fcl(PUMP.replace("END_FUZZIFY", "END_DEFUZZIFY", 1))
+    assert "'END_DEFUZZIFY' is taken for 'END_FUZZIFY', which is missing" in of_name(
+        imported, "missing-end"
+    )
+    good(imported)
+
+
+def test_a_file_that_ends_within_a_section_is_cut_off() -> None:
+    for end in ("END_VAR", "END_FUZZIFY", "END_RULEBLOCK"):
+        (error, *_) = parse_fcl(PUMP.partition(end)[0]).errors
+        assert f"'{end}' is missing: is the file cut off?" in error.message
+
+
+@pytest.mark.parametrize("term", ["TERM odd := ;", "TERM odd :=", "TERM odd ;"])
+def test_an_empty_term_says_so(term: str) -> None:
+    imported = parse_fcl(PUMP.replace("END_FUZZIFY", f"  {term}\nEND_FUZZIFY", 1))
+    assert [d.message for d in imported.errors] == [
+        "the term has no membership function: nothing stands behind its ':='"
+    ]
+    used = PUMP.replace("END_FUZZIFY", f"  {term}\nEND_FUZZIFY", 1)
+    used = used.replace("IF level IS low AND", "IF level IS odd AND")
+    assert len(parse_fcl(used).errors) == 1  # the rule that uses it adds nothing
+
+
+# ── names ────────────────────────────────────────────────────────────────────────────
+
+
+def test_an_unknown_name_is_said_once_with_those_there_are() -> None:
+    fll = "Engine: e\nInputVariable: warmth\nrange: 0 1\nterm: cold Ramp 1 0\nterm: hot Ramp 0 1\n"
+    fll += "OutputVariable: y\nrange: 0 1\naggregation: Maximum\ndefuzzifier: Centroid\n"
+    fll += "term: on Ramp 0 1\nRuleBlock:\nimplication: Minimum\n"
+    fll += (
+        "rule: if warmht is hot then y is on\n" * 40 + "rule: if warmth is icy then y is on\n" * 3
+    )
+    first, second = parse_fll(fll).errors
+    assert first.message == "the variable 'warmht' is not known (here and 39 more times)"
+    assert first.hint == "did you mean 'warmth'?; known: warmth, y"
+    assert second.message == "the term of 'warmth' 'icy' is not known (here and 2 more times)"
+    assert second.hint == "known: cold, hot"
+
+
+def test_many_names_are_not_all_listed() -> None:
+    terms = "".join(f"term: t{i} Ramp 0 1\n" for i in range(40))
+    fll = f"InputVariable: x\nrange: 0 1\n{terms}OutputVariable: y\nrange: 0 1\nterm: on Ramp 0 1\n"
+    fll += "aggregation: Maximum\ndefuzzifier: Centroid\nRuleBlock:\nimplication: Minimum\n"
+    (error,) = parse_fll(fll + "rule: if x is unheard then y is on\n").errors
+    assert error.hint.startswith("known: t0, t1, ")
+    assert error.hint.endswith(", t11, …")
+
+
+# ── files that are no text ───────────────────────────────────────────────────────────
+
+
+@pytest.mark.parametrize(
+    ("name", "what", "helps"),
+    [
+        ("fan.mat", "a MAT-file", "writeFIS"),
+        ("fan.pkl", "a pickle", "a script that loads it"),
+        ("fan.joblib", "a pickle", "a script that loads it"),
+    ],
+)
+def test_what_is_not_a_text_is_called_what_it_is(
+    name: str, what: str, helps: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / name
+    path.write_bytes(b"\x80\x04\x95whatever\0")
+    with pytest.raises(FormatError, match=f"this is {what}, not a text") as caught:
+        read(path)
+    assert helps in caught.value.hint
+    with pytest.raises(UnknownKindError, match=f"this is {what}"):
+        load(path)
+    for words in (["check", str(path)], ["convert", str(path), str(tmp_path / "a.frb")]):
+        assert main(words) == 1
+        assert f"this is {what}, not a text" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("data", "what"),
+    [
+        (b"MATLAB 5.0 MAT-file, Platform: GLNXA64" + b"\0" * 90, "a MAT-file"),
+        (b"\x80\x04\x95\x10\0\0\0\0\0\0\0}\x94.", "a pickle"),
+        (b"PK\x03\x04\x14\0\0\0", "an archive"),
+    ],
+)
+def test_whatever_a_file_is_called(data: bytes, what: str, tmp_path: Path) -> None:
+    path = tmp_path / "fan.fis"
+    path.write_bytes(data)
+    (error,) = read(path).errors
+    assert (error.name, error.message) == ("not-text", f"this is {what}, not a text")
+
+
+def test_a_t2fis_is_read_by_its_suffix(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["eval", str(DATA / "observer.t2fis"), "x1=-0.3", "x2=0.6"]) == 0
+    value = float(capsys.readouterr().out.split("=")[1])
+    assert value == infer(good(read(DATA / "observer.t2fis")), x1=-0.3, x2=0.6)["y"]
