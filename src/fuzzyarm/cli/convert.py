@@ -377,7 +377,7 @@ COMMANDS = (
             flag("--run", "run the script without asking"),
             argument(
                 "--seconds S",
-                "time for the script (default: %(default)g)",
+                f"time for the script (default: {SECONDS:g})",
                 type=float,
                 default=SECONDS,
             ),
