@@ -252,6 +252,21 @@ def test_the_tolerance_is_met_by_the_smallest_grid(tolerance):
     assert min([math.inf, *worst[:-1]]) > tolerance * 0.98
 
 
+@pytest.mark.parametrize("bending", range(1, 90))
+def test_the_search_for_the_fewest_levels_ends_whatever_the_surface(pd7, monkeypatch, bending):
+    probes = fidelity_module._Probes(pd7, "u")
+    monkeypatch.setattr(probes, "_jump", lambda: (0.0, []))
+    asked = []
+
+    def bend(count):
+        asked.append(count)
+        assert len(asked) < 40
+        return 1.0 if count <= bending else 0.0
+
+    monkeypatch.setattr(probes, "_bend", bend)
+    assert 2 <= probes.fewest(1001, 0.5) <= bending + 1
+
+
 def test_a_tolerance_out_of_reach_is_an_error(monkeypatch):
     from fuzzyarm.table import fidelity
 

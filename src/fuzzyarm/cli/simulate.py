@@ -267,7 +267,7 @@ def _as_text(result: Run) -> str:
         )
     if result.diverged is not None:
         until = "the figures are those until then" if result.samples else "before the first sample"
-        bound = "an output beyond its bound"
+        bound = "an output beyond its bound or not a number"
         if result.plant == "arm":
             bound = "an error over ten turns or a joint over 100000 rad/s"
         lines.append(f"diverged: stopped at {result.diverged:.4f} s with {bound}; {until}")

@@ -131,7 +131,14 @@ def _run(arguments: argparse.Namespace) -> int:
         kept = f"; {arguments.journal} has all, --resume goes on" if arguments.journal else ""
         print_error(f"interrupted: the best so far is kept{kept}")
         return EXIT_INTERRUPTED
-    return 1 if faults or tuned.found.unwritten else 0
+    if faults or tuned.found.unwritten:
+        return 1
+    if tuned.found.best.score.diverged:
+        print_error(
+            "runs with the best numbers diverge: there is nothing to go by (try `simulate`)"
+        )
+        return 3
+    return 0
 
 
 class _Result:

@@ -501,7 +501,9 @@ class UnknownControllerError(FuzzyarmError, LookupError):
     """No controller has this name; `name` is the one asked for, `near` the likely ones."""
 
     def __init__(self, name: str, near: list[str]) -> None:
-        if near:
+        if os.path.isdir(name):
+            hint = "it is a folder: name a file in it"
+        elif near:
             hint = "did you mean " + " or ".join(f"'{each}'" for each in near) + "?"
         else:
             hint = "fuzzyarm simulate --list names all"

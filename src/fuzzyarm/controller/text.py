@@ -179,8 +179,10 @@ def with_files(
 def _unreadable(use: Use, error: OSError | ValueError, path: str, folder: Path) -> Diagnostic:
     files = " or ".join(f"'{file}'" for file in use.files)
     if isinstance(error, RuleBaseError):
-        message = f"{files} has mistakes: {error.diagnostics[0].message}"
-        return Diagnostic("faulty-file", message, use.span, path=path)
+        first = error.diagnostics[0]
+        place = f"line {first.span.line}:{first.span.column}"
+        message = f"{files} has mistakes: {first.message} ({place})"
+        return Diagnostic("faulty-file", message, use.span, hint=first.hint, path=path)
     reason = error.strerror if isinstance(error, OSError) else None
     message = f"cannot read {files}: {reason or error}"
     hint = ""

@@ -387,7 +387,7 @@ class _Probes:
             )
         low, high = 1, limit
         while high - low > 1 + low // 16:
-            middle = math.isqrt(low * high) if low > 1 else (low + high) // 4 + 1
+            middle = max(low + 1, math.isqrt(low * high) if low > 1 else (low + high) // 4 + 1)
             low, high = (middle, high) if self._bend(middle) > tolerance else (low, middle)
         return low + 1
 
