@@ -452,8 +452,9 @@ def test_a_fix_is_offered_where_there_is_one(served, window):
     assert kinds["error"] != "Fix …"  # an expectation that fails: nobody knows which side is meant
     page.evaluate("text => designer.text.replace(text)", DOUBTS)
     page.get_by_role("button", name="Fix …").click()
-    choices = page.locator("dialog .choices button").all_inner_texts()
-    assert choices == ["change 'HIHG' to 'HIGH'"]
+    choices = page.locator("dialog .choices button")
+    choices.first.wait_for()
+    assert choices.all_inner_texts() == ["change 'HIHG' to 'HIGH'"]
 
 
 def test_a_picture_of_a_term_is_in_the_font_of_the_text(served, window):

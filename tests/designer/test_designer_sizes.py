@@ -125,6 +125,7 @@ def test_three_plots_fit_into_a_laptops_window_and_lines_are_not_broken(served, 
     context = browser.new_context(viewport={"width": 1280, "height": 720})
     page = opened(context, served, file)
     plots = page.locator(".terms .plots")
+    plots.locator("svg").nth(2).wait_for()
     assert plots.locator("svg").count() == 3
     until(lambda: plots.evaluate("e => e.scrollHeight <= e.clientHeight"), "three plots")
     plots.locator("text[data-term]").first.focus()  # the line of numbers takes room of its own

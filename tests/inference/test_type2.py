@@ -15,7 +15,7 @@ import fuzzyarm
 from fuzzyarm.cli.main import main
 from fuzzyarm.export.numbers import ExportError
 from fuzzyarm.export.rulebase import direct_routine
-from fuzzyarm.expression.kinds import SNORMS, TNORMS
+from fuzzyarm.expression.kinds import HEDGES, SNORMS, TNORMS
 from fuzzyarm.inference import InferenceError, compiled, infer, infer_interval
 from fuzzyarm.inference.arrays import infer_arrays
 from fuzzyarm.inference.centroid_bounds import average_bounds, centroid_bounds
@@ -494,8 +494,11 @@ def test_some_outputs_need_only_their_inputs() -> None:
 def test_a_hedge_that_neither_rises_nor_falls_is_refused_by_name() -> None:
     fuzzyarm.kinds.hedge("halfway", lambda d: fuzzyarm.op.minimum(d, 1 - d))
     rulebase = _family(None, "min", "max", Hedge("halfway"))
-    with pytest.raises(InferenceError, match="'halfway' neither rises nor falls"):
-        plan(rulebase)
+    try:
+        with pytest.raises(InferenceError, match="'halfway' neither rises nor falls"):
+            plan(rulebase)
+    finally:
+        HEDGES.remove("halfway")
 
 
 @pytest.mark.parametrize("method", ["centroid", "bisector", "mean-of-maximum"])

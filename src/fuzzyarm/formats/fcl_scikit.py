@@ -48,7 +48,7 @@ def universe(low: float, high: float, step: float | None) -> list[float]:
     """
     if not step:
         step = 10.0 ** round(math.log10((1.0 + (high - low)) / 1000.0))
-    count = min(math.ceil((high - low) / step), MAX_POINTS)
+    count = math.ceil(min((high - low) / step, MAX_POINTS))
     return [low + step * index for index in range(count)]
 
 
@@ -114,9 +114,10 @@ class ScikitReader(Reader):
         if not draft.bounded or not draft.low < draft.high:
             message = f"'{draft.name}' needs a RANGE of two numbers that increase"
             self.findings.error("bad-range", message, draft.word)
+            draft.low, draft.high = 0.0, 1.0
             return
         xs = universe(draft.low, draft.high, getattr(self, "_steps", {}).get(draft.name))
-        if not 2 <= len(xs) < MAX_POINTS:
+        if not (2 <= len(xs) < MAX_POINTS and xs[0] < xs[-1]):
             message = f"the RANGE of '{draft.name}' has {len(xs)} points"
             self.findings.error("bad-range", message, draft.word)
             return

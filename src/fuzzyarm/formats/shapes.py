@@ -271,7 +271,10 @@ def _values(shape: Shape, inputs: Mapping[str, tuple[float, float]]) -> list[flo
         return [constant + sum(map(end, parts)) for end in (min, max)]
     ends = list(inputs.values())
     corners = [*(product(*ends) if len(ends) <= 10 else []), [0.5 * (a + b) for a, b in ends]]
-    formula = read_formula(shape.formula)
+    try:
+        formula = read_formula(shape.formula)
+    except FormulaError:
+        return []  # said where the rule base is checked
     return [formula.evaluate(dict(zip(inputs, corner, strict=True))) for corner in corners]
 
 

@@ -331,6 +331,8 @@ class _Case:
         )
         if sign * (limit - bound) > 0.0 or (not strict and limit == bound):
             return PROVED, bounds
+        if math.isinf(limit):  # the other side of `<` and `>`
+            return PROVED, bounds
         beyond = _Beyond(sign, Fraction(limit), strict=strict)
         no_rule = prover.no_rule
         if no_rule is not None and beyond(Fraction(no_rule)):
