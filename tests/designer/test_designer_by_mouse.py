@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from test_designer_page import CHROMIUM, Served, put, sync_api, text_of, until
+from test_designer_page import CHROMIUM, put, text_of, until
 
 from fuzzyarm.inference import infer
 from fuzzyarm.language import parse
@@ -15,25 +15,10 @@ pytestmark = [
 ]
 
 
-@pytest.fixture(scope="module")
-def served(tmp_path_factory):
-    server = Served(tmp_path_factory.mktemp("mouse"))
-    yield server
-    server.stop()
-
-
-@pytest.fixture(scope="module")
-def browser():
-    with sync_api.sync_playwright() as playwright:
-        found = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
-        yield found
-        found.close()
-
-
 @pytest.fixture
 def open_page(browser, served):
     context = browser.new_context(viewport={"width": 1280, "height": 720})
-    context.set_default_timeout(10_000)
+    context.set_default_timeout(60_000)
     faults = []
 
     def opened(name, text):

@@ -4,7 +4,7 @@ import json
 import shutil
 
 import pytest
-from test_designer_page import CHROMIUM, Served, put, sync_api, text_of, until
+from test_designer_page import CHROMIUM, put, text_of, until
 
 from fuzzyarm.controller.text import with_files
 from fuzzyarm.designer.diagram import PEN, diagram_of, sheets
@@ -103,33 +103,6 @@ def test_a_shipped_rule_base_can_be_copied_beside_its_controller(tmp_path):
 
 slow = pytest.mark.slow
 needs_browser = pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")
-
-
-@pytest.fixture(scope="module")
-def served(tmp_path_factory):
-    server = Served(tmp_path_factory.mktemp("diagram"))
-    yield server
-    server.stop()
-
-
-@pytest.fixture(scope="module")
-def browser():
-    with sync_api.sync_playwright() as playwright:
-        found = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
-        yield found
-        found.close()
-
-
-@pytest.fixture
-def page(browser):
-    context = browser.new_context(viewport={"width": 1280, "height": 720})
-    context.set_default_timeout(10_000)
-    found = context.new_page()
-    faults = []
-    found.on("pageerror", lambda error: faults.append(str(error)))
-    yield found
-    context.close()
-    assert faults == []
 
 
 @slow

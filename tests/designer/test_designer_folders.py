@@ -3,7 +3,7 @@
 import os
 
 import pytest
-from test_designer_page import CHROMIUM, Served, put, sync_api, text_of, until
+from test_designer_page import CHROMIUM, Served, put, text_of, until
 
 from fuzzyarm.builder.starting import starting_text
 from fuzzyarm.shipped_files import shipped
@@ -12,26 +12,6 @@ pytestmark = [
     pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed"),
     pytest.mark.slow,
 ]
-
-
-@pytest.fixture(scope="module")
-def browser():
-    with sync_api.sync_playwright() as playwright:
-        found = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
-        yield found
-        found.close()
-
-
-@pytest.fixture
-def page(browser):
-    context = browser.new_context(viewport={"width": 1280, "height": 720})
-    context.set_default_timeout(10_000)
-    found = context.new_page()
-    faults = []
-    found.on("pageerror", lambda error: faults.append(str(error)))
-    yield found
-    context.close()
-    assert faults == []
 
 
 @pytest.fixture
@@ -103,8 +83,8 @@ def test_quick_clicks_while_files_load_end_at_the_last_one(page, serve):
     )
     page.wait_for_timeout(500)
     until(lambda: text_of(page), "a text")
-    name = page.evaluate("new URLSearchParams(location.hash.slice(1)).get('file')")
-    assert shown(page) == name
+    name = "new URLSearchParams(location.hash.slice(1)).get('file')"
+    until(lambda: shown(page) == page.evaluate(name), "the file of the address")
 
 
 def test_a_slow_answer_does_not_turn_the_page_back(page, serve):
@@ -124,7 +104,7 @@ def test_a_slow_answer_does_not_turn_the_page_back(page, serve):
     )
     page.wait_for_timeout(400)
     until(lambda: text_of(page), "a text")
-    assert shown(page) == "b.frb"
+    until(lambda: shown(page) == "b.frb", "the file that was chosen")
 
 
 def test_two_windows_each_say_their_own_file_when_one_goes(page, serve):

@@ -7,23 +7,15 @@ import pytest
 from fuzzyarm.shipped_files import shipped
 from fuzzyarm.table import read_table
 from tests.designer.test_designer_learning import SINE, SOC
-from tests.designer.test_designer_page import (
-    AXE,
-    CHROMIUM,
-    browser,  # noqa: F401 - a fixture
-    pytestmark,  # noqa: F401
-    served,  # noqa: F401
-    text_of,
-    until,
-)
+from tests.designer.test_designer_page import AXE, CHROMIUM, pytestmark, text_of, until  # noqa: F401
 
 
 @pytest.fixture
-def view(browser, served):  # noqa: F811
+def view(browser, served):
     """Open a file and turn to a view of it; a fault in a page fails the test."""
     faults = []
     context = browser.new_context(viewport={"width": 1280, "height": 720}, bypass_csp=False)
-    context.set_default_timeout(15_000)
+    context.set_default_timeout(60_000)
 
     def turn(name, text, to):
         (served.folder / name).write_text(text)
@@ -40,7 +32,7 @@ def view(browser, served):  # noqa: F811
     assert faults == []
 
 
-def test_a_search_is_watched_stopped_taken_and_undone(served, view):  # noqa: F811
+def test_a_search_is_watched_stopped_taken_and_undone(served, view):
     shutil.copy(shipped("roompi.frb"), served.folder)
     before = shipped("heater.frb").read_text()
     page, tune = view("heater.frb", before, "Tune")
@@ -72,7 +64,7 @@ def test_a_search_is_watched_stopped_taken_and_undone(served, view):  # noqa: F8
     until(lambda: text_of(page) == typed, "one step back")
 
 
-def test_a_table_grows_and_is_saved(served, view):  # noqa: F811
+def test_a_table_grows_and_is_saved(served, view):
     page, learn = view("servo-soc.frb", SOC, "Learn")
     learn.get_by_label("Reference").fill(SINE)
     learn.get_by_role("button", name="One pass").click()
@@ -95,7 +87,7 @@ def test_a_table_grows_and_is_saved(served, view):  # noqa: F811
 
 @pytest.mark.skipif(not AXE.exists(), reason="axe-core is not installed (make designer)")
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_no_serious_fault_of_accessibility(served, browser, scheme):  # noqa: F811
+def test_no_serious_fault_of_accessibility(served, browser, scheme):
     assert CHROMIUM
     (served.folder / "axe.frb").write_text(SOC)
     context = browser.new_context(bypass_csp=True, color_scheme=scheme)

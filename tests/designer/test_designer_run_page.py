@@ -1,10 +1,9 @@
 """The view Run in a browser: it starts, moves, is pushed, tuned by slider and stopped."""
 
 import re
-import time
 
 import pytest
-from test_designer_page import AXE, CHROMIUM, Served, put, sync_api, text_of
+from test_designer_page import AXE, CHROMIUM, put, text_of, until
 
 from fuzzyarm.shipped_files import shipped
 
@@ -14,34 +13,10 @@ pytestmark = [
 ]
 
 
-@pytest.fixture(scope="module")
-def server(tmp_path_factory):
-    found = Served(tmp_path_factory.mktemp("designer-run"))
-    yield found
-    found.stop()
-
-
-@pytest.fixture(scope="module")
-def chromium():
-    with sync_api.sync_playwright() as playwright:
-        found = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
-        yield found
-        found.close()
-
-
-def until(condition, what):
-    """Wait; the first run of a machine compiles its kernels."""
-    for _ in range(2400):
-        if condition():
-            return
-        time.sleep(0.025)
-    raise AssertionError(f"did not happen: {what}")
-
-
-def open_run(server, chromium, name, **options):
+def open_run(served, browser, name, **options):
     """Open a shipped file in the view Run; its faults are kept."""
-    address = put(server, f"{name}.frb", shipped(f"{name}.frb").read_text())[1]
-    context = chromium.new_context(viewport={"width": 1280, "height": 720}, **options)
+    address = put(served, f"{name}.frb", shipped(f"{name}.frb").read_text())[1]
+    context = browser.new_context(viewport={"width": 1280, "height": 720}, **options)
     context.set_default_timeout(60_000)
     page = context.new_page()
     page.faults = []
@@ -65,8 +40,8 @@ def final_error(page):
     return float(cell.text_content().split()[0])
 
 
-def test_the_motor_runs_is_pushed_and_tuned_and_stops(server, chromium):
-    page = open_run(server, chromium, "servo")
+def test_the_motor_runs_is_pushed_and_tuned_and_stops(served, browser):
+    page = open_run(served, browser, "servo")
     before = text_of(page)
     assert page.locator(".run-form select").nth(1).input_value() == "motor"
     assert (
@@ -134,8 +109,8 @@ def test_the_motor_runs_is_pushed_and_tuned_and_stops(server, chromium):
     page.context.close()
 
 
-def test_what_is_changed_at_the_end_is_run_from_the_start(server, chromium):
-    page = open_run(server, chromium, "servo")
+def test_what_is_changed_at_the_end_is_run_from_the_start(served, browser):
+    page = open_run(served, browser, "servo")
     page.locator(".run").get_by_label("Speed").select_option("")  # as fast as possible
     page.locator(".run").get_by_role("button", name="Start").click()
     page.get_by_text("2 s, as asked for").wait_for()
@@ -152,13 +127,13 @@ def test_what_is_changed_at_the_end_is_run_from_the_start(server, chromium):
     page.context.close()
 
 
-def test_rules_that_are_not_saved_are_said_where_they_run(server, chromium):
-    put(server, "used.frb", shipped("pd7.frb").read_text())
+def test_rules_that_are_not_saved_are_said_where_they_run(served, browser):
+    put(served, "used.frb", shipped("pd7.frb").read_text())
     text = shipped("servo.frb").read_text().replace("pd7.frb", "used.frb")
-    address = put(server, "using.frb", text)[1]
-    context = chromium.new_context(viewport={"width": 1280, "height": 720})
+    address = put(served, "using.frb", text)[1]
+    context = browser.new_context(viewport={"width": 1280, "height": 720})
     page = context.new_page()
-    page.goto(f"{server.address}#file=used.frb")
+    page.goto(f"{served.address}#file=used.frb")
     until(lambda: page.evaluate("!!window.designer?.store.scene"), "a picture")
     page.evaluate("designer.text.goTo([0, 0])")
     page.keyboard.type("# more\n")
@@ -167,14 +142,14 @@ def test_rules_that_are_not_saved_are_said_where_they_run(server, chromium):
     page.get_by_role("tab", name="Run").click()
     page.get_by_text("What is saved of used.frb is what runs").wait_for()
     page.get_by_role("button", name="Save used.frb").click()
-    until(lambda: (server.folder / "used.frb").read_text().startswith("# more\n"), "saved")
+    until(lambda: (served.folder / "used.frb").read_text().startswith("# more\n"), "saved")
     context.close()
 
 
-def test_a_rule_base_alone_says_what_to_do_and_a_click_does_it(server, chromium):
-    put(server, "servo.frb", shipped("servo.frb").read_text())
-    address = put(server, "tipper.frb", shipped("tipper.frb").read_text())[1]
-    context = chromium.new_context(viewport={"width": 1280, "height": 720})
+def test_a_rule_base_alone_says_what_to_do_and_a_click_does_it(served, browser):
+    put(served, "servo.frb", shipped("servo.frb").read_text())
+    address = put(served, "tipper.frb", shipped("tipper.frb").read_text())[1]
+    context = browser.new_context(viewport={"width": 1280, "height": 720})
     page = context.new_page()
     page.goto(address)
     page.get_by_role("tab", name="Run").click()
@@ -190,8 +165,8 @@ def test_a_rule_base_alone_says_what_to_do_and_a_click_does_it(server, chromium)
     context.close()
 
 
-def test_a_rule_base_runs_on_the_arm_and_a_dragged_corner_counts(server, chromium):
-    page = open_run(server, chromium, "pd7", bypass_csp=AXE.exists(), color_scheme="dark")
+def test_a_rule_base_runs_on_the_arm_and_a_dragged_corner_counts(served, browser):
+    page = open_run(served, browser, "pd7", bypass_csp=AXE.exists(), color_scheme="dark")
     page.locator(".run").get_by_role("button", name="Start").click()
     until(lambda: clock(page) > 0.2, "it moves")
     assert page.get_by_label("G_e", exact=True).is_enabled()

@@ -2,6 +2,7 @@
 
 import json
 import math
+import os
 import re
 import shutil
 import socket
@@ -199,6 +200,21 @@ def test_saving_keeps_line_ends_and_heeds_other_writers(shared):
     shared.settle(mine=True)
     shared.save()
     assert shared.path.read_bytes().startswith(b"# changed\r\n")
+
+
+def test_who_writes_right_after_a_save_is_seen(shared, monkeypatch):
+    replace = os.replace
+
+    def overtaken(name, target):
+        replace(name, target)
+        target.write_bytes(b"# theirs\n")
+
+    shared.replace("# mine\n" + shared.text, "me")
+    with monkeypatch.context() as patched:
+        patched.setattr(os, "replace", overtaken)
+        shared.save()
+    assert shared.look()
+    assert shared.text == "# theirs\n"
 
 
 def test_a_file_that_is_no_text_any_more_is_not_written_over(shared):

@@ -5,7 +5,7 @@ import shutil
 import subprocess
 
 import pytest
-from test_designer_page import CHROMIUM, Served, put, sync_api, until
+from test_designer_page import CHROMIUM, Served, put, until
 
 from fuzzyarm.designer.assets import asset
 from fuzzyarm.designer.written import page_of
@@ -62,14 +62,6 @@ def served(tmp_path_factory):
         put(server, f"{name}.frb", shipped(f"{name}.frb").read_text())
     yield server
     server.stop()
-
-
-@pytest.fixture(scope="module")
-def browser():
-    with sync_api.sync_playwright() as playwright:
-        found = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
-        yield found
-        found.close()
 
 
 def opened(context, served, file):

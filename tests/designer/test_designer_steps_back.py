@@ -1,35 +1,12 @@
 """Steps back in the designer: what a hand has done is undone, and nothing else."""
 
 import pytest
-from test_designer_page import CHROMIUM, Served, put, sync_api, text_of, until
+from test_designer_page import CHROMIUM, put, text_of, until
 
 pytestmark = [
     pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed"),
     pytest.mark.slow,
 ]
-
-
-@pytest.fixture(scope="module")
-def served(tmp_path_factory):
-    server = Served(tmp_path_factory.mktemp("steps"))
-    yield server
-    server.stop()
-
-
-@pytest.fixture(scope="module")
-def browser():
-    with sync_api.sync_playwright() as playwright:
-        found = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
-        yield found
-        found.close()
-
-
-@pytest.fixture
-def page(browser):
-    context = browser.new_context(viewport={"width": 1280, "height": 720})
-    context.set_default_timeout(10_000)
-    yield context.new_page()
-    context.close()
 
 
 def opened(page, address):

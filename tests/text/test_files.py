@@ -6,7 +6,7 @@ import stat
 
 import pytest
 
-from fuzzyarm.text.files import write_atomically
+from fuzzyarm.text.files import stamp_of, write_atomically
 
 
 def test_a_file_is_written_and_replaced(tmp_path):
@@ -15,6 +15,21 @@ def test_a_file_is_written_and_replaced(tmp_path):
     write_atomically(path, b"two\n")
     assert path.read_bytes() == b"two\n"
     assert [p.name for p in tmp_path.iterdir()] == ["x.lut"]
+
+
+def test_the_stamp_is_that_of_what_was_written_and_not_of_who_came_after(tmp_path, monkeypatch):
+    path, replace = tmp_path / "x.lut", os.replace
+    assert write_atomically(path, "mine") == stamp_of(path)
+    os.link(path, tmp_path / "also.lut")  # written through
+    assert write_atomically(path, "mine too") == stamp_of(path)
+    (tmp_path / "also.lut").unlink()
+
+    def overtaken(name, target):
+        replace(name, target)
+        target.write_text("theirs")
+
+    monkeypatch.setattr(os, "replace", overtaken)
+    assert write_atomically(path, "mine") != stamp_of(path)
 
 
 def test_the_mode_of_an_existing_file_is_kept(tmp_path):

@@ -56,7 +56,7 @@ from fuzzyarm.cli.command import (
     saved,
     say,
 )
-from fuzzyarm.cli.experiment import CONVENTIONS, TRAJECTORY, conventions_of, experiment_of
+from fuzzyarm.cli.experiment import CONVENTIONS, DIVERGED, TRAJECTORY, conventions_of, experiment_of
 from fuzzyarm.cli.plants import (
     MOTORS,
     PLANT,
@@ -137,7 +137,7 @@ def _run(arguments: argparse.Namespace) -> int:
         print_error(
             "runs with the best numbers diverge: there is nothing to go by (try `simulate`)"
         )
-        return 3
+        return DIVERGED
     return 0
 
 

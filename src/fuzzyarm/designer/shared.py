@@ -55,7 +55,7 @@ from fuzzyarm.language.queries import (
 from fuzzyarm.lsp.session import UTF16, Session, to_place
 from fuzzyarm.model.rulebase import Shape
 from fuzzyarm.text.diagnostic import Span
-from fuzzyarm.text.files import stamp_of, write_atomically
+from fuzzyarm.text.files import Stamp, stamp_of, write_atomically
 
 __all__ = ["ConflictError", "SharedText"]
 
@@ -120,7 +120,7 @@ class SharedText:
         self.epoch = secrets.token_hex(8)
         self.version = 0
         self.updates: list[dict[str, Any]] = []
-        self.stamp = stamp_of(path)
+        self.stamp: Stamp | None = stamp_of(path)
         self.mark = b""
         self.is_there = text is None
         if text is None:
@@ -262,12 +262,12 @@ class SharedText:
         except UnicodeEncodeError as error:
             line = content.count("\n", 0, error.start) + 1
             raise ChangeError(f"line {line} has half of a character, which no file can") from None
-        write_atomically(self.path, data)
-        self.saved, self.stamp, self.is_there = self.text, stamp_of(self.path), True
+        self.stamp = write_atomically(self.path, data)
+        self.saved, self.is_there = self.text, True
 
     def move(self, path: Path) -> None:
         """Belong to another file from now on, to which this one has been renamed."""
-        self.path, self.stamp = path, stamp_of(path)
+        self.path = path
         self.session = Session(str(path), self.text, self.version)
 
     def settle(self, *, mine: bool) -> None:

@@ -154,14 +154,16 @@ class DirectRoutine:
         size = np.dtype(self.precision.inside).itemsize
         return Cost(tuple(sorted(counted.items())), size * len(names))
 
+    @property
+    def silence(self) -> str:
+        """What a function returns where no rule fires, in words."""
+        no_rule = self.rulebase.output(self.name).no_rule
+        value = {"error": "NaN", "hold": "the last argument"}.get(str(no_rule), no_rule)
+        return f"the result is {value} where no rule fires"
+
     def remarks(self) -> list[str]:
         """Return what the head of the file says of inference, borders and arithmetic."""
         output = self.rulebase.output(self.name)
-        fired = {
-            "error": "NaN where no rule fires",
-            "hold": "the last argument where no rule fires",
-        }
-        silent = fired.get(str(output.no_rule), f"{output.no_rule} where no rule fires")
         blocks = "; ".join(
             f"and {b.conjunction}, or {b.disjunction}, implication {b.implication}"
             for b in self.rulebase.blocks
@@ -171,7 +173,7 @@ class DirectRoutine:
             f" aggregation {output.aggregation}, {output.defuzzifier}",
             *(_border_words(variable) for variable in self.rulebase.inputs),
             "an input that is not a number (NaN) counts as the lower border",
-            f"the result is {silent}",
+            self.silence,
             self.precision.words,
             *_single_words(self.precision.inside),
         ]

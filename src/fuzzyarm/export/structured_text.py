@@ -286,10 +286,6 @@ class CellBlock(TableBlock):
 # --- Direct inference ---
 
 
-_OF_C = ("the result is NaN where", "the result is the last argument where")
-"""Remarks on a function; a block keeps its output, and says so."""
-
-
 class RulesBlock:
     """The function block of a rule base that is inferred directly.
 
@@ -321,7 +317,7 @@ class RulesBlock:
         words = [
             f"made by fuzzyarm {__version__}; do not edit: make it again from its source",
             "",
-            *(each for each in routine_words(self.routine) if not each.startswith(_OF_C)),
+            *(line for line in routine_words(self.routine) if line != self.routine.silence),
             f"where no rule fires {self.output} keeps its value, and {self.fired} is FALSE",
         ]
         lines = [

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import suppress
 from functools import partial
 from threading import Lock
 from typing import Any
@@ -32,9 +33,6 @@ POINTS_PER_PROGRAM = 32
 LONGEST_CHUNK = 1 << 17
 """… but no longer than this."""
 
-
-MOST_INPUTS = 64
-"""For which the machine code of a point has room; more go through Python."""
 
 MANY = 100_000
 """Points from which on all processors are used."""
@@ -206,10 +204,11 @@ class _Engine:
         inputs = tuple(variable.name for variable in self.rulebase.inputs)
         outputs = tuple(output.name for output in self.rulebase.outputs)
         otherwise = partial(_at_plainly, self.rulebase)
-        if self._compiled and len(inputs) <= MOST_INPUTS:
+        if self._compiled:
             whole = block.numbers.view(np.int64)
             x, y = int(whole[COLUMNS]), int(whole[RESULTS])
-            return point_routines(evaluate, block.numbers, (x, inputs), (y, outputs), otherwise)
+            with suppress(ValueError):  # more inputs than the machine code of a point has room for
+                return point_routines(evaluate, block.numbers, (x, inputs), (y, outputs), otherwise)
         run_block = on_block(evaluate, block.numbers, compiled=self._compiled)
         turn = Lock()
 

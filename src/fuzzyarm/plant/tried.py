@@ -92,7 +92,7 @@ def _require_value(plant: Plant, what: str, name: str, value: object) -> None:
 
 
 def require_sound(plant: Plant) -> None:
-    """Do both for a plant that is not one of the package.
+    """Raise PlantError where a plant of a user does not fit: its ports first, then its equations.
 
     Parameters
     ----------

@@ -9,6 +9,7 @@ import stat
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
+from typing import BinaryIO
 
 from fuzzyarm.errors import FuzzyarmError
 
@@ -41,7 +42,11 @@ def demand_allowed(path: str | Path) -> None:
         raise OutsideFolderError("it is outside the folder that is open")
 
 
-def write_atomically(path: str | Path, content: str | bytes) -> None:
+Stamp = tuple[int, int, int]
+"""What changes when a file does: time, size and inode."""
+
+
+def write_atomically(path: str | Path, content: str | bytes) -> Stamp:
     r"""Write `content` to `path` so that a reader sees the old file or the new one.
 
     Parameters
@@ -52,6 +57,12 @@ def write_atomically(path: str | Path, content: str | bytes) -> None:
         they are written through, since replacing would leave the other names behind.
     content : str or bytes
         Text is written as UTF-8 with ``\n`` line ends.
+
+    Returns
+    -------
+    tuple of int
+        The stamp of what was written: not that of the file by now, which somebody else may have
+        written since.
 
     Raises
     ------
@@ -64,9 +75,8 @@ def write_atomically(path: str | Path, content: str | bytes) -> None:
     with _named(path):
         if _stays(path):
             with open(path, "wb") as file:
-                file.write(data)
-        else:
-            _replace(Path(os.path.realpath(path)), data)
+                return _written(file, data)
+        return _replace(Path(os.path.realpath(path)), data)
 
 
 def demand_writable(path: str | Path) -> None:
@@ -109,17 +119,24 @@ def _stays(path: str | Path) -> bool:
     return not stat.S_ISREG(status.st_mode) or status.st_nlink > 1
 
 
-def _replace(target: Path, data: bytes) -> None:
+def _written(file: BinaryIO, data: bytes) -> Stamp:
+    file.write(data)
+    file.flush()
+    return _stamp(os.fstat(file.fileno()))
+
+
+def _replace(target: Path, data: bytes) -> Stamp:
     handle, name = _part_in(target.parent)
     try:
         with os.fdopen(handle, "wb") as file:
-            file.write(data)
+            stamp = _written(file, data)
         mode = target.stat().st_mode if target.exists() else 0o666 & ~_umask()
         os.chmod(name, mode & 0o777)
         os.replace(name, target)
     except BaseException:
         os.unlink(name)
         raise
+    return stamp
 
 
 def _part_in(folder: Path) -> tuple[int, str]:
@@ -132,10 +149,13 @@ def _umask() -> int:
     return mask
 
 
-def stamp_of(path: str | Path) -> tuple[int, int, int] | None:
-    """Return what changes when a file does: time, size and inode; None without a file."""
+def stamp_of(path: str | Path) -> Stamp | None:
+    """Return the stamp of a file as it is now; None without a file."""
     try:
-        status = os.stat(path)
+        return _stamp(os.stat(path))
     except OSError:
         return None
+
+
+def _stamp(status: os.stat_result) -> Stamp:
     return status.st_mtime_ns, status.st_size, status.st_ino

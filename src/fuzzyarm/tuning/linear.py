@@ -104,8 +104,11 @@ def straightened(
     if not planes.moving:
         hint = "leave the linear controller out (--no-linear)"
         rules = any(_is_rules(line) for part in model.axes for line in part.lines)
-        message = "no rule base of the controller has a plane near it"
-        message = message if rules else "the controller has no rules that a line could stand for"
+        message = (
+            "no rule base of the controller has a plane near it"
+            if rules
+            else "the controller has no rules that a line could stand for"
+        )
         raise TuneError(message, name=model.name, hint=hint)
     made: ControllerModel = replace(
         model,
