@@ -254,3 +254,21 @@ def test_a_closed_output_is_no_fault(words):
     command = f"{sys.executable} -m fuzzyarm {words} {GOOD} >&-"
     done = subprocess.run(["bash", "-c", command], capture_output=True, text=True, check=True)
     assert done.stderr == ""
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (["simulate", "x.frb", "--stp", "1"], "no option --stp (did you mean --step?)"),
+        (["simulate", "x.frb", "--stp=1"], "no option --stp (did you mean --step?)"),
+        (["check", "x.frb", "-x"], "no option -x"),
+        (["convert", "a", "b", "c"], "too many arguments: c"),
+        (["tune", "x.frb", "--workers", "two"], "argument --workers: 'two' is not a whole number"),
+        (["check"], "the following arguments are required: FILE"),
+    ],
+)
+def test_wrong_words_are_said_in_a_sentence(words, sentence, capsys):
+    assert main(words) == 2
+    said = capsys.readouterr().err.splitlines()
+    assert said[0] == f"fuzzyarm {words[0]}: error: {sentence}"
+    assert len(said) == 2

@@ -1,6 +1,7 @@
 """Any plant in the loop: bits, references, sensors, actuators, disturbances."""
 
 import math
+from collections import deque
 
 import numpy as np
 import pytest
@@ -13,8 +14,9 @@ from fuzzyarm.controller.program import SourceError
 from fuzzyarm.controller.text import with_files
 from fuzzyarm.language import parse
 from fuzzyarm.loop import Options, Sensor, Signal, read_signal, simulate
+from fuzzyarm.loop.analysis import phase_portrait
+from fuzzyarm.loop.run import ClosedLoop, as_controller, plant_motion
 from fuzzyarm.plant import PLANTS, Plant, PlantError, Port, find_plant, reach
-from fuzzyarm.plant.own import as_plant
 from fuzzyarm.plant.plant import interface_of, is_traced, with_actuators, with_parameters
 
 
@@ -355,13 +357,101 @@ def test_a_plant_that_is_not_derived_from_anything_runs():
             return [0.2 * u[0] - p[0] * (x[0] - 20.0)]
 
     heater = text("e = error of temperature", "u = e * 2", "drive power = u", period="1 s")
-    kiln = as_plant(Kiln())
+    kiln = find_plant(Kiln())
     asked = {"references": {"T": Signal("step", (300.0,))}, "connect": {"temperature": "T"}}
     run = simulate(heater, kiln, **asked)
+    assert simulate(heater, Kiln(), **asked).rms == simulate(heater, Kiln, **asked).rms == run.rms
     # 0.2 · 2 · (300 - T) = 0.01 (T - 20)
     assert run.outputs["T"][-1] == pytest.approx((0.4 * 300 + 0.2) / 0.41, abs=1e-6)
     warmer = with_parameters(kiln, {"loss": 0.02})
     assert simulate(heater, warmer, **asked).outputs["T"][-1] < run.outputs["T"][-1]
+
+
+def test_what_is_not_a_plant_is_told():
+    with pytest.raises(PlantError, match="'list' is not a plant") as found:
+        simulate(SERVO, [1.0, 2.0])
+    assert "inputs, outputs, states and derivative" in found.value.hint
+
+
+class Belt:
+    """A dead time that is filled once, when the plant is made; and a count of its steps."""
+
+    inputs = {"voltage": Port("V", -24, 24)}
+    outputs = {"position": Port("rad")}
+    states = {"position": "rad"}
+
+    def __init__(self):
+        self.queue, self.steps, self.again = deque([0.0] * 5), 0, self.queue_length
+
+    def queue_length(self):
+        return len(self.queue)
+
+    def step(self, t, x, u, p, dt):
+        self.queue.append(u[0])
+        self.steps += 1
+        assert self.again() == 6  # of this copy, not of the one it was made from
+        return [x[0] + dt * self.queue.popleft() - 0.001 * self.steps * dt]
+
+
+class Lag(Belt):
+    """The same by its rate, which must be asked as often as a run asks it."""
+
+    step = None
+
+    def derivative(self, t, x, u, p):
+        self.steps += 1
+        return [u[0] - 0.001 * self.steps]
+
+
+@pytest.mark.parametrize("kind", [Belt, Lag])
+def test_a_run_leaves_nothing_behind_in_a_plant(kind):
+    alone, plant = simulate(SERVO, kind(), duration=0.1), kind()
+    servo = as_controller(SERVO)
+    loop = ClosedLoop(servo, plant_motion(servo, find_plant(plant), duration=0.1))
+    for run in (simulate(SERVO, plant, duration=0.1), loop.run(), loop.run()):
+        assert run.outputs["position"].tolist() == alone.outputs["position"].tolist()
+    assert plant.steps == 0
+    assert list(plant.queue) == [0.0] * 5
+
+
+def test_a_plant_runs_with_the_attributes_that_it_has_by_then():
+    class Kiln:
+        inputs = {"power": Port("%", 0, 100)}
+        outputs = {"T": Port("°C")}
+        states = {"T": "°C"}
+
+        def __init__(self, gain):
+            self.gain = gain
+
+        def derivative(self, t, x, u, p):
+            return [self.gain * u[0] - 0.01 * x[0]]
+
+    heater = text("e = error of T", "u = e * 2", "drive power = u", period="1 s")
+    kiln = find_plant(Kiln(0.2))
+    assert is_traced(kiln)
+    chosen = as_controller(heater)
+    first = ClosedLoop(chosen, plant_motion(chosen, kiln, {"T": 300.0}))
+    before = first.run()
+    kiln.gain = 0.1
+    asked = {"references": {"T": 300.0}}
+    assert simulate(heater, kiln, **asked).rms == simulate(heater, Kiln(0.1), **asked).rms
+    assert first.run().rms == before.rms == simulate(heater, Kiln(0.2), **asked).rms
+
+
+def test_a_phase_portrait_begins_a_plant_before_it_moves_it():
+    class Started(Plain):
+        def start(self, rng):
+            self.begun = True
+            return super().start(rng)
+
+        def derivative(self, t, x, u, p):
+            assert self.begun
+            return super().derivative(t, [float(value) for value in x], u, p)
+
+    plain = phase_portrait(SERVO, Plain(find_plant("motor")), duration=0.05)
+    started = phase_portrait(SERVO, Started(find_plant("motor")), duration=0.05)
+    assert [p.tolist() for p in started.paths] == [p.tolist() for p in plain.paths]
+    assert len({tuple(path[0]) for path in plain.paths}) > 1
 
 
 def test_ports_that_are_missing_are_told():
@@ -407,6 +497,32 @@ def test_a_failure_in_a_plant_is_one_sentence():
 
     with pytest.raises(PlantError, match=r"plant broken failed: .*ZeroDivisionError"):
         simulate(SERVO, Broken(), duration=0.1)
+
+
+@pytest.mark.parametrize(
+    ("late", "message"),
+    [
+        ({"derivative": None}, "derivative returns nothing"),
+        ({"derivative": []}, "derivative returns 0 numbers for 1 states"),
+        ({"derivative": ["x"]}, "derivative returns 'x' for 'position', not a number"),
+        ({"measure": 3}, "measure returns 3, not a list"),
+        ({"step": [1.0, 2.0]}, "step returns 2 numbers for 1 states"),
+    ],
+)
+def test_what_a_plant_returns_later_is_said_with_its_line(late, message):
+    what, wrong = next(iter(late.items()))
+
+    def equation(self, t, x, u, p, dt=1.0):
+        return wrong if t > 0.004 else [0.0]
+
+    whole = {
+        "name": "late", "inputs": {"voltage": Port()}, "outputs": {"position": Port()},
+        "states": {"position": "1"}, "derivative": lambda self, t, x, u, p: [0.0],
+    }  # fmt: skip
+    plant = type("Late", (Plant,), {**whole, what: equation})()
+    line = equation.__code__.co_firstlineno
+    with pytest.raises(PlantError, match=rf"test_any_plant.py:{line}: plant late: {message}"):
+        simulate(SERVO, plant, duration=0.1)
 
 
 @pytest.mark.parametrize("sensor", [{"noise": -1}, {"resolution": math.nan}, {"delay": math.inf}])

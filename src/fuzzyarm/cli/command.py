@@ -12,7 +12,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext, suppress
 from functools import partial
-from typing import TYPE_CHECKING, Any, NamedTuple, TextIO
+from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn, TextIO
 
 from fuzzyarm import errors
 from fuzzyarm.text.diagnostic import Diagnostic, render_all, split_lines
@@ -26,6 +26,9 @@ if TYPE_CHECKING:
     from fuzzyarm.model.rulebase import RuleBase
     from fuzzyarm.table import LookupTable
 
+
+EXIT_USAGE = 2
+"""Exit status where the words of a command are wrong."""
 
 EXIT_INTERRUPTED = 130
 """Exit status after Ctrl-C, whatever was kept."""
@@ -60,7 +63,7 @@ class Command(NamedTuple):
 
     def parser(self) -> argparse.ArgumentParser:
         """Return the parser of its words."""
-        parser = argparse.ArgumentParser(
+        parser = _Parser(
             prog=f"fuzzyarm {self.name}",
             description=self.description,
             # argparse makes a formatter for each argument that is added: a given width saves
@@ -87,6 +90,31 @@ class Command(NamedTuple):
                 home = groups[each.group, each.either]
             made.append(home.add_argument(*each.names, **each.options))
         return made
+
+
+class _Parser(argparse.ArgumentParser):
+    """Says what is wrong with the words of a command in a sentence, without the list of all."""
+
+    def error(self, message: str) -> NoReturn:
+        """Print a mistake in the words, and where all options are named; exit with status 2."""
+        head, _, words = message.partition("unrecognized arguments: ")
+        if words and not head:
+            message = self._unknown(words.split())
+        message = re.sub(r"invalid int value: ('.*')", r"\1 is not a whole number", message)
+        message = re.sub(r"invalid float value: ('.*')", r"\1 is not a number", message)
+        more = f"`{self.prog} --help` names all arguments and options"
+        self.exit(EXIT_USAGE, f"{self.prog}: error: {message}\n{more}\n")
+
+    def _unknown(self, words: Sequence[str]) -> str:
+        """Say of words that no argument takes which option may be meant."""
+        option = next((word for word in words if word.startswith("-")), None)
+        if option is None:
+            return f"too many arguments: {' '.join(words)}"
+        from fuzzyarm.text.names import nearest
+
+        name = option.partition("=")[0]
+        near = len(name) > 2 and nearest(name, self._option_string_actions)
+        return f"no option {name}" + (f" (did you mean {near}?)" if near else "")
 
 
 def command(

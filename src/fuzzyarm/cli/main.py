@@ -16,6 +16,7 @@ from typing import TextIO, cast
 
 from fuzzyarm.cli.command import (
     EXIT_INTERRUPTED,
+    EXIT_USAGE,
     Command,
     announced,
     print_error,
@@ -70,7 +71,6 @@ HEADINGS = {
 """The command that a group of the help page begins with → its heading."""
 
 EXIT_INPUT = 1
-EXIT_USAGE = 2
 
 ENDINGS = {
     EXIT_INPUT: "refused: what was found says why",

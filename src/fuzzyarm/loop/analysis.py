@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable, Mapping, Sequence
-from copy import copy
 from dataclasses import dataclass
 from typing import Any
 
@@ -25,7 +24,7 @@ from fuzzyarm.model.controller import Signal as SignalLine
 from fuzzyarm.model.rulebase import AnyRuleBase, RuleBase
 from fuzzyarm.plant.adapters import EnvironmentPlant, UnitPlant
 from fuzzyarm.plant.control_systems import rate_of
-from fuzzyarm.plant.own import find_plant, start_of
+from fuzzyarm.plant.own import find_plant, start_of, starting_at
 from fuzzyarm.plant.plant import Plant
 from fuzzyarm.text.shown import Plotted, one_line
 
@@ -299,7 +298,7 @@ def phase_portrait(
     if plant is None:
         message = "a controller needs a plant for a phase portrait"
         raise AnalysisError(message, name="plant")
-    plant = find_plant(plant) if isinstance(plant, str | os.PathLike) else plant
+    plant = find_plant(plant)
     signals = as_signals(references)
     return _on_plant(as_controller(thing), plant, signals, starts, seconds, options)
 
@@ -390,12 +389,11 @@ def _on_plant(
     at_rest = start_of(plant, np.random.default_rng(0))
     paths = []
     for start in starts or _around((wanted, middle[1]), (reach[0], reach[1])):
-        begun = copy(plant)
         state = list(at_rest)
         for name, value in zip(pair, start, strict=True):
             state[states.index(name)] = float(value)
-        begun.start = lambda _rng, state=state: state  # type: ignore[method-assign, misc]
-        run = simulate(controller, begun, references=references, duration=duration, options=options)
+        there = starting_at(plant, state)
+        run = simulate(controller, there, references=references, duration=duration, options=options)
         paths.append(np.column_stack([run.outputs[name] for name in pair]))
     across, up = (f"{name}, {port.unit}" for name, port in zip(pair, ports, strict=True))
     return Portrait(f"{controller.name} on {plant.name}", across, up, paths, target)

@@ -18,7 +18,7 @@ from fuzzyarm.loop.loop import CHANGES, ERRORS, SENSOR, Setting
 from fuzzyarm.loop.reference import AnySignal, AnyTime, Signal, as_seconds, as_signal
 from fuzzyarm.plant.arm import ArmParameters
 from fuzzyarm.plant.driven_arm import ERROR_BOUND, JOINTS, ROOM, Arm
-from fuzzyarm.plant.own import start_of
+from fuzzyarm.plant.own import for_runs, start_of
 from fuzzyarm.plant.plant import (
     CLOCK_SIZE,
     WORK,
@@ -393,7 +393,7 @@ class Course:
         self.conventions = conventions
         self.options = options or Options()
         self.as_array = as_array
-        self.plant = motion.plants[0]
+        self.plant = for_runs(motion.plants[0])
         self.site = site_of(self.plant)
         self.arithmetic = self.options.arithmetic(conventions)._replace(compiled=as_array)
         self.driven = driven
@@ -468,14 +468,17 @@ class Course:
 
     def _blocks(self) -> Any:
         return self._flat(
-            [numbers_of(each, self.driven, self.arithmetic) for each in self.motion.plants]
+            [
+                numbers_of(plant, self.driven, self.arithmetic)
+                for plant in (self.plant, *self.motion.plants[1:])
+            ]
         )
 
     def with_plants(self, motion: Motion) -> Course:
         """Return the same set points for other plants of the kind."""
         other = copy(self)
         other.motion = motion
-        other.plant = motion.plants[0]
+        other.plant = for_runs(motion.plants[0])
         other.plants = (other._flat(motion.block, np.int64), other._blocks())
         return other
 

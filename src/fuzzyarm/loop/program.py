@@ -31,8 +31,6 @@ from fuzzyarm.plant.plant import (
     CLOCK_SIZE,
     is_compiled,
     is_traced,
-    plain_motion,
-    plain_outputs,
 )
 from fuzzyarm.plant.setting import (
     Arithmetic,
@@ -42,6 +40,7 @@ from fuzzyarm.plant.setting import (
     stored_single,
 )
 from fuzzyarm.plant.setting import Reference as ArmReference
+from fuzzyarm.plant.tried import plain_motion, plain_outputs
 
 # --- A controller as the loop takes it ---
 

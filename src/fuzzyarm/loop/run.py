@@ -327,7 +327,7 @@ def simulate(
 
 def as_way(on: AnyWay, *, along: bool) -> Trajectory | Plant | Motion:
     """Return what a name stands for; with `along` the arm follows its trajectory."""
-    if not isinstance(on, str | os.PathLike):
+    if isinstance(on, Trajectory | Plant | Motion):
         return on
     plant = find_plant(on)
     return reach_return() if isinstance(plant, Arm) and along else plant

@@ -20,10 +20,9 @@ from fuzzyarm.plant.plant import (
     Port,
     interface_of,
     numbers_of,
-    plain_motion,
-    plain_outputs,
 )
 from fuzzyarm.plant.setting import Arithmetic
+from fuzzyarm.plant.tried import plain_motion, plain_outputs
 
 RATES = {"velocity": "position", "v": "x", "omega": "theta", "speed": "position"}
 """Outputs that are the rate of another, by the names that people give them."""

@@ -14,8 +14,11 @@ import contextlib
 import functools
 import importlib.util
 import math
+import pickle
 from array import array
 from collections.abc import Callable, Mapping, Sequence
+from copy import copy, deepcopy
+from operator import is_
 from types import FunctionType, MethodType
 from typing import Any, NamedTuple
 from weakref import WeakKeyDictionary
@@ -25,7 +28,7 @@ from fuzzyarm.expression.nodes import Node, as_node, symbol
 from fuzzyarm.expression.programs import program_of
 from fuzzyarm.kernels import copied, with_names
 
-__all__ = ["Equations", "compiled_by_numba", "has_numba", "traced"]
+__all__ = ["Equations", "apart", "compiled_by_numba", "fill", "has_numba", "traced"]
 
 
 class Equations(NamedTuple):
@@ -53,7 +56,8 @@ def _address(program: array[float] | None) -> float:
     return 0.0 if program is None else float(program.buffer_info()[0] + 1)
 
 
-_known: WeakKeyDictionary[Any, Equations | None] = WeakKeyDictionary()
+_known: WeakKeyDictionary[Any, tuple[dict[str, Any], Equations | None]] = WeakKeyDictionary()
+"""Of each plant: the attributes that it was traced with, and what came of it."""
 
 
 def traced(plant: Any) -> Equations | None:
@@ -64,13 +68,34 @@ def traced(plant: Any) -> Equations | None:
     plant : Plant
         With `derivative`, and `measure` or None.
     """
-    try:
-        return _known[plant]
-    except (KeyError, TypeError):  # new, or it cannot be referred to weakly
-        equations = _traced(plant)
+    attributes = dict(vars(plant))
+    with contextlib.suppress(KeyError, TypeError):  # new, or it cannot be referred to weakly
+        before, equations = _known[plant]
+        if _is_alike(before, attributes, is_):
+            return equations
+    first, asked = apart(plant), apart(plant)
+    equations = _traced(asked)
+    if not _is_alike(vars(first), vars(asked), _is_same):  # it keeps count: its answers will change
+        equations = None
     with contextlib.suppress(TypeError):
-        _known[plant] = equations
+        _known[plant] = attributes, equations
     return equations
+
+
+def _is_alike(
+    before: Mapping[str, Any], after: Mapping[str, Any], same: Callable[[Any, Any], bool]
+) -> bool:
+    return before.keys() == after.keys() and all(map(same, before.values(), after.values()))
+
+
+def _is_same(before: object, after: object) -> bool:
+    """Whether an attribute is what it was, all the way down."""
+    if before is after:
+        return True
+    try:
+        return pickle.dumps(before) == pickle.dumps(after)
+    except Exception:  # whatever a class of a user raises
+        return type(before) is type(after)
 
 
 def _traced(plant: Any) -> Equations | None:
@@ -198,3 +223,27 @@ def compiled_by_numba(
         See :func:`fuzzyarm.kernels.address_of`; arrays of floats.
     """
     return _compiled(function, types, tuple(sorted(bindings.items(), key=lambda pair: pair[0])))
+
+
+# --- What a plant keeps for itself ---
+
+
+def apart(plant: Any) -> Any:
+    """Return a copy of a plant; what is done with it leaves the attributes of the plant alone.
+
+    What cannot be copied (a lock, a file, a socket) is shared.
+    """
+    other = copy(plant)
+    fill(other, plant)
+    return other
+
+
+def fill(plant: Any, source: Any) -> None:
+    """Give a plant the attributes of another one, copied; it loses its own."""
+    copies = {id(source): plant}  # what refers to the one refers to the other
+    attributes = dict(vars(source))
+    vars(plant).clear()
+    for name, value in attributes.items():
+        vars(plant)[name] = value
+        with contextlib.suppress(Exception):  # whatever a class of a user raises when it is copied
+            vars(plant)[name] = deepcopy(value, copies)

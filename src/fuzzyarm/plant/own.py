@@ -6,7 +6,7 @@ import linecache
 import os
 import sys
 import traceback
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from copy import copy
 from functools import cache
@@ -25,6 +25,7 @@ from fuzzyarm.plant.adapters import (
     is_control_system,
 )
 from fuzzyarm.plant.driven_arm import Arm
+from fuzzyarm.plant.equations import apart, fill
 from fuzzyarm.plant.library import LIBRARY
 from fuzzyarm.plant.plant import Plant, PlantError, is_compiled
 from fuzzyarm.plant.tried import HOME, Home, lacks, require_sound
@@ -37,15 +38,16 @@ ENVIRONMENT = "gym:"
 """Before the id of a Gymnasium environment."""
 
 
-def find_plant(name: str | os.PathLike[str]) -> Plant:
-    """Make a plant from a name or a file.
+def find_plant(name: str | os.PathLike[str] | object) -> Plant:
+    """Make a plant from a name or a file, or of a thing that stands for one.
 
     Parameters
     ----------
-    name : str or path-like
+    name : str, path-like or object
         A shipped plant; ``FILE.py`` or ``FILE.py:NAME``, a class of the user's or a
         python-control system, where the file is executed; ``gym:NAME``, a Gymnasium environment;
-        ``FILE.fmu``.
+        ``FILE.fmu``. Or what such a file may hold: a class, an object with the attributes of a
+        plant, a python-control system.
 
     Raises
     ------
@@ -54,6 +56,8 @@ def find_plant(name: str | os.PathLike[str]) -> Plant:
     MissingExtraError
         If the package of another's plant is not installed.
     """
+    if not isinstance(name, str | os.PathLike):
+        return _plant_of(name)
     name = os.fspath(name)
     if name in PLANTS:
         return PLANTS[name]()
@@ -98,10 +102,8 @@ def _made(module: ModuleType, key: str) -> Plant:
     """Make the plant that a name of a user's file stands for."""
     path = str(module.__file__)
     thing = getattr(module, key)
-    if is_control_system(thing):
-        thing = ControlPlant(thing)
     try:
-        plant = as_plant(thing() if isinstance(thing, type) else copy(thing))
+        plant = _plant_of(thing if isinstance(thing, type) else copy(thing))
     except PlantError:
         raise
     except USERS as error:
@@ -132,8 +134,27 @@ def _is_plant_of(module: ModuleType, value: Any) -> bool:
     """Whether a value of a file is a plant: a class of the file, or something that is made."""
     if not isinstance(value, type):
         return isinstance(value, Plant) or is_control_system(value)
-    moves = hasattr(value, "derivative") or hasattr(value, "step")
-    return value.__module__ == module.__name__ and hasattr(value, "outputs") and moves
+    return value.__module__ == module.__name__ and _moves(value)
+
+
+def _moves(thing: Any) -> bool:
+    """Whether an object or a class has the attributes of a plant."""
+    return hasattr(thing, "outputs") and (hasattr(thing, "derivative") or hasattr(thing, "step"))
+
+
+def _plant_of(thing: Any) -> Plant:
+    """Return a plant of what stands for one: an object or its class, a python-control system."""
+    if is_control_system(thing):
+        return ControlPlant(thing)
+    if not _moves(thing):
+        message = f"'{type(thing).__name__}' is not a plant"
+        hint = "a name, a file, or an object with inputs, outputs, states and derivative"
+        raise PlantError(message, hint=hint)
+    plant = as_plant(thing() if isinstance(thing, type) else thing)
+    if not plant.name:
+        plant = copy(plant)
+        plant.name = type(plant).__name__.lower()
+    return plant
 
 
 def as_plant(thing: Any) -> Plant:
@@ -226,6 +247,36 @@ def plain_errors(plant: Plant) -> Iterator[None]:
         raise PlantError(f"plant {plant.name} failed: {failure(path, error)}") from error
 
 
+BEGUN = "_fuzzyarm_begun"
+"""Under which the plant of a run has itself as it was before any run."""
+
+FIRST = "_fuzzyarm_first"
+"""Under which a plant has the states that it starts from in place of its own."""
+
+
+def for_runs(plant: Plant) -> Plant:
+    """Return a user's plant as runs have it: a copy, which each start puts back.
+
+    So a run changes neither the plant of its user nor the next run, whatever it keeps beside its
+    states. A plant of the package begins anew by itself.
+    """
+    if type(plant).__module__.startswith("fuzzyarm."):
+        return plant
+    other: Plant = apart(plant)
+    if not is_compiled(
+        other
+    ):  # what is compiled keeps nothing, and its programs stay where they are
+        vars(other)[BEGUN] = apart(plant)
+    return other
+
+
+def starting_at(plant: Plant, states: Sequence[float]) -> Plant:
+    """Return a plant that starts from other states than its own."""
+    other = copy(plant)
+    vars(other)[FIRST] = tuple(states)
+    return other
+
+
 def start_of(plant: Plant, generator: np.random.Generator) -> list[float]:
     """Return the states of a plant at its start.
 
@@ -234,9 +285,13 @@ def start_of(plant: Plant, generator: np.random.Generator) -> list[float]:
     PlantError
         If it fails, or gives another number of values than it has states.
     """
+    begun = vars(plant).get(BEGUN)
+    if begun is not None:
+        fill(plant, begun)
+        vars(plant)[BEGUN] = begun
     with plain_errors(plant):
         start = [float(each) for each in plant.start(generator)]
     if len(start) != len(plant.states):
         message = f"start gives {len(start)} values for {len(plant.states)} states"
         raise PlantError(f"plant {plant.name}: {message}", name="start")
-    return start
+    return list(vars(plant).get(FIRST, start))

@@ -20,7 +20,6 @@ from fuzzyarm.kernels import (
     is_built,
     is_kernel,
     kernel,
-    with_names,
 )
 from fuzzyarm.plant.equations import compiled_by_numba, has_numba, traced
 from fuzzyarm.plant.setting import Arithmetic
@@ -547,43 +546,7 @@ def _address_in(arithmetic: Arithmetic) -> Callable[..., int]:
     return address
 
 
-# --- Plants in plain Python ---
-
-
-def plain_motion(plant: Plant, states: int) -> Callable[..., None]:
-    """Return what advances a plant in plain Python."""
-    if plant.step is None:
-        slope = plant.derivative
-        assert slope is not None
-
-        def derivative(t: float, x: Any, u: Any, p: Any) -> Any:
-            return slope(t, x[:states].tolist(), u.tolist(), p.tolist())
-
-        return with_names(runge_kutta_4, {"derivative": derivative})
-    step = plant.step
-
-    def advance(x: Any, _y: Any, u: Any, p: Any, clock: Any) -> None:
-        h = clock[1] / clock[2]
-        for part in range(int(clock[2])):
-            found = step(clock[0] + part * h, x[:states].tolist(), u.tolist(), p.tolist(), h)
-            for i in range(states):
-                x[i] = float(found[i])
-
-    return advance
-
-
-def plain_outputs(plant: Plant, states: int) -> Callable[..., None]:
-    """Return what measures a plant in plain Python."""
-    if plant.measure is None:
-        return measure_states
-    ask = plant.measure
-
-    def measured(x: Any, y: Any, u: Any, p: Any, clock: Any) -> None:
-        found = ask(clock[0], x[:states].tolist(), u.tolist(), p.tolist())
-        for i in range(len(y)):
-            y[i] = float(found[i])
-
-    return measured
+# --- Its numbers ---
 
 
 def numbers_of(

@@ -1,4 +1,7 @@
-"""A plant of a user's own, tried once before it runs: what does not fit is said with its line."""
+"""A plant of a user's own in plain Python: tried once before it runs, then called from a loop.
+
+What does not fit is said with its line.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +16,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fuzzyarm.plant.plant import Parameter, Plant, PlantError, Port, interface_of
+from fuzzyarm.kernels import with_names
+from fuzzyarm.plant.equations import apart
+from fuzzyarm.plant.plant import (
+    Parameter,
+    Plant,
+    PlantError,
+    Port,
+    interface_of,
+    measure_states,
+    runge_kutta_4,
+)
 
 EXAMPLES = {
     "inputs": '{"power": Port("%", 0, 100)}',
@@ -37,6 +50,9 @@ class Home(NamedTuple):
     source: str
     key: str
     begun: Mapping[str, Any]
+
+    def __deepcopy__(self, _copies: object) -> Home:
+        return self
 
 
 def require_ports(plant: Plant) -> None:
@@ -115,6 +131,7 @@ def try_equations(plant: Plant) -> None:
     """
     if plant.dynamics is not None or plant.step is not None:
         return
+    plant = apart(plant)
     numbers = [
         each.value if isinstance(each, Parameter) else float(each)
         for each in plant.parameters.values()
@@ -139,6 +156,27 @@ def _numbers(
     except Exception as error:
         message, hint = _of_error(plant, what, error)
         raise _fault(plant, what, message, hint, _user_frame(error)) from error
+    values = _one_for_each(plant, what, given, wanted)
+    for name, value in zip(wanted, given, strict=True):
+        if not _is_number(value):
+            raise _fault(plant, what, f"{what} returns {_words(value)} for '{name}', not a number")
+        if not math.isfinite(value):
+            hint = "it divides by zero, or takes a root of what is negative"
+            at_first = "at the start, with all inputs at 0 or their nearest limit"
+            message = f"{what} returns {value} for '{name}' {at_first}"
+            raise _fault(plant, what, message, hint=hint if math.isnan(value) else "")
+    return values
+
+
+def _one_for_each(plant: Plant, what: str, given: Any, wanted: Mapping[str, object]) -> list[float]:
+    """Return what a method of a plant gave as numbers, one for each name."""
+    try:
+        values = [*map(float, given)]
+    except (TypeError, ValueError):
+        pass
+    else:
+        if len(values) == len(wanted):
+            return values
     kind = {"derivative": "rate for each state", "measure": "value for each output"}
     each = f"one {kind.get(what, 'number for each state')}: {', '.join(wanted)}"
     if given is None:
@@ -156,15 +194,51 @@ def _numbers(
         counts = f"{len(values)} number{'' if len(values) == 1 else 's'} for {len(wanted)}"
         nouns = "outputs" if what == "measure" else "states"
         raise _fault(plant, what, f"{what} returns {counts} {nouns}", hint=f"return {each}")
-    for name, value in zip(wanted, values, strict=True):
-        if not _is_number(value):
-            raise _fault(plant, what, f"{what} returns {_words(value)} for '{name}', not a number")
-        if not math.isfinite(value):
-            hint = "it divides by zero, or takes a root of what is negative"
-            at_first = "at the start, with all inputs at 0 or their nearest limit"
-            message = f"{what} returns {value} for '{name}' {at_first}"
-            raise _fault(plant, what, message, hint=hint if math.isnan(value) else "")
-    return [float(value) for value in values]
+    name, value = next((n, v) for n, v in zip(wanted, values, strict=True) if not _is_number(v))
+    raise _fault(plant, what, f"{what} returns {_words(value)} for '{name}', not a number")
+
+
+# --- Called from a loop ---
+
+
+def plain_motion(plant: Plant, states: int) -> Callable[..., None]:
+    """Return what advances a plant in plain Python."""
+    if plant.step is None:
+        slope = plant.derivative
+        assert slope is not None
+
+        def derivative(t: float, x: Any, u: Any, p: Any) -> Any:
+            rates = slope(t, x[:states].tolist(), u.tolist(), p.tolist())
+            return _one_for_each(plant, "derivative", rates, plant.states)
+
+        return with_names(runge_kutta_4, {"derivative": derivative})
+    step = plant.step
+
+    def advance(x: Any, _y: Any, u: Any, p: Any, clock: Any) -> None:
+        h = clock[1] / clock[2]
+        for part in range(int(clock[2])):
+            after = step(clock[0] + part * h, x[:states].tolist(), u.tolist(), p.tolist(), h)
+            for i, value in enumerate(_one_for_each(plant, "step", after, plant.states)):
+                x[i] = value
+
+    return advance
+
+
+def plain_outputs(plant: Plant, states: int) -> Callable[..., None]:
+    """Return what measures a plant in plain Python."""
+    if plant.measure is None:
+        return measure_states
+    ask = plant.measure
+
+    def measured(x: Any, y: Any, u: Any, p: Any, clock: Any) -> None:
+        outputs = ask(clock[0], x[:states].tolist(), u.tolist(), p.tolist())
+        for i, value in enumerate(_one_for_each(plant, "measure", outputs, plant.outputs)):
+            y[i] = value
+
+    return measured
+
+
+# --- What is said ---
 
 
 def _of_error(plant: Plant, what: str, error: Exception) -> tuple[str, str]:

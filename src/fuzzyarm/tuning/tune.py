@@ -293,7 +293,7 @@ def stage_of(
         if site is None:
             raise TuneError(f"no shipped plant has the axes of {text.model.name}", hint="name one")
         on = site.name
-    plant = find_plant(on) if isinstance(on, str | os.PathLike) else on
+    plant = find_plant(on)
     if isinstance(plant, Arm):
         first = arm_scenarios(payload)
         return Stage(plant, first, options, tuple(vary), connect=connect)
