@@ -1,7 +1,9 @@
 """Any plant in the loop: bits, references, sensors, actuators, disturbances."""
 
 import math
+from array import array
 from collections import deque
+from dataclasses import dataclass
 
 import numpy as np
 import pytest
@@ -436,6 +438,34 @@ def test_a_plant_runs_with_the_attributes_that_it_has_by_then():
     asked = {"references": {"T": 300.0}}
     assert simulate(heater, kiln, **asked).rms == simulate(heater, Kiln(0.1), **asked).rms
     assert first.run().rms == before.rms == simulate(heater, Kiln(0.2), **asked).rms
+
+
+@pytest.mark.parametrize("frozen", [False, True])
+def test_a_plant_may_be_a_dataclass(frozen):
+    @dataclass(frozen=frozen)
+    class Kiln:
+        gain: float = 0.2
+        inputs = {"power": Port("%", 0, 100)}
+        outputs = {"T": Port("°C")}
+        states = {"T": "°C"}
+
+        def derivative(self, t, x, u, p):
+            return [self.gain * u[0] - 0.01 * x[0]]
+
+    class Opaque(Kiln):
+        def derivative(self, t, x, u, p):
+            return super().derivative(t, [float(value) for value in x], u, p)
+
+    heater = text("e = error of T", "u = e * 2", "drive power = u", period="1 s")
+    asked = {"references": {"T": 300.0}}
+    kiln, opaque = find_plant(Kiln(0.1)), find_plant(Opaque(0.1))
+    assert is_traced(kiln)
+    assert not is_traced(opaque)
+    chosen = as_controller(heater)
+    loop = ClosedLoop(chosen, plant_motion(chosen, kiln, {"T": 300.0}))
+    others = [array("d", [0.0] * size) for size in range(1, 100) for _ in range(20)]
+    assert loop.run().rms == simulate(heater, opaque, **asked).rms  # no program is written over
+    assert len(others) == 1980
 
 
 def test_a_phase_portrait_begins_a_plant_before_it_moves_it():

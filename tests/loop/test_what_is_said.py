@@ -247,3 +247,11 @@ def test_metrics_of_sweeps_stand_beside_each_other():
     assert many["rms_periods"][0] == pytest.approx(run.rms_periods)
     assert many["rms_path"][0] == pytest.approx(run.rms_path)
     assert (many["rms_path"][1] != many["rms_path"][0]).all()
+
+
+@pytest.mark.parametrize(("step", "said"), [(6.0, None), (7.0, "7"), (-7.0, "-7")])
+def test_a_set_point_that_no_sensor_can_say_is_noted(step, said):
+    references = {"position": Signal("step", (step,))}
+    run = simulate(shipped("servo.frb"), "motor", references=references, duration=0.01)
+    words = f"the set point {said} rad of 'position' is beyond its range, -6.28319 .. 6.28319"
+    assert run.notes == (() if said is None else (words,))

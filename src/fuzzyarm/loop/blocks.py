@@ -28,6 +28,7 @@ from fuzzyarm.controller.controller import CompiledController
 from fuzzyarm.controller.law import Law
 from fuzzyarm.controller.on_plant import TextLaw, make_law
 from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.plant.equations import TRACED
 from fuzzyarm.plant.own import BEGUN, OWN, SOURCE, module_again, plant_again, plant_class
 from fuzzyarm.plant.plant import Plant
 from fuzzyarm.plant.tried import HOME, Home
@@ -328,7 +329,7 @@ def _recipe_of_plant(plant: Plant) -> tuple[Any, ...]:
     """
     home: Home = vars(plant)[HOME]
     kind: Any = type(plant)
-    left = {HOME, BEGUN, *_cached_names(kind)}
+    left = {HOME, BEGUN, TRACED, *_cached_names(kind)}
     state = {
         name: value
         for name, value in vars(plant).items()

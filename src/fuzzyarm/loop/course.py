@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.controller.law import view
-from fuzzyarm.controller.on_plant import site_of
+from fuzzyarm.controller.on_plant import Site, site_of
 from fuzzyarm.kernels import has_machine_code
 from fuzzyarm.loop.loop import CHANGES, ERRORS, SENSOR, Setting
 from fuzzyarm.loop.reference import AnySignal, AnyTime, Signal, as_seconds, as_signal
@@ -350,6 +350,24 @@ def delay_notes(options: Options, period: float) -> tuple[str, ...]:
             notes.append(
                 f"the delay of '{name}' is {sensor.delay / period:.4g} control periods of "
                 f"{period:g} s: {count} are taken, {count * period:g} s"
+            )
+    return tuple(notes)
+
+
+def range_notes(motion: Motion, site: Site) -> tuple[str, ...]:
+    """Return in words which set points are beyond what their sensors can say."""
+    notes = []
+    for column, (address, reference) in enumerate(site.interface.references.items()):
+        port = site.interface.outputs.get(address)
+        if port is None or reference.order or not len(motion.references):
+            continue
+        points = motion.references[:, column]
+        furthest = points.max() if points.max() > port.high else points.min()
+        if not port.low <= furthest <= port.high:
+            label, unit = site.interface.label(address), f" {port.unit}" if port.unit else ""
+            notes.append(
+                f"the set point {furthest:g}{unit} of '{label}' is beyond its range, "
+                f"{port.low:g} .. {port.high:g}"
             )
     return tuple(notes)
 

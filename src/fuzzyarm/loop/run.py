@@ -26,7 +26,15 @@ from fuzzyarm.controller.on_plant import (
 from fuzzyarm.controller.program import SourceError
 from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.errors import demand_extra
-from fuzzyarm.loop.course import Course, Motion, Options, arm_motion, delay_notes, motion
+from fuzzyarm.loop.course import (
+    Course,
+    Motion,
+    Options,
+    arm_motion,
+    delay_notes,
+    motion,
+    range_notes,
+)
 from fuzzyarm.loop.loop import HELD, LED, SQUARES, final, rms, signed_maximum
 from fuzzyarm.loop.metrics import Metrics, metrics_of
 from fuzzyarm.loop.open_run import OpenRun
@@ -596,6 +604,7 @@ class ClosedLoop:
         """Return what is taken otherwise than it was asked for, in sentences."""
         course, site = course or self.course, self.site
         notes = [*delay_notes(course.options, course.motion.period)]
+        notes += range_notes(course.motion, site)
         names: set[str] = set()
         for part in self.controller.parts():
             names |= connectable(part) if isinstance(part, CompiledController) else set()

@@ -20,15 +20,23 @@ from collections.abc import Callable, Mapping, Sequence
 from copy import copy, deepcopy
 from operator import is_
 from types import FunctionType, MethodType
-from typing import Any, NamedTuple
-from weakref import WeakKeyDictionary
+from typing import Any, NamedTuple, cast
 
 from fuzzyarm.expression import op
 from fuzzyarm.expression.nodes import Node, as_node, symbol
 from fuzzyarm.expression.programs import program_of
 from fuzzyarm.kernels import copied, with_names
 
-__all__ = ["Equations", "apart", "compiled_by_numba", "fill", "has_numba", "traced"]
+__all__ = [
+    "TRACED",
+    "Equations",
+    "apart",
+    "compiled_by_numba",
+    "fill",
+    "has_numba",
+    "keep_traced",
+    "traced",
+]
 
 
 class Equations(NamedTuple):
@@ -56,8 +64,12 @@ def _address(program: array[float] | None) -> float:
     return 0.0 if program is None else float(program.buffer_info()[0] + 1)
 
 
-_known: WeakKeyDictionary[Any, tuple[dict[str, Any], Equations | None]] = WeakKeyDictionary()
-"""Of each plant: the attributes that it was traced with, and what came of it."""
+TRACED = "_fuzzyarm_traced"
+"""Under which a plant has the attributes that it was traced with, and what came of it.
+
+None for attributes: it holds whatever becomes of them, since a run has its addresses. It stands in
+the plant, which need not be hashable (a dataclass is not).
+"""
 
 
 def traced(plant: Any) -> Equations | None:
@@ -68,18 +80,22 @@ def traced(plant: Any) -> Equations | None:
     plant : Plant
         With `derivative`, and `measure` or None.
     """
-    attributes = dict(vars(plant))
-    with contextlib.suppress(KeyError, TypeError):  # new, or it cannot be referred to weakly
-        before, equations = _known[plant]
-        if _is_alike(before, attributes, is_):
-            return equations
+    attributes = {name: value for name, value in vars(plant).items() if name != TRACED}
+    if TRACED in vars(plant):
+        before, known = vars(plant)[TRACED]
+        if before is None or _is_alike(before, attributes, is_):
+            return cast("Equations | None", known)
     first, asked = apart(plant), apart(plant)
     equations = _traced(asked)
     if not _is_alike(vars(first), vars(asked), _is_same):  # it keeps count: its answers will change
         equations = None
-    with contextlib.suppress(TypeError):
-        _known[plant] = attributes, equations
+    vars(plant)[TRACED] = attributes, equations
     return equations
+
+
+def keep_traced(plant: Any) -> None:
+    """Let what a plant is traced to hold for as long as the plant lives, as a run needs it."""
+    vars(plant)[TRACED] = None, traced(plant)
 
 
 def _is_alike(
@@ -243,6 +259,7 @@ def fill(plant: Any, source: Any) -> None:
     copies = {id(source): plant}  # what refers to the one refers to the other
     attributes = dict(vars(source))
     vars(plant).clear()
+    attributes.pop(TRACED, None)
     for name, value in attributes.items():
         vars(plant)[name] = value
         with contextlib.suppress(Exception):  # whatever a class of a user raises when it is copied
