@@ -1,6 +1,14 @@
 """What a controller is, and sums of controllers.
 
-A controller of your own is a class with a ``torque`` method::
+A controller of your own is a class with a ``step``, which is asked once in each period::
+
+    class Bang(Controller):
+        period = 10.0
+
+        def step(self, measured, reference):
+            return {"power": 100.0 if measured["temperature"] < reference["temperature"] else 0.0}
+
+On the study's arm a ``torque`` may stand in its place, which knows the accelerations too::
 
     class Mine(Controller):
         def torque(self, reference, state, clock):
@@ -8,7 +16,7 @@ A controller of your own is a class with a ``torque`` method::
             e2 = reference.position[1] - state.position[1]
             return 80.0 * e1 - 9.0 * state.velocity[0], 60.0 * e2 - 7.0 * state.velocity[1]
 
-It adds to every other controller with ``+``.
+They add to every other controller with ``+``.
 """
 
 from __future__ import annotations
@@ -24,17 +32,23 @@ from fuzzyarm.text.shown import one_line
 
 
 class Controller:
-    """Base of all controllers: override :meth:`torque`, and :meth:`start` where you remember.
+    """Base of all controllers: override :meth:`step`, and :meth:`start` where you remember.
 
     Attributes
     ----------
     name : str
         Under which results are reported.
+    period : float or None
+        Time between two steps, s; on the arm by default that of the study.
+    every : int
+        Periods of a set point; 1 by default.
     gains : dict of str to Gain
         What ``--set`` may override; empty by default.
     """
 
     name = "own"
+    period: float | None = None
+    every: int = 1
 
     def __repr__(self) -> str:
         return one_line(self, f"{self.name}, gains {', '.join(self.gains) or 'none'}")
@@ -46,8 +60,28 @@ class Controller:
         """Start in the arithmetic of a run."""
         self.start(arithmetic.single)
 
+    def step(
+        self, measured: Mapping[str, float], reference: Mapping[str, float]
+    ) -> Mapping[str, float] | float:
+        """Return what is driven, by port; one number where the plant has one input.
+
+        Parameters
+        ----------
+        measured : mapping of str to float
+            What the sensors say, by ``port`` of a plant of one axis, else ``axis.port``.
+        reference : mapping of str to float
+            The set points, likewise; with rates of those that have some.
+        """
+        message = f"{type(self).__name__} has neither a step nor a torque"
+        raise TypeError(message)
+
+    @property
+    def takes_ports(self) -> bool:
+        """Whether it has a :meth:`step`, and so runs on any plant."""
+        return type(self).step is not Controller.step
+
     def torque(self, reference: Reference, state: State, clock: Clock) -> Pair:
-        """Return the torque of both joints, N m.
+        """Return the torque of both joints of the arm, N m.
 
         Called five times for each set point, every 0.6 ms.
         """

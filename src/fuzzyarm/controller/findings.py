@@ -8,7 +8,7 @@ from dataclasses import replace
 from functools import cache
 
 from fuzzyarm.controller.controller import CompiledController, Controller
-from fuzzyarm.controller.on_plant import ARM, Site, TextLaw, site_of
+from fuzzyarm.controller.on_plant import ARM, Site, TextLaw, lacking, site_of
 from fuzzyarm.controller.program import SourceError
 from fuzzyarm.controller.reach import (
     FED_BACK,
@@ -24,7 +24,6 @@ from fuzzyarm.controller.text import ControllerText, ports_of
 from fuzzyarm.expression.operations import Interval
 from fuzzyarm.model.controller import Axes, ControllerModel, Drive, Signal
 from fuzzyarm.model.units import product, read_unit, unit_text, unlike
-from fuzzyarm.plant.driven_arm import Arm
 from fuzzyarm.plant.own import PLANTS
 from fuzzyarm.plant.plant import Address, Plant, Port
 from fuzzyarm.text.diagnostic import Diagnostic, Related, Severity, Span
@@ -285,9 +284,9 @@ def _missing_ports(model: ControllerModel, site: Site, *, given: bool) -> Iterat
                 hint = error.hint if given else f"{error.hint}; for another plant: --plant FILE.py"
                 message = str(error.args[0])
                 yield Diagnostic("unknown-port", message, key[0], severity, hint=hint)
-    if given and site.name != Arm.name:
+    if given and (why := lacking(site)):
         for partner in model.partners:
-            message = f"the partner '{partner.name}' is a law of the arm and runs there only"
+            message = f"the partner '{partner.name}' ({partner.law}) {why}"
             yield Diagnostic("arm-only", message, partner.span)
 
 

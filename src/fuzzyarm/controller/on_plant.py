@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from decimal import Decimal
 from functools import cache
 from itertools import chain
-from typing import Any, Protocol
+from typing import Any, Protocol, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,7 +37,7 @@ from fuzzyarm.model.controller import (
 )
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.plant.arm import RATIOS, motor_torque
-from fuzzyarm.plant.driven_arm import JOINTS, POSES, Arm
+from fuzzyarm.plant.driven_arm import JOINTS, Arm
 from fuzzyarm.plant.plant import Address, Interface, Plant, interface_of
 from fuzzyarm.plant.setting import (
     CLOCK,
@@ -103,7 +103,7 @@ class Site:
             cells["measured"],
             cells["drive"],
             tuple(range(told, told + len(interface.axes))),
-            told + 2 * size + (SIGNALS if self.name == Arm.name else 0),
+            told + 2 * size + (SIGNALS if self.extra else 0),
         )
 
     def driven(self, model: ControllerModel) -> frozenset[Address]:
@@ -159,8 +159,7 @@ def near(word: str, names: list[str]) -> str:
 
 def site_of(plant: Plant, connect: Mapping[str, str] | None = None) -> Site:
     """Describe a plant as a controller finds it."""
-    extra = POSES if isinstance(plant, Arm) else 0
-    return Site(plant.name, interface_of(plant), extra, dict(connect or {}))
+    return Site(plant.name, interface_of(plant), plant.extra, dict(connect or {}))
 
 
 PORT_KINDS = ("reference", "measured", "drive")
@@ -267,9 +266,7 @@ def make_law(text: ControllerText, find_law: FindLaw, site: Site = ARM) -> TextL
     def partners() -> dict[str, CompiledController]:
         found = {}
         for each in model.partners:
-            if site.name != Arm.name:
-                message = f"the partner '{each.name}' is a law of the arm and runs there only"
-                raise SourceError(message)
+            require_arm(f"the partner '{each.name}' ({each.law})", site)
             law = find_law(each.law)
             found[each.name] = law.with_gains({name: [value] for name, value in each.gains})
         return found
@@ -338,10 +335,26 @@ def controller_on(controller: Controller, site: Site) -> Controller:
             made = CompiledController(law.on(site), controller.gains)
             made.name = controller.name
             return made
-    elif site.name != Arm.name:
-        hint = "controllers as text run on any plant"
-        raise SourceError(f"{controller.name} runs on the arm only", hint=hint)
+    elif not controller.takes_ports:
+        require_arm(controller.name, site)
     return controller
+
+
+def lacking(site: Site) -> str:
+    """Return what a law of the arm asks for and a plant does not have; empty on the arm."""
+    for kind, verb in (("measured", "measures"), ("drive", "drives")):
+        for port in ARM._ports(kind):
+            if port not in site._ports(kind):
+                return f"{verb} {'.'.join(port)}, which the {site.name} does not have"
+    return "" if site.extra == ARM.extra else f"asks for the pose, which the {site.name} has not"
+
+
+def require_arm(what: str, site: Site) -> None:
+    """Raise SourceError where a law of the arm is to run on something else."""
+    why = lacking(site)
+    if why:
+        hint = "controllers as text, and classes with a step, run on any plant"
+        raise SourceError(f"{what} {why}", hint=hint)
 
 
 def connectable(controller: CompiledController) -> set[str]:
@@ -354,31 +367,37 @@ def connectable(controller: CompiledController) -> set[str]:
 
 
 def driven_by(controller: Controller, site: Site) -> frozenset[Address]:
-    """Return the inputs of a plant that a controller drives; laws of the arm drive torques."""
+    """Return the inputs of a plant that a controller drives."""
     found: set[Address] = set()
     for part in controller.parts():
         if isinstance(part, CompiledController) and isinstance(part.law, TextLaw):
             found |= site.driven(part.law.text.model)
         else:
-            found |= {(joint, "torque") for joint in JOINTS}
+            found |= driven_plainly(site)
     return frozenset(found)
+
+
+def driven_plainly(site: Site) -> frozenset[Address]:
+    """Return what laws and controllers in Python may drive: torques, where there are some."""
+    torques = frozenset(port for port in site.interface.inputs if port[1] == "torque")
+    return torques or frozenset(site.interface.inputs)
 
 
 # --- How often it runs ---
 
 
 def own_timing(controller: Controller) -> Timing | None:
-    """Return the period and the set points that a controller as text asks for; None of a law.
+    """Return the period and the set points that a controller asks for; None of a law.
 
     Raises
     ------
     SourceError
         If two addends ask for different ones.
     """
-    timings: dict[Timing, ControllerModel] = {}
+    timings: dict[Timing, Timed] = {}
     for part in controller.parts():
-        if isinstance(part, CompiledController) and isinstance(part.law, TextLaw):
-            model = part.law.text.model
+        model = timed(part)
+        if model is not None:
             # As decimal numbers: five periods of 0.6 ms are 3 ms to the last bit.
             set_point = float(Decimal(repr(model.period)) * model.every)
             timings.setdefault(Timing(set_point, model.every), model)
@@ -392,7 +411,30 @@ def own_timing(controller: Controller) -> Timing | None:
     return next(iter(timings), None)
 
 
-def timing_words(model: ControllerModel) -> str:
+class Timed(Protocol):
+    """What says how often it runs: the text of a controller, or one in Python."""
+
+    @property
+    def name(self) -> str:
+        """Of the controller."""
+
+    @property
+    def period(self) -> float:
+        """In s."""
+
+    @property
+    def every(self) -> int:
+        """Periods of a set point."""
+
+
+def timed(part: Controller) -> Timed | None:
+    """Return what says how often an addend runs; None of a law, which runs as the study does."""
+    if isinstance(part, CompiledController) and isinstance(part.law, TextLaw):
+        return part.law.text.model
+    return cast(Timed, part) if part.takes_ports and part.period is not None else None
+
+
+def timing_words(model: Timed) -> str:
     """Return how often a controller runs, in words."""
     return f"a period of {model.period:g} s with a set point every {model.every}"
 
@@ -423,7 +465,7 @@ def drive_limits(controller: Controller, site: Site) -> dict[Address, Limits]:
         if isinstance(part, CompiledController) and isinstance(part.law, TextLaw):
             own = _limits_of_text(part, part.law.text.model, site)
         else:
-            own = {(joint, "torque"): UNLIMITED for joint in JOINTS}
+            own = dict.fromkeys(driven_plainly(site), UNLIMITED)
         for port, limits in own.items():
             total[port] = _added(total[port], limits) if port in total else limits
     return total

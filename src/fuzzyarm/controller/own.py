@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from pathlib import Path
 
 from fuzzyarm.controller.catalogue import (
@@ -171,7 +171,21 @@ class Guarded(Controller):
     def __init__(self, inner: Controller, path: str) -> None:
         self.inner = inner
         self.path = path
-        self.name = inner.name
+        self.name, self.period, self.every = inner.name, inner.period, inner.every
+
+    @property
+    def takes_ports(self) -> bool:
+        """Whether the user's controller has a step."""
+        return self.inner.takes_ports
+
+    def step(
+        self, measured: Mapping[str, float], reference: Mapping[str, float]
+    ) -> Mapping[str, float] | float:
+        """Ask the user's controller."""
+        try:
+            return self.inner.step(measured, reference)
+        except USERS as error:
+            raise _failure(self.path, error) from error
 
     def start(self, single: bool = False) -> None:
         """Start the user's controller."""

@@ -472,7 +472,8 @@ class ControllerRun:
         model = text.model
         if model.partners:
             name = model.partners[0].name
-            raise SourceError(f"the partner '{name}' is a law of the arm and runs there only")
+            message = f"the partner '{name}' is a law of the arm and runs in its loop only"
+            raise SourceError(message)
         compiled = has_machine_code() if compiled is None else compiled
         self.text = text
         self.arithmetic = Arithmetic(single, math.pi, compiled)

@@ -396,6 +396,8 @@ class Course:
         Inputs that the controller drives.
     as_array : bool
         Arrays, or views for the interpreter.
+    connect : mapping of str to str, optional
+        From names of the controller to ports of the plant, where they differ.
     """
 
     def __init__(
@@ -406,13 +408,14 @@ class Course:
         *,
         driven: Collection[Address] = (),
         as_array: bool,
+        connect: Mapping[str, str] | None = None,
     ) -> None:
         self.motion = motion
         self.conventions = conventions
         self.options = options or Options()
         self.as_array = as_array
         self.plant = for_runs(motion.plants[0])
-        self.site = site_of(self.plant)
+        self.site = site_of(self.plant, connect)
         self.arithmetic = self.options.arithmetic(conventions)._replace(compiled=as_array)
         self.driven = driven
         self.steps = int(motion.iterations.sum())

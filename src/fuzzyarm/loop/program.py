@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 from fuzzyarm.controller import on_plant
 from fuzzyarm.controller.controller import CompiledController, Controller
 from fuzzyarm.controller.law import Law, law_integers, summed_drives, view
+from fuzzyarm.controller.program import SourceError
+from fuzzyarm.controller.text import ControllerRun
 from fuzzyarm.kernels import bound_routine, routine, with_names
 from fuzzyarm.loop.course import Course, flat
 from fuzzyarm.loop.loop import (
@@ -29,10 +31,12 @@ from fuzzyarm.loop.loop import (
 from fuzzyarm.plant.plant import (
     ADVANCE,
     CLOCK_SIZE,
+    Address,
     is_compiled,
     is_traced,
 )
 from fuzzyarm.plant.setting import (
+    CLOCK,
     Arithmetic,
     Clock,
     State,
@@ -41,6 +45,7 @@ from fuzzyarm.plant.setting import (
 )
 from fuzzyarm.plant.setting import Reference as ArmReference
 from fuzzyarm.plant.tried import plain_motion, plain_outputs
+from fuzzyarm.text.names import near_hint
 
 # --- A controller as the loop takes it ---
 
@@ -310,24 +315,138 @@ def loop_for(program: Program, course: Course, record: Record) -> Callable[..., 
     if not is_compiled(course.plant) or is_traced(course.plant):
         bindings |= plain_plant(course)
     if not program.compilable:
-        bindings["control"] = plain_law(program.controller)
+        bindings["control"] = plain_control(program, course)
     elif program.arithmetic.compiled:
         bindings["control"] = compiled_law(program, course, record)
     return with_names(run_loop, bindings)
 
 
-def plain_law(controller: Controller) -> Callable[..., None]:
-    """Return what asks a controller in plain Python, on the arm."""
+Asked = Callable[[Any], Iterable[tuple[int, float]]]
+"""From what a controller is told to its drives: which input, and what is added there."""
+
+
+def plain_control(program: Program, course: Course) -> Callable[..., None]:
+    """Return what asks a controller in plain Python, each addend in its own way."""
+    parts = list(program.controller.parts())
+    if not any(part.takes_ports for part in parts):
+        parts = [program.controller]  # which adds the torques up itself
+    asked = [_asked(part, program.arithmetic, course) for part in parts]
+    zeros = range(len(course.site.interface.inputs))
 
     def control(told: Any, _laws: Any, _numbers: Any, _memory: Any, drives: Any) -> None:
-        t = told
+        for column in zeros:
+            drives[column] = 0.0
+        for ask in asked:
+            for column, value in ask(told):
+                drives[column] += value
+
+    return control
+
+
+def _asked(part: Controller, arithmetic: Arithmetic, course: Course) -> Asked:
+    if part.takes_ports:
+        return _asked_by_ports(part, course)
+    law = part.law if isinstance(part, CompiledController) else None
+    if isinstance(law, on_plant.TextLaw) and course.site.extra == 0:
+        return _asked_of_text(part, law, arithmetic, course)
+    return _asked_for_torques(part)
+
+
+def _asked_for_torques(part: Controller) -> Asked:
+    def ask(t: Any) -> Iterable[tuple[int, float]]:
         reference = ArmReference((t[3], t[4]), (t[5], t[6]), (t[7], t[8]))
         state = State((t[9], t[10]), (t[11], t[12]))
         clock = Clock(t[0], t[1] != 0.0, t[2] != 0.0)
-        first, second = controller.torque(reference, state, clock)
-        drives[0], drives[1] = float(first), float(second)
+        first, second = part.torque(reference, state, clock)
+        return (0, float(first)), (1, float(second))
 
-    return control
+    return ask
+
+
+def _asked_of_text(
+    part: Controller, law: on_plant.TextLaw, arithmetic: Arithmetic, course: Course
+) -> Asked:
+    """Return what runs a controller as text beside one in Python."""
+    gains = {
+        gain.name: part.gains[gain.name].value
+        for gain in law.gains
+        if part.gains[gain.name].value != gain.value
+    }
+    run = ControllerRun(
+        law.text, gains=gains, single=arithmetic.single, compiled=arithmetic.compiled
+    )
+    cells = law.site.wiring(law.text.model)
+    first = course.site.told + len(course.site.interface.inputs)
+    references = list(zip(run.references, cells.references.values(), strict=True))
+    measured = list(zip(run.inputs, cells.measured.values(), strict=True))
+    columns = {
+        name: cell - first for name, cell in zip(run.drives, cells.drives.values(), strict=True)
+    }
+
+    def ask(told: Any) -> Iterable[tuple[int, float]]:
+        drives = run.step(
+            {name: told[cell] for name, cell in measured},
+            {name: told[cell] for name, cell in references},
+        )
+        return [(columns[name], value) for name, value in drives.items()]
+
+    return ask
+
+
+def _asked_by_ports(part: Controller, course: Course) -> Asked:
+    """Return what asks a controller in Python by the names of the ports."""
+    site = course.site
+    label = site.interface.label
+    references = _cells_of(site, site.interface.references, CLOCK)
+    measured = _cells_of(site, site.interface.outputs, CLOCK + len(references))
+    columns = _cells_of(site, site.interface.inputs, 0)
+    driven = {label(port) for port in course.driven}
+    only = next(iter(driven)) if len(driven) == 1 else ""
+    for name, port in site.connect.items():
+        homes = [cells for cells in (references, measured, columns) if port in cells]
+        if not homes:
+            hint = near_hint(port, [*measured, *columns])[0]
+            raise SourceError(f"the {site.name} has no port '{port}'", hint=hint)
+        for cells in homes:
+            cells[name] = cells[port]
+
+    def ask(told: Any) -> Iterable[tuple[int, float]]:
+        drives = part.step(
+            _Named({name: float(told[cell]) for name, cell in measured.items()}),
+            _Named({name: float(told[cell]) for name, cell in references.items()}),
+        )
+        if not isinstance(drives, Mapping):
+            if not only:
+                hint = f"return a mapping of {', '.join(sorted(driven))}"
+                message = f"{part.name} does not say which input it drives"
+                raise SourceError(message, hint=hint)
+            drives = {only: drives}
+        for name in drives:
+            if name not in columns:
+                hint = near_hint(name, columns)[0] or f"it has {', '.join(columns)}"
+                raise SourceError(f"the {site.name} has no drive '{name}'", hint=hint)
+        return [(columns[name], _number(part, name, value)) for name, value in drives.items()]
+
+    return ask
+
+
+class _Named(dict[str, float]):
+    """Values by name; one that is not there is said with those that are."""
+
+    def __missing__(self, name: str) -> NoReturn:
+        raise KeyError(f"no '{name}' among {', '.join(self) or 'nothing'}")
+
+
+def _cells_of(site: on_plant.Site, ports: Iterable[Address], first: int) -> dict[str, int]:
+    return {site.interface.label(port): first + at for at, port in enumerate(ports)}
+
+
+def _number(part: Controller, name: str, value: Any) -> float:
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        message = f"{part.name} gives {value!r} for '{name}', not a number"
+        raise SourceError(message) from None
 
 
 def compiled_law(program: Program, course: Course, record: Record) -> Callable[..., None]:

@@ -19,8 +19,10 @@ from fuzzyarm.controller.on_plant import (
     controller_on,
     drive_limits,
     driven_by,
+    driven_plainly,
     own_timing,
     site_of,
+    timed,
     timing_of,
 )
 from fuzzyarm.controller.program import SourceError
@@ -377,16 +379,26 @@ def plant_motion(
     """
     require_sound(plant)
     site = site_of(plant, connect)
-    text = text_of(controller, site)
+    chosen = controller_on(controller, site)
     signals = as_signals(references)
     if not signals:
-        tracked = first_error(text, site)
-        signals = {site.interface.label(tracked): step or Signal("step", (1.0,))}
-    own_timing(controller)  # tells where addends differ in it
-    period, every = text.model.period, text.model.every
+        signals = {site.interface.label(followed_by(chosen, site)): step or Signal("step", (1.0,))}
+    own_timing(chosen)  # tells where addends differ in it
+    clock = next(filter(None, map(timed, chosen.parts())), None)
+    if clock is None:
+        hint = "write  period = 0.01  into its class, in s"
+        raise SourceError(f"{controller.name} does not say how often it runs", hint=hint)
     if duration is None:
-        duration = plant.duration or 1000 * period * every
-    return motion(plant, signals, as_seconds(duration, "duration"), period, every)
+        duration = plant.duration or 1000 * clock.period * clock.every
+    return motion(plant, signals, as_seconds(duration, "duration"), clock.period, clock.every)
+
+
+def followed_by(controller: Controller, site: Site) -> Address:
+    """Return the output that a controller follows: as its text asks, or the first of the plant."""
+    for part in controller.parts():
+        if isinstance(part, CompiledController) and isinstance(part.law, TextLaw):
+            return first_error(part.law.text, site)
+    return next(iter(site.interface.outputs))
 
 
 def text_of(controller: Controller, site: Site) -> ControllerText:
@@ -395,11 +407,11 @@ def text_of(controller: Controller, site: Site) -> ControllerText:
     Raises
     ------
     SourceError
-        If it is a law of the arm.
+        If the plant does not have what it asks for, or it is in Python.
     """
     found = next(iter(controller_on(controller, site).parts()))
-    assert isinstance(found, CompiledController)
-    assert isinstance(found.law, TextLaw)
+    if not (isinstance(found, CompiledController) and isinstance(found.law, TextLaw)):
+        raise SourceError(f"{found.name} is not a controller as text")
     return found.law.text
 
 
@@ -471,10 +483,17 @@ class ClosedLoop:
         plant = followed.plants[0]
         self.program = Program(self.controller, self.arithmetic)
         self.compiled = self.program.compiled and is_compiled(plant)
-        driven = torques_only(self.site)
+        driven = driven_plainly(self.site)
         if self.program.compilable:
             driven = driven_by(self.controller, self.site)
-        self.course = Course(followed, conventions, options, driven=driven, as_array=self.compiled)
+        self.course = Course(
+            followed,
+            conventions,
+            options,
+            driven=driven,
+            as_array=self.compiled,
+            connect=connect,
+        )
         if self.compiled:  # so that a run begins at once
             loop_of_laws(compiled=True, single=conventions.single)
             self.program.inputs()
@@ -608,6 +627,7 @@ class ClosedLoop:
         names: set[str] = set()
         for part in self.controller.parts():
             names |= connectable(part) if isinstance(part, CompiledController) else set()
+            names |= set(site.connect) if part.takes_ports else set()
         for name, port in site.connect.items():
             if name not in names:
                 notes.append(
@@ -676,11 +696,6 @@ def require_timing(controller: Controller, followed: Motion) -> None:
             f"{controller.name} runs every {own.period:g} s with a set point every {own.every}, "
             f"and these set points are for {followed.period:g} s and {followed.every}"
         )
-
-
-def torques_only(site: Site) -> frozenset[Address]:
-    """Return what a controller in plain Python drives: torques, those of motors included."""
-    return frozenset(port for port in site.interface.inputs if port[1] == "torque")
 
 
 def checked_arms(

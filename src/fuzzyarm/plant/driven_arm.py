@@ -76,6 +76,7 @@ class Arm(Plant):
     """
 
     name = "arm"
+    extra = POSES
     longest_step = STUDY_TIMING.period
     summary = "the study's two-link arm: torque or motor voltage to joint positions"
 

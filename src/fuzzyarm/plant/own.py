@@ -25,7 +25,7 @@ from fuzzyarm.plant.adapters import (
     is_control_system,
 )
 from fuzzyarm.plant.driven_arm import Arm
-from fuzzyarm.plant.equations import apart, fill
+from fuzzyarm.plant.equations import apart, fill, keep_traced
 from fuzzyarm.plant.library import LIBRARY
 from fuzzyarm.plant.plant import Plant, PlantError, is_compiled
 from fuzzyarm.plant.tried import HOME, Home, lacks, require_sound
@@ -263,9 +263,9 @@ def for_runs(plant: Plant) -> Plant:
     if type(plant).__module__.startswith("fuzzyarm."):
         return plant
     other: Plant = apart(plant)
-    if not is_compiled(
-        other
-    ):  # what is compiled keeps nothing, and its programs stay where they are
+    if is_compiled(other):  # what is compiled keeps nothing beside its states
+        keep_traced(other)
+    else:
         vars(other)[BEGUN] = apart(plant)
     return other
 

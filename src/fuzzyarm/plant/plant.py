@@ -147,6 +147,8 @@ class Plant:
     longest_step: float = math.inf
     duration: float | None = None
     ended: bool = False
+    extra: ClassVar[int] = 0
+    """Numbers behind its outputs that its own laws are told and that are not ports."""
 
     def __repr__(self) -> str:
         ports = f"{', '.join(self.inputs) or 'nothing'} → {', '.join(self.outputs) or 'nothing'}"
