@@ -329,6 +329,21 @@ def test_products_of_units(unit, left, pair):
     assert unlike(whole) == pair
 
 
+@pytest.mark.parametrize(
+    ("unit", "pair"),
+    [
+        ("K/mK", ("K", "mK")),
+        ("°C/°F", ("°C", "°F")),
+        ("°C/K", None),  # of a difference of temperatures nothing is wrong with it
+        ("bar/kPa", ("bar", "kPa")),
+        ("rpm/Hz", ("rpm", "Hz")),
+        ("kW/%", None),
+    ],
+)
+def test_scales_of_one_kind(unit, pair):
+    assert unlike(read_unit(unit)) == pair
+
+
 @pytest.mark.parametrize("words", ["steps per unit of control", "", "1/s/s", "a-b", "2 V"])
 def test_units_that_are_not_certain(words):
     assert read_unit(words) is None

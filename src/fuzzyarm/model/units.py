@@ -15,7 +15,14 @@ KINDS = (
     frozenset({"V", "mV", "kV"}),
     frozenset({"A", "mA"}),
     frozenset({"N", "kN", "mN"}),
-    frozenset({"W", "kW", "mW"}),
+    frozenset({"W", "kW", "mW", "MW"}),
+    frozenset({"K", "mK", "°F"}),
+    frozenset({"°C", "°F"}),
+    frozenset({"Pa", "hPa", "kPa", "MPa", "bar", "mbar", "psi"}),
+    frozenset({"Hz", "kHz", "rpm"}),
+    frozenset({"kg", "g", "mg", "t"}),
+    frozenset({"J", "kJ", "MJ", "Wh", "kWh"}),
+    frozenset({"l", "ml", "L", "mL"}),
 )
 """Symbols that measure the same thing on different scales."""
 
