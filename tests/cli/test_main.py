@@ -272,3 +272,9 @@ def test_wrong_words_are_said_in_a_sentence(words, sentence, capsys):
     said = capsys.readouterr().err.splitlines()
     assert said[0] == f"fuzzyarm {words[0]}: error: {sentence}"
     assert len(said) == 2
+
+
+def test_a_statement_in_place_of_a_file_says_where_it_stands(capsys):
+    assert main(["prove", str(shipped("pd7.frb")), "u <= 1.5"]) == 1
+    said = capsys.readouterr().err
+    assert "'u <= 1.5' is a statement: it stands in the file, as  prove u <= 1.5" in said

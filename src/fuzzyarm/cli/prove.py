@@ -21,6 +21,9 @@ from __future__ import annotations
 
 import argparse
 import math
+import os
+import re
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.cli.command import (
@@ -47,6 +50,7 @@ _MODES = ("linear", "nearest", "bins")
 
 
 def _run(arguments: argparse.Namespace) -> int:
+    _require_files(arguments.files)
     tolerance = None
     if arguments.tolerance is not None:
         tolerance = read_number(arguments.tolerance, "--tolerance")
@@ -67,6 +71,13 @@ def _run(arguments: argparse.Namespace) -> int:
     if arguments.output is not None:
         raise WordError("--output goes with --range, --slope, --table or --sector")
     return _files(arguments, tolerance, budget)
+
+
+def _require_files(words: Sequence[str]) -> None:
+    """Tell a statement in the place of a file, before anything is read."""
+    for word in words:
+        if re.search(r"[<>=]| in ", word) and not os.path.exists(word):
+            raise WordError(f"'{word}' is a statement: it stands in the file, as  prove {word}")
 
 
 # ── the lines of files ───────────────────────────────────────────────────────────────
