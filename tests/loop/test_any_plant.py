@@ -497,6 +497,90 @@ def test_what_a_plant_caches_on_its_way_leaves_its_program_where_it_is():
     assert len(others) == 1980
 
 
+class Begun(Plant):
+    """Its gain is set by `start`; what is traced must have it."""
+
+    name = "begun"
+    inputs = {"power": Port("%", 0, 100)}
+    outputs = {"T": Port("°C")}
+    states = {"T": "°C"}
+    offset = 0.0
+
+    def start(self, rng):
+        self.gain = 0.1
+        return [0.0]
+
+    def derivative(self, t, x, u, p):
+        return [self.gain * u[0] - 0.01 * x[0]]
+
+    def measure(self, t, x, u, p):
+        return [x[0] + self.offset]
+
+
+class Earlier(Begun):
+    gain = 0.3
+
+    def __init__(self):
+        self.gain = 0.7
+
+
+class Counted(Earlier):
+    def start(self, rng):
+        self.gain += 0.4
+        return [0.0]
+
+
+class Drawn(Begun):
+    def start(self, rng):
+        self.gain = rng.uniform(0.05, 0.15)
+        return [0.0]
+
+
+class Shared(Begun):
+    calls = [0]
+
+    def derivative(self, t, x, u, p):
+        self.calls[0] += 1
+        return super().derivative(t, x, u, p)
+
+
+class Told(Begun):
+    """A gain that is what it is called with: 1.1 of `Counted`, 0.1 of all others."""
+
+    def __init__(self, gain=0.1):
+        self.given = gain
+
+    def start(self, rng):
+        return [0.0]
+
+    def derivative(self, t, x, u, p):
+        return [self.given * u[0] - 0.01 * x[0]]
+
+
+@pytest.mark.parametrize(
+    ("kind", "gain", "is_fast"),
+    [(Begun, 0.1, True), (Earlier, 0.1, True), (Counted, 1.1, True), (Shared, 0.1, False)],
+)
+def test_what_a_start_sets_is_what_equations_read(kind, gain, is_fast):
+    heater = text("e = error of T", "u = e * 2", "drive power = u", period="1 s")
+    asked = {"references": {"T": 100.0}, "duration": 200.0}
+    plant = find_plant(kind())
+    assert is_traced(plant) == is_fast
+    wanted = simulate(heater, Told(gain), **asked).outputs["T"]
+    for _ in range(2):
+        assert simulate(heater, plant, **asked).outputs["T"].tolist() == wanted.tolist()
+
+
+def test_what_a_start_draws_is_drawn_for_each_run():
+    heater = text("e = error of T", "u = e * 2", "drive power = u", period="1 s")
+    assert not is_traced(Drawn())
+    runs = [
+        simulate(heater, Drawn(), references={"T": 100.0}, options=Options(seed=seed)).final[0]
+        for seed in (1, 2, 1)
+    ]
+    assert runs[0] == runs[2] != runs[1]
+
+
 def test_a_phase_portrait_begins_a_plant_before_it_moves_it():
     class Started(Plain):
         def start(self, rng):

@@ -134,6 +134,9 @@ class Run(Plotted):
         The same from the reference itself, of which the set points are samples.
     output_units : mapping of str to str
         Of `outputs` and `wanted`.
+    driven : tuple of str
+        Which of `drives` the controller moves, alone or through the motors of the arm; a metric of
+        drives is of these. All where it is empty.
     notes : tuple of str
         What was taken otherwise than it was asked for, in sentences.
     """
@@ -167,6 +170,7 @@ class Run(Plotted):
     rms_periods: Vector = field(default_factory=lambda: np.zeros(0))
     rms_path: Vector = field(default_factory=lambda: np.zeros(0))
     output_units: Mapping[str, str] = field(default_factory=dict)
+    driven: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
@@ -210,7 +214,8 @@ class Run(Plotted):
         shown = judged_names(self.axes, self.labels)
         for column, label in enumerate(self.labels):
             axis = label.rpartition(".")[0]
-            names = [name for name in self.drives if name.rpartition(".")[0] == axis]
+            driven = [name for name in self.drives if not self.driven or name in self.driven]
+            names = [name for name in driven if name.rpartition(".")[0] == axis]
             drives = np.column_stack([self.drives[name] for name in names] or [np.zeros((0, 0))])
             found[shown[column]] = metrics_of(
                 self.set_point_time,
@@ -559,8 +564,17 @@ class ClosedLoop:
 
     def _chatter(self, record: Record) -> dict[str, float]:
         interface = self.site.interface
-        found = np.sqrt(record.changes(SQUARES)).tolist()
-        return dict(zip(map(interface.label, interface.inputs), found, strict=True))
+        changes = np.sqrt(record.changes(SQUARES)).tolist()
+        every = dict(zip(map(interface.label, interface.inputs), changes, strict=True))
+        return {name: every[name] for name in self._driven}
+
+    @property
+    def _driven(self) -> tuple[str, ...]:
+        """What the controller moves: not what a disturbance alone does."""
+        interface, driven = self.site.interface, self.course.driven
+        coupled = self.course.plant.dynamics is not None  # torques follow from voltages
+        moved = [port for port in interface.inputs if coupled or port in driven]
+        return tuple(map(interface.label, moved))
 
     def open(
         self,
@@ -606,6 +620,7 @@ class ClosedLoop:
             drives=drives,
             limits=self._limits(program),
             drive_units={label(port): each.unit for port, each in inputs.items()},
+            driven=self._driven,
             loaded=tuple((followed.block[taken] != 0).tolist()),
             period=followed.period * followed.every,
             seed=course.options.seed if found.seed is None else found.seed,

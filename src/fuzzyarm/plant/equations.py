@@ -22,6 +22,8 @@ from operator import is_
 from types import FunctionType, MethodType
 from typing import Any, NamedTuple, cast
 
+import numpy as np
+
 from fuzzyarm.expression import op
 from fuzzyarm.expression.nodes import Node, as_node, symbol
 from fuzzyarm.expression.programs import program_of
@@ -85,10 +87,7 @@ def traced(plant: Any) -> Equations | None:
         before, known = vars(plant)[TRACED]
         if before is None or _is_alike(before, attributes, is_):
             return cast("Equations | None", known)
-    first, asked = apart(plant), apart(plant)
-    equations = _traced(asked)
-    if not _is_alike(vars(first), vars(asked), _is_same):  # it keeps count: its answers will change
-        equations = None
+    equations = _traced(plant)
     vars(plant)[TRACED] = attributes, equations
     return equations
 
@@ -117,21 +116,59 @@ def _is_same(before: object, after: object) -> bool:
 def _traced(plant: Any) -> Equations | None:
     if plant.derivative is None:
         return None
-    sizes = len(plant.states), len(plant.inputs), len(plant.parameters)
-    names = [["t"]]
-    for letter, size in zip("xup", sizes, strict=True):
-        names.append([f"{letter}{k}" for k in range(size)])
-    flat = [name for group in names for name in group]
-    rates = _roots(plant.derivative, names, len(plant.states))
-    if rates is None:
+    seeds = (0, 1) if type(plant).start.__module__ != "fuzzyarm.plant.plant" else (0,)
+    first, *again = (_begun_roots(apart(plant), seed) for seed in seeds)
+    if first is None or any(first != other for other in again):  # its start draws what they read
         return None
+    flat = [name for group in _names_of(plant) for name in group]
+    rates, outputs = (None if roots is None else program_of(roots, (), flat) for roots in first)
+    assert rates is not None
+    return Equations(rates, outputs)
+
+
+Roots = tuple[list[Node], list[Node] | None]
+"""What a plant answers to symbols: its rates, and its outputs where it has a measure."""
+
+
+def _begun_roots(plant: Any, seed: int) -> Roots | None:
+    """Return what a plant that has started answers; None where it is no expression, or changes."""
+    try:
+        plant.start(np.random.default_rng(seed))
+    except Exception:  # whatever the code of a user raises; the run says it
+        return None
+    before, shared = dict(vars(apart(plant))), _class_attributes(plant)
+    rates = _roots(plant.derivative, _names_of(plant), len(plant.states))
     outputs = None
-    if plant.measure is not None:
-        roots = _roots(plant.measure, names, len(plant.outputs))
-        if roots is None:
-            return None
-        outputs = program_of(roots, (), flat)
-    return Equations(program_of(rates, (), flat), outputs)
+    if rates is not None and plant.measure is not None:
+        outputs = _roots(plant.measure, _names_of(plant), len(plant.outputs))
+        rates = None if outputs is None else rates
+    kept = _is_alike(before, vars(plant), _is_same) and shared == _class_attributes(plant)
+    return (rates, outputs) if rates is not None and kept else None  # what counts is not traced
+
+
+def _class_attributes(plant: Any) -> dict[tuple[type, str], bytes]:
+    """Return what the classes of a user's plant share that may change, as it is now."""
+    contents = {}
+    for kind in type(plant).__mro__:
+        if not kind.__module__.startswith("fuzzyarm."):
+            for name, value in vars(kind).items():
+                if isinstance(value, int | float | list | dict | set) and name not in PORTS:
+                    with contextlib.suppress(Exception):
+                        contents[kind, name] = pickle.dumps(value)
+    return contents
+
+
+PORTS = ("inputs", "outputs", "states", "parameters")
+"""What a plant says of itself, and no run changes."""
+
+
+def _names_of(plant: Any) -> list[list[str]]:
+    """Return the names of what equations are asked with: the time, states, inputs, parameters."""
+    sizes = len(plant.states), len(plant.inputs), len(plant.parameters)
+    return [
+        ["t"],
+        *([f"{letter}{k}" for k in range(size)] for letter, size in zip("xup", sizes, strict=True)),
+    ]
 
 
 def _roots(
