@@ -59,6 +59,42 @@ class Counting(Pendulum):
         return x[1], u[0] * self.calls
 
 
+class Remainder(Pendulum):
+    def derivative(self, t, x, u, p):
+        return x[1], u[0] - (x[0] - 3.0) % 2.0
+
+
+class Resting(Pendulum):
+    def derivative(self, t, x, u, p):
+        return x[1], 30.0 if x[0] == 0.0 else u[0]
+
+
+class Unpowered(Pendulum):
+    def derivative(self, t, x, u, p):
+        return x[1], 0.0 if u[0] in (0.0, 24.0) else u[0] - x[1]
+
+
+class Kind(Pendulum):
+    def derivative(self, t, x, u, p):
+        return x[1], u[0] if isinstance(u[0], float) else 0.0
+
+
+class Trying(Pendulum):
+    def derivative(self, t, x, u, p):
+        try:
+            push = 1.0 if x[0] > 0.5 else 0.0
+        except TypeError:
+            push = 2.0
+        return x[1], u[0] - push
+
+
+class Leaving(Pendulum):
+    def derivative(self, t, x, u, p):
+        if not isinstance(u[0], float):
+            raise SystemExit
+        return x[1], u[0]
+
+
 class Short(Pendulum):
     def derivative(self, t, x, u, p):
         return (x[1],)
@@ -96,7 +132,10 @@ def test_arithmetic_and_functions_of_math_are_traced():
     same(compiled, run(Pendulum(), compiled=False))
 
 
-@pytest.mark.parametrize("plant", [Asking, Random, Counting, Short])
+@pytest.mark.parametrize(
+    "plant",
+    [Asking, Random, Counting, Short, Remainder, Resting, Unpowered, Kind, Trying, Leaving],
+)
 def test_what_asks_for_values_or_changes_its_answer_is_not_traced(plant):
     assert traced(as_plant(plant())) is None
 

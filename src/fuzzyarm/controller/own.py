@@ -21,7 +21,8 @@ from fuzzyarm.controller.catalogue import (
 from fuzzyarm.controller.controller import Controller, Sum
 from fuzzyarm.controller.files import TEXT, kind_by_suffix
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.plant.own import USERS, executed, failure
+from fuzzyarm.plant.equations import USERS
+from fuzzyarm.plant.own import executed, failure
 from fuzzyarm.plant.setting import Clock, Pair, Reference, State
 from fuzzyarm.text.mistaken import wrong_kind
 

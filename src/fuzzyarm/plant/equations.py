@@ -16,21 +16,25 @@ import importlib.util
 import math
 import pickle
 from array import array
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import copy, deepcopy
+from itertools import chain
 from operator import is_
 from types import FunctionType, MethodType
 from typing import Any, NamedTuple, cast
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from fuzzyarm.expression import op
+from fuzzyarm.expression.evaluation import evaluate
 from fuzzyarm.expression.nodes import Node, as_node, symbol
 from fuzzyarm.expression.programs import program_of
 from fuzzyarm.kernels import copied, with_names
 
 __all__ = [
     "TRACED",
+    "USERS",
     "Equations",
     "apart",
     "compiled_by_numba",
@@ -39,6 +43,10 @@ __all__ = [
     "keep_traced",
     "traced",
 ]
+
+
+USERS = (Exception, SystemExit)
+"""What a user's code may raise: one that calls ``sys.exit`` does not end the command."""
 
 
 class Equations(NamedTuple):
@@ -114,16 +122,94 @@ def _is_same(before: object, after: object) -> bool:
 
 
 def _traced(plant: Any) -> Equations | None:
-    if plant.derivative is None:
+    # Those of the package are kernels already, or run the code of others (a unit, a system).
+    if plant.derivative is None or type(plant).__module__.startswith("fuzzyarm."):
         return None
     seeds = (0, 1) if type(plant).start.__module__ != "fuzzyarm.plant.plant" else (0,)
     first, *again = (_begun_roots(apart(plant), seed) for seed in seeds)
     if first is None or any(first != other for other in again):  # its start draws what they read
         return None
+    if not _agrees(plant, first):
+        return None
     flat = [name for group in _names_of(plant) for name in group]
     rates, outputs = (None if roots is None else program_of(roots, (), flat) for roots in first)
     assert rates is not None
     return Equations(rates, outputs)
+
+
+_agreed: WeakKeyDictionary[type, set[tuple[Node, ...]]] = WeakKeyDictionary()
+"""What plants of a class are known to be, so that runs with other parameters need not ask again."""
+
+MOST_AGREED = 1000
+"""Of a class."""
+
+
+def _agrees(plant: Any, roots: Roots) -> bool:
+    """Whether what was traced has the values of the equations themselves, at points of all sorts.
+
+    A symbol is equal to no number, is no float, and has a remainder of its own sign: where a
+    method asks such things, symbols go another way than numbers do.
+    """
+    rates, outputs = roots
+    key = (*rates, *(outputs or ()))
+    known = _agreed.setdefault(type(plant), set())
+    if key in known:
+        return True
+    if len(known) >= MOST_AGREED:
+        known.clear()
+    names = _names_of(plant)
+    for point in _points(plant):
+        asked = apart(plant)
+        try:
+            asked.start(np.random.default_rng(0))
+        except USERS:
+            return False
+        (t,), *groups = point
+        values = dict(zip((n for row in names for n in row), (t, *chain(*groups)), strict=True))
+        for method, expected in ((asked.derivative, rates), (asked.measure, outputs)):
+            if expected is not None and not _is_answer(method, t, groups, expected, values):
+                return False
+    known.add(key)
+    return True
+
+
+def _is_answer(
+    method: Callable[..., Any],
+    t: float,
+    groups: Sequence[Sequence[float]],
+    roots: Sequence[Node],
+    values: Mapping[str, float],
+) -> bool:
+    try:
+        answers = [float(value) for value in method(t, *map(list, groups))]
+    except USERS:  # beyond what it is made for: the square root of a negative level
+        return True
+    traced_answers = [evaluate(root, values) for root in roots]
+    return all(
+        math.isclose(answer, own, rel_tol=1e-9, abs_tol=1e-12) or not math.isfinite(answer)
+        for answer, own in zip(answers, traced_answers, strict=True)
+    )
+
+
+def _points(plant: Any) -> Iterator[tuple[Sequence[float], ...]]:
+    """Yield times, states, inputs and parameters: at rest, at limits, at whole numbers, drawn."""
+    begun = apart(plant)
+    start = [float(value) for value in begun.start(np.random.default_rng(0))]
+    parameters = [float(getattr(each, "value", each)) for each in plant.parameters.values()]
+    ports = plant.inputs.values()
+    low = [port.low if math.isfinite(port.low) else -1.0 for port in ports]
+    high = [port.high if math.isfinite(port.high) else 1.0 for port in ports]
+    zero, count = [0.0] * len(low), len(start)
+    yield (0.0,), start, zero, parameters
+    yield (1.0,), start, low, parameters
+    yield (2.0,), start, high, parameters
+    for whole in (-1.0, 0.0, 1.0, 2.0):
+        yield (whole,), [whole] * count, [whole] * len(low), parameters
+    generator = np.random.default_rng(0)
+    for spread in (0.1, 1.0, 1.0, 10.0):
+        states = (np.array(start) + spread * generator.standard_normal(count)).tolist()
+        inputs = generator.uniform(low, high).tolist()
+        yield (float(generator.uniform(0.0, 5.0)),), states, inputs, parameters
 
 
 Roots = tuple[list[Node], list[Node] | None]
@@ -134,7 +220,7 @@ def _begun_roots(plant: Any, seed: int) -> Roots | None:
     """Return what a plant that has started answers; None where it is no expression, or changes."""
     try:
         plant.start(np.random.default_rng(seed))
-    except Exception:  # whatever the code of a user raises; the run says it
+    except USERS:  # the run says it
         return None
     before, shared = dict(vars(apart(plant))), _class_attributes(plant)
     rates = _roots(plant.derivative, _names_of(plant), len(plant.states))
@@ -180,7 +266,7 @@ def _roots(
     asked = over_symbols(function)
     try:
         first, again = ([as_node(rate) for rate in asked(*arguments)] for _ in range(2))
-    except Exception:  # whatever the code of a user raises when it meets no numbers
+    except USERS:  # whatever it raises when it meets no numbers
         return None
     # What draws at random, or counts its calls, answers differently.
     return first if first == again and len(first) == count else None
@@ -218,10 +304,12 @@ class _Math:
 
 
 def _for_symbols(name: str) -> Any:
+    if name == "fabs":
+        return abs
     return getattr(op, _OTHER_NAMES.get(name, name), None) or getattr(math, name)
 
 
-_OTHER_NAMES = {"fabs": "absolute", "pow": "power", "trunc": "truncate"}
+_OTHER_NAMES = {"pow": "power", "trunc": "truncate"}
 
 
 def _folded(norm: Callable[..., Any], *values: Any) -> Any:

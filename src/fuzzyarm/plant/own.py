@@ -25,7 +25,7 @@ from fuzzyarm.plant.adapters import (
     is_control_system,
 )
 from fuzzyarm.plant.driven_arm import Arm
-from fuzzyarm.plant.equations import apart, fill, keep_traced
+from fuzzyarm.plant.equations import TRACED, USERS, apart, fill, keep_traced
 from fuzzyarm.plant.library import LIBRARY
 from fuzzyarm.plant.plant import Plant, PlantError, is_compiled
 from fuzzyarm.plant.tried import HOME, Home, lacks, require_sound
@@ -181,9 +181,6 @@ SOURCE = "__fuzzyarm_source__"
 """Under which a module of a user's file has its text."""
 
 
-USERS = (Exception, SystemExit)
-"""What a user's file may raise: one that calls ``sys.exit`` does not end the command."""
-
 OWN = "fuzzyarm_own_"
 """How the modules of users' files begin; nobody can import them."""
 
@@ -263,10 +260,8 @@ def for_runs(plant: Plant) -> Plant:
     if type(plant).__module__.startswith("fuzzyarm."):
         return plant
     other: Plant = apart(plant)
-    if is_compiled(other):  # what is compiled keeps nothing beside its states
-        keep_traced(other)
-    else:
-        vars(other)[BEGUN] = apart(plant)
+    vars(other)[BEGUN] = apart(plant)
+    keep_traced(other)
     return other
 
 
@@ -287,8 +282,9 @@ def start_of(plant: Plant, generator: np.random.Generator) -> list[float]:
     """
     begun = vars(plant).get(BEGUN)
     if begun is not None:
+        kept = {name: vars(plant)[name] for name in (BEGUN, TRACED)}
         fill(plant, begun)
-        vars(plant)[BEGUN] = begun
+        vars(plant).update(kept)
     with plain_errors(plant):
         start = [float(each) for each in plant.start(generator)]
     if len(start) != len(plant.states):

@@ -66,6 +66,14 @@ class Port:
     bound: float = 1e9
 
     def __post_init__(self) -> None:
+        unit: object = self.unit
+        if not isinstance(unit, str):
+            hint = f'its unit stands first:  Port("1", {unit}, {self.low})'
+            raise PlantError(f"a port has the unit {unit!r}, not a text", hint=hint)
+        for name in ("low", "high", "slew", "bound"):
+            value = getattr(self, name)
+            if isinstance(value, bool) or not isinstance(value, int | float | np.number):
+                raise PlantError(f"{name} of a port is {value!r}, not a number", name=name)
         if not self.low < self.high:
             message = f"a port from {self.low:g} to {self.high:g} has no range"
             raise PlantError(message)

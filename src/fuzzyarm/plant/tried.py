@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fuzzyarm.kernels import with_names
-from fuzzyarm.plant.equations import apart
+from fuzzyarm.plant.equations import USERS, apart
 from fuzzyarm.plant.plant import (
     Parameter,
     Plant,
@@ -153,7 +153,7 @@ def _numbers(
         given = ask()
     except PlantError:
         raise
-    except Exception as error:
+    except USERS as error:
         message, hint = _of_error(plant, what, error)
         raise _fault(plant, what, message, hint, _user_frame(error)) from error
     values = _one_for_each(plant, what, given, wanted)
@@ -241,7 +241,7 @@ def plain_outputs(plant: Plant, states: int) -> Callable[..., None]:
 # --- What is said ---
 
 
-def _of_error(plant: Plant, what: str, error: Exception) -> tuple[str, str]:
+def _of_error(plant: Plant, what: str, error: BaseException) -> tuple[str, str]:
     """Return what is said of an error in a method of a plant, and what to do."""
     message = f"{type(error).__name__}: {error}"
     names = {
@@ -258,7 +258,7 @@ def _of_error(plant: Plant, what: str, error: Exception) -> tuple[str, str]:
     return message, ""
 
 
-def _user_frame(error: Exception) -> str:
+def _user_frame(error: BaseException) -> str:
     """Return `FILE:LINE: ` of the last line of somebody else that an error went through."""
     own = str(Path(__file__).parents[1])
     frames = traceback.extract_tb(error.__traceback__)

@@ -18,7 +18,8 @@ from fuzzyarm.learning.data import Samples
 from fuzzyarm.loop.many import METRICS
 from fuzzyarm.loop.run import Judged, Run
 from fuzzyarm.model.rulebase import RuleBase
-from fuzzyarm.plant.own import USERS, executed, failure
+from fuzzyarm.plant.equations import USERS
+from fuzzyarm.plant.own import executed, failure
 from fuzzyarm.text.names import near_hint
 from fuzzyarm.tuning.movement import TuneError
 
