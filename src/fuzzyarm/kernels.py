@@ -28,6 +28,7 @@ from array import array
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from hashlib import sha256
 from pathlib import Path
+from threading import RLock
 from types import FunctionType, ModuleType
 from typing import Any, TypeVar, cast
 
@@ -152,6 +153,8 @@ def _name(function: Callable[..., Any]) -> str:
 _by_address: list[Callable[..., None]] = []
 """Functions that interpreted kernels call by address: -1 is the first, -2 the second …"""
 
+_addressing = RLock()
+
 _addresses: dict[tuple[Any, ...], tuple[int, Any]] = {}
 """Of a function, its bindings and whether it is machine code: its address, and what must live."""
 
@@ -203,14 +206,22 @@ def address_of(
         If `compiled`, and the machine code does not have it.
     """
     bindings = bindings or {}
-    key = (function, tuple(sorted(bindings.items(), key=lambda pair: pair[0])), compiled)
+    letters = letters_of(arrays)
+    key = (function, letters, tuple(sorted(bindings.items(), key=lambda pair: pair[0])), compiled)
     if key not in _addresses:
-        if compiled:
-            _addresses[key] = _machine_address(function, letters_of(arrays), bindings)
-        else:
-            _by_address.append(with_names(function, bindings))
-            _addresses[key] = -len(_by_address), None
+        with _addressing:  # a program that is made twice would be freed while one of two uses it
+            if key not in _addresses:
+                _addresses[key] = _address(function, letters, bindings, compiled=compiled)
     return _addresses[key][0]
+
+
+def _address(
+    function: Callable[..., None], letters: str, bindings: _Bindings, *, compiled: bool
+) -> tuple[int, Any]:
+    if compiled:
+        return _machine_address(function, letters, bindings)
+    _by_address.append(with_names(function, bindings))
+    return -len(_by_address), None
 
 
 def is_built(function: Callable[..., None], arrays: int | str, bindings: _Bindings) -> bool:

@@ -1,5 +1,7 @@
 """Controllers in plain Python on any plant: by the names of its ports, alone and in sums."""
 
+import math
+
 import pytest
 
 from fuzzyarm.controller import Controller, controller
@@ -50,6 +52,20 @@ def test_a_controller_in_python_does_what_its_text_does(kind):
     own, written = simulate(kind(), "room", **WARM), simulate(text(PI), "room", **WARM)
     assert own.outputs["temperature"] == pytest.approx(written.outputs["temperature"], abs=1e-9)
     assert simulate(kind(), "room", **WARM).rms == own.rms  # each run starts it anew
+
+
+def test_what_it_keeps_is_left_for_no_other_run():
+    class Kept(Pi):
+        def __init__(self):
+            self.sum = 0.0
+
+        def start(self, single=False):
+            pass
+
+    kept = Kept()
+    first = simulate(kept, "room", **WARM).rms
+    assert simulate(kept, "room", **WARM).rms == first == simulate(Pi(), "room", **WARM).rms
+    assert kept.sum == 0.0
 
 
 def test_sensors_and_limits_are_those_of_every_controller():
@@ -124,6 +140,7 @@ def test_many_runs_take_it():
         ({"powr": 1.0}, "the room has no drive 'powr'"),
         ({"power": "a lot"}, "mine gives 'a lot' for 'power', not a number"),
         (None, "mine gives None for 'power', not a number"),
+        (math.nan, "mine gives nan for 'power', not a number"),
     ],
 )
 def test_what_it_gives_is_judged(given, message):
@@ -152,6 +169,36 @@ def test_a_period_must_be_said():
 
     with pytest.raises(SourceError, match="does not say how often it runs"):
         simulate(Timeless(), "room", **WARM)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"period": 0.0}, "period of mine is 0.0"),
+        ({"period": "10 ms"}, "period of mine is '10 ms'"),
+        ({"period": -1.0}, "period of mine is -1.0"),
+        ({"every": 0}, "every of mine is 0"),
+        ({"every": 2.5}, "every of mine is 2.5"),
+    ],
+)
+def test_how_often_it_runs_is_judged(changes, message):
+    with pytest.raises(SourceError, match=message):
+        simulate(type("Own", (Pi,), changes)(), "room", **WARM)
+
+
+def test_a_failure_is_that_of_the_controller():
+    class Broken(Pi):
+        def step(self, measured, reference):
+            return 1.0 / 0.0
+
+    class BrokenTorque(Controller):
+        def torque(self, reference, state, clock):
+            return 1.0 / 0.0
+
+    with pytest.raises(SourceError, match=r"controller mine failed: .*ZeroDivisionError"):
+        simulate(Broken(), "room", **WARM)
+    with pytest.raises(SourceError, match=r"controller own failed: .*ZeroDivisionError"):
+        simulate(BrokenTorque(), reach_return((20.0, -10.0), segment=0.05, hold=0.02))
 
 
 def test_a_class_in_a_file_and_what_it_does_wrong(tmp_path):

@@ -431,7 +431,14 @@ def timed(part: Controller) -> Timed | None:
     """Return what says how often an addend runs; None of a law, which runs as the study does."""
     if isinstance(part, CompiledController) and isinstance(part.law, TextLaw):
         return part.law.text.model
-    return cast(Timed, part) if part.takes_ports and part.period is not None else None
+    if not part.takes_ports or part.period is None:
+        return None
+    for name, value, least in (("period", part.period, 1e-9), ("every", part.every, 1)):
+        kinds = (int, float) if name == "period" else (int,)
+        if isinstance(value, bool) or not isinstance(value, kinds) or not least <= value < 1e9:
+            hint = "a time in s, as in  period = 0.01" if name == "period" else "a whole number"
+            raise SourceError(f"{name} of {part.name} is {value!r}", hint=hint)
+    return cast(Timed, part)
 
 
 def timing_words(model: Timed) -> str:

@@ -294,6 +294,25 @@ class Hedge(Kind):
 _Kind = TypeVar("_Kind", bound=Kind)
 
 
+_emptied: list[Callable[[], object]] = []
+
+
+def emptied_with_kinds(clear: Callable[[], object]) -> None:
+    """Have something cleared whenever a kind is registered or taken back: what was made of kinds.
+
+    Parameters
+    ----------
+    clear : callable
+        As the `cache_clear` of a function that remembers.
+    """
+    _emptied.append(clear)
+
+
+def _forget() -> None:
+    for clear in _emptied:
+        clear()
+
+
 class Registry(Mapping[str, _Kind], Generic[_Kind]):
     """Kinds of one sort by name, in the order of their registration.
 
@@ -355,6 +374,7 @@ class Registry(Mapping[str, _Kind], Generic[_Kind]):
             message = f"'{kind.name}' is not a word of small letters, digits and hyphens"
             raise KindError(message, kind.name)
         self._kinds[kind.name] = kind
+        _forget()
         self.words |= dict.fromkeys((kind.name, *getattr(kind, "aliases", ())), kind.name)
         return kind
 
@@ -363,6 +383,7 @@ class Registry(Mapping[str, _Kind], Generic[_Kind]):
         if not self._kinds[name].own:
             raise KeyError(name)
         del self._kinds[name]
+        _forget()
         for word in [word for word, kind in self.words.items() if kind == name]:
             del self.words[word]
 

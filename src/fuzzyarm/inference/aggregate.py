@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 from fuzzyarm.expression.kinds import SHAPES, SNORMS, TNORMS
 from fuzzyarm.expression.lines import sampled_degrees
+from fuzzyarm.expression.records import emptied_with_kinds
 from fuzzyarm.inference.errors import InferenceError
 from fuzzyarm.inference.plan import Member, OutputPlan
 from fuzzyarm.inference.sets import BELOW_ONE, degrees, plateaus, term_function
@@ -138,6 +139,9 @@ def sampled_set(
     if not inside:
         return SampledSet(0, ())
     return SampledSet(inside[0], tuple(heights[inside[0] : inside[-1] + 1]))
+
+
+emptied_with_kinds(sampled_set.cache_clear)
 
 
 def sample_positions(low: float, high: float, defuzzifier: Defuzzifier) -> list[float]:

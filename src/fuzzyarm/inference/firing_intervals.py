@@ -17,6 +17,7 @@ from functools import lru_cache
 from itertools import pairwise
 from typing import NamedTuple
 
+from fuzzyarm.expression.records import emptied_with_kinds
 from fuzzyarm.inference.errors import InferenceError
 from fuzzyarm.model.rulebase import (
     POSITION,
@@ -88,6 +89,9 @@ def direction(hedges: tuple[Hedge, ...]) -> int:
         f"the hedge '{words}' neither rises nor falls with the degree, so it has no interval"
         " from the ends of one"
     )
+
+
+emptied_with_kinds(direction.cache_clear)
 
 
 def doubled(rulebase: RuleBase) -> Doubled:

@@ -15,6 +15,7 @@ from functools import wraps
 from itertools import count
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
+from fuzzyarm.expression.records import emptied_with_kinds
 from fuzzyarm.inference import firing_intervals
 from fuzzyarm.inference.errors import CyclicRulesError, InferenceError, UnknownNameError
 from fuzzyarm.inference.firing_intervals import Doubled, is_value
@@ -182,6 +183,7 @@ _MOST_REMEMBERED = 32
 def remembered(make: Callable[[RuleBase], _Made]) -> Callable[[RuleBase], _Made]:
     """Let a function remember what it made of the last few rule bases; a decorator."""
     recent: OrderedDict[int, tuple[RuleBase, _Made]] = OrderedDict()
+    emptied_with_kinds(recent.clear)
 
     @wraps(make)
     def remembering(rulebase: RuleBase) -> _Made:

@@ -47,6 +47,7 @@ from fuzzyarm.loop.run import (
 )
 from fuzzyarm.plant.arm import LOADED, UNLOADED, carrying
 from fuzzyarm.plant.driven_arm import Arm
+from fuzzyarm.plant.own import begins_by_itself
 from fuzzyarm.plant.plant import Plant, parameter, with_parameters
 from fuzzyarm.plant.setting import PLAIN, Conventions
 from fuzzyarm.plant.trajectory import Trajectory, schedule
@@ -370,7 +371,7 @@ class Bench:
         """Run once with an entry of each column; entries that are not a number change nothing."""
         changes = {name: value for name, value in values.items() if not np.isnan(value).any()}
         try:
-            if self.loop.compiled:
+            if self.loop.compiled and not begins_by_itself(self.loop.course.plant):
                 return self.run(index, changes)
             with self.interpreted:  # what a user wrote may remember things
                 return self.run(index, changes)

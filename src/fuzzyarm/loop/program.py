@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+import math
+import sys
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from functools import cache
 from typing import Any, NoReturn
 
@@ -10,10 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.controller import on_plant
-from fuzzyarm.controller.controller import CompiledController, Controller
+from fuzzyarm.controller.controller import CompiledController, Controller, Sum
 from fuzzyarm.controller.law import Law, law_integers, summed_drives, view
 from fuzzyarm.controller.program import SourceError
 from fuzzyarm.controller.text import ControllerRun
+from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.kernels import bound_routine, routine, with_names
 from fuzzyarm.loop.course import Course, flat
 from fuzzyarm.loop.loop import (
@@ -28,6 +32,8 @@ from fuzzyarm.loop.loop import (
     run_loop,
     within,
 )
+from fuzzyarm.plant.equations import USERS, apart
+from fuzzyarm.plant.own import failure
 from fuzzyarm.plant.plant import (
     ADVANCE,
     CLOCK_SIZE,
@@ -327,9 +333,13 @@ Asked = Callable[[Any], Iterable[tuple[int, float]]]
 
 def plain_control(program: Program, course: Course) -> Callable[..., None]:
     """Return what asks a controller in plain Python, each addend in its own way."""
-    parts = list(program.controller.parts())
-    if not any(part.takes_ports for part in parts):
-        parts = [program.controller]  # which adds the torques up itself
+    # What a class keeps beside what its start resets is left for no other run.
+    parts = [
+        part if isinstance(part, CompiledController) else apart(part)
+        for part in program.controller.parts()
+    ]
+    if len(parts) > 1 and not any(part.takes_ports for part in parts):
+        parts = [Sum(parts, program.controller.name)]  # which adds the torques up itself
     asked = [_asked(part, program.arithmetic, course) for part in parts]
     zeros = range(len(course.site.interface.inputs))
 
@@ -357,7 +367,8 @@ def _asked_for_torques(part: Controller) -> Asked:
         reference = ArmReference((t[3], t[4]), (t[5], t[6]), (t[7], t[8]))
         state = State((t[9], t[10]), (t[11], t[12]))
         clock = Clock(t[0], t[1] != 0.0, t[2] != 0.0)
-        first, second = part.torque(reference, state, clock)
+        with _named(part):
+            first, second = part.torque(reference, state, clock)
         return (0, float(first)), (1, float(second))
 
     return ask
@@ -411,10 +422,11 @@ def _asked_by_ports(part: Controller, course: Course) -> Asked:
             cells[name] = cells[port]
 
     def ask(told: Any) -> Iterable[tuple[int, float]]:
-        drives = part.step(
-            _Named({name: float(told[cell]) for name, cell in measured.items()}),
-            _Named({name: float(told[cell]) for name, cell in references.items()}),
-        )
+        with _named(part):
+            drives = part.step(
+                _Named({name: float(told[cell]) for name, cell in measured.items()}),
+                _Named({name: float(told[cell]) for name, cell in references.items()}),
+            )
         if not isinstance(drives, Mapping):
             if not only:
                 hint = f"return a mapping of {', '.join(sorted(driven))}"
@@ -442,11 +454,25 @@ def _cells_of(site: on_plant.Site, ports: Iterable[Address], first: int) -> dict
 
 
 def _number(part: Controller, name: str, value: Any) -> float:
+    with suppress(TypeError, ValueError):
+        number = float(value)
+        if not math.isnan(number):
+            return number
+    raise SourceError(f"{part.name} gives {value!r} for '{name}', not a number")
+
+
+@contextmanager
+def _named(part: Controller) -> Iterator[None]:
+    """Say whose fault it is: the same loop asks the plant."""
     try:
-        return float(value)
-    except (TypeError, ValueError):
-        message = f"{part.name} gives {value!r} for '{name}', not a number"
-        raise SourceError(message) from None
+        yield
+    except FuzzyarmError:
+        raise
+    except USERS as error:
+        module = sys.modules.get(type(part).__module__)
+        path = getattr(module, "__file__", None) or ""
+        message = f"controller {part.name} failed: {failure(path, error)}"
+        raise SourceError(message) from error
 
 
 def compiled_law(program: Program, course: Course, record: Record) -> Callable[..., None]:

@@ -260,9 +260,15 @@ def for_runs(plant: Plant) -> Plant:
     if type(plant).__module__.startswith("fuzzyarm."):
         return plant
     other: Plant = apart(plant)
-    vars(other)[BEGUN] = apart(plant)
+    if begins_by_itself(other) or not is_compiled(other):  # else nothing is kept beside its states
+        vars(other)[BEGUN] = apart(plant)
     keep_traced(other)
     return other
+
+
+def begins_by_itself(plant: Plant) -> bool:
+    """Whether the start of a plant is a user's code, which knows nothing of threads."""
+    return not type(plant).start.__module__.startswith("fuzzyarm.")
 
 
 def starting_at(plant: Plant, states: Sequence[float]) -> Plant:
