@@ -81,6 +81,8 @@ class OptionKind(NamedTuple):
         Whether the source means nothing without it.
     positive : bool
         Whether its number must be above 0.
+    alike : bool
+        Whether it is in the unit of what the source is taken of.
     """
 
     takes: Literal["number", "figure", "time", "range", "words", "windup"]
@@ -88,6 +90,7 @@ class OptionKind(NamedTuple):
     rest: tuple[str, ...] = ()
     needed: bool = False
     positive: bool = False
+    alike: bool = False
 
     @property
     def example(self) -> str:
@@ -364,12 +367,23 @@ def _hysteresis(x: X, held: X, width: X) -> X:
 
 BOTH = ("reference", "measured")
 WIDTH = {
-    "width": OptionKind("number", "full width of the zone", needed=True, positive=True)
+    "width": OptionKind(
+        "number", "full width: half of it to each side", needed=True, positive=True, alike=True
+    )
 }
 
 
 def _symmetric(size: float) -> Interval:
     return Interval(-size, size)
+
+
+def _of_integral(near: Surroundings) -> Interval:
+    """Return the range of an integral: its bounds, with its start where that is outside."""
+    within = near.options.get("within")
+    ends = within if isinstance(within, tuple) else EVERYTHING
+    if "start" in near.options:
+        ends = (*ends, _number(near.options["start"]))
+    return Interval(min(ends), max(ends))
 
 
 def _of_sum(near: Surroundings) -> Interval:
@@ -448,6 +462,7 @@ def _register() -> None:
         },
         states=(State("total", start="start"),),
         seconds=1,
+        bounds=_of_integral,
         pace=lambda near: near.largest,
         linear=True,
         inverse_of="rate",

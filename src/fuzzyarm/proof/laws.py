@@ -8,10 +8,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from fuzzyarm.controller.reach import combine, largest, symmetric
-from fuzzyarm.expression.operations import Interval
+from fuzzyarm.controller.reach import combine, largest, overlap, symmetric
+from fuzzyarm.expression.evaluation import bounds, derivative
+from fuzzyarm.expression.nodes import Apply, Node, postorder
+from fuzzyarm.expression.operations import OPERATIONS, Interval
 from fuzzyarm.table import LookupTable
 from fuzzyarm.text.numbers import number_text
 
@@ -23,6 +25,7 @@ __all__ = [
     "clipped",
     "combined",
     "constant",
+    "curved",
     "inside",
     "only_value",
     "outward",
@@ -191,6 +194,61 @@ def over(a: Law, b: Law) -> Law:
 def unknown(at: Interval, why: str) -> Law:
     """Return a law of which only the range is known."""
     return Law(at, at, why, why, None, why)
+
+
+# ── curves ────────────────────────────────────────────────────────────────────────────
+
+PARTS = 256
+"""Of a range, on each of which the ratio of a curve to its input is bounded."""
+
+
+def curved(root: Node, law: Law, *, asked: bool) -> Law:
+    """Return a law behind a curve, an expression over ``x``."""
+    at, rest = bounds(root, {"x": law.at}), bounds(root, {"x": law.rest})
+    if any(isinstance(node, Apply) and node.operation in JUMPS for node in postorder(root)):
+        return replace(unknown(at, "a source may jump"), rest=rest)
+    slope = derivative(root, "x")
+    near = bounds(slope, {"x": _sides(law.rest)})
+    gains, around = _each(law.gains, near), _each(law.around, near)
+    along, slack = law.along, 0.0
+    if asked and isinstance(along, Interval) and law.at.low < law.at.high:
+        if not bounds(root, {"x": NOTHING}) == law.rest == NOTHING:
+            along = "it is not 0 at rest"
+        else:
+            ratio = _ratio(root, slope, law.at)
+            along, slack = combined("multiply", along, ratio), law.slack * largest(ratio)
+    return Law(at, rest, gains, around, None, along, slack)
+
+
+JUMPS = frozenset({"where", *(name for name, each in OPERATIONS.items() if each.partials is None)})
+"""Operations that may jump: choices, conditions and steps."""
+
+
+def _sides(at: Interval) -> Interval:
+    """Widen by one rounding, 0 too: both sides of a corner are in it."""
+    return Interval(math.nextafter(at.low, -math.inf), math.nextafter(at.high, math.inf))
+
+
+def _ratio(root: Node, slope: Node, at: Interval) -> Interval:
+    """Return between which multiples of x a curve through 0 lies.
+
+    Its slopes say it everywhere; away from 0 its values do, part by part.
+    """
+    whole = bounds(slope, {"x": Interval(min(at.low, 0.0), max(at.high, 0.0))})
+    if not math.isfinite(largest(at)):
+        return whole
+    low, high = math.inf, -math.inf
+    for end in (each for each in at if each):
+        for part in range(PARTS):
+            ends = sorted((end * part / PARTS, end * (part + 1) / PARTS))
+            here = Interval(*map(float, ends))
+            if not overlap(here, at).low <= overlap(here, at).high:
+                continue
+            found = bounds(slope, {"x": Interval(min(here.low, 0.0), max(here.high, 0.0))})
+            if part:
+                found = overlap(found, combined("divide", bounds(root, {"x": here}), here))
+            low, high = min(low, found.low), max(high, found.high)
+    return overlap(whole, Interval(low, high)) if low <= high else whole
 
 
 # ── tables ────────────────────────────────────────────────────────────────────────────
