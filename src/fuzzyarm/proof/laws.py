@@ -11,8 +11,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from fuzzyarm.controller.reach import combine, largest, overlap, symmetric
-from fuzzyarm.expression.evaluation import bounds, derivative
-from fuzzyarm.expression.nodes import Apply, Node, postorder
+from fuzzyarm.expression.evaluation import derivative, evaluate
+from fuzzyarm.expression.nodes import Apply, Constant, Node, postorder, symbols
 from fuzzyarm.expression.operations import OPERATIONS, Interval
 from fuzzyarm.table import LookupTable
 from fuzzyarm.text.numbers import number_text
@@ -204,15 +204,15 @@ PARTS = 256
 
 def curved(root: Node, law: Law, *, asked: bool) -> Law:
     """Return a law behind a curve, an expression over ``x``."""
-    at, rest = bounds(root, {"x": law.at}), bounds(root, {"x": law.rest})
+    at, rest = outward(_values(root, law.at)), _values(root, law.rest)
     if any(isinstance(node, Apply) and node.operation in JUMPS for node in postorder(root)):
         return replace(unknown(at, "a source may jump"), rest=rest)
     slope = derivative(root, "x")
-    near = bounds(slope, {"x": _sides(law.rest)})
+    near = _slopes(root, law.rest)
     gains, around = _each(law.gains, near), _each(law.around, near)
     along, slack = law.along, 0.0
     if asked and isinstance(along, Interval) and law.at.low < law.at.high:
-        if not bounds(root, {"x": NOTHING}) == law.rest == NOTHING:
+        if not law.rest == rest == NOTHING:
             along = "it is not 0 at rest"
         else:
             ratio = _ratio(root, slope, law.at)
@@ -222,6 +222,38 @@ def curved(root: Node, law: Law, *, asked: bool) -> Law:
 
 JUMPS = frozenset({"where", *(name for name, each in OPERATIONS.items() if each.partials is None)})
 """Operations that may jump: choices, conditions and steps."""
+
+
+def _slopes(root: Node, rest: Interval) -> Interval:
+    """Return the slopes of a curve to both sides of a point, or on an interval."""
+    slope = derivative(root, "x")
+    if rest.low < rest.high:
+        return _bounds(slope, {"x": rest})
+    sides = [evaluate(slope, {"x": x}) for x in _sides(rest)]
+    return Interval(min(sides), max(sides))
+
+
+def _values(root: Node, at: Interval) -> Interval:
+    """Return the values of a curve on an interval; at a point the nearest float."""
+    if at.low < at.high:
+        return _bounds(root, {"x": at})
+    value = evaluate(root, {"x": at.low})
+    return Interval(value, value)
+
+
+def _bounds(root: Node, ranges: Mapping[str, Interval]) -> Interval:
+    """Return the values of an expression, rounded outward as :func:`combined` does it."""
+    found: dict[Node, Interval] = {}
+    for node in postorder(root):
+        if isinstance(node, Apply):
+            operation = OPERATIONS[node.operation]
+            at = operation.bounds(*(found[argument] for argument in node.arguments))
+            found[node] = at if operation.exact else outward(at)
+        elif isinstance(node, Constant):
+            found[node] = Interval(node.value, node.value)
+        else:
+            found[node] = ranges[symbols(node)[0]]
+    return found[root]
 
 
 def _sides(at: Interval) -> Interval:
@@ -234,7 +266,7 @@ def _ratio(root: Node, slope: Node, at: Interval) -> Interval:
 
     Its slopes say it everywhere; away from 0 its values do, part by part.
     """
-    whole = bounds(slope, {"x": Interval(min(at.low, 0.0), max(at.high, 0.0))})
+    whole = _bounds(slope, {"x": Interval(min(at.low, 0.0), max(at.high, 0.0))})
     if not math.isfinite(largest(at)):
         return whole
     low, high = math.inf, -math.inf
@@ -244,9 +276,9 @@ def _ratio(root: Node, slope: Node, at: Interval) -> Interval:
             here = Interval(*map(float, ends))
             if not overlap(here, at).low <= overlap(here, at).high:
                 continue
-            found = bounds(slope, {"x": Interval(min(here.low, 0.0), max(here.high, 0.0))})
+            found = _bounds(slope, {"x": Interval(min(here.low, 0.0), max(here.high, 0.0))})
             if part:
-                found = overlap(found, combined("divide", bounds(root, {"x": here}), here))
+                found = overlap(found, combined("divide", _bounds(root, {"x": here}), here))
             low, high = min(low, found.low), max(high, found.high)
     return overlap(whole, Interval(low, high)) if low <= high else whole
 

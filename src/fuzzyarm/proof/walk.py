@@ -174,12 +174,14 @@ class _Notes:
     """What a walk has seen on its way.
 
     `zones`: where each source keeps its inputs within their universes; `points`: sources at
-    which rule bases have their extremes; `groups`: the sources that meet in a rule base.
+    which rule bases have their extremes; `groups`: the sources that meet in a rule base; `flat`:
+    what has the slope 0 around rest.
     """
 
     zones: dict[str, Interval] = field(default_factory=dict)
     points: list[dict[str, float]] = field(default_factory=list)
     groups: list[tuple[str, ...]] = field(default_factory=list)
+    flat: list[str] = field(default_factory=list)
 
 
 class Walk:
@@ -242,8 +244,10 @@ class Walk:
             return [self._table(of)]
         curve = self._curve(of)
         if curve is not None:
-            inner = self._named(of.name)
-            return [curved(curve, inner, asked=bool(self.asked.form))]
+            law = curved(curve, self._named(of.name), asked=bool(self.asked.form))
+            if law.gains and law.gains == dict.fromkeys(law.gains, NOTHING):
+                self.notes.flat.append(source_name(of))
+            return [law]
         name = self.case.name_of(of)
         self.case.remember(name, of, self.laws.get(of.name))
         at = self.asked.at.get(name, NOTHING)
@@ -496,12 +500,15 @@ def _simple(ratio: Fraction) -> Fraction:
 def source_name(of: Source, *, whole: bool = False) -> str:
     """Return a source as it is called in what is said of it, with all its options or its weight."""
     shown = [(word, value) for word, value in of.options if whole or word == "weight"]
-    words = "".join(f", {word} {_setting_words(value)}" for word, value in shown)
+    words = "".join(f", {word} {_setting_words(of, word, value)}" for word, value in shown)
     return f"{of.kind}{of.record.joined} {of.name}{words}"
 
 
-def _setting_words(value: Setting) -> str:
-    return " .. ".join(map(str, value)) if isinstance(value, tuple) else str(value)
+def _setting_words(of: Source, word: str, value: Setting) -> str:
+    if isinstance(value, tuple):
+        return " .. ".join(f"{end:g}" for end in value)
+    seconds = isinstance(value, float) and of.record.options[word].takes in ("time", "windup")
+    return f"{value:g} s" if seconds else str(value)
 
 
 def _names_of(sources: Iterable[Source]) -> dict[Source, str]:
