@@ -323,7 +323,8 @@ def _asking(model: ControllerModel, kind: str, asked: Address) -> tuple[Axes, Sp
             if kind == "drive" and line.port == port:
                 return axes, line.span
         elif isinstance(line, Signal) and line.source is not None:
-            if kind in line.source.record.ports and line.source.name == port:
+            asks = kind in line.source.record.ports
+            if asks and line.source.name == port:
                 return axes, line.span
     return None
 
@@ -397,8 +398,8 @@ def _growing(
             if drive is not None and any(drive is each for each in free):
                 yield Diagnostic(
                     "windup",
-                    f"the {line.source.kind} '{line.names[0]}' goes on growing while the actuator of"
-                    f" {drive.port} is at {actuator.low:g} or {actuator.high:g}",
+                    f"the {line.source.kind} '{line.names[0]}' goes on growing while the actuator"
+                    f" of {drive.port} is at {actuator.low:g} or {actuator.high:g}",
                     line.span,
                     Severity.WARNING,
                     hint=f"add  , anti-windup hold  here and  , within {_range(actuator)}"

@@ -17,9 +17,9 @@ stored value is. Behind them lie the lists of instructions that name more cells 
 
 An instruction does what one source, factor or limit of the text says; the axes follow one
 another. The updates of sources are called by address: a source is a record
-(:mod:`fuzzyarm.expression.sources`), and no instruction is its own. So an edited text compiles nothing, and the program that is exported as C is a walk over
-the same instructions (:mod:`fuzzyarm.export`). What a source remembers is NaN where it has seen
-nothing yet.
+(:mod:`fuzzyarm.expression.sources`), and has no instruction of its own. So an edited text compiles
+nothing, and the program that is exported as C is a walk over the same instructions
+(:mod:`fuzzyarm.export`). What a source remembers is NaN where it has seen nothing yet.
 """
 
 from __future__ import annotations

@@ -441,7 +441,7 @@ class _Writer:
         return self.scratch
 
     def _taken_of(self, source: Source) -> int:
-        """Return the cell of what a source is taken of: a signal, a value or the error of a port."""
+        """Return the cell of what a source is taken of: a signal, or of a port."""
         of = (self.axis, source.name)
         ports = source.record.ports
         if not ports:

@@ -312,8 +312,10 @@ class _Walk:
     def _meet_options(self, of: Source, reach: Reach, span: Span) -> None:
         """Note gains that have to be in the unit of what a source is taken of."""
         for word, value in of.options:
-            unit = self._named(value).unit if isinstance(value, str) else None
-            if of.record.options[word].alike and unit is not None and reach.unit is not None:
+            if not isinstance(value, str) or not of.record.options[word].alike:
+                continue
+            unit = self._named(value).unit
+            if unit is not None and reach.unit is not None:
                 before, brought = of_difference(reach.unit), product({}, of_difference(unit), -1)
                 words = f"the {word} of {of.kind}"
                 self.found.meetings.append(Meeting(value, before or {}, brought or {}, span, words))

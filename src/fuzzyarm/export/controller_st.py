@@ -75,8 +75,8 @@ def _require_bounds(text: ControllerText) -> None:
         settings = line.source.record.settings(dict(line.source.options))
         if any(math.isinf(value) for value in settings.values() if isinstance(value, float)):
             raise ExportError(
-                f"the {line.source.kind} '{line.names[0]}' has no bounds, and Structured Text has no"
-                " infinite number",
+                f"the {line.source.kind} '{line.names[0]}' has no bounds, and Structured Text has"
+                " no infinite number",
                 hint="add  , within LOW .. HIGH  to it, or export C",
                 span=line.span,
                 path=text.path,

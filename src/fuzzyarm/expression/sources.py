@@ -95,8 +95,8 @@ class OptionKind(NamedTuple):
     @property
     def example(self) -> str:
         """What may follow the word."""
-        texts = {"time": "10 ms", "range": "-1 .. 1", "windup": "hold", "words": " ".join(self.rest)}
-        return texts.get(self.takes, "0.5")
+        texts = {"time": "10 ms", "range": "-1 .. 1", "windup": "hold"}
+        return " ".join(self.rest) or texts.get(self.takes, "0.5")
 
 
 class State(NamedTuple):
@@ -312,9 +312,12 @@ def source(name: str, update: Callable[..., X] | None = None, **facts: Any) -> S
     Raises
     ------
     KindError
-        If the name is taken or not a word, or the update takes an argument that nothing gives.
+        If the name is taken or not a word, the update takes an argument that nothing gives, or
+        one of your own is a ``call``: rule bases and tables are all that can be asked.
     """
     kind = SourceKind(name, (), update, **{"options": {}, "own": True, **facts})
+    if kind.own and kind.of == "call":
+        raise KindError(f"'{name}' is called with inputs, as only rules and table are", name)
     known = {*SUPPLIED, *kind.settings({}), *(state.name for state in kind.states)}
     if unknown := [each for each in kind.symbols if each not in known]:
         raise KindError(f"nothing gives the update of '{name}' its argument '{unknown[0]}'", name)
@@ -380,9 +383,9 @@ def _symmetric(size: float) -> Interval:
 def _of_integral(near: Surroundings) -> Interval:
     """Return the range of an integral: its bounds, with its start where that is outside."""
     within = near.options.get("within")
-    ends = within if isinstance(within, tuple) else EVERYTHING
+    ends = [*(within if isinstance(within, tuple) else EVERYTHING)]
     if "start" in near.options:
-        ends = (*ends, _number(near.options["start"]))
+        ends.append(_number(near.options["start"]))
     return Interval(min(ends), max(ends))
 
 

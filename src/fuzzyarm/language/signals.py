@@ -256,8 +256,9 @@ class OptionNode(NamedTuple):
             cursor.expect("back", f"or 'hold' behind {word.text}")
             return cls(word, TimeNode.read(cursor, "the time to go back in"), rest=("back",))
         if kind.takes == "figure":
-            return cls(word, cursor.figure(f"a number behind {word.text}"))
-        amount = read_amount(cursor, f"the {word.text}")
+            amount: Figure | Word = cursor.figure(f"a number behind {word.text}")
+        else:
+            amount = read_amount(cursor, f"the {word.text}")
         token = cursor.peek()
         if kind.alike and isinstance(amount, Figure) and token and token.kind != "mark":
             raise Fault(_with_unit(word, amount, token.text, cursor.span))
