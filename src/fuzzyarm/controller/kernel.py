@@ -73,9 +73,10 @@ REMEMBERED: dict[int, tuple[Remembered, ...]] = {
 """By instruction, the cells that change; all others behind its state are numbers."""
 
 # The list of UPDATE: its address, how many numbers it fills in (what it gives, then what it
-# remembers), whether these are rounded as stored values are, how many arguments it takes behind
-# what it remembers, then the cells of these. Its frame is told in fuzzyarm.controller.updates.
-UPDATES, FILLED, ROUNDED, TAKEN, UPDATE_CELLS = range(5)
+# remembers), whether these are rounded as stored values are, the end of its frame, how many
+# arguments are fetched, then for each of these where it goes and where it comes from; the others
+# are numbers that stand in the frame. That is told in fuzzyarm.controller.updates.
+UPDATES, FILLED, ROUNDED, FRAME_END, FETCHED, FETCHES = range(6)
 
 # The list of ZOOM: factor, window, whether signals wait at its edge, then the signals. That of
 # LOOK_UP is told in fuzzyarm.table.lookup. Of LEARN: values, visits, the ring (its index in front)
@@ -174,13 +175,14 @@ def consulted(k: Any, s: Any, what: int, a: int, b: int, single: bool) -> float:
 @kernel
 def updated(k: Any, s: Any, at: int, frame: int, single: bool) -> float:
     """Return what a source gives in this period; what it remembers stands behind that."""
-    end = frame + k[at + FILLED]
-    taken = k[at + TAKEN]
-    for i in range(taken):
-        s[end + i] = s[k[at + UPDATE_CELLS + i]]
-    call(k[at + UPDATES], s[frame + 1 : end + taken], s[frame:end])
+    pair = at + FETCHES
+    for _ in range(k[at + FETCHED]):
+        s[k[pair]] = s[k[pair + 1]]
+        pair += 2
+    filled = frame + k[at + FILLED]
+    call(k[at + UPDATES], s[frame + 1 : k[at + FRAME_END]], s[frame:filled])
     if k[at + ROUNDED] != 0:
-        for i in range(frame, end):
+        for i in range(frame, filled):
             s[i] = stored(s[i], single)
     return float(s[frame])
 

@@ -421,7 +421,7 @@ class _Writer:
         arguments = {"x": cell, "period": PERIOD, "last": LAST}
         settings = kind.settings(given)
         if kind.windup:
-            arguments["excess"] = arguments["gain"] = self._number(0.0)
+            settings |= {"excess": 0.0, "gain": 0.0}
             drive = axes.driven_by(line.names[0]) if settings[_argument(kind.windup)] else None
             if drive is None:
                 settings[_argument(kind.windup)] = 0.0
@@ -430,14 +430,23 @@ class _Writer:
                     arguments["x"] = self._copy(cell)
                 arguments["excess"] = self._limit_state(drive) + to.OVER
                 arguments["gain"] = self._gain_of_drive(axes, line, drive)
-        arguments |= {name: self._operand(value) for name, value in settings.items()}
-        cells = [arguments[name] for name in kind.inputs]
-        frame = self._cell(0.0, *kind.starts(given), *[0.0] * len(cells))
+        arguments |= {
+            name: self._operand(value) for name, value in settings.items() if isinstance(value, str)
+        }
+        filled = 1 + len(kind.states)
+        numbers = [settings.get(name, 0.0) for name in kind.inputs]
+        known = [float(x) if not isinstance(x, str) else 0.0 for x in numbers]
+        frame = self._cell(0.0, *kind.starts(given), *known)
         self.updates[frame] = kind
+        fetches = [
+            (cell, arguments[name])
+            for cell, name in enumerate(kind.inputs, frame + filled)
+            if name in arguments
+        ]
         self._do(to.UPDATE, self.scratch, 0, frame)
         address = update_address(kind, compiled=self.arithmetic.compiled)
-        filled = 1 + len(kind.states)
-        self._list(2, [address, filled, int(kind.rounded), len(cells), *cells])
+        head = [address, filled, int(kind.rounded), frame + filled + len(known), len(fetches)]
+        self._list(2, [*head, *(cell for pair in fetches for cell in pair)])
         return self.scratch
 
     def _taken_of(self, source: Source) -> int:

@@ -485,13 +485,16 @@ class _Walk:
     def _updated(self, list_begin: int, frame: int, begin: int) -> Node:
         """Return what a source gives; what it remembers is taken down."""
         kind = self.program.updates[frame]
-        count = self.code[list_begin + at.TAKEN]
-        cells = self.code[list_begin + at.UPDATE_CELLS : list_begin + at.UPDATE_CELLS + count]
+        begin_of_pairs = list_begin + at.FETCHES
+        count = 2 * self.code[list_begin + at.FETCHED]
+        pairs = self.code[begin_of_pairs : begin_of_pairs + count]
+        fetched = dict(zip(pairs[::2], pairs[1::2], strict=True))
         arguments: dict[str, Any] = {}
         for cell, state in enumerate(kind.states, frame + 1):
             self._state(cell, state.name, begin)
             arguments[state.name] = self.load(cell)
-        for name, cell in zip(kind.inputs, cells, strict=True):
+        for own, name in enumerate(kind.inputs, frame + 1 + len(kind.states)):
+            cell = fetched.get(own, own)
             if name == "excess":
                 self._excess(cell, begin)
             arguments[name] = self.load(cell)
