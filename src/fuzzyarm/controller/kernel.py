@@ -45,7 +45,7 @@ INSTRUCTION = 6
     SUBTRACT_MULTIPLY,
     LIMIT,  # of a; state
     SLEW,
-    UPDATE,  # list, frame: the update of a source
+    UPDATE,  # list, frame, x: the update of a source
     ZOOM,  # list of cells, their number
     LOOK_UP,  # list, grid
     LOOK_UP_CELL,  # the cell that holds the index, first value
@@ -74,8 +74,8 @@ REMEMBERED: dict[int, tuple[Remembered, ...]] = {
 
 # The list of UPDATE: its address, how many numbers it fills in (what it gives, then what it
 # remembers), whether these are rounded as stored values are, the end of its frame, how many
-# arguments are fetched, then for each of these where it goes and where it comes from; the others
-# are numbers that stand in the frame. That is told in fuzzyarm.controller.updates.
+# arguments beside x and the period are fetched, then for each of these where it goes and where it
+# comes from; the others are numbers that stand in the frame (fuzzyarm.controller.updates).
 UPDATES, FILLED, ROUNDED, FRAME_END, FETCHED, FETCHES = range(6)
 
 # The list of ZOOM: factor, window, whether signals wait at its edge, then the signals. That of
@@ -112,7 +112,7 @@ def step(k: Any, s: Any) -> None:
         if what <= SUBTRACT_MULTIPLY:
             value = combined(what, s[a], s[b], s[c])
         elif what == UPDATE:
-            value = updated(k, s, a, b, single)
+            value = updated(k, s, a, b, c, single)
         elif what == LIMIT:
             value = limited(s, s[a], b)
         elif what == SLEW:
@@ -173,13 +173,15 @@ def consulted(k: Any, s: Any, what: int, a: int, b: int, single: bool) -> float:
 
 
 @kernel
-def updated(k: Any, s: Any, at: int, frame: int, single: bool) -> float:
+def updated(k: Any, s: Any, at: int, frame: int, x: int, single: bool) -> float:
     """Return what a source gives in this period; what it remembers stands behind that."""
+    filled = frame + k[at + FILLED]
+    s[filled] = s[x]
+    s[filled + 1] = s[PERIOD]
     pair = at + FETCHES
     for _ in range(k[at + FETCHED]):
         s[k[pair]] = s[k[pair + 1]]
         pair += 2
-    filled = frame + k[at + FILLED]
     call(k[at + UPDATES], s[frame + 1 : k[at + FRAME_END]], s[frame:filled])
     if k[at + ROUNDED] != 0:
         for i in range(frame, filled):

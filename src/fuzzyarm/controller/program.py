@@ -36,7 +36,7 @@ from fuzzyarm.model.controller import (
     Zoom,
 )
 from fuzzyarm.model.rulebase import RuleBase
-from fuzzyarm.plant.setting import LAST, PERIOD, Arithmetic
+from fuzzyarm.plant.setting import LAST, Arithmetic
 from fuzzyarm.table import Axis, LookupTable
 from fuzzyarm.table.lookup import pack_grid
 
@@ -418,7 +418,7 @@ class _Writer:
         if kind.function is None:
             return cell
         given = dict(source.options)
-        arguments = {"x": cell, "period": PERIOD, "last": LAST}
+        arguments = {"last": LAST}
         settings = kind.settings(given)
         if kind.windup:
             settings |= {"excess": 0.0, "gain": 0.0}
@@ -427,7 +427,7 @@ class _Writer:
                 settings[_argument(kind.windup)] = 0.0
             else:
                 if cell == self.scratch:  # where the gain may be computed
-                    arguments["x"] = self._copy(cell)
+                    cell = self._copy(cell)
                 arguments["excess"] = self._limit_state(drive) + to.OVER
                 arguments["gain"] = self._gain_of_drive(axes, line, drive)
         arguments |= {
@@ -443,7 +443,7 @@ class _Writer:
             for cell, name in enumerate(kind.inputs, frame + filled)
             if name in arguments
         ]
-        self._do(to.UPDATE, self.scratch, 0, frame)
+        self._do(to.UPDATE, self.scratch, 0, frame, cell)
         address = update_address(kind, compiled=self.arithmetic.compiled)
         head = [address, filled, int(kind.rounded), frame + filled + len(known), len(fetches)]
         self._list(2, [*head, *(cell for pair in fetches for cell in pair)])

@@ -1,9 +1,10 @@
 """The updates of sources as functions by address, and how their numbers lie among the cells.
 
 Each line with a source that has an update owns a **frame** of cells, in this order: what the
-source gives, what it remembers, and the other arguments of its update: numbers of its options, and
-what is fetched from other cells in every period. The function takes the arguments as one array and fills in what it
-gives and remembers, which is the beginning of the frame.
+source gives, what it remembers, and the other arguments of its update: what it is taken of, the
+period, then numbers of its options and what is fetched from other cells in every period. The
+function takes the arguments as one array and fills in what it gives and remembers, which is the
+beginning of the frame.
 
 Those of the built-in sources are part of the machine code; of another one it is a program of
 operations (:mod:`fuzzyarm.expression.programs`).

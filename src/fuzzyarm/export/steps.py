@@ -465,7 +465,7 @@ class _Walk:
             made = at.limited if what == at.LIMIT else at.slewed
             value = read(made, self, self, self.load(a), b)
         elif what == at.UPDATE:
-            value = self._updated(a, b, begin)
+            value = self._updated(a, b, c, begin)
         elif what == at.ZOOM:
             read(at.zoom, self, self.code, self, a, b)
             self._flush()
@@ -482,18 +482,19 @@ class _Walk:
         self.stored.insert(0, (into, as_node(value), bool(rounded)))
         self._flush()
 
-    def _updated(self, list_begin: int, frame: int, begin: int) -> Node:
+    def _updated(self, list_begin: int, frame: int, x: int, begin: int) -> Node:
         """Return what a source gives; what it remembers is taken down."""
         kind = self.program.updates[frame]
         begin_of_pairs = list_begin + at.FETCHES
         count = 2 * self.code[list_begin + at.FETCHED]
         pairs = self.code[begin_of_pairs : begin_of_pairs + count]
-        fetched = dict(zip(pairs[::2], pairs[1::2], strict=True))
+        first = frame + 1 + len(kind.states)
+        fetched = {first: x, first + 1: PERIOD, **dict(zip(pairs[::2], pairs[1::2], strict=True))}
         arguments: dict[str, Any] = {}
         for cell, state in enumerate(kind.states, frame + 1):
             self._state(cell, state.name, begin)
             arguments[state.name] = self.load(cell)
-        for own, name in enumerate(kind.inputs, frame + 1 + len(kind.states)):
+        for own, name in enumerate(kind.inputs, first):
             cell = fetched.get(own, own)
             if name == "excess":
                 self._excess(cell, begin)

@@ -55,7 +55,10 @@ Setting = str | float | tuple[float, float] | bool
 VALUE = "value"
 """Symbol of what an update gives, in what is remembered of it."""
 
-SUPPLIED = ("x", "period", "last", "excess", "gain")
+ALWAYS = ("x", "period")
+"""Arguments that every update is given, whether it takes them or not."""
+
+SUPPLIED = (*ALWAYS, "last", "excess", "gain")
 """Arguments of updates that the program supplies."""
 
 
@@ -204,9 +207,9 @@ class SourceKind(Kind):
 
     @cached_property
     def symbols(self) -> tuple[str, ...]:
-        """Arguments of the update: what it remembers, then the others."""
+        """Arguments of the update: what it remembers, :data:`ALWAYS`, then the others."""
         functions = [each for each in (self.function, *(s.next for s in self.states)) if each]
-        names = [state.name for state in self.states]
+        names = [*(state.name for state in self.states), *ALWAYS]
         names += (name for each in functions for name in _arguments(each) if name != VALUE)
         return tuple(dict.fromkeys(names))
 
