@@ -262,6 +262,7 @@ def test_it_goes_on_from_a_state_that_was_kept():
         ({"update": lambda x, width: x - width}, "nothing gives the update .* 'width'"),
         ({"update": lambda x: x, "states": (State("s", lambda z: z),)}, "its argument 'z'"),
         ({"update": None, "of": "call"}, "called with inputs"),
+        ({"update": lambda x: x, "of": "port"}, "does not say which values"),
     ],
 )
 def test_a_record_that_cannot_work_is_refused(facts, message):

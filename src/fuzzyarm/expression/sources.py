@@ -26,7 +26,7 @@ from __future__ import annotations
 import inspect
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, Literal, NamedTuple
 
@@ -192,7 +192,7 @@ class SourceKind(Kind):
     """
 
     of: Literal["port", "signal", "error", "call"] = "signal"
-    options: dict[str, OptionKind] = None  # type: ignore[assignment]
+    options: dict[str, OptionKind] = field(default_factory=dict)
     ports: tuple[str, ...] = ()
     states: tuple[State, ...] = ()
     rounded: bool = False
@@ -318,9 +318,13 @@ def source(name: str, update: Callable[..., X] | None = None, **facts: Any) -> S
         If the name is taken or not a word, the update takes an argument that nothing gives, or
         one of your own is a ``call``: rule bases and tables are all that can be asked.
     """
-    kind = SourceKind(name, (), update, **{"options": {}, "own": True, **facts})
+    kind = SourceKind(name, (), update, **{"own": True, **facts})
     if kind.own and kind.of == "call":
         raise KindError(f"'{name}' is called with inputs, as only rules and table are", name)
+    if kind.of in ("port", "error") and not kind.ports:
+        raise KindError(
+            f"'{name}' is taken of a port, and does not say which values it reads", name
+        )
     known = {*SUPPLIED, *kind.settings({}), *(state.name for state in kind.states)}
     if unknown := [each for each in kind.symbols if each not in known]:
         raise KindError(f"nothing gives the update of '{name}' its argument '{unknown[0]}'", name)
