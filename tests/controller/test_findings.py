@@ -176,7 +176,7 @@ def test_two_wrong_gains_are_two_findings():
 
 SOURCES = [
     "measured position", "error of position", "rate of {x}", "change of {x}",
-    "lag of {x}, time 0.1 s",
+    "lag of {x}, time 0.1 s", "deadband of {x}, width 0.5", "hysteresis of {x}, width 0.5",
     "sum of error of position, cleared each set-point", "integral of {x}, within -1 .. 2",
     "{x} * 3 - 2 * {x} + 1", "{x} * {x} / 4", "rules pd7({x}, {x}) * 5", "-{x} / 3",
 ]  # fmt: skip

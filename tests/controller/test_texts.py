@@ -91,6 +91,16 @@ def slewed(values, steepest):
         yield before
 
 
+def played(values, half):
+    y = 0.0
+    for value in values:
+        if value - y > half:
+            y = value - half
+        elif y - value > half:
+            y = value + half
+        yield y
+
+
 ORACLES = {
     "u = measured x": lambda x: x,
     "u = error of x": lambda x: [-v for v in x],
@@ -100,6 +110,8 @@ ORACLES = {
     "u = lag of e, time 0.2 s": lambda x: lagged(x, 0.2),
     "u = integral of e": integrated,
     "u = integral of e, within -0.1 .. 0.05, start 0.02": lambda x: integrated(x, -0.1, 0.05, 0.02),
+    "u = deadband of e, width 3": lambda x: [max(v - 1.5, 0.0) + min(v + 1.5, 0.0) for v in x],
+    "u = hysteresis of e, width 3": lambda x: played(x, 1.5),
     "u = e * 2 - 3 * e / 4 + 1": lambda x: [v * 2 - 3 * v / 4 + 1 for v in x],
     "u = -e": lambda x: [-v for v in x],
 }

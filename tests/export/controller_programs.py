@@ -51,13 +51,15 @@ axis room
   zoom en, ce by 2 inside 3, edge wait
   du    = rules steps(en, ce) * G_du
   slow  = lag of du, time 20 s
+  still = deadband of slow, width b
+  loose = hysteresis of e, width 0.1
   step  = change of slow
   back  = integral of e, within -100 .. 100, anti-windup back 30 s
   held  = integral of e, within -100 .. 100, anti-windup hold, start 1
   s     = sum of error of temperature, cleared each set-point
   all   = sum of error of temperature
   power = integral of du, within 0 .. 100, start 0
-  drive power = power + 0.1 * step + back - held + 0.01 * w, within 0 .. 90, slew 5
+  drive power = power + 0.1 * step + back - held + 0.01 * w + still + loose, within 0 .. 90, slew 5
   drive power = s * 0.1 + all / 1000
   drive 'cooling air' = -m + r / 2
 """

@@ -15,6 +15,7 @@ from fuzzyarm.controller.reach import (
     MADE,
     PORT,
     LookUp,
+    Meeting,
     Reaches,
     overlap,
     reaches_of,
@@ -22,7 +23,7 @@ from fuzzyarm.controller.reach import (
 )
 from fuzzyarm.controller.text import ControllerText, ports_of
 from fuzzyarm.expression.operations import Interval
-from fuzzyarm.model.controller import Axes, ControllerModel, Drive, Signal
+from fuzzyarm.model.controller import Axes, ControllerModel, Drive, GainModel, Signal
 from fuzzyarm.model.units import product, read_unit, unit_text, unlike
 from fuzzyarm.plant.own import PLANTS
 from fuzzyarm.plant.plant import Address, Plant, Port
@@ -229,6 +230,9 @@ def _unlike_units(
     for each in reaches.meetings:
         before, brought = each.reach, each.brought
         both = product(before, brought)
+        if each.option and both and each.name in gains:
+            yield _unlike_option(each, gains[each.name])
+            continue
         pair = unlike(both) if both is not None else None
         if pair is None or unlike(before) or unlike(brought) or each.name not in gains:
             continue
@@ -251,6 +255,17 @@ def _unlike_units(
                 continue
             message = f"drive {line.port} is in {unit_text(reach.unit)}, the port in {port.unit}"
             yield Diagnostic("unlike-units", message, line.span, Severity.WARNING)
+
+
+def _unlike_option(each: Meeting, gain: GainModel) -> Diagnostic:
+    return Diagnostic(
+        "unlike-units",
+        f"{each.option} is in {gain.unit}, what it is taken of in {unit_text(each.reach)}",
+        each.span,
+        Severity.WARNING,
+        hint="write both in one unit",
+        related=(Related(f"gain {each.name}", gain.span),),
+    )
 
 
 def _port(model: ControllerModel, site: Site | None, address: Address) -> Port | None:
@@ -307,7 +322,7 @@ def _asking(model: ControllerModel, kind: str, asked: Address) -> tuple[Axes, Sp
             if kind == "drive" and line.port == port:
                 return axes, line.span
         elif isinstance(line, Signal) and line.source is not None:
-            asks = line.source.kind in ("error", "sum", kind)
+            asks = kind in line.source.record.ports
             if asks and line.source.name == port:
                 return axes, line.span
     return None
@@ -377,13 +392,13 @@ def _growing(
         if axis not in axes.names or not isinstance(line, Signal) or line.source is None:
             continue
         bounded = {word for word, _ in line.source.options} & {"within", "anti-windup"}
-        if line.source.kind == "integral" and not bounded:
+        if line.source.record.windup and not bounded:
             drive = axes.driven_by(line.names[0])
             if drive is not None and any(drive is each for each in free):
                 yield Diagnostic(
                     "windup",
-                    f"the integral '{line.names[0]}' goes on growing while the actuator of"
-                    f" {drive.port} is at {actuator.low:g} or {actuator.high:g}",
+                    f"the {line.source.kind} '{line.names[0]}' goes on growing while the actuator"
+                    f" of {drive.port} is at {actuator.low:g} or {actuator.high:g}",
                     line.span,
                     Severity.WARNING,
                     hint=f"add  , anti-windup hold  here and  , within {_range(actuator)}"

@@ -2,23 +2,24 @@
 
 Two arrays hold everything. The **cells** ``s`` are numbers:
 
-=============  ==========================================================================
+=============  ============================================================================
 signals        what the plant and the clock say, written by the loop; see `program`
 numbers        gains and written numbers
 signals        of every axis, and intermediate values
-states         what sources remember (below), rings of learners
+frames         of sources (:mod:`fuzzyarm.controller.updates`); states of limits, rings of learners
 tables         grids and values; visits of tables that learn
 rule bases     a block each, see :mod:`fuzzyarm.inference.kernel`
-=============  ==========================================================================
+=============  ============================================================================
 
 The **code** ``k`` is the number of instructions, then six whole numbers for each: what to do, the
 cell that receives, up to three more (cells as a rule), and whether the result is rounded as a
 stored value is. Behind them lie the lists of instructions that name more cells than three.
 
 An instruction does what one source, factor or limit of the text says; the axes follow one
-another. So an edited text compiles nothing, and the program that is exported as C is a walk over
-the same instructions (:mod:`fuzzyarm.export`). What a source remembers is NaN where it has seen
-nothing yet.
+another. The updates of sources are called by address: a source is a record
+(:mod:`fuzzyarm.expression.sources`), and has no instruction of its own. So an edited text compiles
+nothing, and the program that is exported as C is a walk over the same instructions
+(:mod:`fuzzyarm.export`). What a source remembers is NaN where it has seen nothing yet.
 """
 
 from __future__ import annotations
@@ -27,8 +28,8 @@ import math
 from typing import Any, NamedTuple
 
 from fuzzyarm.kernels import call, kernel
-from fuzzyarm.plant.setting import LAST, PERIOD, SINGLE, stored
-from fuzzyarm.table.lookup import VALUES, cell_index, clamp, looked_up
+from fuzzyarm.plant.setting import PERIOD, SINGLE, stored
+from fuzzyarm.table.lookup import VALUES, cell_index, looked_up
 
 INSTRUCTION = 6
 """Whole numbers of an instruction."""
@@ -42,27 +43,18 @@ INSTRUCTION = 6
     MULTIPLY_BOTH,  # a by b, and that by c
     MULTIPLY_DIVIDE,
     SUBTRACT_MULTIPLY,
-    CHANGE,  # of a; state
-    RATE,
-    INTEGRATE,
-    SUM,
-    LAG,
-    LIMIT,
+    LIMIT,  # of a; state
     SLEW,
+    UPDATE,  # list, frame, x: the update of a source
     ZOOM,  # list of cells, their number
     LOOK_UP,  # list, grid
     LOOK_UP_CELL,  # the cell that holds the index, first value
     LEARN,  # list; receives the index of the cell in use
     INFER,  # list, address of the inference
     PARTNER,  # list
-) = range(21)
+) = range(17)
 
-# What sources remember, from their state on.
-BEFORE, FILTERED, FILTER_TIME = range(3)  # of CHANGE and RATE
-# Of INTEGRATE. WINDUP: 0 none, -1 hold, else s; EXCESS and GAIN: of the drive, see `integral`.
-TOTAL, LOWEST, HIGHEST, WINDUP, EXCESS, GAIN_OF_DRIVE = range(6)
-CLEARED = 1  # of SUM, behind TOTAL
-LAGGED, LAG_TIME = range(2)  # of LAG
+# What the limits of a drive remember, from their state on.
 LOW, HIGH, OVER = range(3)  # of LIMIT; OVER: limited minus wanted value of the last period
 LAST_DRIVE, STEEPEST = range(2)  # of SLEW
 
@@ -75,15 +67,16 @@ class Remembered(NamedTuple):
 
 
 REMEMBERED: dict[int, tuple[Remembered, ...]] = {
-    CHANGE: (Remembered(BEFORE, "before"),),
-    RATE: (Remembered(BEFORE, "before"), Remembered(FILTERED, "slope")),
-    INTEGRATE: (Remembered(TOTAL, "total"),),
-    SUM: (Remembered(TOTAL, "total"),),
-    LAG: (Remembered(LAGGED, "lagged"),),
     LIMIT: (Remembered(OVER, "excess"),),
     SLEW: (Remembered(LAST_DRIVE, "before_slew"),),
 }
 """By instruction, the cells that change; all others behind its state are numbers."""
+
+# The list of UPDATE: its address, how many numbers it fills in (what it gives, then what it
+# remembers), whether these are rounded as stored values are, the end of its frame, how many
+# arguments beside x and the period are fetched, then for each of these where it goes and where it
+# comes from; the others are numbers that stand in the frame (fuzzyarm.controller.updates).
+UPDATES, FILLED, ROUNDED, FRAME_END, FETCHED, FETCHES = range(6)
 
 # The list of ZOOM: factor, window, whether signals wait at its edge, then the signals. That of
 # LOOK_UP is told in fuzzyarm.table.lookup. Of LEARN: values, visits, the ring (its index in front)
@@ -118,8 +111,12 @@ def step(k: Any, s: Any) -> None:
         what, into, a, b, c = k[at], k[at + 1], k[at + 2], k[at + 3], k[at + 4]
         if what <= SUBTRACT_MULTIPLY:
             value = combined(what, s[a], s[b], s[c])
-        elif what <= SLEW:
-            value = remembered(what, s, s[a], b, single)
+        elif what == UPDATE:
+            value = updated(k, s, a, b, c, single)
+        elif what == LIMIT:
+            value = limited(s, s[a], b)
+        elif what == SLEW:
+            value = slewed(s, s[a], b)
         else:
             value = consulted(k, s, what, a, b, single)
         s[into] = stored(value, single) if k[at + 5] != 0 else value
@@ -148,26 +145,6 @@ def combined(what: int, a: float, b: float, c: float) -> float:
 
 
 @kernel
-def remembered(what: int, s: Any, x: float, state: int, single: bool) -> float:
-    """Return what a source or a limit makes of x and of what it remembers."""
-    if what == SUM:
-        value = summed(s, x, state, single)
-    elif what == LIMIT:
-        value = limited(s, x, state)
-    elif what == SLEW:
-        value = slewed(s, x, state)
-    elif what == INTEGRATE:
-        value = integral(s, x, state)
-    elif what == CHANGE:
-        value = change(s, x, state)
-    elif what == RATE:
-        value = rate(s, x, state)
-    else:
-        value = lagged(s, x, state)
-    return value
-
-
-@kernel
 def consulted(k: Any, s: Any, what: int, a: int, b: int, single: bool) -> float:
     """Return what a table says; or ask a rule base or a partner, or zoom, and return 0."""
     value = 0.0
@@ -192,72 +169,24 @@ def consulted(k: Any, s: Any, what: int, a: int, b: int, single: bool) -> float:
     return value
 
 
-# --- Sources that remember ---
+# --- Updates of sources ---
 
 
 @kernel
-def change(s: Any, x: float, state: int) -> float:
-    """Return x minus what it was; 0 at first."""
-    before: float = s[state + BEFORE]
-    s[state + BEFORE] = x
-    return 0.0 if math.isnan(before) else x - before
-
-
-@kernel
-def rate(s: Any, x: float, state: int) -> float:
-    """Return ``y + (d - y) Δ / (T + Δ)`` with the slope ``d = (x - before) / Δ``; 0 at first."""
-    period = s[PERIOD]
-    slope = change(s, x, state) / period
-    share = period / (s[state + FILTER_TIME] + period)
-    filtered: float = s[state + FILTERED] + (slope - s[state + FILTERED]) * share
-    s[state + FILTERED] = filtered
-    return filtered
-
-
-@kernel
-def lagged(s: Any, x: float, state: int) -> float:
-    """Return ``y + (x - y) Δ / (T + Δ)``, the implicit Euler step; x at first."""
-    period = s[PERIOD]
-    before: float = s[state + LAGGED]
-    y: float = (
-        x if math.isnan(before) else before + (x - before) * period / (s[state + LAG_TIME] + period)
-    )
-    s[state + LAGGED] = y
-    return y
-
-
-@kernel
-def integral(s: Any, x: float, state: int) -> float:
-    """Return the integral of x, this period included.
-
-    Where its drive was at a limit in the last period it holds, if x would drive on, or goes
-    back by ``excess Δ / (T K)``: K is by how much the drive grows with the integral, so that the
-    excess counts as what it is of the integral (Åström and Hägglund, *Advanced PID Control*, 3.5).
-    """
-    period = s[PERIOD]
-    total = s[state + TOTAL]
-    step_by = x * period
-    if s[state + WINDUP] != 0.0:
-        gain = s[int(s[state + GAIN_OF_DRIVE])]
-        excess = 0.0
-        if gain != 0.0:
-            excess = s[int(s[state + EXCESS]) + OVER] / gain
-        if s[state + WINDUP] > 0.0:
-            # In less than a period nothing goes back: it would swing.
-            step_by += excess * period / max(s[state + WINDUP], period)
-        elif excess * x < 0.0:
-            step_by = 0.0
-    total = float(clamp(total + step_by, s[state + LOWEST], s[state + HIGHEST]))
-    s[state + TOTAL] = total
-    return total
-
-
-@kernel
-def summed(s: Any, error: float, state: int, single: bool) -> float:
-    """Return the sum of the errors; it begins again after the last period of a set point."""
-    total = stored(s[state + TOTAL] + error, single)
-    s[state + TOTAL] = 0.0 if s[state + CLEARED] != 0.0 and s[LAST] != 0.0 else total
-    return total
+def updated(k: Any, s: Any, at: int, frame: int, x: int, single: bool) -> float:
+    """Return what a source gives in this period; what it remembers stands behind that."""
+    filled = frame + k[at + FILLED]
+    s[filled] = s[x]
+    s[filled + 1] = s[PERIOD]
+    pair = at + FETCHES
+    for _ in range(k[at + FETCHED]):
+        s[k[pair]] = s[k[pair + 1]]
+        pair += 2
+    call(k[at + UPDATES], s[frame + 1 : k[at + FRAME_END]], s[frame:filled])
+    if k[at + ROUNDED] != 0:
+        for i in range(frame, filled):
+            s[i] = stored(s[i], single)
+    return float(s[frame])
 
 
 # --- Limits of a drive ---

@@ -511,7 +511,7 @@ def _limits_of_integral(axes: Axes, drive: Drive, gains: Mapping[str, float]) ->
         if not isinstance(line, Signal) or line.source is None or not names & set(line.names):
             continue
         within = line.source.option("within")
-        if line.source.kind != "integral" or not isinstance(within, tuple):
+        if not isinstance(within, tuple):
             return UNLIMITED
         products = axes.gain_of(line.names[0], drive, gains)
         if products is None or len(drive.products) != 1:

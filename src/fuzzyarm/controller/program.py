@@ -15,7 +15,9 @@ from numpy.typing import NDArray
 
 from fuzzyarm.controller import kernel as to
 from fuzzyarm.controller.law import Block
+from fuzzyarm.controller.updates import update_address
 from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.expression.sources import SourceKind
 from fuzzyarm.inference import kernel as block_of
 from fuzzyarm.inference.block import NotCoveredError, make_block
 from fuzzyarm.inference.layout import lay_out
@@ -34,7 +36,7 @@ from fuzzyarm.model.controller import (
     Zoom,
 )
 from fuzzyarm.model.rulebase import RuleBase
-from fuzzyarm.plant.setting import Arithmetic
+from fuzzyarm.plant.setting import LAST, Arithmetic
 from fuzzyarm.table import Axis, LookupTable
 from fuzzyarm.table.lookup import pack_grid
 
@@ -104,6 +106,8 @@ class Program:
         By the cell of their first result, the name in the text and the rule base asked there.
     tables : dict
         By the cell of their first value, the name in the text and the table of one axis.
+    updates : dict
+        By the first cell of their frame, the sources with an update.
     """
 
     code: list[int]
@@ -114,6 +118,7 @@ class Program:
     gains: Mapping[str, tuple[int, ...]]
     rulebases: Mapping[int, tuple[str, RuleBase]]
     tables: Mapping[int, tuple[str, LookupTable]]
+    updates: Mapping[int, SourceKind]
 
     def cells_with(
         self, values: Mapping[str, Sequence[float]], arithmetic: Arithmetic
@@ -137,7 +142,9 @@ class Program:
         for at in range(1, 1 + to.INSTRUCTION * code[0], to.INSTRUCTION):
             what, state = code[at], code[at + 3]
             found |= {state + each.offset for each in to.REMEMBERED.get(what, ())}
-            if what == to.INFER:
+            if what == to.UPDATE:
+                found |= set(range(state + 1, state + code[code[at + 2] + to.FILLED]))
+            elif what == to.INFER:
                 found |= self._held(code[at + 2])
             elif what == to.PARTNER:
                 at_list = code[at + 2]
@@ -201,6 +208,11 @@ _FUSED = {
 """Instructions that are one where the second takes what the first has made."""
 
 
+def _argument(word: str) -> str:
+    """Return the argument of an update that an option says."""
+    return word.replace("-", "_")
+
+
 class _Writer:
     """Cells and code under construction; `axis` is the one that is written."""
 
@@ -235,6 +247,7 @@ class _Writer:
         self.asked: dict[int, tuple[str, RuleBase]] = {}
         self.blocks: dict[int, RuleBlock] = {}  # of the rule bases, by their identity
         self.looked_up: dict[int, tuple[str, LookupTable]] = {}
+        self.updates: dict[int, SourceKind] = {}
         self.rings: list[tuple[int, int]] = []
         self.cell_signal: dict[tuple[str, int], tuple[tuple[int, ...], int]] = {}
         self.limits: dict[int, int] = {}  # state of the limit of a drive, by its identity
@@ -273,6 +286,7 @@ class _Writer:
             self.gains,
             self.asked,
             self.looked_up,
+            self.updates,
         )
 
     # --- Cells, instructions, lists ---
@@ -397,57 +411,58 @@ class _Writer:
 
     def _source(self, axes: Axes, line: Signal, source: Source) -> int:
         """Write the instructions of a source; return the cell of its value."""
-        of = (self.axis, source.name)
-        if source.kind == "reference":
-            return self.wiring.references[of]
-        if source.kind == "measured":
-            return self.wiring.measured[of]
-        if source.kind == "table":
+        kind = source.record
+        if kind.of == "call":
             return self._look_up(source)
-        if source.kind in ("error", "sum"):
-            return self._error(source)
-        what, state = {
-            "change": lambda: (to.CHANGE, self._cell(math.nan)),
-            "lag": lambda: (to.LAG, self._cell(math.nan, self._time(source))),
-            "rate": lambda: (to.RATE, self._cell(math.nan, 0.0, self._time(source, "filter"))),
-            "integral": lambda: (to.INTEGRATE, self._integral_state(axes, line, source)),
-        }[source.kind]()
-        return self._do(what, self.scratch, self.known[of], state)
+        cell = self._taken_of(source)
+        if kind.function is None:
+            return cell
+        given = dict(source.options)
+        arguments = {"last": LAST}
+        settings = kind.settings(given)
+        if kind.windup:
+            settings |= {"excess": 0.0, "gain": 0.0}
+            drive = axes.driven_by(line.names[0]) if settings[_argument(kind.windup)] else None
+            if drive is None:
+                settings[_argument(kind.windup)] = 0.0
+            else:
+                if cell == self.scratch:  # where the gain may be computed
+                    cell = self._copy(cell)
+                arguments["excess"] = self._limit_state(drive) + to.OVER
+                arguments["gain"] = self._gain_of_drive(axes, line, drive)
+        arguments |= {
+            name: self._operand(value) for name, value in settings.items() if isinstance(value, str)
+        }
+        filled = 1 + len(kind.states)
+        numbers = [settings.get(name, 0.0) for name in kind.inputs]
+        known = [float(x) if not isinstance(x, str) else 0.0 for x in numbers]
+        frame = self._cell(0.0, *kind.starts(given), *known)
+        self.updates[frame] = kind
+        fetches = [
+            (cell, arguments[name])
+            for cell, name in enumerate(kind.inputs, frame + filled)
+            if name in arguments
+        ]
+        self._do(to.UPDATE, self.scratch, 0, frame, cell)
+        address = update_address(kind, compiled=self.arithmetic.compiled)
+        head = [address, filled, int(kind.rounded), frame + filled + len(known), len(fetches)]
+        self._list(2, [*head, *(cell for pair in fetches for cell in pair)])
+        return self.scratch
 
-    def _error(self, source: Source) -> int:
-        """Write reference minus measured value, or its sum."""
-        of, scratch = (self.axis, source.name), self.scratch
+    def _taken_of(self, source: Source) -> int:
+        """Return the cell of what a source is taken of: a signal, or of a port."""
+        of = (self.axis, source.name)
+        ports = source.record.ports
+        if not ports:
+            return self.known[of]
+        values = {"reference": self.wiring.references, "measured": self.wiring.measured}
+        if len(ports) == 1:
+            return values[ports[0]][of]
         wanted = self.wiring.references[of]
         weight = source.option("weight")
         if isinstance(weight, str | float):
-            wanted = self._do(to.MULTIPLY, scratch, wanted, self._operand(weight))
-        error = self._do(to.SUBTRACT, scratch, wanted, self.wiring.measured[of])
-        if source.kind == "error":
-            return error
-        state = self._cell(0.0, float(source.option("cleared") is not None))
-        return self._do(to.SUM, scratch, error, state)
-
-    @staticmethod
-    def _time(source: Source, word: str = "time") -> float:
-        value = source.option(word)
-        return float(value) if isinstance(value, float) else 0.0
-
-    def _integral_state(self, axes: Axes, line: Signal, source: Source) -> int:
-        within = source.option("within")
-        low, high = within if isinstance(within, tuple) else (-math.inf, math.inf)
-        start = source.option("start")
-        total = start if isinstance(start, float) else 0.0
-        windup = source.option("anti-windup")
-        kind = -1.0 if windup == "hold" else float(windup) if isinstance(windup, float) else 0.0
-        state = 0
-        if kind:
-            drive = axes.driven_by(line.names[0])
-            if drive is not None:
-                state = self._limit_state(drive)
-                gain = self._gain_of_drive(axes, line, drive)
-        if not state:
-            return self._cell(total, low, high, 0.0, 0.0, 0.0)
-        return self._cell(total, low, high, kind, float(state), float(gain))
+            wanted = self._do(to.MULTIPLY, self.scratch, wanted, self._operand(weight))
+        return self._do(to.SUBTRACT, self.scratch, wanted, self.wiring.measured[of])
 
     def _gain_of_drive(self, axes: Axes, line: Signal, drive: Drive) -> int:
         """Return the cell of how a drive grows with an integral; 1 where that is not constant."""

@@ -14,7 +14,9 @@ from functools import reduce
 from fuzzyarm.controller.on_plant import Site
 from fuzzyarm.controller.program import AXIS, Sheet, SourceError, of_axis
 from fuzzyarm.controller.text import ControllerText, input_names
+from fuzzyarm.controller.updates import range_of_source
 from fuzzyarm.expression.operations import EVERYTHING, OPERATIONS, Interval
+from fuzzyarm.expression.sources import Surroundings
 from fuzzyarm.model.controller import (
     Axes,
     Drive,
@@ -90,12 +92,16 @@ class LookUp:
 
 @dataclass(frozen=True)
 class Meeting:
-    """A product in which a unit meets one of its kind: `name` is the factor that brings it."""
+    """A product in which a unit meets one of its kind: `name` is the factor that brings it.
+
+    `option` says what it is where it is not a factor: then all of the unit has to cancel.
+    """
 
     name: str
     reach: Unit
     brought: Unit
     span: Span
+    option: str = ""
 
 
 @dataclass
@@ -210,10 +216,10 @@ class _Walk:
             made = [self._sum(line.products, line.span)]
         else:
             of = line.source
-            if of.kind in ("rules", "table"):
+            values = self._results(axes, of, line)
+            if of.record.of == "call":
                 self._look_up(axes, line, of.name, of.inputs)
-            values = self._results(axes, of, len(line.names))
-            if of.kind not in ("rules", "table"):
+            else:
                 self.found.sources[self.axis, of] = values[0]
             factors = line.products[0].factors if line.products else ()
             made = [self._times(each, factors, line.span) for each in values]
@@ -291,40 +297,63 @@ class _Walk:
 
     # --- Sources ---
 
-    def _results(self, axes: Axes, of: Source, count: int) -> list[Reach]:
-        if of.kind in ("error", "reference", "measured"):
-            return [self._port(of)]
-        if of.kind == "lag":
-            return [self._named(of.name)]
+    def _results(self, axes: Axes, of: Source, line: Signal) -> list[Reach]:
+        kind = of.record
+        if kind.of != "call":
+            reach = self._port(of) if kind.ports else self._named(of.name)
+            self._meet_options(of, reach, line.span)
+            return [self._updated(of, reach)]
         if of.kind == "rules":
-            made = self._conclusions(of.name) or [Reach()] * count
-        elif of.kind == "table":
-            made = [self._values(axes, of.name)]
+            made = self._conclusions(of.name) or [Reach()] * len(line.names)
         else:
-            made = [self._port(of) if of.kind == "sum" else self._remembered(of)]
-        own = frozenset({f"{of.kind} {of.name} {of.inputs}"})
-        tight = of.kind in ("rules", "table", "sum", "integral") or self._named(of.name).tight
-        return [replace(each, origins=own, tight=tight) for each in made]
+            made = [self._values(axes, of.name)]
+        return [replace(each, origins=_own(of)) for each in made]
+
+    def _meet_options(self, of: Source, reach: Reach, span: Span) -> None:
+        """Note gains that have to be in the unit of what a source is taken of."""
+        for word, value in of.options:
+            if not isinstance(value, str) or not of.record.options[word].alike:
+                continue
+            unit = self._named(value).unit
+            if unit is not None and reach.unit is not None:
+                before, brought = of_difference(reach.unit), product({}, of_difference(unit), -1)
+                words = f"the {word} of {of.kind}"
+                self.found.meetings.append(Meeting(value, before or {}, brought or {}, span, words))
+
+    def _updated(self, of: Source, reach: Reach) -> Reach:
+        """Return where a source is that is taken of something."""
+        kind = of.record
+        if kind.function is None:
+            return reach
+        given = dict(of.options)
+        near = Surroundings(
+            reach.at, reach.pace, self.text.model.period, self.text.model.every, given
+        )
+        settings = {name: self._number(value) for name, value in kind.settings(given).items()}
+        unit = of_difference(reach.unit) if kind.difference else reach.unit
+        made = Reach(
+            range_of_source(kind, near, settings, kind.starts(given)),
+            math.inf if kind.pace is None else kind.pace(near),
+            unit=product(unit, {"s": kind.seconds}),
+        )
+        if kind.kept == "signal":
+            return replace(made, kept=reach.kept, origins=reach.origins, tight=reach.tight)
+        kept = FED_BACK if kind.kept == "loop" else MADE
+        # What the text alone keeps small goes wherever it can.
+        return replace(made, kept=kept, origins=_own(of), tight=kept == MADE or reach.tight)
 
     def _port(self, of: Source) -> Reach:
+        """Return where a value of a port is, or its error."""
+        ports = of.record.ports
+        if len(ports) == 1:
+            return self._of_port(ports[0], of.name)
         measured, wanted = self._of_port("measured", of.name), self._of_port("reference", of.name)
-        if of.kind == "measured":
-            return measured
-        if of.kind == "reference":
-            return wanted
         weight = of.option("weight")
         share = self._number(weight) if isinstance(weight, str | float) else Interval(1.0, 1.0)
         asked = combine("multiply", wanted.at, share)
         unit = of_difference(measured.unit)
         both = wanted.origins | measured.origins
-        error = Reach(combine("subtract", asked, measured.at), measured.pace, FED_BACK, unit, both)
-        if of.kind == "error":
-            return error
-        if of.option("cleared") is None:
-            return replace(error, at=EVERYTHING, pace=math.inf)
-        periods = float(self.text.model.every)
-        whole = combine("multiply", error.at, Interval(periods, periods))
-        return replace(error, at=hull(whole, Interval(0.0, 0.0)), pace=math.inf)
+        return Reach(combine("subtract", asked, measured.at), measured.pace, FED_BACK, unit, both)
 
     def _of_port(self, kind: str, name: str) -> Reach:
         """Return where a measured or reference value of the plant is."""
@@ -347,20 +376,6 @@ class _Walk:
         kept = FED_BACK if port.rate_of else PORT
         at, pace = Interval(port.low, port.high), min(rates, default=math.inf)
         return Reach(at, pace, kept, read_unit(port.unit), origins)
-
-    def _remembered(self, of: Source) -> Reach:
-        reach, period = self._named(of.name), self.text.model.period
-        unit, second = of_difference(reach.unit), {"s": 1}
-        if of.kind == "rate":
-            return Reach(symmetric(reach.pace), math.inf, FED_BACK, product(unit, second, -1))
-        if of.kind == "change":
-            step = min(width(reach.at), reach.pace * period)
-            return Reach(symmetric(step), math.inf, FED_BACK, unit)
-        within, start = of.option("within"), of.option("start")
-        at = Interval(*within) if isinstance(within, tuple) else EVERYTHING
-        if isinstance(start, float):
-            at = hull(at, Interval(start, start))
-        return Reach(at, largest(reach.at), MADE, product(reach.unit, second))
 
     # --- Rule bases and tables ---
 
@@ -405,6 +420,11 @@ class _Walk:
             if math.isfinite(width(universe)) and width(universe) > 0.0:
                 reach = self._named(signal)
                 self.found.look_ups.append(LookUp(axes, name, signal, reach, universe, line))
+
+
+def _own(of: Source) -> frozenset[str]:
+    """Return the origin of a source that is not made of others."""
+    return frozenset({f"{of.kind} {of.name} {of.inputs}"})
 
 
 def _universes(sheet: Sheet, names: Sequence[str]) -> Iterator[Interval]:

@@ -410,9 +410,7 @@ def ports_of(model: ControllerModel, kind: str) -> Iterator[tuple[str, str]]:
         if isinstance(line, Drive):
             port = line.port if kind == "drive" else ""
         elif isinstance(line, Signal) and line.source is not None:
-            asked = line.source.kind
-            if asked == kind or (asked in ("error", "sum") and kind != "drive"):
-                port = line.source.name
+            port = line.source.name if kind in line.source.record.ports else ""
         if port:
             found.update(dict.fromkeys((axis, port) for axis in axes.names))
     yield from found

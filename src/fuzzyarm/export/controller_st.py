@@ -68,15 +68,15 @@ def controller_st(program: ControllerProgram, prefix: str) -> tuple[str, str]:
 
 
 def _require_bounds(text: ControllerText) -> None:
-    """Raise ExportError for an integral without bounds."""
+    """Raise ExportError for a source that has no bounds and takes them, as an integral does."""
     for _, line in text.model.lines():
-        if not isinstance(line, Signal) or line.source is None or line.source.kind != "integral":
+        if not isinstance(line, Signal) or line.source is None:
             continue
-        within = line.source.option("within")
-        if not isinstance(within, tuple) or not all(map(math.isfinite, within)):
+        settings = line.source.record.settings(dict(line.source.options))
+        if any(math.isinf(value) for value in settings.values() if isinstance(value, float)):
             raise ExportError(
-                f"the integral '{line.names[0]}' has no bounds, and Structured Text has no"
-                " infinite number",
+                f"the {line.source.kind} '{line.names[0]}' has no bounds, and Structured Text has"
+                " no infinite number",
                 hint="add  , within LOW .. HIGH  to it, or export C",
                 span=line.span,
                 path=text.path,

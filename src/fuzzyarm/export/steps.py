@@ -12,7 +12,8 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
+from dataclasses import replace as with_values
 from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -36,18 +37,21 @@ from fuzzyarm.export.table_numbers import (
     float_table,
 )
 from fuzzyarm.expression import op
+from fuzzyarm.expression.evaluation import specialise
 from fuzzyarm.expression.nodes import (
     Apply,
     Node,
     Symbol,
-    apply,
     as_node,
     children,
     postorder,
+    replace,
+    substituted,
     symbol,
     symbols,
 )
 from fuzzyarm.expression.operations import OPERATIONS
+from fuzzyarm.expression.sources import VALUE, unseen
 from fuzzyarm.model.controller import ControllerModel
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.plant.setting import LAST as LAST_PERIOD
@@ -341,22 +345,19 @@ class _Walk:
                 own = number if several else -1
                 self._variable(cell, Variable("gain", "", gain.name, start, number=own))
 
-    def _state(self, what: int, state: int, begin: int) -> None:
-        """Name the cells that an instruction changes, after the signal that it works for."""
-        for offset, suffix in at.REMEMBERED.get(what, ()):
-            if state + offset in self.symbols:  # the excess of a limit that an integral reads
-                continue
-            axis, base = self._works_for(begin)
-            start = float(self.program.cells[state + offset])
-            name = self.state_names.new(f"{axis}_{base}_{suffix}").removeprefix(
-                f"{identifier(axis)}_"
-            )
-            # No language has NaN for what has seen nothing yet: the first period is known.
-            unseen = math.isnan(start)
-            variable = Variable("state", axis, name, 0.0 if unseen else start, wide=True)
-            found = self._variable(state + offset, variable)
-            if unseen:
-                self.unseen.add(found)
+    def _state(self, cell: int, suffix: str, begin: int) -> None:
+        """Name a cell that an instruction changes, after the signal that it works for."""
+        if cell in self.symbols:  # the excess of a limit that an integral reads
+            return
+        axis, base = self._works_for(begin)
+        start = float(self.program.cells[cell])
+        name = self.state_names.new(f"{axis}_{base}_{suffix}").removeprefix(f"{identifier(axis)}_")
+        # No language has NaN for what has seen nothing yet: the first period is known.
+        nothing = math.isnan(start)
+        variable = Variable("state", axis, name, 0.0 if nothing else start, wide=True)
+        found = self._variable(cell, variable)
+        if nothing:
+            self.unseen.add(found)
 
     def _works_for(self, begin: int) -> tuple[str, str]:
         """Return axis and name of the next signal or drive that is written."""
@@ -421,7 +422,7 @@ class _Walk:
         while (node := _shared(values)) is not None:
             name = self._local()
             self.made.steps.append(Set(name, node))
-            values = [_with(value, node, symbol(name)) for value in values]
+            values = [substituted(value, node, symbol(name)) for value in values]
         set_before: set[str] = set()
         ready = []
         for (cell, _, rounded), value in zip(writes, values, strict=True):
@@ -458,11 +459,13 @@ class _Walk:
     ) -> None:
         if what <= at.SUBTRACT_MULTIPLY:
             value = read(at.combined, self, what, *(self.load(cell) for cell in (a, b, c)))
-        elif what <= at.SLEW:
-            self._state(what, b, begin)
-            if what == at.INTEGRATE and self.program.cells[b + at.WINDUP] != 0.0:
-                self._excess(b, begin)
-            value = read(at.remembered, self, what, self, self.load(a), b, self.made.single)
+        elif what in (at.LIMIT, at.SLEW):
+            for offset, suffix in at.REMEMBERED[what]:
+                self._state(b + offset, suffix, begin)
+            made = at.limited if what == at.LIMIT else at.slewed
+            value = read(made, self, self, self.load(a), b)
+        elif what == at.UPDATE:
+            value = self._updated(a, b, c, begin)
         elif what == at.ZOOM:
             read(at.zoom, self, self.code, self, a, b)
             self._flush()
@@ -479,12 +482,46 @@ class _Walk:
         self.stored.insert(0, (into, as_node(value), bool(rounded)))
         self._flush()
 
-    def _excess(self, state: int, begin: int) -> None:
-        """Name what an integral reads of a limit that comes later."""
-        limit = int(self.program.cells[state + at.EXCESS])
+    def _updated(self, list_begin: int, frame: int, x: int, begin: int) -> Node:
+        """Return what a source gives; what it remembers is taken down."""
+        kind = self.program.updates[frame]
+        begin_of_pairs = list_begin + at.FETCHES
+        count = 2 * self.code[list_begin + at.FETCHED]
+        pairs = self.code[begin_of_pairs : begin_of_pairs + count]
+        first = frame + 1 + len(kind.states)
+        fetched = {first: x, first + 1: PERIOD, **dict(zip(pairs[::2], pairs[1::2], strict=True))}
+        arguments: dict[str, Any] = {}
+        for cell, state in enumerate(kind.states, frame + 1):
+            self._state(cell, state.name, begin)
+            arguments[state.name] = self.load(cell)
+        for own, name in enumerate(kind.inputs, first):
+            cell = fetched.get(own, own)
+            if name == "excess":
+                self._excess(cell, begin)
+            arguments[name] = self.load(cell)
+        given = self._argued(kind.expression, arguments)
+        if kind.rounded:
+            given = as_node(self.rounded(given))
+        for cell, root in enumerate(kind.nexts, frame + 1):
+            self.store(cell, replace(self._argued(root, arguments), {VALUE: given}))
+        return given
+
+    def _argued(self, root: Node, arguments: dict[str, Any]) -> Node:
+        """Return an expression of an update with its arguments, and what follows from them."""
+        numbers = {name: x for name, x in arguments.items() if not isinstance(x, Node)}
+        root = replace(specialise(root, numbers), arguments)
+        for state in self.unseen & set(symbols(root)):
+            nan = unseen(symbol(state))
+            seen = substituted(root, nan, symbol(FIRST) | nan)
+            self.made.needs_first |= seen is not root
+            root = seen
+        return root
+
+    def _excess(self, cell: int, begin: int) -> None:
+        """Name what a source reads of a limit that comes later."""
         for other in range(begin, 1 + at.INSTRUCTION * self.code[0], at.INSTRUCTION):
-            if self.code[other] == at.LIMIT and self.code[other + 3] == limit:
-                self._state(at.LIMIT, limit, other)
+            if self.code[other] == at.LIMIT and self.code[other + 3] + at.OVER == cell:
+                self._state(cell, at.REMEMBERED[at.LIMIT][0].suffix, other)
 
     def _input(self, cell: int) -> str:
         """Return the symbol of a cell; a number is put into a variable."""
@@ -577,7 +614,7 @@ class _Walk:
         if self.made.single and self.made.precision.wide is np.float64:
             # The kernel holds values in the precision of signals and computes in double.
             held = np.asarray(table.values, np.float32).astype(np.float64)
-            table = replace(table, values=held)
+            table = with_values(table, values=held)
         precision = self._inner()
         if table.default_mode != "linear" and self.made.single and narrow:
             precision = "float32"
@@ -702,16 +739,3 @@ def _shared(roots: Sequence[Node]) -> Node | None:
         if isinstance(node, Apply) and uses[node] > 1 and not condition:
             return node
     return None
-
-
-def _with(root: Node, part: Node, instead: Node) -> Node:
-    """Return an expression with another part in place of one."""
-    made: dict[Node, Node] = {}
-    for node in postorder(root):
-        if node is part:
-            made[node] = instead
-        elif isinstance(node, Apply):
-            made[node] = apply(node.operation, *(made[child] for child in node.arguments))
-        else:
-            made[node] = node
-    return made[root]

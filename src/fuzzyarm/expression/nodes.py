@@ -26,6 +26,7 @@ __all__ = [
     "constant",
     "postorder",
     "replace",
+    "substituted",
     "symbol",
     "symbols",
     "trace",
@@ -245,6 +246,19 @@ def replace(root: Node, values: Mapping[str, Number]) -> Node:
     for node in postorder(root):
         if isinstance(node, Symbol) and node.name in values:
             made[node] = as_node(values[node.name])
+        elif isinstance(node, Apply):
+            made[node] = apply(node.operation, *(made[child] for child in node.arguments))
+        else:
+            made[node] = node
+    return made[root]
+
+
+def substituted(root: Node, part: Node, instead: Node) -> Node:
+    """Return an expression with another part in place of one."""
+    made: dict[Node, Node] = {}
+    for node in postorder(root):
+        if node is part:
+            made[node] = instead
         elif isinstance(node, Apply):
             made[node] = apply(node.operation, *(made[child] for child in node.arguments))
         else:

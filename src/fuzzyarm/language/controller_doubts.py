@@ -23,7 +23,7 @@ def doubts_of_lines(model: ControllerModel) -> Iterator[Diagnostic]:
 def _integrals(axes: Axes, gains: Collection[str]) -> Iterator[Diagnostic]:
     """Yield integrals that nothing bounds while their drive has a limit, and idle anti-windup."""
     for line in axes.lines:
-        if not isinstance(line, Signal) or line.source is None or line.source.kind != "integral":
+        if not isinstance(line, Signal) or line.source is None or not line.source.record.windup:
             continue
         name, drive = line.names[0], axes.driven_by(line.names[0])
         limits = None if drive is None else drive.within
@@ -42,7 +42,7 @@ def _integrals(axes: Axes, gains: Collection[str]) -> Iterator[Diagnostic]:
         elif drive is not None and limits is not None and line.source.option("within") is None:
             yield Diagnostic(
                 "windup",
-                f"the integral '{name}' goes on growing while {drive.port} is at"
+                f"the {line.source.kind} '{name}' goes on growing while {drive.port} is at"
                 f" {limits[0]:g} or {limits[1]:g}",
                 line.span,
                 Severity.WARNING,

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Sequence
+from contextlib import suppress
 
+from fuzzyarm.expression.sources import Setting, SourceKind
 from fuzzyarm.language.controller_doubts import doubts_of_lines
 from fuzzyarm.language.controllers import (
     AxisNode,
@@ -20,7 +22,7 @@ from fuzzyarm.language.controllers import (
     ZoomNode,
 )
 from fuzzyarm.language.declarations import Scope
-from fuzzyarm.language.signals import OptionNode, ProductNode
+from fuzzyarm.language.signals import AmountNode, OptionNode, ProductNode
 from fuzzyarm.language.statements import Broken, StatementNode
 from fuzzyarm.language.tokens import Figure, Word, name_text
 from fuzzyarm.model.controller import (
@@ -198,10 +200,7 @@ class _Reader:
     def _gain(self, node: GainNode, count: int) -> GainModel | None:
         if not node.values:  # the fault has been told
             return None
-        values = tuple(
-            Amount(tuple((f.value if f else None, divides) for f, divides in amount.factors))
-            for amount in node.values
-        )
+        values = tuple(map(_amount_of, node.values))
         try:
             numbers = [value.value(math.pi) for value in values]
         except ZeroDivisionError:
@@ -281,6 +280,7 @@ class _Reader:
                 inputs = self._inputs(node.source.call.inputs if node.source.call else (), signals)
             options = tuple(self._option(option) for option in node.options)
             self._judge_options(node.options)
+            self._judge_source(SOURCES[kind], node)
             source = Source(kind, name.text, inputs, options)
         if len(node.names) > 1 and (source is None or source.kind != "rules"):
             self.scope.report(
@@ -363,7 +363,7 @@ class _Reader:
             self._need(word, signals)
         return tuple(word.text for word in words)
 
-    def _option(self, node: OptionNode) -> tuple[str, str | float | tuple[float, float] | bool]:
+    def _option(self, node: OptionNode) -> tuple[str, Setting]:
         word = node.word.text
         if isinstance(node.value, Figure) and node.high is not None:
             low, high = node.value.value, node.high.value
@@ -407,6 +407,35 @@ class _Reader:
                     "duplicate-setting", f"'{option.word.text}' is set twice", option.word.span
                 )
             seen[option.word.text] = option.word.span
+
+    def _judge_source(self, kind: SourceKind, node: SignalNode) -> None:
+        """Report what a source needs, and numbers that it cannot have."""
+        given = {option.word.text: option for option in node.options}
+        for word, option in kind.options.items():
+            if option.needed and word not in given:
+                self.scope.report(
+                    "incomplete-statement",
+                    f"the {word} of {kind.name} is missing",
+                    node.span,
+                    hint=f"add  , {word} {option.example}",
+                )
+            value = given[word].value if word in given else None
+            if not option.positive or not isinstance(value, Figure | Word):
+                continue
+            for number in self._numbers_of(value):
+                if not number > 0.0:
+                    message = f"the {word} of {kind.name} must be above 0, not {number:g}"
+                    self.scope.report("bad-number", message, value.span)
+
+    def _numbers_of(self, value: Figure | Word) -> list[float]:
+        """Return a number, or those of a gain, as far as they are known."""
+        if isinstance(value, Figure):
+            return [value.value]
+        for node in self.nodes:
+            if isinstance(node, GainNode) and node.name.text == value.text:
+                with suppress(ZeroDivisionError):  # which is reported where the gain stands
+                    return [amount.value(math.pi) for amount in map(_amount_of, node.values)]
+        return []
 
     def _amount(self, value: Figure | Word) -> str | float:
         if isinstance(value, Figure):
@@ -539,6 +568,10 @@ class _Reader:
                     each.span,
                     hint=f"add a line like  drive {_drive_for(each)}",
                 )
+
+
+def _amount_of(node: AmountNode) -> Amount:
+    return Amount(tuple((f.value if f else None, divides) for f, divides in node.factors))
 
 
 def _drive_for(axes: Axes) -> str:

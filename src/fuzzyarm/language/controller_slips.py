@@ -8,21 +8,14 @@ from __future__ import annotations
 
 import re
 
+from fuzzyarm.expression.sources import SourceKind
 from fuzzyarm.language.controllers import CONTROLLER_STATEMENTS, SIGNAL
 from fuzzyarm.language.notations import ANY_CASE, CAPITALS, NAME, NUMBER, Advice, Slip, small
 from fuzzyarm.model.controller import SOURCES
 
 # --- Sources by the words that others have for them ---
 
-ELSEWHERE = {
-    "rate": "derivative deriv der diff differential differentiate ddt slope velocity_of",
-    "integral": "integrate integration int integrator cumsum",
-    "lag": "lowpass low-pass filter pt1 lag1 smooth",
-    "change": "delta increment difference",
-    "error": "err deviation",
-    "reference": "setpoint set-point target desired demand ref",
-    "measured": "measurement measure actual feedback meas sensor",
-}
+ELSEWHERE = {word: kind.elsewhere for word, kind in SOURCES.items() if kind.elsewhere}
 """The sources of a controller, and what they are called elsewhere."""
 
 _SOURCE_OF = {word: word for word in SOURCES if SOURCES[word].of in ("port", "signal")} | {
@@ -35,17 +28,23 @@ _OF_ONE = re.compile(
     r"(?!\s*[(\w])",
     ANY_CASE,
 )
-_SOURCE = (
-    rf"(?:(?:error|rate|change|integral|lag) of {NAME}|sum of error of {NAME}"
-    rf"|(?:reference|measured) {NAME}|(?:rules|table) {NAME}\s*\([^()]*\))"
-)
+
+
+def _pattern(kind: SourceKind) -> str:
+    """Return what a source looks like where it is written."""
+    if kind.of == "call":
+        return rf"{kind.name}\s+{NAME}\s*\([^()]*\)"
+    return r"\s+".join([kind.name, *kind.joined.split(), NAME])
+
+
+_ANY_SOURCE = rf"(?:{'|'.join(map(_pattern, SOURCES.values()))})"
+_OF_SIGNALS = "|".join(kind.name for kind in SOURCES.of("signal"))
 
 
 def _source(match: re.Match[str]) -> str:
     """Write a source as it is here."""
     word, name = _SOURCE_OF[match[1].lower()], match[2] or match[3]
-    between = " of" if SOURCES[word].of == "signal" or word == "error" else ""
-    return f"{word}{between} {name}"
+    return f"{word}{SOURCES[word].joined} {name}"
 
 
 def _comma_list(text: str) -> str:
@@ -56,9 +55,10 @@ _STARTERS = "|".join(word for word in CONTROLLER_STATEMENTS if word != SIGNAL)
 _VOCABULARY = "|".join({word for source in SOURCES.values() for word in source.options})
 
 _LIMITING = ("saturate", "sat", "saturation", "limit", "clip", "clamp", "max", "min")
+_ZONES = ("deadband", "deadzone")
 _FUNCTIONS = (
-    *_LIMITING, "abs", "sign", "sgn", "sqrt", "exp", "log", "ln", "sin", "cos", "tan", "tanh",
-    "atan", "atan2", "floor", "round", "mod", "pow", "power", "deadzone", "deadband",
+    *_LIMITING, *_ZONES, "abs", "sign", "sgn", "sqrt", "exp", "log", "ln", "sin", "cos", "tan",
+    "tanh", "atan", "atan2", "floor", "round", "mod", "pow", "power",
 )  # fmt: skip
 _NO_CALL = "|".join(("rules", "table", *_FUNCTIONS, *_SOURCE_OF))
 
@@ -307,13 +307,13 @@ SLIPS = (
     Slip("a source is written  WORD of NAME", _OF_ONE, _source, _LINE),
     Slip(
         "a factor stands behind '*'",
-        re.compile(rf"(=\s*)({NAME})\s+({_SOURCE})(?=\s*(?:,|$))"),
+        re.compile(rf"(=\s*)({NAME})\s+({_ANY_SOURCE})(?=\s*(?:,|$))"),
         r"\1\3 * \2",
         (SIGNAL,),
     ),
     Slip(
         "what comes from a source stands first, its factors behind it",
-        re.compile(rf"(=\s*)([^=,]*?)\s*\*\s*({_SOURCE})((?:\s*[*/][^,+-]*)?)(?=,|$|\s*$)"),
+        re.compile(rf"(=\s*)([^=,]*?)\s*\*\s*({_ANY_SOURCE})((?:\s*[*/][^,+-]*)?)(?=,|$|\s*$)"),
         r"\1\3\4 * \2",
         _LINE,
     ),
@@ -372,13 +372,10 @@ def _no_function(match: re.Match[str]) -> str:
 def _in_place_of(match: re.Match[str]) -> str:
     if match["at"].lower() in _LIMITING:
         return "limits stand behind a drive or an integral:  drive PORT = u, within -1 .. 1"
+    if match["at"].lower() in _ZONES:
+        return "it is a source:  y = deadband of x, width 0.5"
     return "a curve of one signal is a rule base:  y = rules NAME(x)"
 
-
-_ANY_SOURCE = (
-    rf"(?:(?:error|rate|change|integral|lag)\s+of\s+{NAME}|sum\s+of\s+error\s+of\s+{NAME}"
-    rf"|(?:reference|measured)\s+{NAME}|(?:rules|table)\s+{NAME}\s*\([^()]*\))"
-)
 
 ADVICE = (
     Advice(
@@ -387,13 +384,13 @@ ADVICE = (
         "write them into a rule base, in this file or another, and  u = rules NAME(e, ce)  here",
     ),
     Advice(
-        re.compile(rf"\b(?:rate|change|integral|lag)\s+of\s+(?P<at>{_ANY_SOURCE})"),
+        re.compile(rf"\b(?:{_OF_SIGNALS})\s+of\s+(?P<at>{_ANY_SOURCE})"),
         "a source is taken of a signal",
         _above,
         _LINE,
     ),
     Advice(
-        re.compile(r"\b(?:rate|change|integral|lag)\s+of\s+\((?P<at>[^()]*)\)"),
+        re.compile(rf"\b(?:{_OF_SIGNALS})\s+of\s+\((?P<at>[^()]*)\)"),
         "a source is taken of a signal",
         _above,
         _LINE,

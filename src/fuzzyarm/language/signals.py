@@ -103,6 +103,13 @@ def _without_unit(figure: Figure, cursor: Cursor) -> Diagnostic:
     return Diagnostic("missing-unit", message, cursor.span, hint=hint)
 
 
+def _with_unit(word: Word, figure: Figure, unit: str, span: Span) -> Diagnostic:
+    """Describe a unit behind a number that has the unit of a signal."""
+    message = f"the {word} is a number in the unit of its signal, found '{unit}' behind it"
+    hint = f'leave it out, or write  gain NAME = {figure} "{unit}"  above and  {word} NAME'
+    return Diagnostic("trailing-text", message, span, hint=hint)
+
+
 class AmountNode(NamedTuple):
     """Numbers and ``pi`` between ``*`` and ``/``; None stands for pi, true for what divides."""
 
@@ -248,7 +255,14 @@ class OptionNode(NamedTuple):
                 return cls(word, rest=("hold",))
             cursor.expect("back", f"or 'hold' behind {word.text}")
             return cls(word, TimeNode.read(cursor, "the time to go back in"), rest=("back",))
-        return cls(word, read_amount(cursor, f"the {word.text}"))
+        if kind.takes == "figure":
+            amount: Figure | Word = cursor.figure(f"a number behind {word.text}")
+        else:
+            amount = read_amount(cursor, f"the {word.text}")
+        token = cursor.peek()
+        if kind.alike and isinstance(amount, Figure) and token and token.kind != "mark":
+            raise Fault(_with_unit(word, amount, token.text, cursor.span))
+        return cls(word, amount)
 
     def __str__(self) -> str:
         parts = [self.word.text, *self.rest]
@@ -308,11 +322,10 @@ class SourceNode(NamedTuple):
             return cls(
                 kind, read_sheet(cursor, f"the name of the {kind.text}"), CallNode.read(cursor)
             )
-        if of == "error":
-            cursor.expect("of", f"behind {kind.text}")
-            cursor.expect("error", f"behind {kind.text} of")
-        if of != "port" or kind.text == "error":
-            cursor.expect("of", f"behind {kind.text}")
+        read = kind.text
+        for word in SOURCES[kind.text].joined.split():
+            cursor.expect(word, f"behind {read}")
+            read += f" {word}" if word == "of" else ""
         cursor.suggest("signals" if of == "signal" else "ports")
         return cls(kind, cursor.name("a signal" if of == "signal" else "a port of the plant"))
 
@@ -321,10 +334,7 @@ class SourceNode(NamedTuple):
         of = SOURCES[kind].of
         if of == "call":
             return f"{kind} {self.name}{self.call}"
-        if of == "error":
-            return f"{kind} of error of {self.name}"
-        between = " of" if of == "signal" or kind == "error" else ""
-        return f"{kind}{between} {self.name}"
+        return f"{kind}{SOURCES[kind].joined} {self.name}"
 
     def mentions(self) -> Iterator[Occurrence]:
         """Yield the names in it."""

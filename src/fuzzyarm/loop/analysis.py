@@ -44,9 +44,6 @@ class AnalysisError(FuzzyarmError, ValueError):
 FEWEST, MOST = 256, 4_096
 """Points of a period: doubled until the result stands still, or there are so many."""
 
-STILL = ("error", "reference", "measured", "rules", "table")
-"""Sources that remember nothing."""
-
 
 def describing_function(
     thing: AnyRuleBase | ControllerText,
@@ -141,9 +138,9 @@ def _of_rulebase(rulebase: RuleBase) -> Callable[[Vector, Vector], Vector]:
 def _of_controller(text: ControllerText) -> Callable[[Vector, Vector], Vector]:
     model = text.model
     for _, line in model.lines():
-        kind = line.source.kind if isinstance(line, SignalLine) and line.source else "error"
-        if kind not in STILL:
-            message = f"{model.name} remembers: it has '{kind} of'"
+        source = line.source if isinstance(line, SignalLine) else None
+        if source is not None and source.record.states:
+            message = f"{model.name} remembers: it has '{source.kind} of'"
             hint = "a describing function is of what remembers nothing"
             raise AnalysisError(message, name=model.name, hint=hint)
         if isinstance(line, Learn) or (isinstance(line, Drive) and line.slew is not None):

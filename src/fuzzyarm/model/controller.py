@@ -1,16 +1,18 @@
 """What a controller as text means: uses, gains, signals and drives. Plain frozen data.
 
 A controller is a straight line of definitions, done once in each control period for each of its
-axes, in the order of the text. What a signal may come from is the table :data:`SOURCES`; the
-reader, the checks, the kernel and the exported program know no other.
+axes, in the order of the text. What a signal may come from is the table :data:`SOURCES`
+(:mod:`fuzzyarm.expression.sources`); the reader, the checks, the kernel and the exported program
+know no other.
 """
 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
+from fuzzyarm.expression.sources import SOURCES, OptionKind, Setting, SourceKind
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.text.diagnostic import NOWHERE, Span
 from fuzzyarm.text.mistaken import CONTROLLER, OfKind
@@ -46,88 +48,6 @@ TIMES = {
     "h": (3600.0, 1.0),
 }
 """Units of time: so many seconds, divided by so many, that 0.6 ms is the float nearest to it."""
-
-# --- What a signal may come from ---
-
-
-class OptionKind(NamedTuple):
-    """A record: a word behind a comma, what follows it, and what it means.
-
-    Attributes
-    ----------
-    takes : str
-        ``number`` (or the name of a gain), ``time`` (with a unit), ``range`` (``A .. B``),
-        ``words`` (nothing but the words in `rest`), or ``windup``: ``hold``, or ``back TIME``.
-    doc : str
-        One line.
-    rest : tuple of str
-        Words that stand behind it.
-    """
-
-    takes: str
-    doc: str
-    rest: tuple[str, ...] = ()
-
-
-class SourceKind(NamedTuple):
-    """A record: a source of signals.
-
-    Attributes
-    ----------
-    of : str
-        What it is taken of: a ``port`` of the plant, a ``signal``, the ``error`` of a port;
-        ``call``: a rule base or a table, with its inputs in parentheses.
-    doc : str
-        One line.
-    options : dict of str to OptionKind
-        What may stand behind a comma.
-    """
-
-    of: Literal["port", "signal", "error", "call"]
-    doc: str
-    options: dict[str, OptionKind]
-
-
-SOURCES: dict[str, SourceKind] = {
-    "error": SourceKind(
-        "port",
-        "reference minus measured value of a port",
-        {"weight": OptionKind("number", "share of the reference that counts (set-point weight)")},
-    ),
-    "reference": SourceKind("port", "what a port is to be", {}),
-    "measured": SourceKind("port", "what a port is", {}),
-    "rate": SourceKind(
-        "signal",
-        "change of a signal per second; 0 in the first period",
-        {"filter": OptionKind("time", "time constant of a first-order low-pass behind it")},
-    ),
-    "change": SourceKind("signal", "change of a signal since the last period; 0 at first", {}),
-    "integral": SourceKind(
-        "signal",
-        "sum of a signal times the period, that of this period included",
-        {
-            "within": OptionKind("range", "bounds of the integral"),
-            "anti-windup": OptionKind(
-                "windup", "what it does while its drive is at a limit: hold, or go back in a time"
-            ),
-            "start": OptionKind("number", "its value before the first period"),
-        },
-    ),
-    "sum": SourceKind(
-        "error",
-        "sum of the errors of a port, without the period",
-        {"cleared": OptionKind("words", "begin again at each set point", ("each", "set-point"))},
-    ),
-    "lag": SourceKind(
-        "signal",
-        "first-order low-pass of a signal; begins at its first value",
-        {"time": OptionKind("time", "its time constant")},
-    ),
-    "rules": SourceKind("call", "what a rule base concludes; one signal for each output", {}),
-    "table": SourceKind("call", "the value of a lookup table", {}),
-}
-"""Every source by its word. Each has a textbook structure behind it; the list is closed."""
-
 
 # --- Numbers by name ---
 
@@ -228,9 +148,14 @@ class Source:
     kind: str
     name: str
     inputs: tuple[str, ...] = ()
-    options: tuple[tuple[str, str | float | tuple[float, float] | bool], ...] = ()
+    options: tuple[tuple[str, Setting], ...] = ()
 
-    def option(self, word: str) -> str | float | tuple[float, float] | bool | None:
+    @property
+    def record(self) -> SourceKind:
+        """What is known of its kind; KindError where nothing is."""
+        return SOURCES[self.kind]
+
+    def option(self, word: str) -> Setting | None:
         """Return an option; None where it is not given."""
         return dict(self.options).get(word)
 
@@ -253,7 +178,7 @@ class Signal:
         yield from _names_in(self.products)
         if self.source is not None:
             yield from self.source.inputs
-            if SOURCES[self.source.kind].of == "signal":
+            if self.source.record.of == "signal":
                 yield self.source.name
 
 

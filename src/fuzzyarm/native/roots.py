@@ -25,7 +25,9 @@ from fuzzyarm.controller.conventional import (
 )
 from fuzzyarm.controller.law import LAW_ARRAYS, law_at_address, law_kernel, summed_drives
 from fuzzyarm.controller.on_plant import text_law
+from fuzzyarm.controller.updates import UPDATE_ARRAYS, update_function
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
+from fuzzyarm.expression.sources import SOURCES
 from fuzzyarm.inference.programs import BLOCKS
 from fuzzyarm.inference.row_functions import (
     built_in_curve,
@@ -96,6 +98,9 @@ def _roots() -> Iterator[Root]:
     yield from _rows()
     yield from _plants()
     yield from (Root(*table) for table in lookup.ROOTS)
+    for source in SOURCES.values():
+        if source.function is not None:
+            yield Root(update_function(source), UPDATE_ARRAYS)
     for stored in PRECISIONS:
         yield Root(run_loop, LOOP_ARRAYS, stored)
         yield Root(summed_drives, "fifff", stored)

@@ -28,7 +28,7 @@ from fuzzyarm.plant.plant import Plant
 from fuzzyarm.proof.arithmetic import Stop
 from fuzzyarm.proof.bounds import LIKE_EXPECT
 from fuzzyarm.proof.laws import NOTHING, ONE, Gains, Law, clipped, combined, constant, inside, plus
-from fuzzyarm.proof.walk import REMEMBERED, Asked, AxisLines, Walk
+from fuzzyarm.proof.walk import Asked, AxisLines, Walk, source_name
 
 __all__ = ["DriveGain", "DriveProof", "DriveSector", "prove_drives", "sampled_drive"]
 
@@ -166,6 +166,7 @@ class _Trial:
             open_.append(f"gains: {law.gains if isinstance(law.gains, str) else law.around}")
         else:
             gains = self._by_ports(law, unit)
+            open_ += (f"gains: {name} has the slope 0 around 0" for name in first.notes.flat)
         sectors = tuple(self._sectors(port, law, first, zones, open_))
         at = clipped(law.at, actuator) if actuator is not None else law.at
         reached, where = self._reached(port, free, bound, first, zones)
@@ -221,18 +222,20 @@ class _Trial:
     def _expanded(self, source: str) -> Iterator[tuple[str, Interval, Unit | None]]:
         """Yield what a source consists of: name by ports, gain, unit."""
         of, inner = self.lines.made[source]
-        reach = self.sources.get(source)
-        if of.kind not in REMEMBERED or inner is None or isinstance(inner.gains, str):
+        kind, reach = of.record, self.sources.get(source)
+        # Of what is not linear the slopes of its signal are not its own.
+        if not kind.linear or kind.ports or inner is None or isinstance(inner.gains, str):
             yield source, ONE, None if reach is None else reach.unit
             return
-        power = {"rate": -1, "integral": 1}.get(of.kind, 0)
+        apart = source.removeprefix(source_name(of))  # options, where another one has others
         for below, gain in inner.gains.items():
             for name, share, unit in self._expanded(below):
                 both = combine("multiply", gain, share)
-                if of.kind == "integral" and name.startswith("rate of "):
-                    yield name.removeprefix("rate of "), both, product(unit, {"s": 1})
+                undone = f"{kind.inverse_of} of "
+                if kind.inverse_of and name.startswith(undone):
+                    yield name.removeprefix(undone), both, product(unit, {"s": kind.seconds})
                 else:
-                    yield f"{of.kind} of {name}", both, product(unit, {"s": power})
+                    yield f"{of.kind} of {name}{apart}", both, product(unit, {"s": kind.seconds})
 
     # --- sectors ---
 

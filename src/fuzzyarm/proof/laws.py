@@ -8,10 +8,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from fuzzyarm.controller.reach import combine, largest, symmetric
-from fuzzyarm.expression.operations import Interval
+from fuzzyarm.controller.reach import combine, largest, overlap, symmetric
+from fuzzyarm.expression.evaluation import derivative, evaluate
+from fuzzyarm.expression.nodes import Apply, Constant, Node, postorder, symbols
+from fuzzyarm.expression.operations import OPERATIONS, Interval
 from fuzzyarm.table import LookupTable
 from fuzzyarm.text.numbers import number_text
 
@@ -23,6 +25,7 @@ __all__ = [
     "clipped",
     "combined",
     "constant",
+    "curved",
     "inside",
     "only_value",
     "outward",
@@ -191,6 +194,93 @@ def over(a: Law, b: Law) -> Law:
 def unknown(at: Interval, why: str) -> Law:
     """Return a law of which only the range is known."""
     return Law(at, at, why, why, None, why)
+
+
+# ── curves ────────────────────────────────────────────────────────────────────────────
+
+PARTS = 256
+"""Of a range, on each of which the ratio of a curve to its input is bounded."""
+
+
+def curved(root: Node, law: Law, *, asked: bool) -> Law:
+    """Return a law behind a curve, an expression over ``x``."""
+    at, rest = outward(_values(root, law.at)), _values(root, law.rest)
+    if any(isinstance(node, Apply) and node.operation in JUMPS for node in postorder(root)):
+        return replace(unknown(at, "a source may jump"), rest=rest)
+    slope = derivative(root, "x")
+    near = _slopes(root, law.rest)
+    gains, around = _each(law.gains, near), _each(law.around, near)
+    along, slack = law.along, 0.0
+    if asked and isinstance(along, Interval) and law.at.low < law.at.high:
+        if not law.rest == rest == NOTHING:
+            along = "it is not 0 at rest"
+        else:
+            ratio = _ratio(root, slope, law.at)
+            along, slack = combined("multiply", along, ratio), law.slack * largest(ratio)
+    return Law(at, rest, gains, around, None, along, slack)
+
+
+JUMPS = frozenset({"where", *(name for name, each in OPERATIONS.items() if each.partials is None)})
+"""Operations that may jump: choices, conditions and steps."""
+
+
+def _slopes(root: Node, rest: Interval) -> Interval:
+    """Return the slopes of a curve to both sides of a point, or on an interval."""
+    slope = derivative(root, "x")
+    if rest.low < rest.high:
+        return _bounds(slope, {"x": rest})
+    sides = [evaluate(slope, {"x": x}) for x in _sides(rest)]
+    return Interval(min(sides), max(sides))
+
+
+def _values(root: Node, at: Interval) -> Interval:
+    """Return the values of a curve on an interval; at a point the nearest float."""
+    if at.low < at.high:
+        return _bounds(root, {"x": at})
+    value = evaluate(root, {"x": at.low})
+    return Interval(value, value)
+
+
+def _bounds(root: Node, ranges: Mapping[str, Interval]) -> Interval:
+    """Return the values of an expression, rounded outward as :func:`combined` does it."""
+    found: dict[Node, Interval] = {}
+    for node in postorder(root):
+        if isinstance(node, Apply):
+            operation = OPERATIONS[node.operation]
+            at = operation.bounds(*(found[argument] for argument in node.arguments))
+            found[node] = at if operation.exact else outward(at)
+        elif isinstance(node, Constant):
+            found[node] = Interval(node.value, node.value)
+        else:
+            found[node] = ranges[symbols(node)[0]]
+    return found[root]
+
+
+def _sides(at: Interval) -> Interval:
+    """Widen by one rounding, 0 too: both sides of a corner are in it."""
+    return Interval(math.nextafter(at.low, -math.inf), math.nextafter(at.high, math.inf))
+
+
+def _ratio(root: Node, slope: Node, at: Interval) -> Interval:
+    """Return between which multiples of x a curve through 0 lies.
+
+    Its slopes say it everywhere; away from 0 its values do, part by part.
+    """
+    whole = _bounds(slope, {"x": Interval(min(at.low, 0.0), max(at.high, 0.0))})
+    if not math.isfinite(largest(at)):
+        return whole
+    low, high = math.inf, -math.inf
+    for end in (each for each in at if each):
+        for part in range(PARTS):
+            ends = sorted((end * part / PARTS, end * (part + 1) / PARTS))
+            here = Interval(*map(float, ends))
+            if not overlap(here, at).low <= overlap(here, at).high:
+                continue
+            found = _bounds(slope, {"x": Interval(min(here.low, 0.0), max(here.high, 0.0))})
+            if part:
+                found = overlap(found, combined("divide", _bounds(root, {"x": here}), here))
+            low, high = min(low, found.low), max(high, found.high)
+    return overlap(whole, Interval(low, high)) if low <= high else whole
 
 
 # ── tables ────────────────────────────────────────────────────────────────────────────

@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Mapping, Sequence
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import Any, NamedTuple
@@ -21,7 +22,10 @@ from fuzzyarm.controller.program import AXIS, SourceError, of_axis
 from fuzzyarm.controller.reach import Reach, combine, hull, largest, overlap, reaches_of, symmetric
 from fuzzyarm.controller.text import ControllerText, input_names
 from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.expression.evaluation import specialise
+from fuzzyarm.expression.nodes import Node, symbols
 from fuzzyarm.expression.operations import EVERYTHING, Interval
+from fuzzyarm.expression.sources import Setting
 from fuzzyarm.inference import infer
 from fuzzyarm.model.controller import Drive, Learn, Product, Signal, Source, Zoom
 from fuzzyarm.model.rulebase import RuleBase
@@ -34,6 +38,7 @@ from fuzzyarm.proof.laws import (
     Law,
     combined,
     constant,
+    curved,
     inside,
     only_value,
     over,
@@ -49,9 +54,6 @@ from fuzzyarm.proof.sector import Sector, Slopes, sector, slopes_at
 from fuzzyarm.table import LookupTable
 
 __all__ = ["Asked", "AxisLines", "Walk", "source_name"]
-
-REMEMBERED = ("rate", "change", "integral", "lag")
-"""Sources that are made of another signal."""
 
 BOXES_SECONDS = 2.0
 """How long the range of one rule base may take that goes by boxes: its bounds only get closer."""
@@ -79,9 +81,9 @@ class AxisLines:
         self.lines = next(each.lines for each in text.model.axes if name in each.names)
         self.learned = {line.table: line for line in self.lines if isinstance(line, Learn)}
         reaches = reaches_of(text, site)
-        self.sources: dict[str, Reach] = {
-            source_name(of): reach for (axis, of), reach in reaches.sources.items() if axis == name
-        }
+        own = {of: reach for (axis, of), reach in reaches.sources.items() if axis == name}
+        self._names = _names_of(own)
+        self.sources: dict[str, Reach] = {self._names[of]: reach for of, reach in own.items()}
         self.made: dict[str, tuple[Source, Law | None]] = {}
         self.only_values = False
         self._known = known
@@ -110,6 +112,10 @@ class AxisLines:
             return None
         value = gain.values[self.index if len(gain.values) > 1 else 0].value(math.pi)
         return constant(value)
+
+    def name_of(self, of: Source) -> str:
+        """Return what a source is called; those that differ have names that differ."""
+        return self._names[of]
 
     def remember(self, name: str, of: Source, inner: Law | None) -> None:
         """Note what a source is made of; the first walk knows."""
@@ -168,12 +174,14 @@ class _Notes:
     """What a walk has seen on its way.
 
     `zones`: where each source keeps its inputs within their universes; `points`: sources at
-    which rule bases have their extremes; `groups`: the sources that meet in a rule base.
+    which rule bases have their extremes; `groups`: the sources that meet in a rule base; `flat`:
+    what has the slope 0 around rest.
     """
 
     zones: dict[str, Interval] = field(default_factory=dict)
     points: list[dict[str, float]] = field(default_factory=list)
     groups: list[tuple[str, ...]] = field(default_factory=list)
+    flat: list[str] = field(default_factory=list)
 
 
 class Walk:
@@ -232,9 +240,15 @@ class Walk:
     def _source(self, of: Source, count: int) -> list[Law]:
         if of.kind == "rules":
             return self._rules(of, count)
-        if of.kind == "table":
+        if of.record.of == "call":
             return [self._table(of)]
-        name = source_name(of)
+        curve = self._curve(of)
+        if curve is not None:
+            law = curved(curve, self._named(of.name), asked=bool(self.asked.form))
+            if law.gains and law.gains == dict.fromkeys(law.gains, NOTHING):
+                self.notes.flat.append(source_name(of))
+            return [law]
+        name = self.case.name_of(of)
         self.case.remember(name, of, self.laws.get(of.name))
         at = self.asked.at.get(name, NOTHING)
         along: Interval | str
@@ -245,6 +259,19 @@ class Walk:
         else:
             along = f"'{name}' is one part of the sum only"
         return [Law(at, NOTHING, {name: ONE}, {name: ONE}, {name: 1.0}, along)]
+
+    def _curve(self, of: Source) -> Node | None:
+        """Return a source as an expression over ``x``, where it is one: it remembers nothing."""
+        kind = of.record
+        if kind.of != "signal" or kind.states or kind.function is None:
+            return None
+        numbers = {"period": self.case.text.model.period}
+        for name, value in kind.settings(dict(of.options)).items():
+            number = self._named(value).constant
+            if number is not None:
+                numbers[name] = number
+        root = specialise(kind.expression, numbers)
+        return root if set(symbols(root)) <= {"x"} else None
 
     def _zoom(self, line: Zoom) -> None:
         by, inside = self._named(line.by).constant, self._named(line.inside).constant
@@ -470,10 +497,21 @@ def _simple(ratio: Fraction) -> Fraction:
     return near if abs(near - ratio) <= abs(ratio) / 10**12 else ratio
 
 
-def source_name(of: Source) -> str:
-    """Return a source as it is called in what is said of it."""
-    weight = of.option("weight")
-    words = {"error": "error of ", "sum": "sum of error of "}.get(
-        of.kind, f"{of.kind} of " if of.kind in REMEMBERED else f"{of.kind} "
-    )
-    return f"{words}{of.name}" + (f", weight {weight}" if weight is not None else "")
+def source_name(of: Source, *, whole: bool = False) -> str:
+    """Return a source as it is called in what is said of it, with all its options or its weight."""
+    shown = [(word, value) for word, value in of.options if whole or word == "weight"]
+    words = "".join(f", {word} {_setting_words(of, word, value)}" for word, value in shown)
+    return f"{of.kind}{of.record.joined} {of.name}{words}"
+
+
+def _setting_words(of: Source, word: str, value: Setting) -> str:
+    if isinstance(value, tuple):
+        return " .. ".join(f"{end:g}" for end in value)
+    seconds = isinstance(value, float) and of.record.options[word].takes in ("time", "windup")
+    return f"{value:g} s" if seconds else str(value)
+
+
+def _names_of(sources: Iterable[Source]) -> dict[Source, str]:
+    """Return a name for each source: two that differ in an option are not the same."""
+    short = Counter(map(source_name, dict.fromkeys(sources)))
+    return {of: source_name(of, whole=short[source_name(of)] > 1) for of in sources}

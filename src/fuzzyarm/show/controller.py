@@ -11,7 +11,6 @@ from fuzzyarm.controller.program import Sheet
 from fuzzyarm.controller.text import ZERO, ControllerText
 from fuzzyarm.language.tokens import name_text
 from fuzzyarm.model.controller import (
-    SOURCES,
     Axes,
     ControllerModel,
     Drive,
@@ -164,12 +163,10 @@ def definition_words(line: Signal | Drive, partners: Collection[str] = ()) -> st
 
 
 def _source_words(source: Source) -> str:
-    of, name = SOURCES[source.kind].of, name_text(source.name)
-    if of == "call":
+    kind, name = source.record, name_text(source.name)
+    if kind.of == "call":
         return f"{source.kind} {name}({', '.join(map(name_text, source.inputs))})"
-    if of == "error":
-        return f"{source.kind} of error of {name}"
-    return f"{source.kind}{' of' if of == 'signal' or source.kind == 'error' else ''} {name}"
+    return f"{source.kind}{kind.joined} {name}"
 
 
 def _sum_words(products: Sequence[Product], word: Callable[[str | float], str]) -> str:

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, replace
 
 from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.model.controller import (
+    SOURCES,
     TIMES,
     Amount,
     Axes,
@@ -39,11 +40,7 @@ BLOCK_KINDS = {
     "plus": "a sum; the signs stand at its pins",
     "times": "a product; what divides has / at its pin",
     "constant": "a number that depends on nothing",
-    "rate": "change per second",
-    "change": "change since the last period",
-    "integral": "sum of a signal times the period",
-    "sum": "sum of the errors of a port",
-    "lag": "first-order low-pass",
+    **{word: kind.doc for word, kind in SOURCES.items() if kind.function is not None},
     "rules": "a rule base",
     "table": "a lookup table",
     "zoom": "signals magnified while all are small",
@@ -353,18 +350,16 @@ class _Part:
             self.signals[name] = (block, output, name)
 
     def _source(self, source: Source, line: Signal) -> list[Pin]:
-        kind, name = source.kind, source.name
-        if kind in ("reference", "measured"):
-            return [self._port(kind, name, line.span)]
-        if kind == "error":
-            return [self._error(name, source.option("weight"), line.span)]
-        details = option_words(source)
-        if kind == "sum":
-            sources = [(self._error(name, None, line.span), "")]
-            return [(self._block(kind, kind, details, sources, span=line.span), 0, "")]
-        if not source.inputs:
-            sources = [(self._read(name), "")]
-            return [(self._block(kind, kind, details, sources, span=line.span), 0, "")]
+        record, kind, name = source.record, source.kind, source.name
+        if record.of != "call":
+            if len(record.ports) > 1:
+                pin = self._error(name, source.option("weight"), line.span)
+            else:
+                pin = self._port(kind, name, line.span) if record.ports else self._read(name)
+            if record.function is None:
+                return [pin]
+            details = option_words(source)
+            return [(self._block(kind, kind, details, [(pin, "")], span=line.span), 0, "")]
         sources = [(self._read(each), "") for each in source.inputs]
         sources += [(pin, "learn") for pin in self.teachers.get(name, ())]
         outputs = line.names if len(line.names) > 1 else ("",)
@@ -495,14 +490,15 @@ def _constant(factors: Sequence[Factor], gains: dict[str, GainModel]) -> tuple[s
 def option_words(source: Source) -> list[str]:
     """Return the options of a source as the language writes them."""
     words = []
+    known = source.record.options
     for word, value in source.options:
         if isinstance(value, tuple):
             words.append(f"{word} {number_text(value[0])} .. {number_text(value[1])}")
         elif value is True:
-            words.append(f"{word} each set-point" if word == "cleared" else word)
-        elif word == "anti-windup" and isinstance(value, float):
+            words.append(" ".join((word, *known[word].rest)))
+        elif known[word].takes == "windup" and isinstance(value, float):
             words.append(f"{word} back {time_text(value)}")
-        elif word in ("filter", "time") and isinstance(value, float):
+        elif known[word].takes == "time" and isinstance(value, float):
             words.append(f"{word} {time_text(value)}")
         else:
             words.append(f"{word} {value if isinstance(value, str) else number_text(value)}")

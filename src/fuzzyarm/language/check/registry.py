@@ -260,7 +260,7 @@ CHECKS: dict[str, Check] = {
             "unlike-units",
             Severity.WARNING,
             "The unit of a gain and that of what it scales are of one kind and do not cancel, as "
-            "rad and deg.",
+            "rad and deg; or a width is not in the unit of its signal.",
         ),
         Check(
             "unknown-allow",

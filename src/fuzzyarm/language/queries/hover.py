@@ -7,6 +7,7 @@ import re
 from dataclasses import dataclass
 
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
+from fuzzyarm.expression.sources import SOURCES
 from fuzzyarm.language.check.coverage import gaps_of
 from fuzzyarm.language.controllers import CONTROLLER_STATEMENTS, CONTROLLER_WORDS
 from fuzzyarm.language.phrases import SETTINGS, Kind, Occurrence, parameter_names
@@ -254,6 +255,7 @@ def _help(text: str, *, first: bool) -> str:
         return f"evenly spread terms: {EVEN_SHAPES[text]}"
     norms = [f"{sort}: {kinds[text].doc}" for sort, kinds in _NORMS if text in kinds.words]
     setting = SETTINGS[text].doc if text in SETTINGS else ""
+    setting = setting or (SOURCES[text].doc if text in SOURCES else "")
     return setting or WORDS.get(text, "") or CONTROLLER_WORDS.get(text, "") or "; ".join(norms)
 
 

@@ -6,6 +6,7 @@ from collections.abc import Container
 from dataclasses import dataclass, replace
 
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
+from fuzzyarm.expression.sources import SOURCES
 from fuzzyarm.language.controllers import CONTROLLER_STATEMENTS, CONTROLLER_WORDS
 from fuzzyarm.language.phrases import SETTINGS, Kind
 from fuzzyarm.language.queries.completion import variable_detail
@@ -50,6 +51,7 @@ _WORDS: tuple[tuple[Container[str], str], ...] = (
     *((words, "type") for words in (_VALUES, SHAPES.words, TNORMS.words, SNORMS.words)),
     (SETTINGS.keys() - RESERVED, "property"),
     ({*RESERVED, *WORDS, *CONTROLLER_WORDS}, "keyword"),
+    (SOURCES, "keyword"),
 )
 """What a word that is not a name is coloured as: the first that has it."""
 

@@ -1,0 +1,433 @@
+"""A source is one record: every walk knows each of them, and none takes one for another."""
+
+from __future__ import annotations
+
+import math
+import struct
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from own_source import WORD, controller, example, register, whole
+
+import fuzzyarm
+from fuzzyarm import simulate
+from fuzzyarm.api import check_text
+from fuzzyarm.cli import main
+from fuzzyarm.controller.on_plant import site_of
+from fuzzyarm.controller.reach import reaches_of
+from fuzzyarm.controller.text import with_files
+from fuzzyarm.export.steps import steps_of
+from fuzzyarm.expression.records import KindError
+from fuzzyarm.expression.sources import SOURCES, OptionKind, State, source
+from fuzzyarm.kernels import SWITCH, has_machine_code
+from fuzzyarm.language import format_text, parse
+from fuzzyarm.language.queries import coloured, complete, hover, read
+from fuzzyarm.loop.analysis import AnalysisError, describing_function
+from fuzzyarm.model.controller import Signal, Source
+from fuzzyarm.plant.own import find_plant
+from fuzzyarm.proof.controllers import prove_drives, sampled_drive
+from fuzzyarm.show.controller import definition_words
+from fuzzyarm.show.diagram import BLOCK_KINDS, block_diagram
+from fuzzyarm.table import Axis, LookupTable
+from fuzzyarm.text.diagnostic import Severity
+from fuzzyarm.tuning.linear import straightened
+
+PAGE = Path(__file__).parents[2] / "docs" / "controllers.md"
+VALUES = st.lists(st.floats(-5, 5, width=32), min_size=1, max_size=40)
+WIDTHS = st.floats(1e-3, 8.0)
+
+
+def made(text, sheets=None):
+    """Return the controller in a text, with what its calls look up."""
+    parsed = parse(text)
+    assert parsed.controller is not None, parsed.diagnostics
+    assert not parsed.diagnostics, parsed.diagnostics
+    found, faults = with_files(parsed.controller, Path.cwd(), instead=sheets or {})
+    assert faults == []
+    return found
+
+
+def sheets_of(word):
+    """Return what the name R of an example stands for."""
+    if word == "rules":
+        text = "rulebase R\ninput p -5 .. 5\noutput k -1 .. 1\nterms p, k: triangles N Z P\n"
+        rules = "".join(f"rule if p is {a} then k is {b}\n" for a, b in ("NP", "ZZ", "PN"))
+        return {"R": (parse(text + rules).rulebase,)}
+    axis = Axis("p", (-4.0, -1.0, 0.0, 2.0, 4.0))
+    return {"R": (LookupTable((axis,), "k", np.array([4.0, 1.0, 0.0, -2.0, -3.0])),)}
+
+
+def of(word):
+    return made(whole(word), sheets_of(word))
+
+
+def driven(text, values, compiled=True):
+    """Return the drive for a run over errors."""
+    run = text.run(compiled=compiled)
+    return [run.step({"position": -value}, {"position": 0.0})["voltage"] for value in values]
+
+
+def bits(values):
+    return [struct.pack("d", value) for value in values]
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _own():
+    register()
+    yield
+    SOURCES.remove(WORD)
+
+
+WORDS = [*SOURCES, WORD]
+STEPS = np.random.default_rng(25).uniform(-0.6, 0.6, 200)  # as fast as the motor turns
+COURSE = np.clip(np.cumsum(STEPS), -3.0, 3.0).tolist()
+compiled = pytest.mark.skipif(not has_machine_code(), reason="no machine code was built")
+
+
+# --- Every walk knows every source ---
+
+
+@pytest.mark.parametrize("word", WORDS)
+def test_the_language_reads_writes_offers_and_explains_it(word):
+    text = whole(word)
+    faults = [each for each in parse(text).diagnostics if each.severity is Severity.ERROR]
+    assert not faults
+    assert example(word).replace("y = ", "= ") in format_text(text)
+    line = text.splitlines().index(f"  {example(word)}") + 1
+    reading = read(text)
+    offered = {
+        c.label: c.detail for c in complete(read(text.replace(example(word), "y = ")), line, 7)
+    }
+    assert offered[word] == SOURCES[word].doc
+    assert f"**{word}**" in hover(reading, line, 8).markdown
+    assert SOURCES[word].doc in hover(reading, line, 8).markdown
+    at = [each for each in coloured(reading) if (each.line, each.column) == (line, 7)]
+    assert [each.colour for each in at] == ["type" if word in ("error", "sum") else "keyword"]
+    for option in SOURCES[word].options:
+        start = example(word).split(",")[0]
+        cut = text.replace(example(word), f"{start}, ")
+        found = {c.label for c in complete(read(cut), line, len(start) + 5)}
+        assert option in found
+
+
+@pytest.mark.parametrize("word", WORDS)
+def test_its_definition_in_words_is_read_again(word):
+    text = of(word)
+    line = next(x for _, x in text.model.lines() if isinstance(x, Signal) and x.names == ("y",))
+    again = whole(word).replace(example(word), f"y = {definition_words(line)}")
+    (axes,) = made(again, sheets_of(word)).model.axes
+    assert axes.lines[1] == line
+
+
+@compiled
+@pytest.mark.parametrize("word", WORDS)
+def test_machine_code_and_plain_python_give_the_same_bits(word):
+    assert bits(driven(of(word), COURSE)) == bits(driven(of(word), COURSE, compiled=False))
+
+
+@compiled
+@pytest.mark.parametrize("word", WORDS)
+def test_a_closed_loop_gives_the_same_bits(word, monkeypatch):
+    motor = find_plant("motor")
+    runs = []
+    for switch in ("1", "0"):
+        monkeypatch.setenv(SWITCH, switch)
+        runs.append(simulate(of(word), motor, duration=0.3))
+    one, other = (run.outputs["shaft.position"] if "shaft.position" in run.outputs
+                  else run.outputs["position"] for run in runs)  # fmt: skip
+    assert bits(one) == bits(other)
+
+
+@pytest.mark.parametrize("word", WORDS)
+@given(values=VALUES)
+@settings(max_examples=20, deadline=None)
+def test_it_stays_where_it_is_said_to_reach(word, values):
+    text = of(word)
+    reach = reaches_of(text, site_of(find_plant("motor"))).signals["shaft", "y"]
+    run, before = text.run(compiled=False), 0.0
+    for wanted in values:
+        before += min(max(wanted - before, -0.6), 0.6)  # as fast as the motor turns
+        run.step({"position": -before}, {"position": 0.0})
+        value = run.signal("shaft", "y")
+        assert reach.at.low - 1e-9 <= value <= reach.at.high + 1e-9
+
+
+@pytest.mark.parametrize("word", WORDS)
+def test_a_proof_holds_what_it_drives(word):
+    text, kind = of(word), SOURCES[word]
+    (drive,) = prove_drives(text, find_plant("motor"), budget=5.0)
+    assert drive.low <= min(driven(text, COURSE)) <= max(driven(text, COURSE)) <= drive.high
+    names = [gain.source for gain in drive.gains]
+    if kind.states:
+        assert any(name.startswith(f"{word}{kind.joined}") for name in names)
+    for sector in drive.sectors:
+        if sector.slack == 0.0 and all(map(math.isfinite, sum(sector.within.values(), ()))):
+            sigma, values = sampled_drive(text, drive, sector, find_plant("motor"), points=400)
+            low, high = (sigma * sector.low, sigma * sector.high)
+            room = 1e-6 * (1.0 + np.abs(values))
+            assert np.all(values >= np.minimum(low, high) - room)
+            assert np.all(values <= np.maximum(low, high) + room)
+
+
+@pytest.mark.parametrize("word", WORDS)
+def test_a_describing_function_is_had_of_what_remembers_nothing(word):
+    if SOURCES[word].states:
+        with pytest.raises(AnalysisError, match=f"it has '{word} of'"):
+            describing_function(of(word), 1.0)
+    else:
+        assert np.isfinite(describing_function(of(word), 1.0)).all()
+
+
+@pytest.mark.parametrize("word", WORDS)
+def test_it_is_a_block_of_the_diagram(word):
+    blocks = [block.kind for block in block_diagram(of(word)).blocks]
+    kind = SOURCES[word]
+    assert (word in blocks) == (kind.function is not None or kind.of == "call")
+    assert word == WORD or all(block in BLOCK_KINDS for block in blocks)
+
+
+@pytest.mark.parametrize("word", [word for word in WORDS if word != WORD])
+def test_the_page_of_controllers_has_it(word):
+    assert any(f"`{word}{SOURCES[word].joined} " in line for line in PAGE.read_text().splitlines())
+
+
+def with_source(kind):
+    """Return a controller whose second line has a source of another kind, that nothing read."""
+    text = of("lag")
+    (axes,) = text.model.axes
+    line = replace(axes.lines[1], source=Source(kind, "e"))
+    axes = replace(axes, lines=(axes.lines[0], line, *axes.lines[2:]))
+    return replace(text, model=replace(text.model, axes=(axes,)))
+
+
+@pytest.mark.parametrize(
+    "walk",
+    [
+        lambda text: text.run(compiled=False),
+        lambda text: reaches_of(text, None),
+        prove_drives,
+        block_diagram,
+        lambda text: describing_function(text, 1.0),
+        steps_of,
+        lambda text: [definition_words(x) for _, x in text.model.lines()],
+    ],
+)
+def test_what_is_no_source_is_an_error_by_name(walk):
+    with pytest.raises(KindError, match="no source of signals is called 'median'"):
+        walk(with_source("median"))
+
+
+# --- A record that nothing else knows ---
+
+
+def test_a_source_of_its_own_is_simulated_checked_and_written(tmp_path, capsys):
+    path = tmp_path / "own.frb"
+    path.write_text(whole(WORD).replace("share 0.5", "share 0.25, from 0.5"))
+    assert main(["check", str(path)]) == 0
+    assert main(["fmt", str(path)]) == 0
+    assert main(["simulate", str(path), "--plant", "motor", "--for", "0.2s", "--json"]) == 0
+    assert main(["show", str(path)]) == 0
+    assert main(["prove", str(path), "--sector", "--plant", "motor"]) == 0
+    said = capsys.readouterr()
+    assert "half-mean of e, share 0.25, from 0.5" in said.out
+    before, older, expected = math.nan, 0.5, []
+    for x in COURSE:
+        past = (before + older) / (2.0 + 0.01 * before * before)
+        before = x if math.isnan(before) else 0.25 * x + 0.75 * past
+        older = x
+        expected.append(min(max(before + 0.001 * x, -24.0), 24.0))
+    text = fuzzyarm.load(path)
+    assert driven(text, COURSE, compiled=False) == expected
+    if has_machine_code():
+        assert driven(text, COURSE) == expected
+
+
+def test_it_goes_on_from_a_state_that_was_kept():
+    run, again = (of(WORD).run(compiled=False) for _ in range(2))
+    for value in COURSE[:5]:
+        run.step({"position": value}, {"position": 0.0})
+    again.state = run.state
+    assert len(run.state) == 1 + 2 + 1  # periods, what it remembers, the excess of the limit
+    step = {"position": 1.0}, {"position": 0.0}
+    assert run.step(*step) == again.step(*step)
+
+
+@pytest.mark.parametrize(
+    ("facts", "message"),
+    [
+        ({"update": lambda x, width: x - width}, "nothing gives the update .* 'width'"),
+        ({"update": lambda x: x, "states": (State("s", lambda z: z),)}, "its argument 'z'"),
+        ({"update": None, "of": "call"}, "called with inputs"),
+        ({"update": lambda x: x, "of": "port"}, "does not say which values"),
+    ],
+)
+def test_a_record_that_cannot_work_is_refused(facts, message):
+    with pytest.raises(KindError, match=message):
+        source("wrong", **facts)
+    assert "wrong" not in SOURCES
+
+
+def test_a_built_in_source_stays_what_it_is():
+    with pytest.raises(KindError, match="'lag' is a built-in source"):
+        source("lag", lambda x: x)
+
+
+def test_a_division_by_zero_has_no_value_and_does_not_end_a_run():
+    options = {"by": OptionKind("number", "what divides")}
+    source("quotient", lambda x, by: x / by, options=options)
+    try:
+        text = made(controller("y = quotient of e, by 0", "drive voltage = y"))
+        for how in {False, has_machine_code()}:
+            assert driven(text, [1.0, -2.0], how) == [math.inf, -math.inf]
+            assert math.isnan(driven(text, [0.0], how)[0])
+    finally:
+        SOURCES.remove("quotient")
+
+
+# --- What the dead band and the hysteresis do ---
+
+
+def response(word, width, values, how=False):
+    lines = (f"y = {word} of e, width {width!r}", "drive voltage = y")
+    return driven(made(controller(*lines)), values, how)
+
+
+@given(VALUES, WIDTHS)
+@settings(max_examples=60, deadline=None)
+def test_a_dead_band_is_what_leaves_the_zone(values, width):
+    found = response("deadband", width, values)
+    half = 0.5 * width
+    for x, y in zip(values, found, strict=True):
+        assert y == (0.0 if abs(x) <= half else math.copysign(abs(x) - half, x))
+        assert abs(y) <= abs(x)
+    if has_machine_code():
+        assert bits(found) == bits(response("deadband", width, values, how=True))
+
+
+@given(VALUES, WIDTHS)
+@settings(max_examples=60, deadline=None)
+def test_a_play_follows_only_what_leaves_its_band(values, width):
+    found = response("hysteresis", width, values)
+    half, before = 0.5 * width, 0.0
+    for x, y in zip(values, found, strict=True):
+        if x - half <= before <= x + half:
+            assert y == before  # inside the band nothing moves
+        else:
+            assert y == (x - half if x > before else x + half)
+        before = y
+    assert max(map(abs, found)) <= max(0.0, max(map(abs, values)) - half)
+    if has_machine_code():
+        assert bits(found) == bits(response("hysteresis", width, values, how=True))
+
+
+def test_a_play_goes_round_a_loop():
+    assert response("hysteresis", 2.0, [0.5, 3.0, 2.5, 1.0, 0.5, -3.0, -1.5, 3.0]) == [
+        0.0, 2.0, 2.0, 2.0, 1.5, -2.0, -2.0, 2.0,
+    ]  # fmt: skip
+
+
+def test_the_width_may_be_a_gain_that_moves():
+    lines = ("y = deadband of e, width w", "drive voltage = y")
+    text = made(controller(*lines, head=['gain w = 1 "rad", tune 0.1 .. 4']))
+    step = {"position": -3.0}, {"position": 0.0}
+    assert text.run(compiled=False).step(*step)["voltage"] == 2.5
+    assert text.run(compiled=False, gains={"w": 4.0}).step(*step)["voltage"] == 1.0
+
+
+@pytest.mark.parametrize("ratio", [1.5, 2.0, 7.0])
+def test_the_describing_function_of_a_dead_band_is_the_known_one(ratio):
+    """Slotine and Li, *Applied Nonlinear Control*, 1991, equation 5.16."""
+    text = made(controller("y = deadband of e, width 2", "drive voltage = y"))
+    share = 1.0 / ratio
+    known = 1.0 - 2.0 / math.pi * (math.asin(share) + share * math.sqrt(1.0 - share**2))
+    assert describing_function(text, ratio) == pytest.approx(known, rel=1e-4)
+
+
+def test_the_gain_of_a_dead_band_is_zero_and_is_said_to_be():
+    lines = ("y = deadband of e, width 0.2", "drive voltage = y * 3, within -24 .. 24")
+    (drive,) = prove_drives(made(controller(*lines)), find_plant("motor"))
+    assert drive.gains == ()
+    assert "gains: deadband of e has the slope 0 around 0" in drive.open
+    (sector,) = drive.sectors
+    (reached,) = {abs(end) for end in sector.within["error of position"]}
+    exact = 3.0 * (1.0 - 0.1 / reached)
+    assert sector.low == 0.0
+    assert exact <= sector.high <= 1.005 * exact
+
+
+def test_a_hysteresis_is_not_scaled_by_what_stands_before_it():
+    lines = ("s = e * 5", "y = {} of s, {}", "drive voltage = y * 2, within -24 .. 24")
+    for word, option, name, gain in (
+        ("lag", "time 1 s", "lag of error of position", 10.0),
+        ("hysteresis", "width 1", "hysteresis of s", 2.0),
+    ):
+        text = controller(*(line.format(word, option) for line in lines))
+        (drive,) = prove_drives(made(text), find_plant("motor"))
+        assert [(each.source, each.low, each.high) for each in drive.gains] == [(name, gain, gain)]
+
+
+def test_two_lags_of_one_signal_are_two_sources_of_a_proof():
+    lines = ("a = lag of e, time 1 s", "b = lag of e, time 2 s", "drive voltage = a - b")
+    text = made(controller(*lines))
+    (drive,) = prove_drives(text, find_plant("motor"))
+    assert {gain.source: gain.low for gain in drive.gains} == {
+        "lag of error of position, time 1 s": 1.0,
+        "lag of error of position, time 2 s": -1.0,
+    }
+    assert max(map(abs, driven(text, COURSE))) <= drive.high
+
+
+def test_the_linear_opponent_keeps_the_dead_band():
+    lines = (
+        "y = deadband of e, width 0.2", "c = error of velocity", "u = rules pd7(y, c)",
+        "drive voltage = u, within -24 .. 24",
+    )  # fmt: skip
+    text = made(controller(*lines, head=['use pd7 from "pd7.frb"']))
+    opponent, _ = straightened(text)
+    kinds = [x.source.kind for _, x in opponent.model.lines() if isinstance(x, Signal) and x.source]
+    assert "deadband" in kinds
+
+
+# --- What is said of mistakes ---
+
+
+@pytest.mark.parametrize(
+    ("line", "name", "message", "hint"),
+    [
+        ("y = deadband of e", "incomplete-statement", "the width of deadband is missing", "width"),
+        ("y = hysteresis of e", "incomplete-statement", "the width of hysteresis is", "width 0.5"),
+        ("y = lag of e", "incomplete-statement", "the time of lag is missing", "time 10 ms"),
+        ("y = deadband of e, width", "incomplete-statement", "expected the width, or a gain", ""),
+        ("y = deadband of e, width -2", "bad-number", "must be above 0, not -2", ""),
+        ("y = deadband of e, width 0", "bad-number", "must be above 0, not 0", ""),
+        ("y = hysteresis of e, width n", "bad-number", "must be above 0, not -1", ""),
+        ("y = deadband of e, width 2 deg", "trailing-text", "found 'deg' behind", '= 2 "deg"'),
+        ("y = deadband of e, width 2 ms", "trailing-text", "in the unit of its", "gain NAME"),
+        ("y = deadband of e, wdth 2", "unknown-option", "one of width, found 'wdth'", "'width'"),
+        ("y = deadzone of e, width 2", "trailing-text", "WORD of NAME", "deadband of e, width 2"),
+        ("y = backlash of e, width 2", "trailing-text", "WORD of NAME", "hysteresis of e, width"),
+        ("y = deadband of e, width 2, width 3", "duplicate-setting", "'width' is set twice", ""),
+        ("y = integral of e, start n", "unexpected-token", "a number behind start, found 'n'", ""),
+        ("y = deadband of f, width 2", "unknown-signal", "called 'f'", ""),
+    ],
+)  # fmt: skip
+def test_mistakes_are_said_by_name(line, name, message, hint):
+    text = controller(line, "drive voltage = e * n, within -24 .. 24", head=["gain n = -1"])
+    found = [each for each in parse(text).diagnostics if each.name == name]
+    assert [each for each in found if message in each.message and hint in each.hint], found
+
+
+@pytest.mark.parametrize(
+    ("unit", "message"),
+    [("deg", "the width of deadband is in deg, what it is taken of in rad"),
+     ("V", "is in V, what"), ("rad", ""), ("turns per rad", "")],
+)  # fmt: skip
+def test_a_width_in_another_unit_is_found(unit, message):
+    lines = ("y = deadband of e, width w", "drive voltage = y, within -24 .. 24")
+    text = controller(*lines, head=[f'gain w = 2 "{unit}"'])
+    found = [each.message for each in check_text(text, Path("c.frb")).diagnostics]
+    assert [message in each for each in found] == ([True] if message else []), found
