@@ -270,7 +270,7 @@ def ends_of_average_bounds(
     return (first, -inner(-least[1])), (inner(greatest[0]), last)
 
 
-def _last_above(numbers: Array, left: Array, right: Array, can_count: Array) -> Array:
+def _last_above(numbers: Array, left: Array, right: Array, can_count: Any) -> Array:
     """Return a lower bound of the root of F for weights on the left and on the right of it."""
     import numpy as np
 

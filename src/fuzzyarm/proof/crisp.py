@@ -7,7 +7,6 @@ weighted numbers, or humps of maxima; a defuzzifier says what it takes of each.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
@@ -99,7 +98,7 @@ def _inverse_average(least: Interval, greatest: Interval, weights: Interval) -> 
     """Return the average of numbers that may be unbounded, as the ends of a sigmoid are."""
     low, high = least[0], greatest[1]
     finite = [np.where(np.isfinite(end), end, 0.0) for end in (low, high)]
-    bottom, top = average_bounds(*finite, *weights)
+    bottom, top = average_bounds(finite[0], finite[1], *weights)
     counts = weights[1] > 0.0
     bottom = np.where((counts & (low == -np.inf)).any(axis=1), -np.inf, bottom)
     return bottom, np.where((counts & (high == np.inf)).any(axis=1), np.inf, top)
@@ -293,7 +292,8 @@ class _OfNumbers(Crisp):
             tuple(choose(one[end], other[end]) for end in (0, 1))
             for choose in (np.minimum, np.maximum)
         )
-        return *self.way.sums(least, most, upper, lower), ~(upper[0] > 0.0).any(axis=1)
+        may_lack: Array = ~np.any(upper[0] > 0.0, axis=1)
+        return *self.way.sums(least, most, upper, lower), may_lack
 
     def _number(self, index: int, strength: Interval, low: Array, high: Array) -> Interval:
         """Return bounds of the number of a consequent over boxes."""
@@ -330,21 +330,21 @@ class _OfNumbers(Crisp):
         """
         degrees = strength[0] * (1.0 - SLACK), strength[1] * (1.0 + SLACK)
         distinct, back = np.unique(np.stack(degrees), return_inverse=True)
-        at = np.array([self._position(member, each) for each in distinct.tolist()])
+        at = np.array([self._positions(member, each) for each in distinct.tolist()])
         found = at[back.reshape(2, -1)]
         output = self.output.output
         sizes = [abs(x) for x in (*member.term.shape.parameters, output.low, output.high)]
         slack = 1e-13 * (max(sizes) + np.where(np.isfinite(found), np.abs(found), 0.0))
-        return (found - slack).min(axis=0), (found + slack).max(axis=0)
+        return (found - slack).min(axis=(0, 2)), (found + slack).max(axis=(0, 2))
 
-    def _position(self, member: Member, degree: float) -> float:
+    def _positions(self, member: Member, degree: float) -> tuple[float, float]:
+        """Return where a set reaches a degree, and where inference says so: not at infinity."""
+        position = tsukamoto_at_point(self.output, member, degree)
         shape = member.term.shape
         inverse = SHAPES[shape.kind].inverse
-        if inverse is not None and not member.hedges:
-            position: float = inverse(min(1.0, degree / shape.height), *shape.parameters)
-            if not math.isfinite(position):
-                return position
-        return tsukamoto_at_point(self.output, member, degree)
+        if inverse is None or member.hedges:
+            return position, position
+        return inverse(min(1.0, degree / shape.height), *shape.parameters), position
 
 
 def _columns(intervals: Any) -> Interval:

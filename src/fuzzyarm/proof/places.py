@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -267,7 +267,7 @@ class _Sampled(_Set):
         enough = np.minimum(level.high * (1.0 + TIE), self.top[0])
         return _side_by_side(self._hump(part, can_be[:, part], enough) for part in self.parts)
 
-    def _hump(self, part: slice, can_be: Array, enough: Array) -> Sequence[Array]:
+    def _hump(self, part: slice, can_be: Array, enough: Array) -> Sequence[Any]:
         degrees, positions = self.degrees[part], self.positions[part]
         summit = degrees.max()
         certain = degrees >= np.minimum(enough, summit)[:, None]
