@@ -30,6 +30,7 @@ from fuzzyarm import compile_table, infer  # noqa: E402
 from fuzzyarm.errors import FuzzyarmError  # noqa: E402
 from fuzzyarm.inference import check_expectations  # noqa: E402
 from fuzzyarm.inference.arrays import firing_strengths  # noqa: E402
+from fuzzyarm.inference.errors import InferenceError  # noqa: E402
 from fuzzyarm.language import parse, write  # noqa: E402
 from fuzzyarm.model.rulebase import RuleBase  # noqa: E402
 from fuzzyarm.model.shapes import corner_points  # noqa: E402
@@ -250,7 +251,9 @@ def positions(rulebase: RuleBase, region: dict, draw: random.Random, count: int)
         edges = np.unique(np.clip(np.array([low, high, *corners]), low, high))
         near = [edges, np.nextafter(edges, -np.inf), np.nextafter(edges, np.inf)]
         near += [0.5 * (edges[:-1] + edges[1:]), edges + 1e-6, edges - 1e-6]
-        special = np.clip(np.concatenate(near), low, high)
+        special = np.concatenate(near)
+        special[np.abs(special) < 1e-290] = 0.0  # quotients of strengths below have no digits
+        special = np.clip(special, low, high)
         even = rng.uniform(low, high, count)
         found[variable.name] = np.where(rng.random(count) < 0.5, even, rng.choice(special, count))
     return found
@@ -364,7 +367,10 @@ def attack_boxes(rulebase: RuleBase, draw: random.Random) -> None:
             region[name] = (max(low, min(a, high)), max(low, min(b, high)))
         low, high = (np.array([[each[end] for each in region.values()]]) for end in (0, 1))
         counted["boxes"] += 1
-        least, most = (float(each[0]) for each in boxes._value_bounds(low, high))
+        try:
+            least, most = (float(each[0]) for each in boxes._value_bounds(low, high))
+        except InferenceError:  # a set that tsukamoto cannot invert
+            return
         values = values_of(rulebase, positions(rulebase, region, draw, 150))
         values = values[np.isfinite(values)]
         slack = 1e-11 * max(1.0, *np.abs(values)) if values.size else 0.0
