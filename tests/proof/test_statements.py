@@ -395,7 +395,7 @@ def test_no_table_is_made_of_what_nothing_is_proved_of(monkeypatch):
         "rulebase chain\ninput e 0 .. 1\noutput m 0 .. 1\noutput u 0 .. 1\n"
         "terms e, m, u: triangles A B\nrule if e is A then m is B\nrule if e is B then m is A\n"
         "block second\nrule if m is A then u is B\nrule if m is B then u is A\n"
-        "prove table for u nearest within 1\n"
+        "prove table of u nearest within 1\n"
     )
     parsed = parse(text)
     assert parsed.rulebase is not None, [str(each) for each in parsed.diagnostics]
