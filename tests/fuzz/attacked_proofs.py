@@ -30,7 +30,6 @@ from fuzzyarm import compile_table, infer  # noqa: E402
 from fuzzyarm.errors import FuzzyarmError  # noqa: E402
 from fuzzyarm.inference import check_expectations  # noqa: E402
 from fuzzyarm.inference.arrays import firing_strengths  # noqa: E402
-from fuzzyarm.inference.errors import InferenceError  # noqa: E402
 from fuzzyarm.language import parse, write  # noqa: E402
 from fuzzyarm.model.rulebase import RuleBase  # noqa: E402
 from fuzzyarm.model.shapes import corner_points  # noqa: E402
@@ -367,10 +366,7 @@ def attack_boxes(rulebase: RuleBase, draw: random.Random) -> None:
             region[name] = (max(low, min(a, high)), max(low, min(b, high)))
         low, high = (np.array([[each[end] for each in region.values()]]) for end in (0, 1))
         counted["boxes"] += 1
-        try:
-            least, most = (float(each[0]) for each in boxes._value_bounds(low, high))
-        except InferenceError:  # a set that tsukamoto cannot invert
-            return
+        least, most = (float(each[0]) for each in boxes._value_bounds(low, high))
         values = values_of(rulebase, positions(rulebase, region, draw, 150))
         values = values[np.isfinite(values)]
         slack = 1e-11 * max(1.0, *np.abs(values)) if values.size else 0.0

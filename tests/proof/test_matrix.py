@@ -26,8 +26,7 @@ LINEAR = "term u A: linear 1*a + 0.2\nterm u B: linear 0.5*b"
 FORMULA = 'term u A: formula "a*b"\nterm u B: formula "a + b"'
 RAMPS = "term u A: ramp 1 0\nterm u B: ramp 0 1"
 INTERVALS = (
-    "term u A: triangle 0 0 1 over triangle 0 0 0.6\n"
-    "term u B: triangle 0 1 1 over triangle 0.4 1 1"
+    "term u A: triangle 0 0 1 over triangle 0 0 0.6\nterm u B: triangle 0 1 1 over triangle 0.4 1 1"
 )
 
 
@@ -43,7 +42,7 @@ rule if a is L and a is H then u is A with 0.9
 rule if a is L or a is H then u is B
 rule if b is H and a is L then u is B with 0.2
 """
-"""B is above A everywhere: 0.5 and more against 0.45. One box does not know that a is one number."""
+"""B is above A everywhere: 0.5 and more against 0.45. One box knows only that both are 0 to 1."""
 
 
 class Setting(NamedTuple):

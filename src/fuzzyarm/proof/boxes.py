@@ -212,7 +212,8 @@ class Boxes:
             return -b, -a
 
         wanted = gap if gap >= 1e-7 * self.range else COARSE * self.range
-        high = self._search(over, at, wanted, positions)
+        # Where time runs out both ends have a bound all the same.
+        high = self.over(self.ends, self.stop.half())._search(over, at, wanted, positions)
         low = self._search(below, lambda points: -at(points), wanted, positions)
         widen = WIDENED * self.range
         return Bounds(

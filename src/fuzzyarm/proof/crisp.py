@@ -20,6 +20,7 @@ from fuzzyarm.inference.centroid_bounds import (
     ends_of_average_bounds,
     ends_of_centroid_bounds,
 )
+from fuzzyarm.inference.errors import InferenceError
 from fuzzyarm.inference.firing_intervals import LOWER, UPPER
 from fuzzyarm.inference.place_bounds import (
     Humps,
@@ -191,7 +192,7 @@ def crisp(output: OutputPlan, names: Sequence[str], stop: Stop) -> Crisp:
     Raises
     ------
     UnprovableError
-        If nothing is known of the defuzzifier.
+        If nothing is known of the defuzzifier, or it cannot take one of the sets.
     """
     defuzzifier = output.output.defuzzifier
     way = WAYS.get(defuzzifier.method)
@@ -265,6 +266,17 @@ class _OfNumbers(Crisp):
     def __init__(self, output: OutputPlan, way: Way, names: Sequence[str]) -> None:
         super().__init__(output, way)
         self.names, self.width = names, len(output.members)
+        if output.output.defuzzifier.method == "tsukamoto":
+            self._demand_inverses()
+
+    def _demand_inverses(self) -> None:
+        """Refuse a set that neither rises nor falls."""
+        for member in self.output.members:
+            if member.pieces:
+                try:
+                    tsukamoto_at_point(self.output, member, 0.5)
+                except InferenceError as error:
+                    raise UnprovableError(str(error)) from None
 
     def __call__(self, strengths: Strengths, low: Array, high: Array) -> Valued:
         weights = folded(self.output, strengths)
