@@ -6,8 +6,9 @@ A rule base with everything that a statement may stumble over: numbers for *no r
 beyond the range, held values and errors; outputs that extend, clamp or forbid; all norms, hedges
 and implications; holes, sets without an area in the range, vertical edges, open ranges, thresholds.
 Of each four statements, put where inference has been seen to be, a little to either side, and the
-bounds of the value. A statement that is *proved* is attacked at corners, next to them, at random
-and where no rule fires; the evidence of one that is *refuted* is pasted and run.
+bounds of the value. Sets, values, monotone sets (Tsukamoto) and sets of interval type 2, each with
+all its defuzzifiers, exact and sampled. A statement that is *proved* is attacked at corners, next
+to them, at random and where no rule fires; the evidence of one that is *refuted* is pasted and run.
 """
 
 from __future__ import annotations
@@ -34,19 +35,42 @@ from fuzzyarm.model.rulebase import RuleBase  # noqa: E402
 from fuzzyarm.model.shapes import corner_points  # noqa: E402
 from fuzzyarm.proof import Prover, UnprovableError, Verdict, prove  # noqa: E402
 from fuzzyarm.proof.arithmetic import Stop, TimeOverError  # noqa: E402
+from fuzzyarm.proof.boxes import Boxes  # noqa: E402
 
 SECONDS = 1.0
 """For each statement."""
 
 STATEMENTS = 4
 
-counted = {"statements": 0, "bounds": 0, "proved": 0, "refuted": 0, "undecided": 0}
+BOXES = 12
+"""Boxes of each rule base that are attacked one by one."""
+
+counted = {"boxes": 0, "statements": 0, "bounds": 0, "proved": 0, "refuted": 0, "undecided": 0}
 """What was asked, for whoever runs it by hand."""
 
 Points = dict[str, np.ndarray]
 
 STRAIGHT = ("triangle", "trapezoid", "rectangle", "ramp", "points", "singleton")
 CURVED = ("gaussian", "bell", "sigmoid", "s", "z", "pi", "cosine")
+MONOTONE = ("ramp", "ramp", "sigmoid", "s", "z", "concave", "arc")
+
+FAMILIES = ("sets", "values", "monotone", "type 2")
+"""What an output may be made of."""
+
+SAMPLED = ("(21)", "(20, midpoints)", "(21, trapezoid)", "(20, left)", "(21, joined)")
+
+OFTEN = {
+    "sets": ["centroid exact"] * 6 + ["weighted-average"]
+    + [f"{way}{how}" for way in ("centroid", "bisector") for how in (" exact", *SAMPLED)]
+    + [f"{way}-of-maximum{how}" for way in ("mean", "smallest", "largest")
+       for how in (" exact", " exact", "(21)", "(20, midpoints)")],
+    "values": ["weighted-average"] * 4 + ["weighted-sum"] * 2 + ["centroid exact", "bisector exact"]
+    + ["mean-of-maximum exact", "smallest-of-maximum exact", "largest-of-maximum exact"],
+    "monotone": ["tsukamoto"],
+    "type 2": [f"{way}{how}" for way in ("karnik-mendel", "nie-tan")
+               for how in (" exact", " exact", "(21)", "(20, midpoints)", "(21, trapezoid)")],
+}  # fmt: skip
+"""The defuzzifiers of each, as often as they stand here."""
 
 
 # ── rule bases ───────────────────────────────────────────────────────────────────────
@@ -55,8 +79,11 @@ CURVED = ("gaussian", "bell", "sigmoid", "s", "z", "pi", "cosine")
 class Drawn:
     """A rule base drawn at random, as text."""
 
-    def __init__(self, draw: random.Random) -> None:
+    def __init__(self, draw: random.Random, family: str = "") -> None:
         self.draw = draw
+        self.family = family or draw.choice(["sets", *FAMILIES])
+        numbers = self.family == "type 2" and draw.random() < 0.25
+        self.numbers = numbers or self.family == "values"
         self.lines = ["rulebase r"]
         self.curved = draw.random() < 0.25
         self.terms: dict[str, list[str]] = {}
@@ -64,14 +91,13 @@ class Drawn:
     def text(self) -> str:
         draw = self.draw
         inputs = ["x", "y"][: draw.choice([1, 1, 1, 2, 2])]
-        numbers = draw.random() < 0.3
         for name in inputs:
             self._input(name)
         low = draw.choice([-1, 0, -10])
         high = low + draw.choice([1, 2, 20])
         self.lines.append(f"output u {low} .. {high}")
-        self._terms("u", low, high, values=numbers)
-        self._settings(low, high, numbers=numbers)
+        self._terms("u", low, high, values=self.numbers)
+        self._settings(low, high)
         for _ in range(draw.randint(1, 6)):
             self.lines.append(self._rule(inputs))
         return "\n".join(self.lines) + "\n"
@@ -91,7 +117,24 @@ class Drawn:
         self.terms[name] = [f"T{i}" for i in range(draw.randint(1, 4))]
         for term in self.terms[name]:
             shape = f"singleton {self._place(low, high)}" if values else self._shape(low, high)
+            if self.family == "monotone" and name == "u" and draw.random() < 0.9:
+                shape = self._shape(low, high, draw.choice(MONOTONE))
+            if self.family == "type 2" and draw.random() < 0.6:
+                shape = self._interval(shape, low, high, values=values)
             self.lines.append(f"term {name} {term}: {shape}")
+
+    def _interval(self, upper: str, low: float, high: float, *, values: bool) -> str:
+        """Return a shape over one that is lower everywhere."""
+        draw = self.draw
+        kind, *numbers = upper.split(" height ", maxsplit=1)[0].split()
+        if values:
+            return f"{upper} over singleton {self._place(low, high)}"
+        if kind == "triangle" and draw.random() < 0.5:
+            a, b, c = map(float, numbers)
+            part = draw.choice([0.25, 0.5])
+            upper = f"triangle {a} {b} {c}"
+            return f"{upper} over triangle {b - part * (b - a)} {b} {b + part * (c - b)}"
+        return f"{upper} over {kind} {' '.join(numbers)} height {draw.choice([0.3, 0.5])}"
 
     def _place(self, low: float, high: float) -> float:
         draw, width = self.draw, high - low
@@ -99,9 +142,9 @@ class Drawn:
             return round(low + width * draw.randint(-4, 20) / 16, 6)
         return round(draw.uniform(low - 0.3 * width, high + 0.3 * width), draw.choice([1, 3]))
 
-    def _shape(self, low: float, high: float) -> str:
+    def _shape(self, low: float, high: float, kind: str = "") -> str:
         draw, width = self.draw, high - low
-        kind = draw.choice(CURVED if self.curved and draw.random() < 0.7 else STRAIGHT)
+        kind = kind or draw.choice(CURVED if self.curved and draw.random() < 0.7 else STRAIGHT)
         a, b, c, d = sorted(self._place(low, high) for _ in range(4))
         heights = [draw.choice([0, 0, 0.3, 1]) for _ in range(3)] + [1]
         draw.shuffle(heights)
@@ -114,6 +157,8 @@ class Drawn:
             "s": (a, d + 0.1),
             "z": (a, d + 0.1),
             "ramp": draw.sample([a, d + 0.2], 2),
+            "arc": draw.sample([a, d + 0.2], 2),
+            "concave": draw.sample([a, d + 0.2], 2),
             "points": [f"({x}, {y})" for x, y in pairs],
             "singleton": (a,),
             "sigmoid": (b, draw.choice([-8, 5, 20]) / width),
@@ -122,7 +167,7 @@ class Drawn:
         height = "" if draw.random() < 0.9 else " height 0.6"
         return f"{kind} {' '.join(map(str, numbers))}{height}"
 
-    def _settings(self, low: float, high: float, *, numbers: bool) -> None:
+    def _settings(self, low: float, high: float) -> None:
         draw = self.draw
         no_rule = draw.choice(
             [low, 0.5 * (low + high), high, high + 1, low - 2.5, "error", "error", "hold", "nan"]
@@ -130,11 +175,7 @@ class Drawn:
         norms = ["min", "min", "product", "bounded", "drastic", "hamacher", "einstein", "nilpotent"]
         unions = ["max", "max", "max", "sum", "probor", "bounded", "hamacher", "drastic"]
         either = ["max", "max", "probor", "bounded", "hamacher", "einstein", "nilpotent", "drastic"]
-        way = draw.choice(["centroid exact", "centroid exact", "centroid exact", "centroid(21)"])
-        if numbers:
-            way = draw.choice(["weighted-average", "weighted-average", "weighted-sum", way])
-        elif draw.random() < 0.15:
-            way = draw.choice(["weighted-average", "bisector exact", "mean-of-maximum exact"])
+        way = draw.choice(OFTEN[self.family])
         plain = draw.random() < 0.45
         joint, disjoint = ("min", "max") if plain else (draw.choice(norms), draw.choice(either))
         cut = "min" if plain or draw.random() < 0.5 else draw.choice(norms)
@@ -156,13 +197,16 @@ class Drawn:
             parts.append(f"{name} is {hedge}{draw.choice(self.terms[name])}")
         weight = draw.choice(["", "", "", " with 0.7"])
         joined = draw.choice([" and ", " and ", " or "]).join(parts)
-        return f"rule if {joined} then u is {draw.choice(self.terms['u'])}{weight}"
+        hedge = ""
+        if not self.numbers and self.family != "monotone" and draw.random() < 0.15:
+            hedge = draw.choice(["not ", "very ", "somewhat "])
+        return f"rule if {joined} then u is {hedge}{draw.choice(self.terms['u'])}{weight}"
 
 
-def drawn(draw: random.Random) -> RuleBase:
-    """Return a rule base that can be evaluated."""
+def drawn(draw: random.Random, family: str = "") -> RuleBase:
+    """Return a rule base that can be evaluated; of one of :data:`FAMILIES`, or of any."""
     while True:
-        rulebase = parse(Drawn(draw).text()).rulebase
+        rulebase = parse(Drawn(draw, family).text()).rulebase
         if rulebase is None:
             continue
         try:
@@ -206,7 +250,9 @@ def positions(rulebase: RuleBase, region: dict, draw: random.Random, count: int)
         edges = np.unique(np.clip(np.array([low, high, *corners]), low, high))
         near = [edges, np.nextafter(edges, -np.inf), np.nextafter(edges, np.inf)]
         near += [0.5 * (edges[:-1] + edges[1:]), edges + 1e-6, edges - 1e-6]
-        special = np.clip(np.concatenate(near), low, high)
+        special = np.concatenate(near)
+        special[np.abs(special) < 1e-290] = 0.0  # quotients of strengths below have no digits
+        special = np.clip(special, low, high)
         even = rng.uniform(low, high, count)
         found[variable.name] = np.where(rng.random(count) < 0.5, even, rng.choice(special, count))
     return found
@@ -228,7 +274,8 @@ def values_of(rulebase: RuleBase, points: Points) -> np.ndarray:
 
 def fires(rulebase: RuleBase, points: Points) -> np.ndarray:
     """Whether any rule fires."""
-    strengths, _ = firing_strengths(rulebase, points)
+    outputs = tuple(replace(each, outside="extend") for each in rulebase.outputs)
+    strengths, _ = firing_strengths(replace(rulebase, outputs=outputs), points)
     return np.asarray((strengths > 0.0).any(axis=0))
 
 
@@ -279,12 +326,13 @@ def _claim(rulebase: RuleBase, known: np.ndarray, width: float, draw: random.Ran
 # ── the attack ───────────────────────────────────────────────────────────────────────
 
 
-def case(draw: random.Random, told: Told) -> None:
+def case(draw: random.Random, told: Told, family: str = "") -> None:
     """Attack some statements on one rule base."""
-    rulebase = drawn(draw)
+    rulebase = drawn(draw, family)
     text = write(rulebase)
     told.append(text)
     values = values_of(rulebase, positions(rulebase, {}, draw, 1_500))
+    attack_boxes(rulebase, draw)
     attack_bounds(rulebase, draw)
     for statement, region in statements(rulebase, values, draw):
         told.append(f"prove {statement}")
@@ -300,6 +348,30 @@ def case(draw: random.Random, told: Told) -> None:
             attack(rulebase, statement, region, draw)
         elif verdict.verdict == "refuted":
             paste(rulebase, text, statement, verdict)
+
+
+def attack_boxes(rulebase: RuleBase, draw: random.Random) -> None:
+    """Nothing that inference says in a box lies outside what is said of that box."""
+    ends = list(ends_of(rulebase, {}).values())
+    try:
+        boxes = Boxes(rulebase, "u", ends, Stop(5.0 * SECONDS))
+    except (UnprovableError, TimeOverError):
+        return
+    for _ in range(BOXES):
+        region = {}
+        for name, (low, high) in ends_of(rulebase, {}).items():
+            special = positions(rulebase, {name: (low, high)}, draw, 1)[name][0]
+            a = draw.choice([draw.uniform(low, high), float(special)])
+            b = a + (high - low) * draw.choice([0.0, 1e-9, 1e-4, 0.01, 0.1, 0.4])
+            region[name] = (max(low, min(a, high)), max(low, min(b, high)))
+        low, high = (np.array([[each[end] for each in region.values()]]) for end in (0, 1))
+        counted["boxes"] += 1
+        least, most = (float(each[0]) for each in boxes._value_bounds(low, high))
+        values = values_of(rulebase, positions(rulebase, region, draw, 150))
+        values = values[np.isfinite(values)]
+        slack = 1e-11 * max(1.0, *np.abs(values)) if values.size else 0.0
+        assert least - slack <= values.min(initial=math.inf), ("below", region, least, values.min())
+        assert values.max(initial=-math.inf) <= most + slack, ("above", region, most, values.max())
 
 
 def attack_bounds(rulebase: RuleBase, draw: random.Random) -> None:
@@ -417,9 +489,13 @@ def _demand_silence(rulebase: RuleBase, verdict: Verdict) -> None:
     assert verdict.points, verdict
     if "in exact arithmetic" in verdict.reason:  # by less than floats tell: nothing to paste
         return
+    covers = verdict.statement.endswith(" covered")
     for point in verdict.points:
         one = {name: np.array([x]) for name, x in point.items()}
-        assert not fires(rulebase, one).any(), (verdict, "a rule fires")
+        if covers:
+            assert not fires(rulebase, one).any(), (verdict, "a rule fires")
+        else:  # what fires may have no area
+            assert np.isnan(values_of(rulebase, one)).all(), (verdict, "there is a value")
 
 
 if __name__ == "__main__":

@@ -9,6 +9,7 @@ statements, a bound shifted inward by 1e-9 of the range where it is attained, ar
 
 from __future__ import annotations
 
+import math
 import random
 import sys
 from pathlib import Path
@@ -31,12 +32,25 @@ SECONDS = 4.0
 """For each statement; bounds that are not tight by then hold all the same."""
 
 
-def irregular(draw: random.Random, inputs: int = 2) -> RuleBase:
-    """Return a rule base with overlapping trapezoids at odd positions and conclusions at random."""
+OTHERS = (
+    "bisector exact", "bisector(31)", "bisector(30, midpoints)", "bisector(31, joined)",
+    "centroid(31, joined)", "mean-of-maximum exact", "smallest-of-maximum exact",
+    "largest-of-maximum(31)", "tsukamoto", "karnik-mendel exact", "karnik-mendel(31)",
+    "nie-tan exact", "nie-tan(31)",
+)  # fmt: skip
+"""Defuzzifiers that go by boxes."""
+
+
+def irregular(draw: random.Random, inputs: int = 2, way: str = "") -> RuleBase:
+    """Return a rule base with overlapping trapezoids at odd positions and conclusions at random.
+
+    `way`: one of :data:`OTHERS`; ramps for tsukamoto, sets between two for interval type 2.
+    """
     names = [f"x{i}" for i in range(inputs)]
     lines = ["rulebase r", *(f"input {name} -1 .. 1" for name in names), "output u -1 .. 1"]
     counts = {}
-    numbers = draw.random() < 0.2
+    numbers = draw.random() < 0.2 and not way
+    between = way.startswith(("karnik", "nie-tan"))
     for name in (*names, "u"):
         counts[name] = draw.randint(2, 4)
         for term in range(counts[name]):
@@ -45,8 +59,12 @@ def irregular(draw: random.Random, inputs: int = 2) -> RuleBase:
             shape = f"trapezoid {' '.join(f'{x:.3f}' for x in ends)}"
             if name == "u" and numbers:
                 shape = f"singleton {middle:.3f}"
+            if name == "u" and way == "tsukamoto":
+                shape = f"ramp {middle:.3f} {middle + draw.choice([-0.4, 0.7]):.3f}"
+            elif between:
+                shape = f"{shape} over {shape} height 0.7"
             lines.append(f"term {name} t{term}: {shape}")
-    way = ", defuzzifier weighted-average" if numbers else ""
+    way = f", defuzzifier {way}" if way else ", defuzzifier weighted-average" if numbers else ""
     way += ", aggregation sum" if draw.random() < 0.3 else ""
     way += ", and product" if numbers and "sum" in way and draw.random() < 0.5 else ""
     way += ", and bounded" if "product" not in way and draw.random() < 0.2 else ""
@@ -77,7 +95,8 @@ def points(rulebase: RuleBase, draw: random.Random, count: int) -> dict[str, np.
 
 def case(draw: random.Random, told: Told) -> None:
     """Prove what can be proved of one rule base, and try to refute it."""
-    judged(irregular(draw, draw.choice([1, 1, 2, 2, 2])), draw, told, POINTS)
+    inputs, way = draw.choice([1, 1, 2, 2, 2]), draw.choice(["", draw.choice(OTHERS)])
+    judged(irregular(draw, inputs, way), draw, told, POINTS)
 
 
 def judged(rulebase: RuleBase, draw: random.Random, told: Told, count: int) -> None:
@@ -99,11 +118,11 @@ def judged(rulebase: RuleBase, draw: random.Random, told: Told, count: int) -> N
 
 
 def _plant(rulebase: RuleBase, bounds: Bounds) -> None:
-    for line in (
-        f"u <= {bounds.reached_high - 2 * PLANTED!r}",
-        f"u >= {bounds.reached_low + 2 * PLANTED!r}",
-        f"u in {bounds.low!r} .. {bounds.reached_high - 2 * PLANTED!r}",
-    ):
+    high, low = bounds.reached_high - 2 * PLANTED, bounds.reached_low + 2 * PLANTED
+    lines = [f"u <= {high!r}", f"u >= {low!r}"]
+    if -math.inf < bounds.low < high:  # not where it is one number, or nothing is known yet
+        lines.append(f"u in {bounds.low!r} .. {high!r}")
+    for line in lines if math.isfinite(high - low) else []:
         assert prove(rulebase, line, budget=SECONDS).verdict != "proved", line
 
 

@@ -388,6 +388,29 @@ rule if a is not LOW then y is THREE
     )
 
 
+def test_a_set_that_no_rule_concludes_leaves_values_as_they_are() -> None:
+    """Upper and lower strength of a value are two, whatever other terms the output has."""
+    text = """\
+rulebase r
+input x 0 .. 1
+output u 0 .. 10
+term x A: triangle 0 0 1 over triangle 0 0 0.6 height 0.8
+term x B: triangle 0 1 1 over triangle 0.4 1 1 height 0.8
+term u P: singleton 2
+term u Q: singleton 7
+term u R: triangle 0 1 2
+inference u: defuzzifier karnik-mendel exact
+rule if x is A then u is P
+rule if x is B then u is Q
+"""
+    rulebase = _model(text)
+    alone = _model(text.replace("term u R: triangle 0 1 2\n", ""))
+    assert infer_interval(rulebase, x=0.45) == infer_interval(alone, x=0.45)
+    (left, right), value = infer_interval(alone, x=0.45)["u"], compiled(rulebase).at(0.45)[0]
+    assert 2.0 < left < right < 7.0
+    assert value == pytest.approx(0.5 * (left + right), abs=1e-12)
+
+
 # --- What holds of every interval ---
 
 _HEDGES = [(), (Hedge("not"),), (Hedge("very"),), (Hedge("not"), Hedge("somewhat"))]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import random
+from functools import partial
 
 import pytest
 from budget import cases
@@ -12,7 +13,10 @@ import fuzzyarm
 from fuzzyarm.language import parse
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.proof import Prover, UnprovableError, prove
-from tests.fuzz.attacked_proofs import attack, case
+from fuzzyarm.proof.arithmetic import Stop
+from fuzzyarm.proof.boxes import Boxes
+from tests.fuzz import attacked_proofs
+from tests.fuzz.attacked_proofs import FAMILIES, OFTEN, attack, attack_boxes, case, drawn
 from tests.fuzz.fuzzing import search
 
 
@@ -26,6 +30,48 @@ def read(text: str) -> RuleBase:
 def test_nothing_false_is_proved_and_evidence_holds_as_pasted() -> None:
     found = search(case, seed=3, count=cases(40, 400))
     assert not found, f"{found[0].told}\n{found[0].trace}"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("family", FAMILIES)
+def test_no_family_of_outputs_has_a_false_proof(
+    family: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(attacked_proofs, "SECONDS", 0.1)
+    found = search(partial(case, family=family), seed=5, count=cases(20, 300))
+    assert not found, f"{found[0].told}\n{found[0].trace}"
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_every_defuzzifier_of_a_family_is_drawn(family: str) -> None:
+    """And nothing is refused: each has bounds over boxes, or is made of pieces."""
+    refused, methods = set(), set()
+    for seed in range(60):
+        rulebase = drawn(random.Random(f"{family} {seed}"), family)
+        methods.add(rulebase.output("u").defuzzifier.method)
+        prover = Prover(rulebase, "u", stop=Stop(0.0))
+        if prover.model is None:
+            try:
+                Boxes(rulebase, "u", [(0.0, 0.5)] * len(rulebase.inputs), Stop())
+            except UnprovableError as error:
+                refused.add(str(error))
+    assert all("tsukamoto cannot invert it" in each for each in refused), refused
+    assert methods == {way.split("(")[0].split()[0] for way in OFTEN[family]}
+
+
+def test_the_attack_sees_a_bound_of_a_box_that_is_too_close(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    rulebase = fuzzyarm.load_rulebase(fuzzyarm.shipped("pd7.frb"))
+    outside = Boxes._value_bounds
+
+    def inside(self: Boxes, low: object, high: object) -> tuple[object, object]:
+        least, most = outside(self, low, high)  # type: ignore[arg-type]
+        return least + 0.45 * (most - least), most
+
+    monkeypatch.setattr(Boxes, "_value_bounds", inside)
+    with pytest.raises(AssertionError, match="below"):
+        attack_boxes(rulebase, random.Random(1))
 
 
 def test_the_attack_sees_a_false_proof(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -119,8 +165,10 @@ def test_ends_of_karnik_and_mendel_are_no_averages() -> None:
         "term u P: singleton 3 over singleton 1\n"
         "inference u: defuzzifier karnik-mendel, no-rule 2\nrule if x is A then u is P\n"
     )
-    with pytest.raises(UnprovableError, match="karnik-mendel"):
-        Prover(rulebase, "u").value({})
+    assert fuzzyarm.infer(rulebase, x=5.0) == {"u": 2.0}
+    bounds = Prover(rulebase, "u").value({})
+    assert bounds.low <= 2.0 <= bounds.high
+    assert bounds.high - bounds.low < 1e-9
 
 
 def test_strengths_too_small_for_floats_give_values_all_the_same() -> None:

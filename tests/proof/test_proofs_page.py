@@ -39,7 +39,7 @@ def test_python_gives_what_is_shown(monkeypatch: pytest.MonkeyPatch) -> None:
                 continue
             shown += 1
             assert eval(code, names) == eval(value, names), line
-    assert shown == 15
+    assert shown == 17
 
 
 def test_commands_print_what_is_shown(

@@ -9,12 +9,25 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from budget import cases
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import fuzzyarm
-from fuzzyarm.inference.centroid_bounds import average_bounds, centroid_bounds
+from fuzzyarm.inference.centroid_bounds import (
+    average_bounds,
+    centroid_bounds,
+    ends_of_average_bounds,
+    ends_of_centroid_bounds,
+)
 from fuzzyarm.inference.errors import InferenceError
+from fuzzyarm.inference.maxima import _nearest_half, halve
+from fuzzyarm.inference.place_bounds import (
+    bisector_bounds,
+    halving_bounds,
+    nearest_half_bounds,
+)
+from fuzzyarm.inference.type_reduction import end_of_average
 from fuzzyarm.language import parse
 from fuzzyarm.model.rulebase import Defuzzifier, RuleBase
 from fuzzyarm.proof import Prover, UnprovableError, prove
@@ -24,7 +37,8 @@ from fuzzyarm.proof.pieces import Cut, cut
 from fuzzyarm.proof.straight import NotStraightError, straight
 from fuzzyarm.proof.surface import Surface
 from tests import strategies
-from tests.fuzz.random_proofs import Told, irregular, judged, points
+from tests.fuzz import random_proofs
+from tests.fuzz.random_proofs import OTHERS, Told, irregular, judged, points
 
 PD7 = fuzzyarm.shipped("pd7.frb").read_text()
 
@@ -43,6 +57,16 @@ def test_random_rule_bases_stay_inside(seed: int) -> None:
     """Bounds, slopes, tables, sectors and planted falsehoods, on one input."""
     draw = random.Random(seed)
     judged(irregular(draw, 1), draw, Told(), 3_000)
+
+
+@pytest.mark.parametrize("way", OTHERS)
+def test_random_rule_bases_of_other_defuzzifiers_stay_inside(
+    way: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(random_proofs, "SECONDS", 0.3)
+    for seed in range(cases(2, 20)):
+        draw = random.Random(f"{way} {seed}")
+        judged(irregular(draw, 1 + seed % 2, way), draw, Told(), 1_000)
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -255,3 +279,107 @@ def test_averages_of_linear_forms(method: str) -> None:
     assert slope.low - 1e-9 <= slopes.min()
     assert slopes.max() <= slope.high + 1e-9
     assert slope.high == pytest.approx(slopes.max(), abs=0.05)
+
+
+# --- Positions and ends between two ---
+
+
+def _between(draw: np.random.Generator, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
+    """Return something between: at an end as often as not."""
+    share = np.clip(draw.uniform(-0.5, 1.5, lower.shape), 0.0, 1.0)
+    return lower + share * (upper - lower)
+
+
+def _weights(draw: np.random.Generator, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return bounds of weights, many of them 0 or equal."""
+    upper = draw.choice([0.0, 0.25, 0.5, 1.0], count) * draw.choice([1.0, draw.uniform()])
+    return upper * draw.choice([0.0, 0.5, 0.9, 1.0], count), upper
+
+
+@given(st.integers(0, 10**6))
+@settings(max_examples=40, deadline=None)
+def test_bisectors_between_two_curves(seed: int) -> None:
+    """Of memberships that are level on each panel, between two such curves."""
+    draw = np.random.default_rng(seed)
+    edges = np.concatenate([[0.0], np.cumsum(draw.choice([0.25, 0.5, 1.0], 9))])
+    lower, upper = (np.stack([side, side], axis=1) for side in _weights(draw, 9))
+    low, high = bisector_bounds(edges, lower, upper)
+    for _ in range(30):
+        heights = _between(draw, lower[:, 0], upper[:, 0])
+        area = np.concatenate([[0.0], np.cumsum(heights * np.diff(edges))])
+        if not area[-1] > 0.0:
+            continue
+        half = 0.5 * area[-1]
+        first, last = np.searchsorted(area, half), np.searchsorted(area, half, side="right") - 1
+        i = max(first - 1, 0)
+        start = edges[i] + (half - area[i]) / max(heights[i], 1e-300)
+        assert low - 1e-9 <= min(start, edges[first])
+        assert max(start, edges[last] if area[last] == half else start) <= high + 1e-9
+    same_low, same_high = bisector_bounds(edges, upper + 0.1, upper + 0.1)
+    assert 0.0 <= float(same_high - same_low) < 1e-8
+
+
+@given(st.integers(0, 10**6))
+@settings(max_examples=60, deadline=None)
+def test_halves_of_running_sums_between_two(seed: int) -> None:
+    draw = np.random.default_rng(seed)
+    count = int(draw.integers(1, 9))
+    positions = np.sort(draw.choice(np.arange(20.0), count, replace=False))
+    lower, upper = _weights(draw, count)
+    one = halving_bounds(positions, positions, lower, upper)
+    other = nearest_half_bounds(positions, lower, upper)
+    for _ in range(30):
+        weights = _between(draw, lower, upper).tolist()
+        for bounds, function in ((one, halve), (other, _nearest_half)):
+            found = function(positions.tolist(), weights)
+            assert found is None or bounds[0] <= found <= bounds[1], function
+    exact = halving_bounds(positions, positions, upper + 0.1, upper + 0.1)
+    found = halve(positions.tolist(), (upper + 0.1).tolist())
+    assert found is not None
+    assert float(exact[0]) <= found <= float(exact[1])
+
+
+@given(st.integers(0, 10**6))
+@settings(max_examples=60, deadline=None)
+def test_ends_of_averages_whose_weights_lie_between_uncertain_ends(seed: int) -> None:
+    draw = np.random.default_rng(seed)
+    count = int(draw.integers(1, 7))
+    least = np.sort(draw.choice(np.arange(20.0), count, replace=False))[None, :] * np.ones((2, 1))
+    greatest = least + draw.choice([0.0, 1.0])
+    greatest[1] += draw.choice([0.0, 0.5])
+    (upper_0, upper_1), share = _weights(draw, count), draw.choice([0.0, 0.5, 1.0], (2, count))
+    lower_1 = upper_1 * share.max(axis=0)
+    lower_0 = np.minimum(upper_0, lower_1) * share.min(axis=0)
+    (left_0, left_1), (right_0, right_1) = ends_of_average_bounds(
+        tuple(least), tuple(greatest), (lower_0, lower_1), (upper_0, upper_1)
+    )
+    for _ in range(30):
+        upper = _between(draw, upper_0, upper_1)
+        lower = np.minimum(_between(draw, lower_0, lower_1), upper)
+        numbers = least[0].tolist(), _between(draw, *greatest).tolist()
+        left = end_of_average(numbers[0], lower.tolist(), upper.tolist(), count, -1.0)
+        right = end_of_average(numbers[1], lower.tolist(), upper.tolist(), count, 1.0)
+        if not math.isnan(left):
+            assert left_0 - 1e-11 <= left <= left_1 + 1e-11
+            assert right_0 - 1e-11 <= right <= right_1 + 1e-11
+
+
+@given(st.integers(0, 10**6))
+@settings(max_examples=40, deadline=None)
+def test_ends_of_centroids_between_four_curves(seed: int) -> None:
+    """Between certain curves they are the centroids between two; others lie in between."""
+    draw = np.random.default_rng(seed)
+    edges = np.concatenate([[0.0], np.cumsum(draw.choice([0.25, 0.5, 1.0], 7))])
+    upper_0, upper_1 = (np.stack([side, side], axis=1) for side in _weights(draw, 7))
+    lower_1 = upper_1 * draw.choice([0.0, 0.5, 1.0], (7, 1))
+    lower_0 = np.minimum(lower_1, upper_0) * draw.choice([0.0, 0.5, 1.0], (7, 1))
+    ends = ends_of_centroid_bounds(edges, (lower_0, lower_1), (upper_0, upper_1))
+    (left_0, left_1), (right_0, right_1) = ends
+    for _ in range(20):
+        upper = np.repeat(_between(draw, upper_0[:, :1], upper_1[:, :1]), 2, axis=1)
+        lower = np.repeat(_between(draw, lower_0[:, :1], lower_1[:, :1]), 2, axis=1)
+        lower = np.minimum(lower, upper)
+        left, right = centroid_bounds(edges, lower, upper)
+        if not np.isnan(left):
+            assert left_0 - 1e-9 <= left <= left_1 + 1e-9
+            assert right_0 - 1e-9 <= right <= right_1 + 1e-9

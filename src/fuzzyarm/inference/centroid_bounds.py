@@ -12,6 +12,10 @@ iterates are inner bounds: what is returned is the bracket outside. The least ce
 of the mirrored curves. Sums over samples or numbers are the same with weights for lines;
 there the greatest over all switch points is exact.
 
+Where L and U themselves are only known to lie between two curves, L₀ ≤ L ≤ L₁ and U₀ ≤ U ≤ U₁,
+F rises with both: the right end lies between the roots of F for (L₁, U₀) and for (L₀, U₁). So
+the ends of the centroid of an interval type-2 set have bounds from four curves.
+
 References
 ----------
 N. N. Karnik, J. M. Mendel, *Centroid of a type-2 fuzzy set*, 2001.
@@ -27,7 +31,18 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-__all__ = ["average_bounds", "centroid_bounds"]
+__all__ = [
+    "average_bounds",
+    "centroid_bounds",
+    "ends_of_average_bounds",
+    "ends_of_centroid_bounds",
+    "mirrored",
+    "sums_from_left",
+    "sums_from_right",
+]
+
+Interval = tuple["Array", "Array"]
+"""Lower and upper bounds."""
 
 _STEPS = 60
 """Most steps inside a panel; Newton's take five, halving takes over where they do not."""
@@ -51,21 +66,62 @@ def centroid_bounds(edges: Array, lower: Array, upper: Array) -> tuple[Array, Ar
     """
     import numpy as np
 
-    greatest = _greatest(edges, lower, upper)
-    mirrored = -edges[::-1]
-    least = -_greatest(mirrored, lower[..., ::-1, ::-1], upper[..., ::-1, ::-1])
+    _, greatest = _brackets(edges, lower, upper)
+    _, least = _brackets(*mirrored(edges, lower, upper))
     nothing = ~(upper > 0.0).any(axis=(-2, -1))
-    return np.where(nothing, np.nan, least), np.where(nothing, np.nan, greatest)
+    return np.where(nothing, np.nan, -least), np.where(nothing, np.nan, greatest)
 
 
-def _greatest(edges: Array, lower: Array, upper: Array) -> Array:
+def ends_of_centroid_bounds(
+    edges: Array, lower: Interval, upper: Interval
+) -> tuple[Interval, Interval]:
+    """Return bounds of both ends of the centroid of a set between two uncertain curves.
+
+    Parameters
+    ----------
+    edges : ndarray, shape (n + 1,)
+        Ends of the panels, increasing.
+    lower, upper : (ndarray, ndarray), shape (..., n, 2)
+        Between what the lower and the upper curve of the set lie, as in :func:`centroid_bounds`.
+
+    Returns
+    -------
+    ((ndarray, ndarray), (ndarray, ndarray)), shape (...)
+        The least and the greatest left end, and right end, rounded outward; NaN where nothing can
+        have an area.
+    """
+    import numpy as np
+
+    def last(edges: Array, low: Interval, high: Interval) -> Interval:
+        below, _ = _brackets(edges, low[1], high[0])
+        _, above = _brackets(edges, low[0], high[1])
+        return below, above
+
+    nothing = ~(upper[1] > 0.0).any(axis=(-2, -1))
+
+    def known(bound: Array) -> Array:
+        return np.where(nothing, np.nan, bound)
+
+    below, above = last(edges, lower, upper)
+    turned, *curves = mirrored(edges, *lower, *upper)
+    least, most = last(turned, (curves[0], curves[1]), (curves[2], curves[3]))
+    return (known(-most), known(-least)), (known(below), known(above))
+
+
+def mirrored(edges: Array, *curves: Array) -> tuple[Array, ...]:
+    """Return panels and curves with left and right exchanged."""
+    return (-edges[::-1], *(curve[..., ::-1, ::-1] for curve in curves))
+
+
+def _brackets(edges: Array, lower: Array, upper: Array) -> Interval:
+    """Return bounds of the last position at which F is above 0, for any two curves."""
     import numpy as np
 
     area_lower, moment_lower = _integrals(edges, lower)
     area_upper, moment_upper = _integrals(edges, upper)
     # What is left of each edge by the lower curve, right of it by the upper one.
-    left_area, left_moment = _from_left(area_lower), _from_left(moment_lower)
-    right_area, right_moment = _from_right(area_upper), _from_right(moment_upper)
+    left_area, left_moment = sums_from_left(area_lower), sums_from_left(moment_lower)
+    right_area, right_moment = sums_from_right(area_upper), sums_from_right(moment_upper)
     slope = left_moment - edges * left_area + right_moment - edges * right_area
     # F falls: the last edge at which it is above 0 is the left end of the panel.
     panel = np.clip((slope > 0.0).sum(axis=-1) - 1, 0, len(edges) - 2)
@@ -90,8 +146,8 @@ def _root(
     lower_right: Array,
     upper_left: Array,
     upper_right: Array,
-) -> Array:
-    """Find where F changes its sign inside a panel, from outside."""
+) -> Interval:
+    """Find where F changes its sign inside a panel, from both sides."""
     import numpy as np
 
     width = right - left
@@ -116,7 +172,7 @@ def _root(
         inside = (following > low) & (following < high)
         c = np.where(inside, following, 0.5 * (low + high))
     scale = np.abs(left) + np.abs(right) + width
-    return np.asarray(high + 1e-13 * scale)
+    return np.asarray(low - 1e-13 * scale), np.asarray(high + 1e-13 * scale)
 
 
 def _trapezoid(a: Array, b: Array, ya: Array, yb: Array) -> tuple[Array, Array]:
@@ -130,7 +186,7 @@ def _integrals(edges: Array, curve: Array) -> tuple[Array, Array]:
     return _trapezoid(edges[:-1], edges[1:], curve[..., 0], curve[..., 1])
 
 
-def _from_left(values: Array) -> Array:
+def sums_from_left(values: Array) -> Array:
     """Return the sums of what is left of each edge."""
     import numpy as np
 
@@ -138,7 +194,7 @@ def _from_left(values: Array) -> Array:
     return np.concatenate([np.zeros_like(total[..., :1]), total], axis=-1)
 
 
-def _from_right(values: Array) -> Array:
+def sums_from_right(values: Array) -> Array:
     """Return the sums of what is right of each edge."""
     import numpy as np
 
@@ -170,8 +226,8 @@ def average_bounds(
         x = np.take_along_axis(np.broadcast_to(numbers, upper.shape), order, -1)
         low = np.take_along_axis(lower, order, -1)
         high = np.take_along_axis(upper, order, -1)
-        area = _from_left(low) + _from_right(high)
-        moment = _from_left(low * x) + _from_right(high * x)
+        area = sums_from_left(low) + sums_from_right(high)
+        moment = sums_from_left(low * x) + sums_from_right(high * x)
         with np.errstate(all="ignore"):
             found = np.where(area > 0.0, moment / area, -np.inf).max(axis=-1)
         return np.asarray(found + 1e-13 * np.abs(x).max(axis=-1))
@@ -180,3 +236,58 @@ def average_bounds(
     top, bottom = highest(greatest), -highest(-least)
     nothing = ~(upper > 0.0).any(axis=-1)
     return np.where(nothing, np.nan, bottom), np.where(nothing, np.nan, top)
+
+
+def ends_of_average_bounds(
+    least: Interval, greatest: Interval, lower: Interval, upper: Interval
+) -> tuple[Interval, Interval]:
+    """Return bounds of both ends of an average of numbers whose weights lie between uncertain ends.
+
+    Parameters
+    ----------
+    least, greatest : (ndarray, ndarray), shape (..., n)
+        Between what the least and the greatest value of each number lie.
+    lower, upper : (ndarray, ndarray), shape (..., n)
+        Between what the least and the greatest weight of each number lie.
+
+    Returns
+    -------
+    ((ndarray, ndarray), (ndarray, ndarray)), shape (...)
+        The least and the greatest left end, and right end, widened by 1e-13 of the numbers; NaN
+        where all weights are 0.
+    """
+    import numpy as np
+
+    first, last = average_bounds(least[0], greatest[1], lower[0], upper[1])
+    can_count = upper[1] > 0.0
+    nothing = ~can_count.any(axis=-1)
+
+    def inner(numbers: Array) -> Array:
+        """Return what weights reach that are there in any case; behind it is the end."""
+        whole = np.broadcast_to(numbers, can_count.shape)
+        return np.where(nothing, np.nan, _last_above(whole, lower[1], upper[0], can_count))
+
+    return (first, -inner(-least[1])), (inner(greatest[0]), last)
+
+
+def _last_above(numbers: Array, left: Array, right: Array, can_count: Any) -> Array:
+    """Return a lower bound of the root of F for weights on the left and on the right of it."""
+    import numpy as np
+
+    order = np.argsort(numbers, axis=-1, kind="stable")
+    x, low, high, counts = (
+        np.take_along_axis(each, order, -1) for each in (numbers, left, right, can_count)
+    )
+    scale = 1e-13 * np.abs(x).max(axis=-1)
+    # Behind the number k: what counts on its left, itself included, and on its right.
+    area = sums_from_left(low)[..., 1:] + sums_from_right(high)[..., 1:]
+    moment = sums_from_left(low * x)[..., 1:] + sums_from_right(high * x)[..., 1:]
+    above = moment - x * area > scale[..., None] * area
+    k = above.sum(axis=-1, keepdims=True) - 1
+    at = np.clip(k, 0, None)
+    with np.errstate(all="ignore"):
+        found = np.take_along_axis(moment, at, -1) / np.take_along_axis(area, at, -1)
+    ends = [np.take_along_axis(x, np.clip(k + i, 0, x.shape[-1] - 1), -1) for i in (0, 1)]
+    found = np.clip(np.where(np.isfinite(found), found, ends[0]), *ends)
+    lowest = np.where(counts, x, np.inf).min(axis=-1)
+    return np.asarray(np.where(k[..., 0] < 0, lowest, found[..., 0]) - scale)

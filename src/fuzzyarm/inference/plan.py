@@ -377,7 +377,13 @@ def _plan_output(rulebase: RuleBase, output: Output, doubled: Doubled | None = N
     # A number is weighed, not cut: blocks that differ in the implication share its strength.
     weighs = output.defuzzifier.method in WEIGHTED
     if doubled is not None:
-        weighs = all(is_value(term.shape) for term in output.terms)
+        asserted = {
+            each.term
+            for rule in rulebase.rules
+            for each in rule.consequents
+            if each.variable == output.name
+        }
+        weighs = all(is_value(output.term(name).shape) for name in asserted)
     contributions = []
     rule_index = 0
     for block in rulebase.blocks:

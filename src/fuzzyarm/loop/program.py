@@ -32,7 +32,7 @@ from fuzzyarm.loop.loop import (
     run_loop,
     within,
 )
-from fuzzyarm.plant.equations import USERS, apart
+from fuzzyarm.plant.equations import USERS
 from fuzzyarm.plant.own import failure
 from fuzzyarm.plant.plant import (
     ADVANCE,
@@ -333,11 +333,7 @@ Asked = Callable[[Any], Iterable[tuple[int, float]]]
 
 def plain_control(program: Program, course: Course) -> Callable[..., None]:
     """Return what asks a controller in plain Python, each addend in its own way."""
-    # What a class keeps beside what its start resets is left for no other run.
-    parts = [
-        part if isinstance(part, CompiledController) else apart(part)
-        for part in program.controller.parts()
-    ]
+    parts = [part.for_run() for part in program.controller.parts()]
     if len(parts) > 1 and not any(part.takes_ports for part in parts):
         parts = [Sum(parts, program.controller.name)]  # which adds the torques up itself
     asked = [_asked(part, program.arithmetic, course) for part in parts]

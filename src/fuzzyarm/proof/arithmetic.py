@@ -165,6 +165,10 @@ class Stop:
         """Whether time is over."""
         return time.monotonic() > self.until
 
+    def half(self) -> Stop:
+        """Return the first half of the time that is left, for the first of two searches."""
+        return Stop(0.5 * self.left, self.tell)
+
     def check(self, count: int = 0) -> None:
         """Raise TimeOverError when time is over; tell how many pieces there are by now."""
         if self.now:

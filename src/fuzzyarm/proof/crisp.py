@@ -1,0 +1,365 @@
+"""From bounds of firing strengths to bounds of the crisp value: a record for each defuzzifier.
+
+An output is made of numbers, of samples, of sets, or of sets joined between samples; of interval
+type 2 of both readings of them. What they have between bounds are curves over panels, sums of
+weighted numbers, or humps of maxima; a defuzzifier says what it takes of each.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fuzzyarm.expression.evaluation import bounds
+from fuzzyarm.expression.kinds import SHAPES
+from fuzzyarm.inference.centroid_bounds import (
+    average_bounds,
+    centroid_bounds,
+    ends_of_average_bounds,
+    ends_of_centroid_bounds,
+)
+from fuzzyarm.inference.errors import InferenceError
+from fuzzyarm.inference.firing_intervals import LOWER, UPPER
+from fuzzyarm.inference.place_bounds import (
+    Humps,
+    bisector_bounds,
+    halving_bounds,
+    largest_bounds,
+    mean_bounds,
+    nearest_half_bounds,
+    smallest_bounds,
+)
+from fuzzyarm.inference.plan import Member, OutputPlan
+from fuzzyarm.inference.weighted import tsukamoto_at_point
+from fuzzyarm.model.rulebase import KARNIK_MENDEL
+from fuzzyarm.proof.aggregates import JoinedPanels, Panels, Samples, Strengths, folded
+from fuzzyarm.proof.arithmetic import Array, Stop
+from fuzzyarm.proof.bounds import UnprovableError
+from fuzzyarm.proof.memberships import SLACK, Interval
+from fuzzyarm.proof.places import humps_of_numbers, places
+
+__all__ = ["WAYS", "Crisp", "Valued", "Way", "crisp"]
+
+Valued = tuple[Array, Array, Array]
+"""Bounds of a value, NaN where there is none in a box, and where there may be none."""
+
+
+# ── the defuzzifiers ─────────────────────────────────────────────────────────────────
+
+
+class Way(NamedTuple):
+    """How a defuzzifier is bounded.
+
+    Attributes
+    ----------
+    curves : callable or None
+        From the edges of panels and, for each side of the set, its lower and upper curve.
+    sums : callable or None
+        From the bounds of the least and the greatest value of numbers and, for each side, the
+        bounds of their weights.
+    midpoints : callable or None
+        From samples and bounds of their heights, where the sampling ``midpoints`` has a definition
+        of its own.
+    humps : callable or None
+        From the humps of maxima.
+    jumps : bool
+        Whether the value jumps where inputs move a little: small boxes then gain nothing.
+    """
+
+    curves: Callable[..., Interval] | None = None
+    sums: Callable[..., Interval] | None = None
+    midpoints: Callable[..., Interval] | None = None
+    humps: Callable[[Humps], Interval] | None = None
+    jumps: bool = False
+
+
+def _centroid(edges: Array, *sides: Interval) -> Interval:
+    """Return the centroid of a set, or of the sum of both of them (Nie and Tan)."""
+    lower, upper = (sum(parts[1:], start=parts[0]) for parts in zip(*sides, strict=True))
+    return centroid_bounds(edges, lower, upper)
+
+
+def _average(least: Interval, greatest: Interval, *sides: Interval) -> Interval:
+    lower, upper = (sum(parts[1:], start=parts[0]) for parts in zip(*sides, strict=True))
+    return average_bounds(least[0], greatest[1], lower, upper)
+
+
+def _sum(least: Interval, greatest: Interval, weights: Interval) -> Interval:
+    (low, _), (_, high), (lower, upper) = least, greatest, weights
+    tops = np.maximum(high * lower, high * upper).sum(axis=1)
+    bottoms = np.minimum(low * lower, low * upper).sum(axis=1)
+    slack = 1e-13 * np.maximum(np.abs(high), np.abs(low)).sum(axis=1)
+    nothing = ~(upper > 0.0).any(axis=1)
+    return np.where(nothing, np.nan, bottoms - slack), np.where(nothing, np.nan, tops + slack)
+
+
+def _inverse_average(least: Interval, greatest: Interval, weights: Interval) -> Interval:
+    """Return the average of numbers that may be unbounded, as the ends of a sigmoid are."""
+    low, high = least[0], greatest[1]
+    finite = [np.where(np.isfinite(end), end, 0.0) for end in (low, high)]
+    bottom, top = average_bounds(finite[0], finite[1], *weights)
+    counts = weights[1] > 0.0
+    bottom = np.where((counts & (low == -np.inf)).any(axis=1), -np.inf, bottom)
+    return bottom, np.where((counts & (high == np.inf)).any(axis=1), np.inf, top)
+
+
+def _halved(edges: Array, curves: Interval) -> Interval:
+    return bisector_bounds(edges, *curves)
+
+
+def _halving(least: Interval, greatest: Interval, weights: Interval) -> Interval:
+    return halving_bounds(least[0], greatest[1], *weights)
+
+
+def _reduced(choose: Callable[[Interval, Interval], Interval]) -> Way:
+    """Return Karnik and Mendel's way: what is taken of the ends of the centroid."""
+
+    def curves(edges: Array, upper: Interval, lower: Interval) -> Interval:
+        return choose(*ends_of_centroid_bounds(edges, lower, upper))
+
+    def sums(least: Interval, greatest: Interval, upper: Interval, lower: Interval) -> Interval:
+        return choose(*ends_of_average_bounds(least, greatest, lower, upper))
+
+    return Way(curves, sums)
+
+
+def _middle(left: Interval, right: Interval) -> Interval:
+    return 0.5 * (left[0] + right[0]), 0.5 * (left[1] + right[1])
+
+
+WAYS: dict[str, Way] = {
+    "centroid": Way(_centroid, _average),
+    "weighted-average": Way(sums=_average),
+    "weighted-sum": Way(sums=_sum),
+    "tsukamoto": Way(sums=_inverse_average),
+    "bisector": Way(_halved, _halving, midpoints=nearest_half_bounds),
+    "mean-of-maximum": Way(humps=mean_bounds, jumps=True),
+    "smallest-of-maximum": Way(humps=smallest_bounds, jumps=True),
+    "largest-of-maximum": Way(humps=largest_bounds, jumps=True),
+    "nie-tan": Way(_centroid, _average),
+    "karnik-mendel": _reduced(_middle),
+    "karnik-mendel-left": _reduced(lambda left, right: left),
+    "karnik-mendel-right": _reduced(lambda left, right: right),
+}
+"""By name; for interval type 2 the first side is the upper set."""
+
+
+# ── what an output is made of ────────────────────────────────────────────────────────
+
+
+class Crisp:
+    """Bounds of the value of one output from bounds of its firing strengths.
+
+    Attributes
+    ----------
+    width : int
+        How many numbers a box takes.
+    jumps : bool
+        Whether the value jumps.
+    """
+
+    width: int
+
+    def __init__(self, output: OutputPlan, way: Way) -> None:
+        self.output, self.way, self.jumps = output, way, way.jumps
+
+    def __call__(self, strengths: Strengths, low: Array, high: Array) -> Valued:
+        """Return the bounds over boxes of the inputs, from `low` to `high`."""
+        raise NotImplementedError
+
+    def sides(self, strengths: Strengths) -> list[Strengths]:
+        """Return the strengths of the upper and of the lower set; of type 1 all of them."""
+        own = self.output.sides
+        if not own:
+            return [strengths]
+        return [[each for each in strengths if own[each[0]] == side] for side in (UPPER, LOWER)]
+
+
+def crisp(output: OutputPlan, names: Sequence[str], stop: Stop) -> Crisp:
+    """Return what bounds the value of an output.
+
+    Parameters
+    ----------
+    output : OutputPlan
+        The output.
+    names : sequence of str
+        The inputs.
+    stop : Stop
+        When to give up.
+
+    Raises
+    ------
+    UnprovableError
+        If nothing is known of the defuzzifier, or it cannot take one of the sets.
+    """
+    defuzzifier = output.output.defuzzifier
+    way = WAYS.get(defuzzifier.method)
+    if way is None:
+        raise UnprovableError(f"nothing is proved of the defuzzifier {defuzzifier.method}")
+    if output.discrete:
+        return _OfNumbers(output, way, names)
+    if way.humps is not None:
+        return _OfPlaces(output, way, stop)
+    if defuzzifier.joined:
+        return _OfCurves(output, way, JoinedPanels(output, stop))
+    if defuzzifier.resolution is not None:
+        return _OfSamples(output, way)
+    return _OfCurves(output, way, Panels(output, stop))
+
+
+class _OfCurves(Crisp):
+    """Sets, as curves over panels."""
+
+    def __init__(self, output: OutputPlan, way: Way, panels: Panels) -> None:
+        super().__init__(output, way)
+        self.panels, self.width = panels, panels.width
+
+    def __call__(self, strengths: Strengths, low: Array, high: Array) -> Valued:
+        curves = [self.panels.bounds(side) for side in self.sides(strengths)]
+        assert self.way.curves is not None
+        may_lack: Array = ~np.any(curves[UPPER][0] > 0.0, axis=(1, 2))
+        return *self.way.curves(self.panels.edges, *curves), may_lack
+
+
+class _OfSamples(Crisp):
+    """Sets at samples, as weights of their positions."""
+
+    def __init__(self, output: OutputPlan, way: Way) -> None:
+        super().__init__(output, way)
+        self.samples = Samples(output)
+        self.width = self.samples.width
+        self.nearest = output.output.defuzzifier.sampling == "midpoints" and way.midpoints
+
+    def __call__(self, strengths: Strengths, low: Array, high: Array) -> Valued:
+        weighted = [
+            tuple(side * self.samples.weights for side in self.samples.bounds(own))
+            for own in self.sides(strengths)
+        ]
+        may_lack = ~(weighted[UPPER][0] > 0.0).any(axis=1)
+        positions = self.samples.positions
+        if self.nearest:
+            return *self.nearest(positions, *weighted[UPPER]), may_lack
+        assert self.way.sums is not None
+        same = (positions, positions)
+        return *self.way.sums(same, same, *weighted), may_lack
+
+
+class _OfPlaces(Crisp):
+    """Sets of which the maxima count."""
+
+    def __init__(self, output: OutputPlan, way: Way, stop: Stop) -> None:
+        super().__init__(output, way)
+        self.places = places(output, stop)
+        self.width = self.places.width
+
+    def __call__(self, strengths: Strengths, low: Array, high: Array) -> Valued:
+        humps, lead = self.places.humps(strengths)
+        assert self.way.humps is not None
+        return *self.way.humps(humps), ~(lead > 0.0)
+
+
+class _OfNumbers(Crisp):
+    """Numbers: constants, linear forms, formulas, and sets that are inverted (Tsukamoto)."""
+
+    def __init__(self, output: OutputPlan, way: Way, names: Sequence[str]) -> None:
+        super().__init__(output, way)
+        self.names, self.width = names, len(output.members)
+        if output.output.defuzzifier.method == "tsukamoto":
+            self._demand_inverses()
+
+    def _demand_inverses(self) -> None:
+        """Refuse a set that neither rises nor falls."""
+        for member in self.output.members:
+            if member.pieces:
+                try:
+                    tsukamoto_at_point(self.output, member, 0.5)
+                except InferenceError as error:
+                    raise UnprovableError(str(error)) from None
+
+    def __call__(self, strengths: Strengths, low: Array, high: Array) -> Valued:
+        weights = folded(self.output, strengths)
+        numbers = {m: self._number(m, weights[m], low, high) for m in weights}
+        if self.output.output.defuzzifier.method in KARNIK_MENDEL:
+            return self._reduced(weights, numbers)
+        least, most = _columns(numbers.values())
+        lower, upper = _columns(weights.values())
+        may_lack: Array = ~np.any(lower > 0.0, axis=1)
+        if self.way.humps is not None:
+            humps = humps_of_numbers(least, most, lower, upper)
+            return *self.way.humps(humps), may_lack
+        assert self.way.sums is not None
+        return *self.way.sums((least, least), (most, most), (lower, upper)), may_lack
+
+    def _reduced(self, weights: dict[int, Interval], numbers: dict[int, Interval]) -> Valued:
+        """Return bounds of what Karnik and Mendel's way takes of both readings."""
+        assert self.way.sums is not None
+        pairs = self.output.pairs
+        upper, lower = (
+            _columns([weights[pair[side]] for pair in pairs]) for side in (UPPER, LOWER)
+        )
+        one, other = (_columns([numbers[pair[side]] for pair in pairs]) for side in (UPPER, LOWER))
+        least, most = (
+            tuple(choose(one[end], other[end]) for end in (0, 1))
+            for choose in (np.minimum, np.maximum)
+        )
+        may_lack: Array = ~np.any(upper[0] > 0.0, axis=1)
+        return *self.way.sums(least, most, upper, lower), may_lack
+
+    def _number(self, index: int, strength: Interval, low: Array, high: Array) -> Interval:
+        """Return bounds of the number of a consequent over boxes."""
+        member = self.output.members[index]
+        if member.value is not None:
+            constant = np.full(len(low), member.value)
+            return constant, constant
+        if member.pieces:
+            return self._inverted(member, strength)
+        if member.formula is not None:
+            root = member.formula.with_constants(self.names)
+            height = member.term.shape.height
+            found = [
+                bounds(root, dict(zip(self.names, zip(a, b, strict=True), strict=True)))
+                for a, b in zip(low.tolist(), high.tolist(), strict=True)
+            ]
+            ends = height * np.array(found, dtype=float)
+            return ends[:, 0], ends[:, 1]
+        *coefficients, constant_ = member.term.shape.parameters
+        least = np.full(len(low), float(constant_))
+        most = least.copy()
+        size = np.abs(least)
+        for i, coefficient in enumerate(coefficients):
+            a, b = coefficient * low[:, i], coefficient * high[:, i]
+            least, most = least + np.minimum(a, b), most + np.maximum(a, b)
+            size = size + np.maximum(np.abs(a), np.abs(b))
+        return least - 1e-14 * size, most + 1e-14 * size
+
+    def _inverted(self, member: Member, strength: Interval) -> Interval:
+        """Return between which positions a monotone set reaches a strength.
+
+        The position rises or falls with the strength. Where a set only tends to 0 or to 1, there
+        is no first or last one.
+        """
+        degrees = strength[0] * (1.0 - SLACK), strength[1] * (1.0 + SLACK)
+        distinct, back = np.unique(np.stack(degrees), return_inverse=True)
+        at = np.array([self._positions(member, each) for each in distinct.tolist()])
+        found = at[back.reshape(2, -1)]
+        output = self.output.output
+        sizes = [abs(x) for x in (*member.term.shape.parameters, output.low, output.high)]
+        slack = 1e-13 * (max(sizes) + np.where(np.isfinite(found), np.abs(found), 0.0))
+        return (found - slack).min(axis=(0, 2)), (found + slack).max(axis=(0, 2))
+
+    def _positions(self, member: Member, degree: float) -> tuple[float, float]:
+        """Return where a set reaches a degree, and where inference says so: not at infinity."""
+        position = tsukamoto_at_point(self.output, member, degree)
+        shape = member.term.shape
+        inverse = SHAPES[shape.kind].inverse
+        if inverse is None or member.hedges:
+            return position, position
+        return inverse(min(1.0, degree / shape.height), *shape.parameters), position
+
+
+def _columns(intervals: Any) -> Interval:
+    """Return intervals over boxes, one for each column, as arrays of the shape (boxes, columns)."""
+    least, most = zip(*intervals, strict=True)
+    return np.stack(least, axis=1), np.stack(most, axis=1)

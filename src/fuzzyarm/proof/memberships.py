@@ -1,0 +1,132 @@
+"""Interval degrees: memberships over stretches, and norms and hedges of degrees between bounds.
+
+Norms rise with both operands and every built-in hedge rises or falls, so the ends of the intervals
+give the ends. Everything is rounded outward by :data:`SLACK`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from fuzzyarm.expression.evaluation import bounds, specialise
+from fuzzyarm.expression.kinds import HEDGES, SHAPES, TNORMS, Norm
+from fuzzyarm.inference.sets import formula_of
+from fuzzyarm.model.rulebase import Hedge, Is, RuleBase, Shape
+from fuzzyarm.model.shapes import polyline
+from fuzzyarm.proof.arithmetic import Array
+
+__all__ = ["Degrees", "Interval", "hedged", "joined", "membership_bounder", "widened"]
+
+SLACK = 4e-15
+"""Share by which degrees are widened for the rounding of norms."""
+
+PARTS = 4
+"""Parts of a stretch over which a curved membership is bounded."""
+
+Interval = tuple[Array, Array]
+"""Lower and upper bounds, one for each box."""
+
+# ── norms and hedges ─────────────────────────────────────────────────────────────────
+
+
+def widened(least: Array, most: Array) -> Interval:
+    """Widen degrees for rounding; 0 stays 0."""
+    return np.maximum(least * (1.0 - SLACK), 0.0), most * (1.0 + SLACK)
+
+
+def joined(norm: Norm, one: Interval, other: Interval) -> Interval:
+    """Return bounds of the norm of two degrees, which rises with both."""
+    least, most = norm.array(one[0], other[0]), norm.array(one[1], other[1])
+    if norm is TNORMS["bounded"]:  # the sum loses what is smaller than its last bit
+        least = np.maximum(least - SLACK, 0.0)
+        most = np.maximum(one[1] + other[1] - 1.0 + SLACK, 0.0)
+    return widened(least, most)
+
+
+def hedged(hedges: Sequence[Hedge], degree: Interval) -> Interval:
+    """Return bounds of hedged degrees: every built-in hedge rises or falls."""
+    for hedge in reversed(hedges):
+        numbers = () if hedge.exponent is None else (hedge.exponent,)
+        ends = [
+            np.broadcast_to(HEDGES[hedge.name].array(np.clip(end, 0.0, 1.0), *numbers), end.shape)
+            for end in degree
+        ]
+        least, most = np.minimum(*ends), np.maximum(*ends)
+        degree = np.maximum(least - SLACK, 0.0), np.minimum(most + SLACK, 1.0)
+    return degree
+
+
+# ── memberships over stretches ───────────────────────────────────────────────────────
+
+
+class Degrees:
+    """Bounds of memberships over stretches, each found once."""
+
+    def __init__(self, rulebase: RuleBase, names: Sequence[str]) -> None:
+        self.rulebase = rulebase
+        self.names = list(names)
+        self._known: dict[tuple[str, str], dict[tuple[float, float], tuple[float, float]]] = {}
+
+    def over(self, low: Array, high: Array) -> Callable[[Is], Interval]:
+        """Return what gives the bounds of a proposition over boxes."""
+        stretches: dict[int, tuple[list[tuple[float, float]], Array]] = {}
+        for i in range(len(self.names)):
+            both = np.stack([low[:, i], high[:, i]], axis=1)
+            distinct, back = np.unique(both, axis=0, return_inverse=True)
+            pairs = [(float(a), float(b)) for a, b in distinct]
+            stretches[i] = pairs, back.reshape(-1)
+        made: dict[tuple[str, str], Interval] = {}
+
+        def degree(part: Is) -> Interval:
+            key = part.variable, part.term
+            if key not in made:
+                pairs, back = stretches[self.names.index(part.variable)]
+                known = self._known.setdefault(key, {})
+                shape = self.rulebase.variable(part.variable).term(part.term).shape
+                of_stretch = membership_bounder(shape)
+                for pair in pairs:
+                    if pair not in known:
+                        known[pair] = of_stretch(*pair)
+                ends = np.array([known[pair] for pair in pairs])[back]
+                made[key] = ends[:, 0], ends[:, 1]
+            return made[key]
+
+        return degree
+
+
+def membership_bounder(shape: Shape) -> Callable[[float, float], tuple[float, float]]:
+    """Return what gives the bounds of a membership over stretches."""
+    if shape.kind != "formula" and SHAPES[shape.kind].straight:
+        return _straight_bounder(shape)
+    if shape.kind == "formula":
+        expression, parts = formula_of(shape).with_constants(()), 1
+    else:
+        record = SHAPES[shape.kind]
+        numbers = dict(zip(record.symbols[1:], shape.parameters, strict=True))
+        # A few parts: an expression in which x stands twice has wide bounds over a long stretch.
+        expression, parts = specialise(record.expression, numbers), PARTS
+
+    def of_stretch(low: float, high: float) -> tuple[float, float]:
+        cuts = [low + (high - low) * i / parts for i in range(parts)] + [high]
+        found = [bounds(expression, {"x": pair}) for pair in pairwise(cuts)]
+        least = shape.height * min(part.low for part in found)
+        most = shape.height * max(part.high for part in found)
+        return max(0.0, least - SLACK), min(shape.height, most + SLACK)
+
+    return of_stretch
+
+
+def _straight_bounder(shape: Shape) -> Callable[[float, float], tuple[float, float]]:
+    lines = SHAPES[shape.kind].lines(*shape.parameters, height=shape.height)
+    corners = polyline(shape)
+
+    def of_stretch(low: float, high: float) -> tuple[float, float]:
+        inside = [y for x, y in corners if low <= x <= high]
+        values = [lines.at(low), lines.at(high), *inside]
+        least, most = min(values), max(values)
+        return (least if least == 0.0 else max(0.0, least - SLACK)), (most and most + SLACK)
+
+    return of_stretch
