@@ -88,6 +88,11 @@ class Functions:
         """See :class:`fuzzyarm.inference.layout.Addresses`."""
         return self._number({"hedges": _hedges(hedges)})
 
+    def expression(self, root: Node, numbers: Sequence[str]) -> int:
+        """See :class:`fuzzyarm.inference.layout.Addresses`."""
+        plain = {name: symbol(f"n{index}") for index, name in enumerate(numbers)}
+        return self._number({"formula": _tree(replace(root, plain))})
+
     def program(self, function: Callable[[Any], None]) -> int:
         """See :class:`fuzzyarm.inference.layout.Addresses`."""
         return self._number({"program": function.__name__})

@@ -12,14 +12,31 @@ import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
-from fuzzyarm.expression.kinds import SNORMS, TNORMS, Norm
-from fuzzyarm.inference import envelope, enveloped, firing_intervals, integrated, reduced
+from fuzzyarm.expression.formulas import CONSTANTS
+from fuzzyarm.expression.kinds import SHAPES, SNORMS, TNORMS, Norm
+from fuzzyarm.expression.nodes import Node, replace, symbol
+from fuzzyarm.inference import (
+    envelope,
+    enveloped,
+    firing_intervals,
+    integrated,
+    positions,
+    reduced,
+)
 from fuzzyarm.inference import kernel as at
 from fuzzyarm.inference.aggregate import sample_positions, sampled_set, weights
 from fuzzyarm.inference.block import Layout, Mark, NotCoveredError
 from fuzzyarm.inference.cells import Cells, cut_into_cells
 from fuzzyarm.inference.overlap import Layers
-from fuzzyarm.inference.plan import CENTROIDS, OutputPlan, Plan, PlannedRule, has_envelope
+from fuzzyarm.inference.errors import InferenceError
+from fuzzyarm.inference.plan import (
+    CENTROIDS,
+    Member,
+    OutputPlan,
+    Plan,
+    PlannedRule,
+    has_envelope,
+)
 from fuzzyarm.inference.quadrature import (
     CLIPPING,
     DEEPEST,
@@ -32,11 +49,14 @@ from fuzzyarm.inference.quadrature import (
     panels,
 )
 from fuzzyarm.inference.row_functions import Addresses, Curve, InMemory, norm_number
-from fuzzyarm.inference.sets import cut_lines
+from fuzzyarm.inference.sets import Piece, cut_lines, formula_of, peak
+from fuzzyarm.inference.weighted import is_rising
 from fuzzyarm.model.rulebase import (
+    JOINED,
     KARNIK_MENDEL,
-    TAKAGI_SUGENO,
+    MAXIMA,
     TYPE_2,
+    WEIGHTED,
     And,
     Expression,
     Hedge,
@@ -63,8 +83,29 @@ INTEGRATED = (
 """Defuzzifiers that go by the quadrature."""
 
 
-SAMPLED = (enveloped.sampled_centroid, reduced.karnik_mendel_samples, reduced.nie_tan_samples)
+SAMPLED = (
+    enveloped.sampled_centroid, reduced.karnik_mendel_samples, reduced.nie_tan_samples,
+    positions.sampled_position, positions.joined_samples,
+)  # fmt: skip
 """Defuzzifiers that go by samples."""
+
+FOUND_VALUES = (positions.weighted_values, positions.position_of_values)
+"""Defuzzifiers of values that are found: by formulas, where a set reaches its strength."""
+
+PLACED = (
+    positions.sampled_position, positions.joined_samples, positions.exact_maxima,
+    positions.position_of_values,
+)  # fmt: skip
+"""Defuzzifiers that answer with one of several positions."""
+
+WAYS = {
+    "bisector": positions.HALF,
+    "mean-of-maximum": positions.MEAN,
+    "smallest-of-maximum": positions.SMALLEST,
+    "largest-of-maximum": positions.LARGEST,
+    "centroid": positions.CENTROID,
+}
+"""Which position is wanted, by the defuzzifier."""
 
 ENVELOPED = (enveloped.enveloped_centroid, reduced.karnik_mendel_envelope, reduced.nie_tan_envelope)
 """Defuzzifiers that go by the upper envelope of straight sets."""
@@ -174,7 +215,7 @@ class _Writer:
         for name, output in plan.outputs.items():
             if name in {key[0] for key in self.numbers}:
                 raise NotCoveredError(f"'{name}' is used by later rules")
-            _check_output(output)
+            _check_output(output, [variable.name for variable in plan.rulebase.inputs])
         self._cut_inputs()
         self.whole: list[int] = []
         self.floats: list[float] = []
@@ -471,13 +512,21 @@ class _OutputWriter:
             detail = self._write_integral()
         elif self.defuzzifier is reduced.karnik_mendel_values:
             detail = self._write_pairs()
+        elif self.defuzzifier is positions.exact_maxima:
+            self._write_levels()
+        elif self.defuzzifier in FOUND_VALUES:
+            self._write_found_values()
         else:
             detail = self._write_values()
         if self.defuzzifier is reduced.nie_tan_envelope:
             base.floats[floats + 3] = 0.5 * (output.low + output.high)
         if output.defuzzifier.method in KARNIK_MENDEL:
             base.floats[floats + 3] = WHICH_END[output.defuzzifier.method]
-        is_mean = output.defuzzifier.method not in {"weighted-sum", "bisector", *KARNIK_MENDEL}
+        if self.defuzzifier in PLACED:
+            base.floats[floats + 3] = float(way_of(plan))
+        is_mean = self.defuzzifier not in PLACED and output.defuzzifier.method not in {
+            "weighted-sum", "bisector", *KARNIK_MENDEL
+        }  # fmt: skip
         fold = base.norm(SNORMS[output.aggregation], "S")
         is_closed = self.defuzzifier is at.closed_centroid
         address = 0
@@ -526,6 +575,8 @@ class _OutputWriter:
         floats += weights(count, output.defuzzifier.sampling)
         # Two rows, or three, where both sides of an interval type-2 set are sampled.
         self.samples = count if not self.plan.sides else (3 * count + 1) // 2
+        if self.defuzzifier is positions.joined_samples:
+            self.samples = 2 * (2 + self._most_groups)
         for i, member in enumerate(self.plan.members):
             found = sampled_set(
                 member.term.shape, member.hedges, output.low, output.high, output.defuzzifier
@@ -539,6 +590,11 @@ class _OutputWriter:
             self.base.whole += [begin, end, first, cut, self._side(i)]
             self._mark("samples", i, len(floats) - len(heights), len(heights))
         return count
+
+    @property
+    def _most_groups(self) -> int:
+        """The most groups of a cell: under other unions than ``max`` every rule is one."""
+        return max(len(self.plan.members), len(self.plan.contributions))
 
     def _side(self, member: int) -> int:
         return self.plan.sides[member] if self.plan.sides else firing_intervals.UPPER
@@ -645,10 +701,85 @@ class _OutputWriter:
         *coefficients, constant_term = shape.parameters
         return self._floats([constant_term, *coefficients])
 
+    def _write_levels(self) -> None:
+        """Write what exact maxima read of a set; see :mod:`fuzzyarm.inference.positions`."""
+        pieces = 0
+        for i, member in enumerate(self.plan.members):
+            cut = self.base.norm(TNORMS[member.implication], "T")
+            clips = CLIPPING.get(member.implication, ())
+            own = [self._piece(member, each, inside=True) for each in member.pieces]
+            head = self._set(member, own)
+            levels = [len(clips), self._floats(number for clip in clips for number in clip)]
+            top = self._floats([peak(member.pieces)])
+            self.consequents[i] = len(self.base.whole)
+            self.base.whole += [*head, cut, *levels, top, int(member.implication != "bounded")]
+            pieces += len(member.pieces)
+        self.samples = positions.HEAP // 2 + pieces
+
+    def _set(self, member: Member, pieces: Sequence[Sequence[float]]) -> list[int]:
+        """Return the function of a set and its pieces, as :data:`positions.FUNCTION` begins."""
+        address, numbers = 0, ()
+        if any(piece[-1] != 0.0 for piece in pieces):
+            address, numbers = self.base.addresses.curve(member.term.shape, member.hedges)
+        return [
+            address, self._floats(numbers), len(numbers),
+            len(pieces), self._floats(number for piece in pieces for number in piece),
+        ]  # fmt: skip
+
+    def _piece(self, member: Member, piece: Piece, *, inside: bool) -> list[float]:
+        """Return the numbers of a piece; a search of a curve may begin just inside its ends."""
+        ends = [piece.x0, piece.y0, piece.x1, piece.y1]
+        if piece.straight:
+            return [*ends, 0.0, 0.0, 0.0]
+        a, b = piece.x0, piece.x1
+        if inside:
+            a, b = math.nextafter(a, b), math.nextafter(b, a)
+        rises = member.membership(b) > member.membership(a)
+        return [*ends, a, b, 1.0 if rises else -1.0]
+
+    def _write_found_values(self) -> None:
+        inputs = [variable.name for variable in self.base.plan.rulebase.inputs]
+        for i, member in enumerate(self.plan.members):
+            sort, head, own = self._found_value(member, inputs)
+            own_at = self._floats(own)
+            self.consequents[i] = len(self.base.whole)
+            self.base.whole += [*head, sort, own_at]
+            if sort == positions.CONSTANT:
+                self._mark("value", i, own_at, 1)
+        self.samples = (positions.HEAP + len(inputs)) // 2 + 1 + self._most_groups
+
+    def _found_value(
+        self, member: Member, inputs: Sequence[str]
+    ) -> tuple[int, list[int], Sequence[float]]:
+        """Return how a value is found, what for, and the numbers of its own."""
+        shape, addresses = member.term.shape, self.base.addresses
+        none = [0, 0, 0, 0, 0]
+        if member.value is not None:
+            return positions.CONSTANT, none, [member.value]
+        if self.plan.output.defuzzifier.method == "tsukamoto" and member.pieces:
+            inverse = SHAPES[shape.kind].inverse_expression
+            if inverse is not None and not member.hedges:
+                names = [f"number {i}" for i in range(len(shape.parameters))]
+                root = _renamed(inverse, SHAPES[shape.kind].inverse_symbols, ["x", *names])
+                numbers = [addresses.expression(root, names), self._floats(shape.parameters)]
+                head = [*numbers, len(shape.parameters), 0, 0]
+                return positions.INVERSE, head, [shape.height]
+            rising = is_rising(self.plan, member)
+            pieces = [self._piece(member, each, inside=False) for each in member.pieces]
+            if not rising:
+                pieces = [[x1, y1, x0, y0, *rest] for x0, y0, x1, y1, *rest in pieces[::-1]]
+            end = self.plan.output.high if rising else self.plan.output.low
+            return positions.LEVEL, self._set(member, pieces), [end]
+        if member.formula is not None:
+            root = formula_of(shape).with_constants(inputs)
+            return positions.FORMULA, [addresses.expression(root, inputs), *none[1:]], [shape.height]
+        *coefficients, constant_term = shape.parameters
+        return positions.LINEAR, none, [constant_term, *coefficients]
+
     def places(self) -> tuple[object, ...]:
         """Return all that :meth:`write` reads of this output."""
         united = self.plan.output.aggregation == "max"
-        values = self.defuzzifier in {at.weighted, reduced.karnik_mendel_values}
+        values = self._has_values
         closed = self.defuzzifier is at.closed_centroid
         layers = (self.own, self.overlaps) if closed else None
         return self.members, self.consequents, united, values, layers
@@ -671,8 +802,7 @@ class _OutputWriter:
 
     def _groups(self, active: Sequence[_Rule]) -> Iterator[tuple[int, list[_Rule]]]:
         entries = [(m, rule) for rule in active for m in self.members.get(rule.number, ())]
-        values = self.defuzzifier in {at.weighted, reduced.karnik_mendel_values}
-        if self.plan.output.aggregation == "max" or values:
+        if self.plan.output.aggregation == "max" or self._has_values:
             grouped: dict[int, list[_Rule]] = {}
             for member, rule in entries:
                 grouped.setdefault(member, []).append(rule)
@@ -681,6 +811,11 @@ class _OutputWriter:
         else:
             for member, rule in entries:
                 yield member, [rule]
+
+    @property
+    def _has_values(self) -> bool:
+        """Whether the strengths of a value are folded, whatever the aggregation."""
+        return self.defuzzifier in {at.weighted, reduced.karnik_mendel_values, *FOUND_VALUES}
 
     def _terms(self, members: Sequence[int]) -> list[int]:
         """Return unions of heights and terms of the closed form, where these sets may fire."""
@@ -707,15 +842,36 @@ class _OutputWriter:
         return found
 
 
+def way_of(plan: OutputPlan) -> int:
+    """Return which of several positions an output wants."""
+    way = plan.output.defuzzifier
+    nearest = way.method == "bisector" and way.sampling == "midpoints" and not plan.discrete
+    if nearest and way.resolution is not None:
+        return positions.NEAREST_HALF
+    return WAYS[way.method]
+
+
+def _renamed(root: Node, names: Sequence[str], others: Sequence[str]) -> Node:
+    """Return an expression with other names for its symbols."""
+    return replace(root, dict(zip(names, map(symbol, others), strict=True)))
+
+
 def _defuzzifier(plan: OutputPlan, *, loose: bool = False) -> Callable[[Any], None]:
     has_form = plan.closed is not None and not loose
-    if plan.output.defuzzifier.method in TYPE_2 and plan.members and not has_form:
+    way = plan.output.defuzzifier
+    if way.method in TYPE_2 and plan.members and not has_form:
         return _type_reduction(plan)
     if plan.discrete:
-        return at.weighted
-    if plan.output.defuzzifier.resolution is not None:
-        return enveloped.sampled_centroid
-    if plan.output.defuzzifier.method == "bisector" and plan.members:
+        return _of_values(plan)
+    if way.joined:
+        return positions.joined_samples
+    if way.method in MAXIMA:
+        sampled = way.resolution is not None
+        return positions.sampled_position if sampled else positions.exact_maxima
+    if way.resolution is not None:
+        bisects = way.method == "bisector"
+        return positions.sampled_position if bisects else enveloped.sampled_centroid
+    if way.method == "bisector" and plan.members:
         return integrated.integrated_bisector
     # A loose one takes any form that numbers can have, where there are numbers.
     in_general = loose and plan.members and has_envelope(plan.output, plan.members)
@@ -723,6 +879,16 @@ def _defuzzifier(plan: OutputPlan, *, loose: bool = False) -> Callable[[Any], No
         return at.closed_centroid
     lines = in_general or plan.enveloped
     return enveloped.enveloped_centroid if lines else integrated.integrated_centroid
+
+
+def _of_values(plan: OutputPlan) -> Callable[[Any], None]:
+    """Return what makes a number of values, or of sets that stand for one each."""
+    if plan.output.defuzzifier.method not in CENTROIDS | WEIGHTED:
+        return positions.position_of_values
+    is_found = plan.output.defuzzifier.method == "tsukamoto" or any(
+        member.formula is not None for member in plan.members
+    )
+    return positions.weighted_values if is_found else at.weighted
 
 
 def _type_reduction(plan: OutputPlan) -> Callable[[Any], None]:
@@ -746,21 +912,42 @@ def lines_of(implication: str) -> list[tuple[float, float, float, float]]:
     ]
 
 
-def _check_output(plan: OutputPlan) -> None:
+def _check_output(plan: OutputPlan, inputs: Sequence[str]) -> None:
     output: Output = plan.output
     method = output.defuzzifier.method
-    if plan.discrete and method in CENTROIDS | TAKAGI_SUGENO:
-        formulas = [member.term.name for member in plan.members if member.formula is not None]
-        if formulas:
-            raise NotCoveredError(f"'{output.name} is {formulas[0]}' is a formula")
+    defuzzifier = _defuzzifier(plan)
+    if plan.discrete:
+        for member in plan.members:
+            _check_value(plan, member, inputs)
         return
-    exact_bisector = method == "bisector" and output.defuzzifier.resolution is None
-    if output.defuzzifier.joined and not plan.discrete:
-        raise NotCoveredError(f"joined samples of '{output.name}'")
-    if plan.discrete or not (method in CENTROIDS or exact_bisector):
-        raise NotCoveredError(f"the {method} of '{output.name}'")
-    if _defuzzifier(plan) in INTEGRATED:
+    if output.defuzzifier.joined and method not in JOINED:
+        raise NotCoveredError(f"joined samples of '{output.name}', which is a {method}")
+    if defuzzifier is positions.exact_maxima and output.aggregation != "max":
+        raise NotCoveredError(
+            f"the exact {method} of '{output.name}' under aggregation {output.aggregation}"
+        )
+    if defuzzifier in INTEGRATED:
         for member in plan.members:
             if TNORMS[member.implication].leaves_ones or TNORMS[member.implication].own:
                 what = f"implication {member.implication}"
                 raise NotCoveredError(f"the exact {method} of '{output.name}' under {what}")
+
+
+def _check_value(plan: OutputPlan, member: Member, inputs: Sequence[str]) -> None:
+    """Refuse a value that is not found from inputs alone, or a set that has no one position."""
+    what = f"'{plan.output.name} is {member.term.name}'"
+    if member.value is not None:
+        return
+    if member.formula is not None and not member.pieces:
+        outside = {*member.formula.names} - {*inputs} - CONSTANTS.keys()
+        if outside:
+            raise NotCoveredError(f"{what} is a formula of '{min(outside)}'")
+    elif member.pieces:
+        inverse = SHAPES[member.term.shape.kind].inverse_expression
+        if inverse is None or member.hedges:
+            if inverse is None and SHAPES[member.term.shape.kind].inverse is not None:
+                raise NotCoveredError(f"{what}, whose inverse is plain Python")
+            try:
+                is_rising(plan, member)
+            except InferenceError as error:
+                raise NotCoveredError(str(error)) from None

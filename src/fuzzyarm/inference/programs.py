@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from fuzzyarm.inference import enveloped, integrated, kernel, reduced
+from fuzzyarm.inference import enveloped, integrated, kernel, positions, reduced
 
 BLOCKS: tuple[Callable[..., Any], ...] = (
     kernel.evaluate,
@@ -17,6 +17,11 @@ BLOCKS: tuple[Callable[..., Any], ...] = (
     enveloped.enveloped_centroid,
     integrated.integrated_centroid,
     integrated.integrated_bisector,
+    positions.sampled_position,
+    positions.joined_samples,
+    positions.exact_maxima,
+    positions.weighted_values,
+    positions.position_of_values,
     reduced.karnik_mendel_values,
     reduced.karnik_mendel_samples,
     reduced.karnik_mendel_envelope,

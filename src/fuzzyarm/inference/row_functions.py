@@ -7,7 +7,7 @@ of machine code here (:class:`InMemory`), a place in a table in a program of ano
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -118,6 +118,16 @@ def hedges_on_row(hedges: tuple[Hedge, ...]) -> Callable[..., None]:
     return _row_function(_under(hedges, symbol("x"), constant), ("x",), (), "hedged")
 
 
+def expression_row(root: Node, numbers: Sequence[str]) -> Callable[..., None]:
+    """Return an expression of ``x`` as a function of a row and of some numbers.
+
+    The symbols are not read as words of Python: what a user calls a variable may be any text.
+    """
+    plain = tuple(f"n{index}" for index in range(len(numbers)))
+    own = dict(zip(numbers, map(symbol, plain), strict=True))
+    return _row_function(replace(root, own), ("x",), plain, "expression")
+
+
 def built_in_curve(name: str) -> Callable[..., None]:
     """Return a kind of shapes as a function of a row, with its numbers as arguments."""
     kind = SHAPES[name]
@@ -161,6 +171,9 @@ class Addresses(Protocol):
     def hedged(self, hedges: tuple[Hedge, ...]) -> int:
         """Return the number of a row function of hedges."""
 
+    def expression(self, root: Node, numbers: Sequence[str]) -> int:
+        """Return the number of a row function of an expression of ``x`` and of some numbers."""
+
     def program(self, function: Callable[[Any], None]) -> int:
         """Return the number of a kernel that takes the block."""
 
@@ -187,6 +200,11 @@ class InMemory(NamedTuple):
     def hedged(self, hedges: tuple[Hedge, ...]) -> int:
         """See :class:`Addresses`."""
         return hedge_row(hedges, compiled=self.compiled)
+
+    def expression(self, root: Node, numbers: Sequence[str]) -> int:
+        """See :class:`Addresses`."""
+        function = expression_row(root, numbers)
+        return address_of(function, 3, compiled=self.compiled)
 
     def program(self, function: Callable[[Any], None]) -> int:
         """See :class:`Addresses`."""
