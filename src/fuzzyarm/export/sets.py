@@ -220,16 +220,21 @@ def scaled_union(plan: OutputPlan, heights: Heights, fresh: Fresh) -> Iterator[t
             ends = _ends(plan.members[member], x0, x1)
             if max(ends) > 0.0:
                 present[member] = ends
-        if len(present) > 2:
-            raise refuse(
-                f"three sets of '{plan.output.name}' overlap at {0.5 * (x0 + x1):g} under"
-                " implication product and aggregation max",
-                plan.output.span,
-                "write  implication min  or  aggregation sum",
-            )
         for first, second in combinations(present, 2):
             lines = (heights[first], present[first], heights[second], present[second])
             yield -1, _smaller_of_two(*lines, x0 - _centre(plan), x1 - x0, fresh)
+
+
+def most_overlapping(plan: OutputPlan) -> int:
+    """Return how many sets of one side there are at most over one stretch."""
+    most = 0
+    for side in set(plan.sides) or {None}:
+        members = [i for i in range(len(plan.members)) if side is None or plan.sides[i] == side]
+        edges = sorted({x for m in members for p in plan.members[m].pieces for x in (p.x0, p.x1)})
+        for x0, x1 in pairwise(edges):
+            present = [m for m in members if max(_ends(plan.members[m], x0, x1)) > 0.0]
+            most = max(most, len(present))
+    return most
 
 
 def _centre(plan: OutputPlan) -> float:

@@ -49,7 +49,7 @@ from fuzzyarm.inference.quadrature import (
     panels,
 )
 from fuzzyarm.inference.row_functions import Addresses, Curve, InMemory, norm_number
-from fuzzyarm.inference.sets import Piece, cut_lines, formula_of, peak
+from fuzzyarm.inference.sets import Piece, cut_lines, formula_of, peak, plateaus
 from fuzzyarm.inference.weighted import is_rising
 from fuzzyarm.model.rulebase import (
     JOINED,
@@ -193,6 +193,52 @@ def what_is_not_covered(plan: Plan) -> str:
     except NotCoveredError as error:
         return str(error)
     return ""
+
+
+class OutputLayout(NamedTuple):
+    """The numbers of one output, for a defuzzifier that is given the strengths.
+
+    Attributes
+    ----------
+    whole, floats : list
+        What the defuzzifier reads. Behind the head and the output stand the groups, which list no
+        rules.
+    defuzzifier : callable
+        A kernel of :data:`fuzzyarm.inference.programs.AT_POINT`.
+    groups : tuple of int
+        Indices of what asserts each group: members where strengths are folded, else contributions.
+    rows : int
+        Rows of the room that the caller fills: a strength for each group, or as the defuzzifier says.
+    samples : int
+        Half of the floats that it works in behind these rows and the work rows.
+    """
+
+    whole: list[int]
+    floats: list[float]
+    defuzzifier: Callable[[Any], None]
+    groups: tuple[int, ...]
+    rows: int
+    samples: int
+
+
+def lay_out_output(plan: Plan, name: str, addresses: Addresses) -> OutputLayout:
+    """Write down what one output reads, for a caller that finds the strengths itself.
+
+    Parameters
+    ----------
+    plan : Plan
+        Of any rule base.
+    name : str
+        An output; under ``max`` its rules are folded by the caller, else every rule is a group.
+    addresses : Addresses
+        Who numbers the functions.
+
+    Raises
+    ------
+    NotCoveredError
+        If the kernel has no defuzzifier for it.
+    """
+    return _OneOutput(plan, plan.outputs[name], addresses).output_layout()
 
 
 _programs: dict[str, tuple[tuple[int, ...], tuple[int, ...]]] = {}
@@ -482,6 +528,69 @@ def _homes(cells: Cells) -> dict[int, list[int]]:
     return found
 
 
+class _OneOutput(_Writer):
+    """The base of an output that stands alone: no inputs, no rules."""
+
+    def __init__(self, plan: Plan, output: OutputPlan, addresses: Addresses) -> None:
+        self.plan, self.output, self.addresses = plan, output, addresses
+        self.loose, self.alone = "", False
+        self.marks: list[Mark] = []
+        self.rules: list[_Rule] = []
+        self.operands = 0
+        self.whole = [0] * (at.HEAD + at.OUTPUT_HEAD)
+        self.floats: list[float] = []
+        if not output.discrete:
+            _check_output(output, ())
+
+    def output_layout(self) -> OutputLayout:
+        output = self.output
+        defuzzifier = _defuzzifier(output)
+        if output.discrete:
+            return self._of_values()
+        writer = _OutputWriter(self, output, at.HEAD)
+        united = output.output.aggregation == "max"
+        members = (
+            sorted({member for member, _ in output.contributions})
+            if united
+            else [member for member, _ in output.contributions]
+        )
+        groups = members if united else list(range(len(output.contributions)))
+        self._finish(len(groups), [writer.consequents[member] for member in members], len(groups))
+        return OutputLayout(
+            self.whole, self.floats, defuzzifier, tuple(groups), len(groups), writer.samples
+        )
+
+    def _of_values(self) -> OutputLayout:
+        """Write what a choice among values reads, or the ends of an average: no value is in it."""
+        method = self.output.output.defuzzifier.method
+        if method in KARNIK_MENDEL:
+            count, samples = len(self.output.pairs), reduced.PAIR_ROWS * len(self.output.pairs)
+            way, rows = WHICH_END[method], reduced.PAIR_ROWS * count
+            groups = tuple(member for pair in self.output.pairs for member in pair)
+            defuzzifier: Callable[[Any], None] = reduced.ends_of_rows
+        else:
+            groups = tuple(sorted({member for member, _ in self.output.contributions}))
+            count, samples = len(groups), 2 * len(groups)
+            way, rows = float(way_of(self.output)), 2 * count
+            defuzzifier = positions.position_of_rows
+        self.floats += [0.0, 0.0, 0.0, way]
+        self.whole[at.HEAD + at.DETAIL] = count
+        self._finish(count, [0] * count, rows)
+        return OutputLayout(
+            self.whole, self.floats, defuzzifier, groups, rows, (samples + 1) // 2
+        )
+
+    def _finish(self, groups: int, consequents: Sequence[int], rows: int) -> None:
+        whole = self.whole
+        whole[at.WIDTH], whole[at.OUTPUT], whole[at.WORK] = 1, at.HEAD, rows
+        whole[at.GROUPS] = len(whole)
+        whole.append(groups)
+        for consequent in consequents:
+            whole += [0, consequent]
+        # What reads ahead of a condition, as some languages do, stays inside.
+        self.floats += [0.0, 0.0]
+
+
 class _OutputWriter:
     """Writes what one output adds to the programs."""
 
@@ -640,6 +749,10 @@ class _OutputWriter:
             whole += [len(clips), self._floats(number for clip in clips for number in clip)]
             whole += [len(lines), self._floats(number for line in lines for number in line)]
             whole.append(self._side(i))
+            flats = plateaus(member.pieces)
+            leaves_ones = TNORMS[member.implication].leaves_ones
+            whole.append(len(flats) if leaves_ones else -1)
+            whole.append(self._floats(end for flat in flats for end in flat))
         crossing = [
             (self.consequents[each.first], self.consequents[each.second], self._floats(each[2:]))
             for each in plan.stretches
@@ -928,7 +1041,7 @@ def _check_output(plan: OutputPlan, inputs: Sequence[str]) -> None:
         )
     if defuzzifier in INTEGRATED:
         for member in plan.members:
-            if TNORMS[member.implication].leaves_ones or TNORMS[member.implication].own:
+            if TNORMS[member.implication].own:
                 what = f"implication {member.implication}"
                 raise NotCoveredError(f"the exact {method} of '{output.name}' under {what}")
 

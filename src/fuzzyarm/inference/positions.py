@@ -511,6 +511,28 @@ def position_of_values(block: Any) -> None:
 
 
 @kernel
+def position_of_rows(block: Any) -> None:
+    """Choose among values that stand in rows, as exported programs have them."""
+    k, f, room, total, moment = parts_of(block)
+    heap = room[(k[WORK] + WORK_ROWS) * k[WIDTH] :]
+    for point in range(total.shape[0]):
+        total[point], moment[point] = choice_of_values(k, f, room, heap, point)
+
+
+@kernel
+def choice_of_values(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[float, float]:
+    """Return what a choice among the values of a point gives: strength and value by turns."""
+    groups = k[k[GROUPS]]
+    values, heights = heap[:groups], heap[groups : 2 * groups]
+    count = 0
+    for group in range(groups):
+        row = (k[HEIGHTS] + 2 * group) * k[WIDTH] + point
+        if room[row] > 0.0:
+            count = insert_value(values, heights, count, room[row + k[WIDTH]], room[row])
+    return chosen_among(way_of(k, f), values, heights, count)
+
+
+@kernel
 def insert_value(values: Any, heights: Any, count: int, value: float, height: float) -> int:
     """Insert a value with its height behind those that are not greater; return how many."""
     index = count

@@ -16,6 +16,7 @@ from fuzzyarm.expression.functions import row_function, row_source
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, Norm
 from fuzzyarm.expression.lines import degree_on_corners
 from fuzzyarm.expression.nodes import Node, constant, replace, symbol
+from fuzzyarm.expression.printing import PYTHON, printed
 from fuzzyarm.expression.programs import program_of
 from fuzzyarm.inference import kernel as at
 from fuzzyarm.inference.sets import formula_of
@@ -77,6 +78,14 @@ def curve_of(shape: Shape, hedges: tuple[Hedge, ...], *, compiled: bool) -> Curv
         # An address among floats: its bits are kept, its value as a float means nothing.
         (modified,) = struct.unpack("d", struct.pack("q", hedge_row(hedges, compiled=compiled)))
         return Curve(address_of(hedged_corners_row, 3, compiled=compiled), (modified, *corners))
+    function, own = curved_row(shape, hedges)
+    return Curve(address_of(function, 3, compiled=compiled), own)
+
+
+def curved_row(
+    shape: Shape, hedges: tuple[Hedge, ...]
+) -> tuple[Callable[..., None], tuple[float, ...]]:
+    """Return a curved term under hedges as a function of a row and of its numbers, and these."""
     names: list[str] = []
     numbers: list[float] = []
 
@@ -95,8 +104,7 @@ def curve_of(shape: Shape, hedges: tuple[Hedge, ...], *, compiled: bool) -> Curv
         root = replace(kind.expression, dict(zip(kind.symbols[1:], own, strict=True)))
     root = number(shape.height) * root if shape.height != 1.0 else root
     root = _under(hedges, root, number)
-    function = _row_function(root, ("x",), tuple(names), shape.kind)
-    return Curve(address_of(function, 3, compiled=compiled), tuple(numbers))
+    return _row_function(root, ("x",), tuple(names), shape.kind), tuple(numbers)
 
 
 def _under(hedges: tuple[Hedge, ...], root: Node, number: Callable[[float], Node]) -> Node:
@@ -157,6 +165,19 @@ def hedged_corners_row(x: Any, numbers: Any, into: Any) -> None:
     for point in range(into.shape[0]):
         into[point] = degree_on_corners(corners, x[point])
     call(numbers.view(np.int64)[0], into, numbers[0:0], into)
+
+
+def corners_under(hedges: tuple[Hedge, ...]) -> Callable[..., None]:
+    """Return a straight term under hedges as a function of a row and of its corners."""
+    if not hedges:
+        return corners_row
+    lines, result = printed(_under(hedges, symbol("degree"), constant), PYTHON, taken=("degree",))
+    head = ["for i in range(into.shape[0]):", "    degree = degree_on_corners(corners, x_row[i])"]
+    body = [*head, *(f"    {line}" for line in lines), f"    into[i] = {result}"]
+    source = "\n".join(["def corners(x_row, corners, into):", *(f"    {line}" for line in body), ""])
+    function = row_function(source, "corners")
+    function.__globals__["degree_on_corners"] = degree_on_corners
+    return function
 
 
 class Addresses(Protocol):
