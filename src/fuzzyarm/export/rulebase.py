@@ -132,7 +132,8 @@ class DirectRoutine:
     @property
     def _heights(self) -> int:
         """How often the program asks a set for its height at a sample."""
-        return max((sums.count * len(sums.steps) for sums in self.program.sums), default=1)
+        counts = [sums.count * len(sums.steps) for sums in self.program.sums]
+        return max([*counts, *(walk.steps for walk in self.program.walks)], default=1)
 
     def body(self, writer: CWriter, parameters: Sequence[str]) -> list[str]:
         """Return the statements of the function."""

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from fuzzyarm.expression.evaluation import evaluate_arrays
 from fuzzyarm.expression.kinds import SHAPES, Norm
 from fuzzyarm.expression.nodes import Node
+from fuzzyarm.inference import integrated, reduced
 from fuzzyarm.inference import kernel as at
 from fuzzyarm.inference.layout import OutputLayout, lay_out_output
 from fuzzyarm.inference.plan import Plan
@@ -37,6 +38,14 @@ from fuzzyarm.model.rulebase import Hedge, Shape
 from fuzzyarm.model.shapes import polyline
 
 Array = NDArray[Any]
+
+STEPS_OF_AN_INTEGRAL = 15_000
+
+INTEGRALS = (
+    integrated.integrated_centroid, integrated.integrated_bisector,
+    reduced.karnik_mendel_integral, reduced.nie_tan_integral,
+)  # fmt: skip
+"""Defuzzifiers that take long."""
 
 _AT_ONCE = 4_096
 """Points that are worked on together where a walk is evaluated here."""
@@ -144,6 +153,12 @@ class Walk:
     def heap(self) -> int:
         """Where in these the kernel's own begin."""
         return self.layout.rows + at.WORK_ROWS
+
+    @property
+    def steps(self) -> int:
+        """About how many heights of sets are asked for at one point."""
+        found = STEPS_OF_AN_INTEGRAL if self.layout.defuzzifier in INTEGRALS else self.room
+        return found * max(1, len(self.layout.groups)) * (1 if has_machine_code() else 100)
 
     @property
     def flash(self) -> int:

@@ -11,6 +11,7 @@ import math
 import re
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -186,7 +187,8 @@ class _InC(Translation):
 
     def finish(self) -> None:
         """Write the functions into the file, behind the helpers that they use."""
-        text = re.sub(r"@(\w+) (\w+)@", self._helper, self.text())
+        text = "\n".join(map(_without_unused, self._finished))
+        text = re.sub(r"@(\w+) (\w+)@", self._helper, text)
         self.writer.helpers.append(text)
 
     def _helper(self, match: re.Match[str]) -> str:
@@ -215,4 +217,13 @@ class _Text:
 
     def __init__(self, text: str) -> None:
         self.text = text
+        self.parameters: list[str] = []
+
+
+def _without_unused(function: Any) -> str:
+    """Return the text of a function that names all of its parameters."""
+    text: str = function.text
+    unused = [p for p in function.parameters if len(re.findall(rf"\b{p}_x\b", text)) == 1]
+    head, brace, body = text.partition("{\n")
+    return head + brace + "".join(f"  (void){name}_x;\n" for name in unused) + body
 
