@@ -34,6 +34,7 @@ from fuzzyarm.export.sets import (
     scaled_union,
     times,
     where,
+    with_ends,
 )
 from fuzzyarm.export.walk import Listed, Walk
 from fuzzyarm.expression import op
@@ -505,6 +506,8 @@ class _Builder:
             share = height if shape.height == 1.0 else height / constant(shape.height)
             numbers = dict(zip(kind.inverse_symbols[1:], shape.parameters, strict=True))
             inverse = specialise(kind.inverse_expression, numbers)
+            # Ends that it only tends to: those of the range.
+            inverse = with_ends(inverse, model.low, model.high)
             value = self.fresh(
                 replace(inverse, {"degree": op.minimum(1.0, share)}), f"{found.term.name}_at"
             )
