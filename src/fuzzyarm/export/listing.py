@@ -50,7 +50,6 @@ WALKED = "defuzzified"
 _HELPERS = {"minimum": ("least", "<"), "maximum": ("greatest", ">")}
 
 
-
 def uses_functions(nodes: Iterable[Node]) -> bool:
     """Return whether there are functions of the mathematical library among some operations."""
     return any(

@@ -415,7 +415,11 @@ class _Builder:
             by_turns = list(zip(own, values, strict=True))
             if method in KARNIK_MENDEL:  # of each pair both strengths, then both values
                 pairs = list(zip(by_turns[::2], by_turns[1::2], strict=True))
-                own = [node for pair in pairs for node in (*(s for s, _ in pair), *(v for _, v in pair))]
+                own = [
+                    node
+                    for pair in pairs
+                    for node in (*(s for s, _ in pair), *(v for _, v in pair))
+                ]
             else:
                 own = [node for both in by_turns for node in both]
         total, value = self.names.new("total"), self.names.new("found")
@@ -518,9 +522,13 @@ class _Builder:
         try:
             rising = is_rising(output, found)
         except InferenceError as error:
-            raise refuse(str(error), found.term.span, "write  defuzzifier weighted-average") from None
+            raise refuse(
+                str(error), found.term.span, "write  defuzzifier weighted-average"
+            ) from None
         if not all(piece.straight for piece in found.pieces):
-            what = f"'{model.name} is {found.term.name}' is curved, and its position is searched for"
+            what = (
+                f"'{model.name} is {found.term.name}' is curved, and its position is searched for"
+            )
             raise refuse(what, found.term.span, "write  defuzzifier weighted-average")
         return _on_pieces(found.pieces, height, model.high if rising else model.low, rising=rising)
 

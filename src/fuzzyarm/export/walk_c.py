@@ -209,7 +209,9 @@ class _InC(Translation):
         parts = [f"part[{i}]" if type_.uniform else f"part_{i}" for i in range(len(kinds))]
         sets = [f"    found.{part} = p_{i};\n" for i, part in enumerate(parts)]
         text = f"TYPE NAME({given})\n{{\n    TYPE found;\n{''.join(sets)}    return found;\n}}\n"
-        return self.writer.helper(f"{name.removeprefix(self.writer.prefix).strip('_')}_of", text, TYPE=name)
+        return self.writer.helper(
+            f"{name.removeprefix(self.writer.prefix).strip('_')}_of", text, TYPE=name
+        )
 
 
 class _Text:
@@ -226,4 +228,3 @@ def _without_unused(function: Any) -> str:
     unused = [p for p in function.parameters if len(re.findall(rf"\b{p}_x\b", text)) == 1]
     head, brace, body = text.partition("{\n")
     return head + brace + "".join(f"  (void){name}_x;\n" for name in unused) + body
-

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import ast
 import math
-import re
 import sys
 from collections.abc import Sequence
 from dataclasses import replace
@@ -22,7 +21,7 @@ from fuzzyarm.export.names import Names
 from fuzzyarm.export.numbers import ExportError, st_number
 from fuzzyarm.export.walk import Walk
 from fuzzyarm.translation.functions import Bindings, NotTranslatedError, Translation, _Function
-from fuzzyarm.translation.targets import C99, Target
+from fuzzyarm.translation.targets import C99
 from fuzzyarm.translation.types import Array, Nothing, Record, Scalar, Type, Value, wider
 
 __all__ = ["WalkText", "walk_in_st"]
@@ -121,9 +120,7 @@ class _InST(Translation):
             "room": (walk.room, "LREAL"),
         }  # fmt: skip
 
-    def new_function(
-        self, function: Any, types: Sequence[Type], bindings: Bindings
-    ) -> _STFunction:
+    def new_function(self, function: Any, types: Sequence[Type], bindings: Bindings) -> _STFunction:
         """Return a function that is not translated yet."""
         return _STFunction(self, function, types, bindings, self.name(function.__name__))
 
@@ -187,7 +184,8 @@ class _STFunction(_Function):
             self.own: dict[str, str] = {"done": "BOOL"}
             body = [line for statement in self.source.body for line in self.statement(statement)]
         results = [
-            f"    part_{i} : {_KINDS[part]};" for i, part in enumerate(self._parts())  # type: ignore[index]
+            f"    part_{i} : {_KINDS[part]};"
+            for i, part in enumerate(self._parts())  # type: ignore[index]
         ]
         kind = "BOOL" if self._parts() or not isinstance(self.returned, Scalar) else (
             _KINDS[self.returned])  # fmt: skip
@@ -379,7 +377,11 @@ class _STFunction(_Function):
         parts = []
         for a, sign, b in zip(values[:-1], node.ops, values[1:], strict=True):
             type_ = wider(a.type, b.type)
-            texts = self.as_type(a, type_), self.target.comparisons[type(sign)], self.as_type(b, type_)
+            texts = (
+                self.as_type(a, type_),
+                self.target.comparisons[type(sign)],
+                self.as_type(b, type_),
+            )
             parts.append(f"({' '.join(texts)})")
         return Value(parts[0] if len(parts) == 1 else f"({' AND '.join(parts)})", TRUTH)
 

@@ -12,7 +12,6 @@ Logic Control*, 2018).
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from itertools import pairwise
 from typing import Any

@@ -27,8 +27,8 @@ from fuzzyarm.inference import kernel as at
 from fuzzyarm.inference.aggregate import sample_positions, sampled_set, weights
 from fuzzyarm.inference.block import Layout, Mark, NotCoveredError
 from fuzzyarm.inference.cells import Cells, cut_into_cells
-from fuzzyarm.inference.overlap import Layers
 from fuzzyarm.inference.errors import InferenceError
+from fuzzyarm.inference.overlap import Layers
 from fuzzyarm.inference.plan import (
     CENTROIDS,
     Member,
@@ -576,9 +576,7 @@ class _OneOutput(_Writer):
         self.floats += [0.0, 0.0, 0.0, way]
         self.whole[at.HEAD + at.DETAIL] = count
         self._finish(count, [0] * count, rows)
-        return OutputLayout(
-            self.whole, self.floats, defuzzifier, groups, rows, (samples + 1) // 2
-        )
+        return OutputLayout(self.whole, self.floats, defuzzifier, groups, rows, (samples + 1) // 2)
 
     def _finish(self, groups: int, consequents: Sequence[int], rows: int) -> None:
         whole = self.whole
@@ -885,7 +883,11 @@ class _OutputWriter:
             return positions.LEVEL, self._set(member, pieces), [end]
         if member.formula is not None:
             root = formula_of(shape).with_constants(inputs)
-            return positions.FORMULA, [addresses.expression(root, inputs), *none[1:]], [shape.height]
+            return (
+                positions.FORMULA,
+                [addresses.expression(root, inputs), *none[1:]],
+                [shape.height],
+            )
         *coefficients, constant_term = shape.parameters
         return positions.LINEAR, none, [constant_term, *coefficients]
 

@@ -399,9 +399,7 @@ def cut_at_level(k: Any, f: Any, heap: Any, consequent: int, level: float, count
 def insert_interval(heap: Any, count: int, start: float, end: float) -> int:
     """Insert an interval into the sorted ones; return how many there are."""
     at = HEAP + 2 * count
-    while at > HEAP and (
-        heap[at - 2] > start or (heap[at - 2] == start and heap[at - 1] > end)
-    ):
+    while at > HEAP and (heap[at - 2] > start or (heap[at - 2] == start and heap[at - 1] > end)):
         heap[at] = heap[at - 2]
         heap[at + 1] = heap[at - 1]
         at -= 2

@@ -174,7 +174,9 @@ def corners_under(hedges: tuple[Hedge, ...]) -> Callable[..., None]:
     lines, result = printed(_under(hedges, symbol("degree"), constant), PYTHON, taken=("degree",))
     head = ["for i in range(into.shape[0]):", "    degree = degree_on_corners(corners, x_row[i])"]
     body = [*head, *(f"    {line}" for line in lines), f"    into[i] = {result}"]
-    source = "\n".join(["def corners(x_row, corners, into):", *(f"    {line}" for line in body), ""])
+    source = "\n".join(
+        ["def corners(x_row, corners, into):", *(f"    {line}" for line in body), ""]
+    )
     function = row_function(source, "corners")
     function.__globals__["degree_on_corners"] = degree_on_corners
     return function
