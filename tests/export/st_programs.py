@@ -258,7 +258,8 @@ class Instance:
             if "ARRAY" in kind:  # by reference
                 assert name in self.unit.references
                 size = int(re.search(r"\.\.(\d+)", kind)[1]) + 1
-                assert isinstance(value, list) and len(value) == size, (name, kind)
+                assert isinstance(value, list)
+                assert len(value) == size, (name, kind)
                 self.values[name] = value
             else:
                 self.values[name] = stored(kind, value)

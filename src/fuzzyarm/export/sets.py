@@ -251,8 +251,9 @@ def scaled_union(plan: OutputPlan, heights: Heights, fresh: Fresh) -> Iterator[t
 def most_overlapping(plan: OutputPlan) -> int:
     """Return how many sets of one side there are at most over one stretch."""
     most = 0
-    for side in set(plan.sides) or {None}:
-        members = [i for i in range(len(plan.members)) if side is None or plan.sides[i] == side]
+    sides = plan.sides or (0,) * len(plan.members)
+    for side in {*sides}:
+        members = [i for i, own in enumerate(sides) if own == side]
         edges = sorted({x for m in members for p in plan.members[m].pieces for x in (p.x0, p.x1)})
         for x0, x1 in pairwise(edges):
             present = [m for m in members if max(_ends(plan.members[m], x0, x1)) > 0.0]

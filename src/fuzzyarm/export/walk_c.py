@@ -169,8 +169,9 @@ class _InC(Translation):
             listed = self.walk.functions.norms if len(types) == 4 else self.walk.functions.curves
             parameters = [f"{self.type_name(type_)} a_{i}" for i, type_ in enumerate(types)]
             passed = ", ".join(f"a_{i}" for i in range(len(types)))
-            head = f"{self._keyword} void {self._dispatchers[types]}(int32_t number, {', '.join(parameters)})"
-            lines = []
+            given = ", ".join(["int32_t number", *parameters])
+            head = f"{self._keyword} void {self._dispatchers[types]}({given})"
+            lines: list[str] = []
             for number, function in listed.items():
                 made = self.function(function, types)
                 word = "} else if" if lines else "    if"

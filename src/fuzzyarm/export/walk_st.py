@@ -183,10 +183,8 @@ class _STFunction(_Function):
             self.before: list[str] = []
             self.own: dict[str, str] = {"done": "BOOL"}
             body = [line for statement in self.source.body for line in self.statement(statement)]
-        results = [
-            f"    part_{i} : {_KINDS[part]};"
-            for i, part in enumerate(self._parts())  # type: ignore[index]
-        ]
+        parts = enumerate(self._parts())
+        results = [f"    part_{i} : {self.whole.type_name(part)};" for i, part in parts]
         kind = "BOOL" if self._parts() or not isinstance(self.returned, Scalar) else (
             _KINDS[self.returned])  # fmt: skip
         given = [line for name in self.parameters for line in self._declared(name)]
@@ -258,8 +256,9 @@ class _STFunction(_Function):
         """Return the lines that write a value into a name, an element, or several of these."""
         if isinstance(target, ast.Tuple):
             assert isinstance(value.type, Record)
-            parts = zip(target.elts, value.text.split(_SPLIT), value.type.parts, strict=True)
-            return [line for part, *own in parts for line in self.stored(part, Value(*own))]
+            values = map(Value, value.text.split(_SPLIT), value.type.parts)
+            pairs = zip(target.elts, values, strict=True)
+            return [line for pair in pairs for line in self.stored(*pair)]
         if isinstance(target, ast.Name):
             if target.id == "_":
                 return []

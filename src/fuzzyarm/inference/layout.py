@@ -208,7 +208,7 @@ class OutputLayout(NamedTuple):
     groups : tuple of int
         Indices of what asserts each group: members where strengths are folded, else contributions.
     rows : int
-        Rows of the room that the caller fills: a strength for each group, or as the defuzzifier says.
+        Rows of the room that the caller fills: a strength for each group, or as it says.
     samples : int
         Half of the floats that it works in behind these rows and the work rows.
     """
@@ -607,30 +607,8 @@ class _OutputWriter:
             self.members.setdefault(rule, []).append(member)
         self.consequents = [0] * len(plan.members)
         self.terms: dict[tuple[int, ...], list[int]] = {}  # by the sets that may fire
-        detail = 0
-        if self.defuzzifier is at.closed_centroid:
-            self._write_layers(floats)
-        elif self.defuzzifier in SAMPLED:
-            detail = self._write_samples()
-        elif self.defuzzifier in ENVELOPED:
-            detail = self._write_pieces()
-        elif self.defuzzifier in INTEGRATED:
-            base.floats[floats + 3] = 0.5 * (output.low + output.high)
-            detail = self._write_integral()
-        elif self.defuzzifier is reduced.karnik_mendel_values:
-            detail = self._write_pairs()
-        elif self.defuzzifier is positions.exact_maxima:
-            self._write_levels()
-        elif self.defuzzifier in FOUND_VALUES:
-            self._write_found_values()
-        else:
-            detail = self._write_values()
-        if self.defuzzifier is reduced.nie_tan_envelope:
-            base.floats[floats + 3] = 0.5 * (output.low + output.high)
-        if output.defuzzifier.method in KARNIK_MENDEL:
-            base.floats[floats + 3] = WHICH_END[output.defuzzifier.method]
-        if self.defuzzifier in PLACED:
-            base.floats[floats + 3] = float(way_of(plan))
+        detail = self._write_detail(floats)
+        base.floats[floats + 3] = self._last_float(base.floats[floats + 3])
         is_mean = self.defuzzifier not in PLACED and output.defuzzifier.method not in {
             "weighted-sum", "bisector", *KARNIK_MENDEL
         }  # fmt: skip
@@ -643,6 +621,38 @@ class _OutputWriter:
             address, floats, fold, mode, detail,
             int(is_mean), int(is_closed), int(self._is_max_min),
         ]  # fmt: skip
+
+    def _write_detail(self, floats: int) -> int:
+        """Write what the defuzzifier reads of its own; return its number."""
+        if self.defuzzifier is at.closed_centroid:
+            self._write_layers(floats)
+            return 0
+        if self.defuzzifier is positions.exact_maxima:
+            self._write_levels()
+            return 0
+        if self.defuzzifier in FOUND_VALUES:
+            self._write_found_values()
+            return 0
+        write = self._write_values
+        if self.defuzzifier in SAMPLED:
+            write = self._write_samples
+        elif self.defuzzifier in ENVELOPED:
+            write = self._write_pieces
+        elif self.defuzzifier in INTEGRATED:
+            write = self._write_integral
+        elif self.defuzzifier is reduced.karnik_mendel_values:
+            write = self._write_pairs
+        return write()
+
+    def _last_float(self, centre: float) -> float:
+        """Return the last float of an output: the centre of the moments, or what is wanted."""
+        output = self.plan.output
+        if self.defuzzifier in PLACED:
+            return float(way_of(self.plan))
+        if output.defuzzifier.method in KARNIK_MENDEL:
+            return WHICH_END[output.defuzzifier.method]
+        about_middle = {*INTEGRATED, reduced.nie_tan_envelope}
+        return 0.5 * (output.low + output.high) if self.defuzzifier in about_middle else centre
 
     @property
     def _is_max_min(self) -> bool:
@@ -829,7 +839,7 @@ class _OutputWriter:
 
     def _set(self, member: Member, pieces: Sequence[Sequence[float]]) -> list[int]:
         """Return the function of a set and its pieces, as :data:`positions.FUNCTION` begins."""
-        address, numbers = 0, ()
+        address, numbers = Curve(0, ())
         if any(piece[-1] != 0.0 for piece in pieces):
             address, numbers = self.base.addresses.curve(member.term.shape, member.hedges)
         return [
@@ -978,15 +988,25 @@ def _defuzzifier(plan: OutputPlan, *, loose: bool = False) -> Callable[[Any], No
         return _type_reduction(plan)
     if plan.discrete:
         return _of_values(plan)
+    if way.resolution is not None:
+        return _of_samples(plan)
+    if way.method in MAXIMA:
+        return positions.exact_maxima
+    return _of_areas(plan, loose=loose)
+
+
+def _of_samples(plan: OutputPlan) -> Callable[[Any], None]:
+    """Return what makes a number of samples."""
+    way = plan.output.defuzzifier
     if way.joined:
         return positions.joined_samples
-    if way.method in MAXIMA:
-        sampled = way.resolution is not None
-        return positions.sampled_position if sampled else positions.exact_maxima
-    if way.resolution is not None:
-        bisects = way.method == "bisector"
-        return positions.sampled_position if bisects else enveloped.sampled_centroid
-    if way.method == "bisector" and plan.members:
+    centroid = way.method in CENTROIDS
+    return enveloped.sampled_centroid if centroid else positions.sampled_position
+
+
+def _of_areas(plan: OutputPlan, *, loose: bool) -> Callable[[Any], None]:
+    """Return what makes a number of the area of a set."""
+    if plan.output.defuzzifier.method == "bisector" and plan.members:
         return integrated.integrated_bisector
     # A loose one takes any form that numbers can have, where there are numbers.
     in_general = loose and plan.members and has_envelope(plan.output, plan.members)

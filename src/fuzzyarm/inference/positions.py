@@ -176,7 +176,7 @@ def position_of_samples(k: Any, f: Any, room: Any, heap: Any, point: int) -> tup
     way = way_of(k, f)
     aggregate, cut = heap[:samples], heap[samples : 2 * samples]
     sample(k, f, room, point, 0, aggregate, cut)
-    if way == HALF or way == NEAREST_HALF:  # a sample counts by its share of the integral
+    if way <= NEAREST_HALF:  # a sample counts by its share of the integral
         for i in range(samples):
             aggregate[i] *= f[numbers + samples + i]
     return chosen_among(way, f[numbers : numbers + samples], aggregate, samples)
@@ -275,7 +275,7 @@ def crossings_between(k: Any, f: Any, room: Any, heap: Any, point: int, i: int) 
             z = degree_at(k, f, consequent, i + 1)
             if (y >= height) != (z >= height):
                 share = (height - y) / (z - y)
-                if share != 0.0 and share != 1.0:
+                if 0.0 < share < 1.0:
                     count = insert(heap, 0, count, share)
     return count
 
@@ -366,7 +366,7 @@ def reached(k: Any, f: Any, heap: Any, consequent: int, strength: float) -> floa
 @kernel
 def level_of(k: Any, f: Any, consequent: int, strength: float, height: float) -> float:
     """Return the degree from which on a cut set is at its height."""
-    top = f[k[consequent + TOP_AT]]
+    top: float = f[k[consequent + TOP_AT]]
     level = top
     clips = k[consequent + FLAT] != 0 and height == strength and strength < top
     if clips and k[consequent + LEVELS] > 0:
@@ -411,22 +411,26 @@ def insert_interval(heap: Any, count: int, start: float, end: float) -> int:
 @kernel
 def passed(k: Any, f: Any, heap: Any, consequent: int, piece: int, level: float) -> float:
     """Return where a piece of a set passes a level that lies between its ends."""
-    rising = f[piece + 6]
-    if rising == 0.0:
+    x: float = 0.0
+    if f[piece + 6] == 0.0:
         share = (level - f[piece + 1]) / (f[piece + 3] - f[piece + 1])
-        return f[piece] + share * (f[piece + 2] - f[piece])
-    return passed_by_curve(k, f, heap, consequent, piece, level)
+        x = f[piece] + share * (f[piece + 2] - f[piece])
+    else:
+        x = passed_by_curve(k, f, heap, consequent, piece, level)
+    return x
 
 
 @kernel
 def passed_by_curve(k: Any, f: Any, heap: Any, consequent: int, piece: int, level: float) -> float:
     """Return where a curved piece passes a level, by halving."""
-    a, b, rising = f[piece + 4], f[piece + 5], f[piece + 6]
+    a: float = f[piece + 4]
+    b: float = f[piece + 5]
+    rising = f[piece + 6]
     begin = k[consequent + NUMBERS_AT]
     numbers = f[begin : begin + k[consequent + NUMBERS]]
     for _ in range(BISECTIONS):
         middle = 0.5 * (a + b)
-        if middle == a or middle == b:
+        if not a < middle < b:
             break
         heap[0] = middle
         call(k[consequent + FUNCTION], heap[0:1], numbers, heap[1:2])
@@ -440,11 +444,11 @@ def passed_by_curve(k: Any, f: Any, heap: Any, consequent: int, piece: int, leve
 @kernel
 def chosen_of_intervals(way: int, heap: Any, count: int) -> float:
     """Return mean, smallest or largest position of sorted intervals; by points if all are so."""
-    reach = heap[HEAP]
+    reach: float = heap[HEAP]
     if way == SMALLEST:
         return reach
     if way == LARGEST:
-        last = heap[HEAP + 1]
+        last: float = heap[HEAP + 1]
         for i in range(count):
             last = max(last, heap[HEAP + 2 * i + 1])
         return last
@@ -576,13 +580,16 @@ def found_value(
 @kernel
 def position_at_level(k: Any, f: Any, heap: Any, consequent: int, level: float) -> float:
     """Return where a set that rises or falls throughout reaches a level; its pieces rise."""
+    position: float = f[k[consequent + OWN_AT]]
     for i in range(k[consequent + PIECES]):
         piece = k[consequent + PIECES_AT] + PIECE * i
-        start, first = f[piece], f[piece + 1]
+        start, first, last = f[piece], f[piece + 1], f[piece + 3]
         if first >= level:
-            return start
-        if f[piece + 3] >= level:
+            position = start
+            break
+        if last >= level:
             if f[piece + 6] != 0.0:
                 return passed_by_curve(k, f, heap, consequent, piece, level)
-            return start + (f[piece + 2] - start) * (level - first) / (f[piece + 3] - first)
-    return f[k[consequent + OWN_AT]]
+            position = start + (f[piece + 2] - start) * (level - first) / (last - first)
+            break
+    return position

@@ -34,8 +34,11 @@ class Array(Enum):
 
 
 _ELEMENTS = {
-    Array.REALS: Scalar.REAL, Array.CONSTANTS: Scalar.REAL, Array.WHOLES: Scalar.WHOLE, Array.SHORTS: Scalar.SHORT
-}  # fmt: skip
+    Array.REALS: Scalar.REAL,
+    Array.CONSTANTS: Scalar.REAL,
+    Array.WHOLES: Scalar.WHOLE,
+    Array.SHORTS: Scalar.SHORT,
+}
 
 
 class Record(NamedTuple):
