@@ -331,7 +331,7 @@ SMALLEST_FLOAT = 5e-324
 
 
 @kernel
-def beside(x: float, way: float) -> float:
+def next_float(x: float, way: float) -> float:
     """Return the next float above (way 1) or below (-1).
 
     S. M. Rump, P. Zimmermann, S. Boldo, G. Melquiond, *Computing predecessor and successor in
@@ -363,7 +363,7 @@ def integral(
         step = half * f[constants + NODES + i]
         nodes[2 * i], nodes[2 * i + 1] = middle - step, middle + step
     # The ends just inside, for the value on this side of a vertical edge.
-    nodes[6], nodes[7] = beside(x_0, 1.0), beside(x_1, -1.0)
+    nodes[6], nodes[7] = next_float(x_0, 1.0), next_float(x_1, -1.0)
     for i in range(ROW):
         so_far[i] = 0.0
     fold = k[head + AGGREGATION]
