@@ -17,6 +17,7 @@ import pytest
 from fuzzyarm.controller.program import rule_block
 from fuzzyarm.export import export_files, routines_of
 from fuzzyarm.export.javascript import rule_base_module
+from fuzzyarm.formats import PRODUCERS, write
 from fuzzyarm.inference import compiled, prepare
 from fuzzyarm.inference import kernel as block_of
 from fuzzyarm.inference.arrays import infer_arrays
@@ -235,6 +236,17 @@ def test_javascript_has_the_bits_of_a_point(tmp_path: Path) -> None:
         wanted = truth(case.rulebase(), points(60))
         found = np.array(results[f"case{index}"])
         demand_same(case, found, wanted, 1e-7 if str(case) in CURVED else 0.0)
+
+
+def test_other_programs_get_a_file_or_findings() -> None:
+    """No writer dies: what a program does not have is an error that says so."""
+    for case in CASES:
+        for suffix, producers in PRODUCERS.items():
+            for producer in (None, *producers):
+                for lossy in (False, True):
+                    written = write(case.rulebase(), suffix, producer=producer, lossy=lossy)
+                    assert (written.text is None) == bool(written.errors), (case, suffix)
+                    assert all(each.message for each in written.errors)
 
 
 def test_what_stays_out_is_one_of_these() -> None:
