@@ -107,12 +107,13 @@ def test_check_says_what_the_kernel_does_not_cover(tmp_path, capsys):
     other = tmp_path / "other.frb"
     other.write_text(
         "rulebase other\ninput a 0 .. 1\noutput u 0 .. 1\nterms a, u: triangles LO HI\n"
-        "inference defuzzifier mean-of-maximum\nrule if a is LO then u is HI\n"
+        "inference aggregation sum, defuzzifier mean-of-maximum\nrule if a is LO then u is HI\n"
         "rule if a is HI then u is LO\n"
     )
     status, out, _ = run("check", "-v", str(other), capsys=capsys)
     assert status == 0
-    assert out.endswith(f"{other}: not covered by the kernel: the mean-of-maximum of 'u'\n")
+    what = "the exact mean-of-maximum of 'u' under aggregation sum"
+    assert out.endswith(f"{other}: not covered by the kernel: {what}\n")
 
 
 def test_a_check_loads_only_what_it_uses():

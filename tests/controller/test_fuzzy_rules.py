@@ -97,7 +97,7 @@ def test_a_controller_takes_any_shape_and_norm(text):
 @pytest.mark.parametrize(
     ("text", "word"),
     [
-        (HEAD + TERMS + "inference defuzzifier mean-of-maximum\n"
+        (HEAD + TERMS + "inference aggregation sum, defuzzifier mean-of-maximum\n"
          "rule if e is N then u is P", "maximum"),
     ],
 )  # fmt: skip

@@ -16,7 +16,7 @@ REALS = {"REAL": np.float32, "LREAL": np.float64}
 
 _UNIT = re.compile(r"(FUNCTION_BLOCK|FUNCTION) (\w+)(?: : (\w+))?\n(.*?)END_\1\b", re.DOTALL)
 _SECTION = re.compile(
-    r"^VAR(_INPUT|_OUTPUT| CONSTANT| RETAIN|)\n(.*?)^END_VAR$", re.DOTALL | re.MULTILINE
+    r"^VAR(_INPUT|_OUTPUT|_IN_OUT| CONSTANT| RETAIN|)\n(.*?)^END_VAR$", re.DOTALL | re.MULTILINE
 )
 _DECLARATION = re.compile(
     r"(\w+) : ((?:ARRAY \[0\.\.\d+\] OF )?\w+)(?: := (\[.*?\]|[^;]*))?;", re.DOTALL
@@ -85,13 +85,16 @@ class _Unit:
     def __init__(self, program, sort, name, kind, body):
         self.program, self.sort, self.name, self.kind = program, sort, name.lower(), kind
         self.declared, self.inputs, self.outputs, self.constant = {}, [], [], set()
+        self.references = set()  # what is given by reference
         for section, lines in _SECTION.findall(body):
             for variable, type_name, start in _DECLARATION.findall(lines):
                 key = variable.lower()
                 assert key not in self.declared, f"{variable}: the language ignores case"
                 self.declared[key] = (type_name, start)
-                if section == "_INPUT":
+                if section in {"_INPUT", "_IN_OUT"}:
                     self.inputs.append(key)
+                if section == "_IN_OUT":
+                    self.references.add(key)
                 elif section == "_OUTPUT":
                     self.outputs.append(key)
                 elif section == " CONSTANT":
@@ -99,12 +102,15 @@ class _Unit:
         if sort == "FUNCTION":
             self.declared[self.name] = (kind, "")
         statements = body.rpartition("END_VAR")[2]
-        self.code = compile(self._python(statements), self.name, "exec")
+        lines = [f"    {line}" for line in self._python(statements).split("\n")]
+        self.code = compile("\n".join(["def body(v):", *lines, "    pass"]), self.name, "exec")
 
     def start(self):
         """Return the variables of a new instance."""
         values = {}
         for key, (type_name, start) in self.declared.items():
+            if key in self.references:
+                continue
             kind = type_name.split()[-1]
             if "ARRAY" in type_name:
                 size = int(re.search(r"\.\.(\d+)", type_name)[1]) + 1
@@ -137,10 +143,31 @@ class _Unit:
             if match := re.fullmatch(r"(IF|WHILE) (.*) (THEN|DO)", words):
                 lines.append(f"{indent}{match[1].lower()} {self._expression(match[2])}:")
                 depth += 1
-            elif match := re.fullmatch(r"FOR (\w+) := (\d+) TO (\d+) DO", words):
-                index = match[1].lower()
-                lines.append(f"{indent}for v['{index}'] in range({match[2]}, {match[3]} + 1):")
+            elif match := re.fullmatch(r"FOR (\w+) := (.*) TO (.*?)(?: BY (-?\d+))? DO", words):
+                index, step = match[1].lower(), int(match[4] or 1)
+                start, end = (f"int({self._expression(match[i])})" for i in (2, 3))
+                end += " + 1" if step > 0 else " - 1"
+                ranged = f"map(Whole, range({start}, {end}, {step}))"
+                lines.append(f"{indent}for v['{index}'] in {ranged}:")
                 depth += 1
+            elif words in {"RETURN;", "EXIT;"}:
+                lines.append(indent + {"RETURN;": "return", "EXIT;": "break"}[words])
+            elif (match := re.fullmatch(r"(\w+) := (\w+)\((.*)\);", words)) and self._changes(
+                match[2].lower()
+            ):
+                unit = self.program.units[match[2].lower()]
+                given = [part.strip() for part in _split(match[3])]
+                pairs = list(zip(unit.inputs, given, strict=True))
+                taken = ", ".join(
+                    f"v['{text.lower()}']" if name in unit.references else self._expression(text)
+                    for name, text in pairs
+                )
+                back = {name: text.lower() for name, text in pairs if name in unit.references
+                        and "ARRAY" not in unit.declared[name][0]}  # fmt: skip
+                assert set(back.values()) <= self.declared.keys() - self.constant, words
+                kind = self.declared[match[1].lower()][0]
+                called = f"changed('{unit.name}', v, {back}, ({taken},))"
+                lines.append(f"{indent}v['{match[1].lower()}'] = stored('{kind}', {called})")
             elif match := re.fullmatch(r"(\w+)\((.*)\);", words):
                 given = ", ".join(
                     f"{name.strip().lower()}={self._expression(value)}"
@@ -157,6 +184,13 @@ class _Unit:
                 value = f"stored('{kind}', {self._expression(match[3])})"
                 lines.append(f"{indent}v['{key}']{index} = {value}")
         return "\n".join(lines)
+
+    def _changes(self, name):
+        """Whether a function changes single variables that it is given."""
+        unit = self.program.units.get(name)
+        return unit is not None and any(
+            "ARRAY" not in unit.declared[key][0] for key in unit.references
+        )
 
     def _expression(self, text):
         def word(match):
@@ -210,22 +244,54 @@ class Instance:
             for name, each in unit.program.units.items()
             if each.sort == "FUNCTION"
         }
-        own = {"v": self.values, "stored": stored, "real": unit.program.real}
+        own = {"stored": stored, "real": unit.program.real, "Whole": Whole,
+               "changed": lambda *given: _changed(unit.program, *given)}  # fmt: skip
         self.names = {**own, **casts, **functions, **_FUNCTIONS}
+        exec(unit.code, self.names)
+        self.body = self.names["body"]
 
     def run(self, **given):
         """Set inputs and run the statements."""
         for name, value in given.items():
             assert name in self.unit.inputs, name
-            self.values[name] = stored(self.unit.declared[name][0], value)
-        exec(self.unit.code, self.names)
+            kind = self.unit.declared[name][0]
+            if "ARRAY" in kind:  # by reference
+                assert name in self.unit.references
+                size = int(re.search(r"\.\.(\d+)", kind)[1]) + 1
+                assert isinstance(value, list)
+                assert len(value) == size, (name, kind)
+                self.values[name] = value
+            else:
+                self.values[name] = stored(kind, value)
+        self.body(self.values)
 
     def outputs(self):
         """Return the outputs by name."""
         return {name: self.values[name] for name in self.unit.outputs}
 
 
+_bodies = {}
+"""An instance of each function that was called: its variables begin anew at every call."""
+
+
 def _called(unit, given):
-    instance = Instance(unit)
+    return _run(unit, given)[unit.name]
+
+
+def _run(unit, given):
+    if unit not in _bodies:
+        _bodies[unit] = Instance(unit)
+    instance = _bodies[unit]
+    outer, instance.values = instance.values, unit.start()  # for one that is inside itself
     instance.run(**dict(zip(unit.inputs, given, strict=True)))
-    return instance.values[unit.name]
+    values, instance.values = instance.values, outer
+    return values
+
+
+def _changed(program, name, values, back, given):
+    """Call a function and write back what it changed."""
+    unit = program.units[name]
+    after = _run(unit, given)
+    for key, own in back.items():
+        values[own] = after[key]
+    return after[unit.name]

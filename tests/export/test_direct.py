@@ -288,28 +288,60 @@ def test_what_is_exported_of_any_rule_base_agrees(data, model):
 @pytest.mark.parametrize(
     ("settings", "what"),
     [
-        ({"defuzzifier": "bisector exact"}, "defuzzifier bisector of 'u'"),
         ({"defuzzifier": "centroid(30000)"}, "the centroid of 'u' over 30,000 samples"),
-        ({"aggregation": "einstein"}, "aggregation einstein of 'u'"),
-        ({"implication": "hamacher"}, "implication hamacher of 'u'"),
-        ({"aggregation": "probor"}, "the exact centroid under aggregation probor"),
-        ({"implication": "product"}, "three sets of 'u' overlap"),
+        ({"defuzzifier": "bisector(30000)"}, "the bisector of 'u' over 30,000 samples"),
+        ({"defuzzifier": "mean-of-maximum exact", "aggregation": "sum"},
+         "the exact mean-of-maximum of 'u' under aggregation sum"),
+        ({"defuzzifier": "tsukamoto"}, "'u is D' neither rises nor falls over the range"),
     ],
-)
+)  # fmt: skip
 def test_what_cannot_be_exported_is_named(settings, what):
-    model = made(**settings)
-    if "overlap" in what:
-        output = model.outputs[0]
-        wide = tuple(
-            dataclasses.replace(
-                term, shape=dataclasses.replace(term.shape, kind="triangle", parameters=(-5, 0, 5))
-            )
-            for term in output.terms
-        )
-        model = dataclasses.replace(model, outputs=(dataclasses.replace(output, terms=wide),))
     with pytest.raises(ExportError, match="cannot be exported: ") as caught:
-        routines_of(model)
+        routines_of(made(**settings))
     assert what in str(caught.value)
+    assert str(caught.value).startswith("line ")
+
+
+def overlapping(model):
+    """Return a rule base whose three sets overlap everywhere."""
+    output = model.outputs[0]
+    wide = tuple(
+        dataclasses.replace(term, shape=Shape("triangle", (-5 + i, 0, 5)))
+        for i, term in enumerate(output.terms)
+    )
+    return dataclasses.replace(model, outputs=(dataclasses.replace(output, terms=wide),))
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        {"defuzzifier": "bisector exact"},
+        {"aggregation": "einstein"},
+        {"aggregation": "probor", "implication": "bounded"},
+        {"implication": "hamacher"},
+        {"implication": "product"},
+        {"implication": "drastic", "defuzzifier": "bisector(41, midpoints)"},
+        {"defuzzifier": "smallest-of-maximum exact", "implication": "nilpotent"},
+        {"defuzzifier": "largest-of-maximum(33)", "aggregation": "normalized"},
+        {"defuzzifier": "bisector(21, joined)"},
+    ],
+    ids=lambda settings: ", ".join(settings.values()),
+)
+def test_what_is_walked_over_tables_has_the_bits_of_the_model(tmp_path, settings):
+    model = overlapping(made(**settings))
+    routines = routines_of(model, precision="float64") + routines_of(model)
+    assert all(routine.program.walks for routine in routines)
+    columns = points_for(model, 400)
+    results = run_c(routines, [columns] * 2, tmp_path, suffix=".c")
+    for routine, found in zip(routines, results, strict=True):
+        np.testing.assert_array_equal(found, routine.evaluate(*columns))
+    np.testing.assert_array_equal(results[0], routines[0].model(*columns))
+
+
+def test_what_is_walked_over_tables_needs_double_precision():
+    with pytest.raises(ExportError, match="found in double precision only") as caught:
+        routines_of(made(defuzzifier="bisector(41)"), precision="float32")
+    assert "--precision mixed" in caught.value.hint
 
 
 KINDS = {

@@ -39,7 +39,13 @@ from fuzzyarm.formats import PRODUCERS, parse, same_model, write  # noqa: E402
 from fuzzyarm.inference import explain  # noqa: E402
 from fuzzyarm.inference.arrays import infer_arrays  # noqa: E402
 from fuzzyarm.inference.plan import plan  # noqa: E402
-from fuzzyarm.model.rulebase import Defuzzifier, Input, RuleBase  # noqa: E402
+from fuzzyarm.model.rulebase import (  # noqa: E402
+    Defuzzifier,
+    Input,
+    RuleBase,
+    RuleBlock,
+    Shape,
+)
 from fuzzyarm.model.shapes import corner_points, straight_lines  # noqa: E402
 from tests.export.c_programs import run_c  # noqa: E402
 from tests.strategies import (  # noqa: E402
@@ -69,6 +75,8 @@ def models() -> st.SearchStrategy[RuleBase]:
         plain_mamdani(aggregations=("max", "sum", "probor", "bounded")),
         jumping(),
         jumping(),
+        choosing(),
+        between(),
     )
 
 
@@ -97,6 +105,53 @@ def jumping(draw: Any) -> RuleBase:
     output = dataclasses.replace(output, defuzzifier=way, no_rule=draw(st.sampled_from(
         [output.low, output.high + 1.0, "hold"])), outside="extend")  # fmt: skip
     return dataclasses.replace(rulebase, blocks=blocks, outputs=(output,))
+
+
+@st.composite
+def choosing(draw: Any) -> RuleBase:
+    """A rule base that chooses among values, some of which may be one number."""
+    rulebase = draw(plain_mamdani(kinds=STRAIGHT, aggregations=("max", "sum", "probor")))
+    (output,) = rulebase.outputs
+    even = [output.low + (output.high - output.low) * i / 4 for i in range(5)]
+    slopes = st.floats(-2.0, 2.0, allow_nan=False).map(lambda x: round(x, 3))
+    terms = []
+    for term in output.terms:
+        shape = Shape("singleton", (draw(st.sampled_from(even)),))
+        if draw(st.integers(0, 3)) == 0:
+            shape = Shape("linear", tuple(draw(slopes) for _ in range(len(rulebase.inputs) + 1)))
+        terms.append(dataclasses.replace(term, shape=shape))
+    way = Defuzzifier(draw(st.sampled_from(MAXIMA[:-1])))
+    output = dataclasses.replace(output, terms=tuple(terms), defuzzifier=way, outside="extend")
+    return dataclasses.replace(rulebase, outputs=(output,), blocks=_without_hedges(rulebase))
+
+
+@st.composite
+def between(draw: Any) -> RuleBase:
+    """A rule base of interval type 2: lower sets are a share of the upper ones."""
+    kinds = draw(st.sampled_from([STRAIGHT, (*STRAIGHT, "gaussian")]))
+    rulebase = draw(plain_mamdani(kinds=kinds, implications=("min", "product")))
+    (output,) = rulebase.outputs
+    share = st.sampled_from([0.25, 0.5, 1.0])
+    terms = tuple(
+        dataclasses.replace(term, lower=dataclasses.replace(
+            term.shape, height=draw(share) * term.shape.height)) for term in output.terms
+    )  # fmt: skip
+    way = draw(defuzzifiers(("karnik-mendel", "karnik-mendel-left", "nie-tan")))
+    if way.joined:
+        way = Defuzzifier(way.method, way.resolution, "trapezoid")
+    output = dataclasses.replace(output, terms=terms, defuzzifier=way)
+    return dataclasses.replace(rulebase, outputs=(output,), blocks=_without_hedges(rulebase))
+
+
+def _without_hedges(rulebase: RuleBase) -> tuple[RuleBlock, ...]:
+    """Return the blocks with plain conclusions."""
+    return tuple(
+        dataclasses.replace(block, rules=tuple(
+            dataclasses.replace(rule, consequents=tuple(
+                dataclasses.replace(each, hedges=()) for each in rule.consequents))
+            for rule in block.rules))
+        for block in rulebase.blocks
+    )  # fmt: skip
 
 
 @st.composite

@@ -361,11 +361,13 @@ def test_points_where_nothing_fires(pd7: RuleBase) -> None:
 
 
 def test_what_is_not_covered_goes_through_numpy(pd7: RuleBase) -> None:
-    output = dataclasses.replace(pd7.outputs[0], defuzzifier=Defuzzifier("mean-of-maximum"))
+    way = Defuzzifier("mean-of-maximum")
+    output = dataclasses.replace(pd7.outputs[0], defuzzifier=way, aggregation="sum")
     rulebase = dataclasses.replace(pd7, outputs=(output,))
     slow = compiled(rulebase)
     assert slow.kernel == "numpy"
-    assert repr(slow) == "<compiled 'pd7', kernel numpy: the mean-of-maximum of 'u'>"
+    what = "the exact mean-of-maximum of 'u' under aggregation sum"
+    assert repr(slow) == f"<compiled 'pd7', kernel numpy: {what}>"
     assert slow(e=1.3, ce=0.2) == infer(rulebase, e=1.3, ce=0.2)
 
 

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 import fuzzyarm
 from fuzzyarm.cli.main import main
-from fuzzyarm.export.numbers import ExportError
 from fuzzyarm.export.rulebase import direct_routine
 from fuzzyarm.expression.kinds import HEDGES, SNORMS, TNORMS
 from fuzzyarm.inference import InferenceError, compiled, infer, infer_interval
@@ -590,8 +589,10 @@ def test_exported_code_has_nie_and_tans_number(
     points = [np.array([-0.7, 0.1, 0.55]), np.array([0.3, -0.2, 0.8])]
     wanted = infer(rulebase, a=points[0], b=points[1])["y"]
     np.testing.assert_allclose(routine.evaluate(*points), wanted, atol=1e-12)
-    with pytest.raises(ExportError, match="karnik-mendel of 'y'"):
-        direct_routine(_by(rulebase, "karnik-mendel"), "y")
+    for method in ("karnik-mendel", "karnik-mendel-left", "karnik-mendel-right"):
+        ends = _by(rulebase, method, *samples, aggregation=aggregation)
+        found = direct_routine(ends, "y", precision="float64").evaluate(*points)
+        np.testing.assert_allclose(found, infer(ends, a=points[0], b=points[1])["y"], atol=1e-13)
 
 
 def _narrow(shape: Shape | None) -> Shape:

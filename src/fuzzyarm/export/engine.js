@@ -34,15 +34,23 @@ function remainder(a, b) {
   return a % b;
 }
 
-/** A function of x from an expression as nested lists: [operation, …], a number, or a name. */
+/**
+ * A function of x and some numbers from an expression as nested lists: [operation, …], a number,
+ * or a name: x, n0, n1, …, or that of a number that JSON does not have.
+ */
 function formula(tree) {
   if (typeof tree === "number") return () => tree;
-  if (typeof tree === "string") return tree === "x" ? (x) => x : () => Number(tree);
+  if (tree === "x") return (x) => x;
+  if (typeof tree === "string") {
+    const number = Number(tree);
+    const index = Number(tree.slice(1));
+    return tree[0] === "n" ? (x, numbers) => numbers[index] : () => number;
+  }
   const [name, ...rest] = tree;
   const operation = OPERATIONS[name];
   const [a, b, c] = rest.map(formula);
-  if (name === "where") return (x) => (a(x) ? b(x) : c(x));
-  return b ? (x) => operation(a(x), b(x)) : (x) => operation(a(x));
+  if (name === "where") return (x, n) => (a(x, n) ? b(x, n) : c(x, n));
+  return b ? (x, n) => operation(a(x, n), b(x, n)) : (x, n) => operation(a(x, n));
 }
 
 /** What stands behind a number of a layout, from its description. */
@@ -53,7 +61,7 @@ function linked(wanted) {
   const own = wanted.formula && formula(wanted.formula);
   const degrees = wanted.shape && SHAPES[wanted.shape];
   return (x, numbers, into) => {
-    if (own) for (let i = 0; i < into.length; i++) into[i] = own(x[i]);
+    if (own) for (let i = 0; i < into.length; i++) into[i] = own(x[i], numbers);
     else if (degrees) degrees(x, numbers, into);
     else for (let i = 0; i < into.length; i++) into[i] = x[i];
     if (wanted.height) {

@@ -15,7 +15,6 @@ import json
 import math
 import struct
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import replace as replace_fields
 from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -27,7 +26,7 @@ from fuzzyarm.expression.nodes import Constant, Node, Symbol, children, replace,
 from fuzzyarm.expression.operations import OPERATIONS
 from fuzzyarm.expression.printing import JAVASCRIPT, printed
 from fuzzyarm.expression.records import Kind
-from fuzzyarm.inference import integrated, kernel
+from fuzzyarm.inference import kernel
 from fuzzyarm.inference.block import Layout, NotCoveredError
 from fuzzyarm.inference.layout import lay_out
 from fuzzyarm.inference.plan import Plan, plan
@@ -87,6 +86,11 @@ class Functions:
     def hedged(self, hedges: tuple[Hedge, ...]) -> int:
         """See :class:`fuzzyarm.inference.layout.Addresses`."""
         return self._number({"hedges": _hedges(hedges)})
+
+    def expression(self, root: Node, numbers: Sequence[str]) -> int:
+        """See :class:`fuzzyarm.inference.layout.Addresses`."""
+        plain = {name: symbol(f"n{index}") for index, name in enumerate(numbers)}
+        return self._number({"formula": _tree(replace(root, plain))})
 
     def program(self, function: Callable[[Any], None]) -> int:
         """See :class:`fuzzyarm.inference.layout.Addresses`."""
@@ -210,22 +214,6 @@ def engine_source(library: Library | None = None) -> str:
     return "\n".join(parts)
 
 
-_MOVE_BITS = """\
-const ONE_FLOAT = new Float64Array(1);
-const ITS_WORDS = new Uint32Array(ONE_FLOAT.buffer); // the lower half first
-
-function move_bits(row, index, steps) {
-  ONE_FLOAT[0] = row[index];
-  const lower = ITS_WORDS[0] + steps;
-  ITS_WORDS[0] = lower;
-  if (lower < 0) ITS_WORDS[1] -= 1;
-  else if (lower > 0xffffffff) ITS_WORDS[1] += 1;
-  row[index] = ONE_FLOAT[0];
-}
-"""
-"""The one kernel that is written by hand: it reads floats as whole numbers."""
-
-
 @cache
 def kernel_source() -> str:
     """Return the kernel, translated from its own source."""
@@ -233,7 +221,7 @@ def kernel_source() -> str:
     from fuzzyarm.translation.targets import JAVASCRIPT as TARGET
     from fuzzyarm.translation.types import Array, Scalar
 
-    translation = Translation(replace_fields(TARGET, own={integrated.move_bits: _MOVE_BITS}))
+    translation = Translation(TARGET)
     for program in BLOCKS:
         translation.function(program, [Array.REALS])
     translation.function(degree_on_corners, [Array.REALS, Scalar.REAL])

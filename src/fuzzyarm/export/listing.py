@@ -14,8 +14,10 @@ from dataclasses import dataclass, replace
 
 from fuzzyarm.export.numbers import C_TYPES, Kind, c_number
 from fuzzyarm.export.program import Call, Program
-from fuzzyarm.export.routine import CWriter
+from fuzzyarm.export.routine import ONE_OF_TWO, CWriter
 from fuzzyarm.export.samples import SampleSums
+from fuzzyarm.export.walk import Walk
+from fuzzyarm.export.walk_c import walk_in_c
 from fuzzyarm.expression.nodes import (
     Apply,
     Constant,
@@ -42,13 +44,10 @@ from fuzzyarm.expression.printing import (
 _DEEPEST = 110
 """Nesting of one expression before parts of it go into variables (compilers take 127)."""
 
-_HELPERS = {"minimum": ("least", "<"), "maximum": ("greatest", ">")}
+WALKED = "defuzzified"
+"""Ends the name of a function that walks over tables."""
 
-_ONE_OF_TWO = """TYPE NAME(TYPE a, TYPE b)
-{
-    return b SIGN a ? b : a; /* the first of equal ones */
-}
-"""
+_HELPERS = {"minimum": ("least", "<"), "maximum": ("greatest", ">")}
 
 
 def uses_functions(nodes: Iterable[Node]) -> bool:
@@ -92,6 +91,14 @@ class Loop:
     body: tuple[Statement, ...]  # in terms of the variables of the program
 
 
+@dataclass(frozen=True)
+class Walked:
+    """A walk over tables, which sets two variables."""
+
+    walk: Walk  # of which program
+    parts: tuple[Node, ...]  # in terms of the variables of the program
+
+
 class Listing:
     """The statements of a program.
 
@@ -114,18 +121,23 @@ class Listing:
         for each in reversed(written):
             if self.reads.isdisjoint(_sets(each)):
                 continue
+            needed.append(each)
+            if isinstance(each, Walked):
+                self.reads = self.reads.union(*map(self._symbols, each.parts))
+                continue
             inner = each.body if isinstance(each, Loop) else (each,)
             for statement in inner:
                 assert isinstance(statement, Assign)
                 self.reads |= self._symbols(statement.value)
-            needed.append(each)
         self._taken = {
             *program.given,
             *(name for each in program.variables for name in _sets(each)),
         }
-        self.body: list[Statement | Loop] = []
+        self.body: list[Statement | Loop | Walked] = []
         for each in reversed(needed):
-            if isinstance(each, Loop):
+            if isinstance(each, Walked):
+                self.body.append(self._named_parts(each))
+            elif isinstance(each, Loop):
                 inner = tuple(s for assign in each.body for s in self._spread_out(assign))
                 self.body.append(replace(each, body=inner))
             else:
@@ -135,7 +147,7 @@ class Listing:
 
     # ── parts to variables ───────────────────────────────────────────────────────────
 
-    def _in_variables(self, program: Program) -> tuple[list[Assign | Loop], Node]:
+    def _in_variables(self, program: Program) -> tuple[list[Assign | Loop | Walked], Node]:
         """Return the variables and the result, each of the variables before it.
 
         A variable that is set more than once stands for its last part only: before that,
@@ -144,8 +156,12 @@ class Listing:
         last = {name: i for i, each in enumerate(program.variables) for name in _sets(each)}
         known: dict[Node, Node] = {}
         growing: dict[str, Node] = {}
-        written: list[Assign | Loop] = []
+        written: list[Assign | Loop | Walked] = []
         for index, each in enumerate(program.variables):
+            if isinstance(each, Walk):
+                parts_of_walk = (self._written(p, program.calls, known, {}) for p in each.parts)
+                written.append(Walked(each, tuple(parts_of_walk)))
+                continue
             if isinstance(each, SampleSums):
                 parts = {
                     name: self._written(part, program.calls, known, {})
@@ -205,6 +221,16 @@ class Listing:
         inner = [self._symbols(self.calls[name][1]) for name in found & set(self.calls)]
         return found.union(*inner)
 
+    def _named_parts(self, each: Walked) -> Walked:
+        """Have the parts of a walk stand in variables where they take more than one statement."""
+        parts = []
+        for part in each.parts:
+            body, value = spread(each.walk.total, part, self._taken)
+            self._taken |= set(variables(body))
+            self.body += body
+            parts.append(value)
+        return replace(each, parts=tuple(parts))
+
     def _spread_out(self, each: Statement) -> tuple[Statement, ...]:
         assert isinstance(each, Assign)
         body, value = spread(each.name, each.value, self._taken)
@@ -218,20 +244,24 @@ class Listing:
         """The names of all variables."""
         found: set[str] = set()
         for each in self.body:
-            inner = each.body if isinstance(each, Loop) else (each,)
-            found |= {*_sets(each), *variables(inner)}
+            found |= {*_sets(each)}
+            if not isinstance(each, Walked):
+                found |= set(variables(each.body if isinstance(each, Loop) else (each,)))
         return found
 
     def operations(self) -> Counter[str]:
         """Return how many operations of each sort are done at most, never both branches."""
         return self._count([*self.body, Assign("result", self.result)])
 
-    def _count(self, body: Iterable[Statement | Loop]) -> Counter[str]:
+    def _count(self, body: Iterable[Statement | Loop | Walked]) -> Counter[str]:
         total: Counter[str] = Counter()
         for statement in body:
             if isinstance(statement, Loop):
                 once = self._count(statement.body)
                 total += Counter({sort: n * statement.sums.count for sort, n in once.items()})
+            elif isinstance(statement, Walked):
+                for part in statement.parts:
+                    total += self._count_node(part)
             elif isinstance(statement, Assign):
                 total += self._count_node(statement.value)
             else:
@@ -264,16 +294,41 @@ class Listing:
                     literals = [language.number(value) for value in column]
                     array = writer.constant(real, literals, each.sums.wanted[name])
                     language.rename[element(each.sums, name)] = f"{array}[{each.sums.index}]"
-        return _lines(self.body, language, C_TYPES[real], set()), language.expression(self.result)
+        walks = {
+            each.walk: walk_in_c(each.walk, writer, f"{each.walk.output}_{WALKED}")
+            for each in self.body
+            if isinstance(each, Walked)
+        }
+        lines = _lines(self.body, language, C_TYPES[real], set(), walks)
+        return lines, language.expression(self.result)
 
 
 def _lines(
-    body: Sequence[Statement | Loop], language: Language, real: str, made: set[str]
+    body: Sequence[Statement | Loop | Walked],
+    language: Language,
+    real: str,
+    made: set[str],
+    walks: Mapping[Walk, str],
 ) -> list[str]:
-    """Return the lines of some statements; `made` has the names that exist before."""
+    """Return the lines of some statements; `made` has the names that exist before.
+
+    `walks` has the functions of the walks.
+    """
     times_set = Counter(name for each in body for name in _sets(each))
     lines: list[str] = []
     for each in body:
+        if isinstance(each, Walked):
+            walk, room = each.walk, f"room_of_{each.walk.total}"
+            parts = [language.expression(part) for part in each.parts]
+            lines += [
+                f"double {room}[{walk.room}]; /* what is walked over, and to work in */",
+                f"double {walk.total};",
+                f"double {walk.value};",
+                *(f"{room}[{index}] = {part};" for index, part in enumerate(parts)),
+                f"{walk.value} = {walks[walk]}({room}, &{walk.total});",
+            ]
+            made |= {walk.total, walk.value}
+            continue
         if isinstance(each, Loop):
             sums = each.sums
             lines += [
@@ -282,7 +337,7 @@ def _lines(
             lines.append(
                 f"for (unsigned {sums.index} = 0u; {sums.index} < {sums.count}u; {sums.index}++) {{"
             )
-            inner = _lines(each.body, language, real, made | {sums.area, sums.moment})
+            inner = _lines(each.body, language, real, made | {sums.area, sums.moment}, walks)
             lines += [*(f"    {line}" for line in inner), "}"]
             made |= {sums.area, sums.moment}
             continue
@@ -295,8 +350,12 @@ def _lines(
     return lines
 
 
-def _sets(each: Statement | SampleSums | Loop) -> tuple[str, ...]:
+def _sets(each: Statement | SampleSums | Walk | Loop | Walked) -> tuple[str, ...]:
     """Return the variables that something sets and others may read."""
+    if isinstance(each, Walked):
+        each = each.walk
+    if isinstance(each, Walk):
+        return each.total, each.value
     if isinstance(each, Loop):
         each = each.sums
     if isinstance(each, SampleSums):
@@ -353,7 +412,7 @@ def c_numbers(writer: CWriter, real: Kind) -> Language:
         if operation.name not in _HELPERS:
             return basis.text(operation)
         wanted, sign = _HELPERS[operation.name]
-        return f"{writer.helper(wanted, _ONE_OF_TWO, TYPE=kind, SIGN=sign)}({{0}}, {{1}})"
+        return f"{writer.helper(wanted, ONE_OF_TWO, TYPE=kind, SIGN=sign)}({{0}}, {{1}})"
 
     def number(value: float) -> str:
         if math.isfinite(value):

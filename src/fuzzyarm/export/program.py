@@ -8,6 +8,7 @@ parts stand in variables there: the degrees, the firing strengths, the growing h
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -26,17 +27,20 @@ from fuzzyarm.export.sets import (
     degree_of,
     hedged,
     minus,
+    most_overlapping,
     plus,
     refuse,
     scaled,
     scaled_union,
     times,
     where,
+    with_ends,
 )
+from fuzzyarm.export.walk import Listed, Walk
 from fuzzyarm.expression import op
-from fuzzyarm.expression.evaluation import Schedule, evaluate_arrays, schedule
+from fuzzyarm.expression.evaluation import Schedule, evaluate_arrays, schedule, specialise
 from fuzzyarm.expression.formulas import CONSTANTS
-from fuzzyarm.expression.kinds import SNORMS, TNORMS
+from fuzzyarm.expression.kinds import SHAPES, SNORMS, TNORMS
 from fuzzyarm.expression.nodes import (
     Apply,
     Constant,
@@ -48,13 +52,19 @@ from fuzzyarm.expression.nodes import (
     symbol,
 )
 from fuzzyarm.expression.printing import Assign
+from fuzzyarm.inference import enveloped, integrated, reduced
+from fuzzyarm.inference import kernel as at
+from fuzzyarm.inference.block import NotCoveredError
+from fuzzyarm.inference.errors import InferenceError
 from fuzzyarm.inference.firing_intervals import LOWER, UPPER
-from fuzzyarm.inference.plan import OutputPlan, Plan, PlannedRule, needed, plan
-from fuzzyarm.inference.sets import formula_of
+from fuzzyarm.inference.layout import lay_out_output
+from fuzzyarm.inference.plan import CENTROIDS, OutputPlan, Plan, PlannedRule, needed, plan
+from fuzzyarm.inference.sets import Piece, formula_of
+from fuzzyarm.inference.weighted import is_rising
 from fuzzyarm.model.rulebase import (
+    JOINED,
     KARNIK_MENDEL,
-    TAKAGI_SUGENO,
-    TYPE_2,
+    MAXIMA,
     WEIGHTED,
     And,
     Hedge,
@@ -68,6 +78,18 @@ from fuzzyarm.model.rulebase import Expression as Antecedent
 
 MOST_SAMPLES = 100_000
 """Constants of a centroid over samples."""
+
+LARGEST_DOUBLE = sys.float_info.max
+
+MOMENTS = frozenset(
+    {
+        enveloped.enveloped_centroid,
+        integrated.integrated_centroid,
+        reduced.nie_tan_envelope,
+        reduced.nie_tan_integral,
+    }
+)
+"""Defuzzifiers that give an area and a moment about the centre of the last float of an output."""
 
 SAMPLED = "defuzzifier centroid(101)"
 """What takes any sets: their samples."""
@@ -94,9 +116,14 @@ class Program:
     # The parts of `result` that stand in variables, in order. A name that comes again belongs to
     # a part that grows out of the one before: a sum, a greatest value. It is read as a variable
     # after its last mention, which need not add anything.
-    variables: tuple[Assign | SampleSums, ...]
+    variables: tuple[Assign | SampleSums | Walk, ...]
     calls: Mapping[Node, Call]  # the parts that are calls of functions
     holds: bool  # whether the last argument is the value to hold where no rule fires
+
+    @property
+    def walks(self) -> tuple[Walk, ...]:
+        """What is walked over tables, in order."""
+        return tuple(each for each in self.variables if isinstance(each, Walk))
 
     @property
     def sums(self) -> tuple[SampleSums, ...]:
@@ -107,14 +134,16 @@ class Program:
     def nodes(self) -> tuple[Node, ...]:
         """All that is computed, each once; what is done at a sample is among it."""
         roots = [root for sums in self.sums for root in sums.parts.values()]
+        roots += [part for walk in self.walks for part in walk.parts]
         steps = [step.value for sums in self.sums for step in sums.body]
         return tuple(postorder(*roots, *steps, self.result))
 
     def over_arrays(self, values: Mapping[str, Any], real: type) -> Any:
         """Return the output at arguments by :attr:`given`, every operation rounded to `real`."""
         known = dict(values)
-        for sums in self.sums:
-            known |= sums.over_arrays(known, real)
+        for each in self.variables:
+            if isinstance(each, SampleSums | Walk):
+                known |= each.over_arrays(known, real)
         # C has the functions of its library, in double precision those of Python.
         in_doubles = np.dtype(real) == np.float64
         return evaluate_arrays(self.result, known, real, self._order, as_floats=in_doubles)
@@ -160,7 +189,9 @@ class _Builder:
         self.numbers = {i: rule for rule, own in enumerate(self.plan.readings) for i in own}
         self.target = target
         self.names = Names(taken=set(parameters))
-        self.variables: list[Assign | SampleSums] = []
+        self.variables: list[Assign | SampleSums | Walk] = []
+        # Of each output that is walked: the strength of each of its contributions.
+        self.walked: dict[str, dict[int, Node]] = {}
         self.named: set[Node] = set()
         self.calls: dict[Node, Call] = {}
         self.values: dict[str, Node] = {}
@@ -211,52 +242,31 @@ class _Builder:
         return value
 
     def _check_output(self, output: OutputPlan) -> None:
-        name, way = output.output.name, output.output.defuzzifier
-        if way.method in KARNIK_MENDEL:
-            raise refuse(
-                f"defuzzifier {way.method} of '{name}', whose ends are found by iteration;"
-                " nie-tan can be",
-                output.output.span,
-                "write  defuzzifier nie-tan",
-            )
-        if way.method not in {"centroid", "nie-tan", *TAKAGI_SUGENO}:
-            instead = "write  defuzzifier centroid"
-            raise refuse(f"defuzzifier {way.method} of '{name}'", output.output.span, instead)
+        """Find out whether an output is one expression, or is walked over tables."""
+        name, way, span = output.output.name, output.output.defuzzifier, output.output.span
         if output.discrete:
+            if way.method not in CENTROIDS | WEIGHTED or way.method in KARNIK_MENDEL:
+                self.walked[name] = {}
             return
-        if way.joined:
-            instead = "write  defuzzifier centroid"
-            raise refuse(f"joined samples of '{name}'", output.output.span, instead)
         if way.resolution is not None:
             size = way.resolution * (1 + len(output.members))
             if size > MOST_SAMPLES:
                 raise refuse(
-                    f"the centroid of '{name}' over {way.resolution:,} samples takes {size:,}"
+                    f"the {way.method} of '{name}' over {way.resolution:,} samples takes {size:,}"
                     f" constants, and {MOST_SAMPLES:,} are the most",
-                    output.output.span,
-                    "write  defuzzifier centroid(101)",
+                    span,
+                    f"write  defuzzifier {way.method}(101)",
                 )
-        else:
-            self._check_exact(output)
-
-    def _check_exact(self, output: OutputPlan) -> None:
-        """Refuse an exact centroid without a closed form."""
-        name, at = output.output.name, output.output.span
-        if output.output.aggregation not in {"max", "sum"}:
-            what = f"the exact centroid under aggregation {output.output.aggregation} of '{name}'"
-            raise refuse(what, at, f"write  aggregation max  or  {SAMPLED}")
-        kinds = {member.implication for member in output.members}
-        if len(kinds) > 1 or not kinds <= {"min", "product"}:
-            what = f"implication {' and '.join(sorted(kinds))} of '{name}'"
-            raise refuse(what, at, f"write  implication min  or  {SAMPLED}")
-        for member in output.members:
-            if any(not piece.straight for piece in member.pieces):
-                words = [*(hedge.name for hedge in member.hedges), member.term.shape.kind]
-                form = " ".join(words)
-                what = f"term '{member.term.name}' of '{name}' is not straight ({form})"
-                raise refuse(what, member.term.span, f"write  {SAMPLED}")
-        if kinds == {"min"} and output.closed is None:
-            raise refuse(f"too many sets of '{name}' overlap", at, f"write  {SAMPLED}")
+        if _is_expression(output):
+            return
+        try:
+            lay_out_output(self.plan, name, Listed())
+        except NotCoveredError as error:
+            instead = SAMPLED
+            if way.method in JOINED or way.method in MAXIMA:
+                instead = f"defuzzifier {way.method}(101)"
+            raise refuse(str(error), span, f"write  {instead}") from None
+        self.walked[name] = {}
 
     # ── rules ────────────────────────────────────────────────────────────────────────
 
@@ -273,13 +283,17 @@ class _Builder:
             strength = where(strength > planned.threshold, strength, 0.0)
         remark = rule_words(self.numbers[index], planned.rule.antecedent)
         for name in sorted(outputs):
-            for member, rule in self.plan.outputs[name].contributions:
+            for number, (_, rule) in enumerate(self.plan.outputs[name].contributions):
                 if rule == index:
-                    self._assert(self.plan.outputs[name], member, strength, remark)
+                    self._assert(self.plan.outputs[name], number, strength, remark)
 
-    def _assert(self, output: OutputPlan, member: int, strength: Node, remark: str) -> None:
+    def _assert(self, output: OutputPlan, number: int, strength: Node, remark: str) -> None:
         """Let a rule raise its member of an output."""
         name, aggregation = output.output.name, output.output.aggregation
+        member = output.contributions[number][0]
+        if name in self.walked and aggregation != "max" and not output.discrete:
+            self.walked[name][number] = self.fresh(strength, "s", remark)
+            return
         if aggregation != "max" and not output.discrete:
             strength = self.fresh(strength, "s", remark)
             if output.output.defuzzifier.resolution is not None:
@@ -373,6 +387,8 @@ class _Builder:
     def _total_and_value(self, output: OutputPlan) -> tuple[Node, Node]:
         """Return what is above 0 where a rule fires, and the value that holds there."""
         name, method = output.output.name, output.output.defuzzifier.method
+        if name in self.walked:
+            return self._walk(output)
         if output.discrete:
             total, weighted = self._weighted(output)
             total, weighted = self.fresh(total, "total"), self.fresh(weighted, "weighted")
@@ -385,6 +401,34 @@ class _Builder:
         area, moment = self.sums[name].part if name in self.sums else self._union(output)
         centre = constant(0.5 * (output.output.low + output.output.high))
         return area, plus(centre, _quotient(moment, area))
+
+    def _walk(self, output: OutputPlan) -> Part:
+        """Return what a defuzzifier of the kernel makes of the strengths."""
+        name, method = output.output.name, output.output.defuzzifier.method
+        layout = lay_out_output(self.plan, name, Listed())
+        strengths = {member: height for member, (_, height) in self.heights[name].items()}
+        if output.in_order and not output.discrete:
+            strengths = self.walked[name]
+        own = [strengths.get(group, ZERO) for group in layout.groups]
+        if output.discrete:
+            values = [self._value(output, member, own[i]) for i, member in enumerate(layout.groups)]
+            by_turns = list(zip(own, values, strict=True))
+            if method in KARNIK_MENDEL:  # of each pair both strengths, then both values
+                pairs = list(zip(by_turns[::2], by_turns[1::2], strict=True))
+                own = [
+                    node
+                    for pair in pairs
+                    for node in (*(s for s, _ in pair), *(v for _, v in pair))
+                ]
+            else:
+                own = [node for both in by_turns for node in both]
+        total, value = self.names.new("total"), self.names.new("found")
+        self.variables.append(Walk(total, value, self.plan, name, tuple(own)))
+        result: Node = symbol(value)
+        if layout.defuzzifier in MOMENTS:
+            centre = constant(layout.floats[layout.whole[at.HEAD + at.FLOATS_AT] + 3])
+            result = plus(centre, _quotient(result, symbol(total)))
+        return symbol(total), result
 
     def _sampled(self, output: OutputPlan) -> Part:
         heights = self.heights[output.output.name]
@@ -432,21 +476,61 @@ class _Builder:
     def _weighed(self, output: OutputPlan, member: int, height: Node) -> Node:
         """Return the value of a consequent times its strength."""
         found = output.members[member]
-        shape = found.term.shape
         if found.value is not None:
             return times(height, found.value)
-        if output.output.defuzzifier.method not in WEIGHTED | TYPE_2:
-            what = f"consequent '{found.term.name}' of '{output.output.name}' is a formula"
-            raise refuse(what, found.term.span, "write  defuzzifier weighted-average")
-        if shape.kind == "formula":
-            value: Node = self.fresh(self._formula(output, member), found.term.name)
+        value = self._value(output, member, height)
+        if found.formula is not None or found.pieces:
             # Where its rule does not fire a formula may have no value, such as 1/0.
             return where(height > 0.0, height * value, 0.0)
+        return times(height, value)
+
+    def _value(self, output: OutputPlan, member: int, height: Node) -> Node:
+        """Return the value of a consequent, which may depend on its strength."""
+        found = output.members[member]
+        shape = found.term.shape
+        if found.value is not None:
+            return constant(found.value)
+        if output.output.defuzzifier.method == "tsukamoto" and found.pieces:
+            return self.fresh(self._position(output, member, height), found.term.name)
+        if shape.kind == "formula":
+            value: Node = times(constant(shape.height), self._formula(output, member))
+            return self.fresh(value, found.term.name)
         *coefficients, offset = shape.parameters
         value = constant(offset)
         for coefficient, variable in zip(coefficients, self.plan.rulebase.inputs, strict=True):
             value = plus(value, times(constant(coefficient), self.values[variable.name]))
-        return times(height, self.fresh(value, found.term.name))
+        return self.fresh(value, found.term.name)
+
+    def _position(self, output: OutputPlan, member: int, height: Node) -> Node:
+        """Return where a set that rises or falls throughout reaches a strength."""
+        found, model = output.members[member], output.output
+        shape = found.term.shape
+        kind = SHAPES[shape.kind]
+        if kind.inverse_expression is not None and not found.hedges:
+            share = height if shape.height == 1.0 else height / constant(shape.height)
+            numbers = dict(zip(kind.inverse_symbols[1:], shape.parameters, strict=True))
+            inverse = specialise(kind.inverse_expression, numbers)
+            # Ends that it only tends to: those of the range.
+            inverse = with_ends(inverse, model.low, model.high)
+            value = self.fresh(
+                replace(inverse, {"degree": op.minimum(1.0, share)}), f"{found.term.name}_at"
+            )
+            if kind.straight or shape.kind in {"s", "z", "arc"}:  # finite throughout
+                return value
+            low, high = constant(-LARGEST_DOUBLE), constant(LARGEST_DOUBLE)
+            return where(value > high, model.high, where(value < low, model.low, value))
+        try:
+            rising = is_rising(output, found)
+        except InferenceError as error:
+            raise refuse(
+                str(error), found.term.span, "write  defuzzifier weighted-average"
+            ) from None
+        if not all(piece.straight for piece in found.pieces):
+            what = (
+                f"'{model.name} is {found.term.name}' is curved, and its position is searched for"
+            )
+            raise refuse(what, found.term.span, "write  defuzzifier weighted-average")
+        return _on_pieces(found.pieces, height, model.high if rising else model.low, rising=rising)
 
     def _formula(self, output: OutputPlan, member: int) -> Node:
         term = output.members[member].term
@@ -458,9 +542,37 @@ class _Builder:
         return replace(formula.with_constants(tuple(known)), self.values)
 
 
+def _is_expression(output: OutputPlan) -> bool:
+    """Whether an expression of reasonable length says what a set is worth."""
+    way = output.output.defuzzifier
+    if way.method not in {"centroid", "nie-tan"} or way.joined:
+        return False
+    if way.resolution is not None:
+        return True
+    kinds = {member.implication for member in output.members}
+    straight = all(piece.straight for member in output.members for piece in member.pieces)
+    if output.output.aggregation not in {"max", "sum"} or len(kinds) > 1 or not straight:
+        return False
+    if kinds == {"product"}:
+        return output.output.aggregation == "sum" or most_overlapping(output) <= 2
+    return not kinds or (kinds == {"min"} and output.closed is not None)
+
+
 def _sides(output: OutputPlan) -> tuple[int | None, ...]:
     """Return the sides of an interval type-2 set, each a set by itself; None is all of type 1."""
     return (UPPER, LOWER) if output.sides else (None,)
+
+
+def _on_pieces(pieces: Sequence[Piece], level: Node, beyond: float, *, rising: bool) -> Node:
+    """Return where straight pieces that rise or fall throughout reach a level."""
+    value: Node = constant(beyond)
+    for x0, y0, x1, y1, _ in pieces[::-1] if rising else pieces:
+        start, first, end, last = (x0, y0, x1, y1) if rising else (x1, y1, x0, y0)
+        if last > first:
+            reach = constant(end - start) * minus(level, constant(first)) / constant(last - first)
+            value = where(level <= last, constant(start) + reach, value)
+        value = where(level <= first, start, value)
+    return value
 
 
 class _Sums:

@@ -6,6 +6,7 @@ one C file share; the header comment states provenance, accuracy and cost of eac
 
 from __future__ import annotations
 
+import re
 import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -50,18 +51,34 @@ class CWriter:
             )
         return self._known[key]
 
+    def definition(self, wanted: str, template: str, **words: str) -> str:
+        """Return the name of a type that `template` defines, where NAME is its name."""
+        return self._written("definition", wanted, template, words, "")
+
     def helper(self, wanted: str, template: str, **words: str) -> str:
         """Return the name of a small function made of `template`, where NAME is its name."""
-        key = ("helper", template, tuple(sorted(words.items())))
+        keyword = "static inline " if self.storage else "static "
+        return self._written("helper", wanted, template, words, keyword)
+
+    def _written(
+        self, sort: str, wanted: str, template: str, words: dict[str, str], keyword: str
+    ) -> str:
+        key = (sort, template, tuple(sorted(words.items())))
         if key not in self._known:
             name = self.names.new(f"{self.prefix}_{wanted}")
             self._known[key] = name
-            text = template.replace("NAME", name)
-            for word, replacement in words.items():
-                text = text.replace(word, replacement)
-            keyword = "static inline" if self.storage else "static"
-            self.helpers.append(f"{keyword} {text}")
+            names = words | {"NAME": name}
+            text = re.sub(r"\b[A-Z_]+\b", lambda match: names.get(match[0], match[0]), template)
+            self.helpers.append(f"{keyword}{text}")
         return self._known[key]
+
+
+ONE_OF_TWO = """TYPE NAME(TYPE a, TYPE b)
+{
+    return b SIGN a ? b : a; /* the first of equal ones */
+}
+"""
+"""Template of a helper: the smaller (``<``) or the greater (``>``) of two."""
 
 
 def number_lines(literals: Sequence[str], columns: int = 0, indent: str = "    ") -> list[str]:

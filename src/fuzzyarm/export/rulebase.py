@@ -18,6 +18,7 @@ from fuzzyarm.export.names import Names
 from fuzzyarm.export.numbers import C_TYPES, Kind, Precision, precision_named, rounded
 from fuzzyarm.export.program import Program, make_program
 from fuzzyarm.export.routine import Accuracy, Argument, Cost, CWriter, Vectors
+from fuzzyarm.export.sets import refuse
 from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.expression.nodes import Constant
 from fuzzyarm.inference.engine import infer_many
@@ -71,12 +72,14 @@ class DirectRoutine:
     @property
     def headers(self) -> Sequence[str]:
         """Standard headers: ``math.h`` for its functions, for NAN and for INFINITY."""
+        if self.program.walks:
+            return ("math.h", "stdint.h")
         return ("math.h",) if needs_math_header(self.program.nodes) else ()
 
     @property
     def calls_functions(self) -> bool:
         """Whether functions of the mathematical library are called."""
-        return uses_functions(self.program.nodes)
+        return bool(self.program.walks) or uses_functions(self.program.nodes)
 
     @property
     def output(self) -> Argument:
@@ -129,7 +132,8 @@ class DirectRoutine:
     @property
     def _heights(self) -> int:
         """How often the program asks a set for its height at a sample."""
-        return max((sums.count * len(sums.steps) for sums in self.program.sums), default=1)
+        counts = [sums.count * len(sums.steps) for sums in self.program.sums]
+        return max([*counts, *(walk.steps for walk in self.program.walks)], default=1)
 
     def body(self, writer: CWriter, parameters: Sequence[str]) -> list[str]:
         """Return the statements of the function."""
@@ -152,7 +156,8 @@ class DirectRoutine:
         }
         names = {*self.listing.variables, *self.program.given}
         size = np.dtype(self.precision.inside).itemsize
-        return Cost(tuple(sorted(counted.items())), size * len(names))
+        room = sum(walk.room for walk in self.program.walks)
+        return Cost(tuple(sorted(counted.items())), size * (len(names) + room))
 
     @property
     def silence(self) -> str:
@@ -287,6 +292,13 @@ def direct_routine(
     parameters = [names.new(argument) for argument in arguments]
     program = make_program(rulebase, target.name, parameters)
     types = precision_named(precision, arithmetic=True)
+    if program.walks and types.inside is not np.float64:
+        way = target.defuzzifier
+        raise refuse(
+            f"the {way} of '{program.walks[0].output}' is found in double precision only",
+            rulebase.output(program.walks[0].output).span,
+            "take --precision mixed or float64",
+        )
     constants = [n.value for n in program.nodes if isinstance(n, Constant)]
     finite = [value for value in constants if math.isfinite(value)]
     rounded(finite, types.inside, f"the direct inference of '{target.name}'")

@@ -7,6 +7,7 @@ one are folded here, where most of them come from coefficients that are zero or 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import combinations, pairwise
 
@@ -16,7 +17,17 @@ from fuzzyarm.expression.evaluation import specialise
 from fuzzyarm.expression.formulas import FormulaError
 from fuzzyarm.expression.kinds import HEDGES, SHAPES
 from fuzzyarm.expression.lines import Line, Lines
-from fuzzyarm.expression.nodes import Constant, Node, Number, apply, constant, replace, symbol
+from fuzzyarm.expression.nodes import (
+    Apply,
+    Constant,
+    Node,
+    Number,
+    apply,
+    constant,
+    postorder,
+    replace,
+    symbol,
+)
 from fuzzyarm.inference.overlap import Layers
 from fuzzyarm.inference.plan import Member, OutputPlan
 from fuzzyarm.inference.sets import formula_of
@@ -58,6 +69,18 @@ def times(a: Node, b: Number) -> Node:
     if is_number(a, 0.0) or is_number(b, 0.0):
         return ZERO
     return b if is_number(a, 1.0) else a if is_number(b, 1.0) else a * b
+
+
+def with_ends(root: Node, low: float, high: float) -> Node:
+    """Return an expression with two numbers in place of the infinite ones."""
+    made: dict[Node, Node] = {}
+    for node in postorder(root):
+        made[node] = node
+        if isinstance(node, Constant) and math.isinf(node.value):
+            made[node] = constant(high if node.value > 0.0 else low)
+        elif isinstance(node, Apply):
+            made[node] = apply(node.operation, *(made[child] for child in node.arguments))
+    return made[root]
 
 
 def where(condition: Node, then: Number, otherwise: Number) -> Node:
@@ -220,16 +243,22 @@ def scaled_union(plan: OutputPlan, heights: Heights, fresh: Fresh) -> Iterator[t
             ends = _ends(plan.members[member], x0, x1)
             if max(ends) > 0.0:
                 present[member] = ends
-        if len(present) > 2:
-            raise refuse(
-                f"three sets of '{plan.output.name}' overlap at {0.5 * (x0 + x1):g} under"
-                " implication product and aggregation max",
-                plan.output.span,
-                "write  implication min  or  aggregation sum",
-            )
         for first, second in combinations(present, 2):
             lines = (heights[first], present[first], heights[second], present[second])
             yield -1, _smaller_of_two(*lines, x0 - _centre(plan), x1 - x0, fresh)
+
+
+def most_overlapping(plan: OutputPlan) -> int:
+    """Return how many sets of one side there are at most over one stretch."""
+    most = 0
+    sides = plan.sides or (0,) * len(plan.members)
+    for side in {*sides}:
+        members = [i for i, own in enumerate(sides) if own == side]
+        edges = sorted({x for m in members for p in plan.members[m].pieces for x in (p.x0, p.x1)})
+        for x0, x1 in pairwise(edges):
+            present = [m for m in members if max(_ends(plan.members[m], x0, x1)) > 0.0]
+            most = max(most, len(present))
+    return most
 
 
 def _centre(plan: OutputPlan) -> float:

@@ -10,13 +10,14 @@ import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
-from fuzzyarm.export.listing import Loop, element, function_body
+from fuzzyarm.export.listing import WALKED, Loop, Walked, element, function_body
 from fuzzyarm.export.names import Names, identifier
 from fuzzyarm.export.numbers import ST_TYPES, ExportError, Kind, rounded, st_number
 from fuzzyarm.export.program import Call
 from fuzzyarm.export.routine import Routine, comment, number_lines, routine_words
 from fuzzyarm.export.rulebase import DirectRoutine
 from fuzzyarm.export.table import Side, TableCode, TableRoutine
+from fuzzyarm.export.walk_st import walk_in_st
 from fuzzyarm.expression.nodes import Constant, Node, symbols
 from fuzzyarm.expression.printing import (
     STRUCTURED_TEXT,
@@ -365,7 +366,9 @@ class RulesBlock:
             self.variables[own] = self.inner
         return self.language.rename[name]
 
-    def _lines_of(self, each: Statement | Loop) -> list[str]:
+    def _lines_of(self, each: Statement | Loop | Walked) -> list[str]:
+        if isinstance(each, Walked):
+            return self._walk(each)
         if isinstance(each, Loop):
             return self._loop(each)
         if isinstance(each, Choose):
@@ -420,6 +423,31 @@ class RulesBlock:
                 "",
             ]
         return self.known[text]
+
+    def _walk(self, each: Walked) -> list[str]:
+        """Return the call of the functions of a walk; its tables are variables of the block."""
+        walk = each.walk
+        text = walk_in_st(walk, self.file_names, f"{self.name}_{walk.output}_{WALKED}")
+        self.functions += text.functions
+        arrays = {}
+        # Not constants: a function takes by reference what may be written to.
+        for array, (kind, literals) in text.tables.items():
+            arrays[array] = self.names.new(f"{walk.output}_{array}")
+            body = "\n".join(number_lines(literals, indent="        "))
+            of = f"ARRAY [0..{len(literals) - 1}] OF {kind} := [\n{body}\n    ]"
+            self.variables[arrays[array]] = of
+        arrays["room"] = self.names.new(f"{walk.output}_room")
+        self.variables[arrays["room"]] = f"ARRAY [0..{text.room - 1}] OF LREAL"
+        done = self.names.new("done")
+        self.variables[done] = "BOOL"
+        lines = []
+        for index, part in enumerate(each.parts):
+            body_of_part, value = statements(part, prefix="part_", taken=self.taken)
+            self.taken |= set(variables(body_of_part))
+            lines += [line for inner in body_of_part for line in self._lines_of(inner)]
+            lines.append(f"{arrays['room']}[{index}] := {self._expression(value)};")
+        total, found = self._declared(walk.total), self._declared(walk.value)
+        return [*lines, text.call.format(**arrays, total=total, value=found, done=done)]
 
     def _loop(self, each: Loop) -> list[str]:
         sums = each.sums

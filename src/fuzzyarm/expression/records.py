@@ -145,6 +145,7 @@ class Shape(Kind):
     inverse : callable or None
         Of a shape that rises or falls throughout: from a degree, 0 to 1, and the parameters
         to the position where it has that degree (Tsukamoto's consequents). None: by search.
+        Written over nodes, as a definition is, it works in every engine and export.
     fuzzy : bool
         False for the consequents of Takagi and Sugeno, which are values rather than sets.
     """
@@ -164,6 +165,31 @@ class Shape(Kind):
     def straight(self) -> bool:
         """Whether it is made of straight pieces."""
         return self.corners is not None
+
+    @property
+    def inverse_symbols(self) -> tuple[str, ...]:
+        """Symbols of the expression of its inverse: the degree, then the parameters."""
+        return ("degree", *self.symbols[1:])
+
+    @cached_property
+    def inverse_expression(self) -> Node | None:
+        """The inverse as an expression; None where there is none, or one of plain Python."""
+        if self.inverse is None:
+            return None
+        try:
+            return trace(self.inverse, self.inverse_symbols)
+        except TypeError:
+            return None
+
+    @cached_property
+    def position_of(self) -> Callable[..., float] | None:
+        """The inverse over floats: the degree, then the parameters."""
+        from fuzzyarm.expression.functions import python_function
+
+        expression = self.inverse_expression
+        if expression is None:
+            return self.inverse
+        return python_function(expression, self.inverse_symbols)
 
     @cached_property
     def scalar(self) -> Callable[..., float]:

@@ -12,7 +12,6 @@ Logic Control*, 2018).
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from itertools import pairwise
 from typing import Any
@@ -168,22 +167,21 @@ def _middle(*p: float) -> float:
 # ── where they have a degree ─────────────────────────────────────────────────────────
 
 
-def _sigmoid_inverse(degree: float, inflection: float, slope: float) -> float:
-    if degree <= 0.0 or degree >= 1.0:
-        return math.copysign(math.inf, slope if degree >= 1.0 else -slope)
-    return inflection + math.log(degree / (1.0 - degree)) / slope
+def _sigmoid_inverse(degree: Any, inflection: Any, slope: Any) -> Any:
+    end = op.where(slope < 0.0, -op.inf, op.inf)
+    position = inflection + op.log(degree / (1.0 - degree)) / slope
+    return op.where(degree <= 0.0, -end, op.where(degree >= 1.0, end, position))
 
 
-def _parabolas_inverse(degree: float, zero: float, one: float) -> float:
-    if degree <= 0.5:
-        return zero + (one - zero) * math.sqrt(0.5 * degree)
-    return one - (one - zero) * math.sqrt(0.5 * (1.0 - degree))
+def _parabolas_inverse(degree: Any, zero: Any, one: Any) -> Any:
+    first = zero + (one - zero) * op.sqrt(0.5 * degree)
+    second = one - (one - zero) * op.sqrt(0.5 * (1.0 - degree))
+    return op.where(degree <= 0.5, first, second)
 
 
-def _concave_inverse(degree: float, inflection: float, end: float) -> float:
-    if degree <= 0.0:
-        return -math.inf if inflection <= end else math.inf
-    return 2.0 * end - inflection - (end - inflection) / degree
+def _concave_inverse(degree: Any, inflection: Any, end: Any) -> Any:
+    nothing = op.where(inflection <= end, -op.inf, op.inf)
+    return op.where(degree <= 0.0, nothing, 2.0 * end - inflection - (end - inflection) / degree)
 
 
 # ── the records ──────────────────────────────────────────────────────────────────────
@@ -420,7 +418,7 @@ def register() -> None:
         ("zero", "one"),
         arc,
         doc="a quarter of an ellipse from 0 to 1",
-        inverse=lambda degree, zero, one: one + (zero - one) * math.sqrt(1.0 - degree * degree),
+        inverse=lambda degree, zero, one: one + (zero - one) * op.sqrt(1.0 - degree * degree),
         names={"fll": "Arc", "fcl": "Arc", "fis": "Arc"},
     )
     kind(

@@ -19,14 +19,19 @@ PER_SAMPLE = 0.002
 PER_SAMPLE_OF_NUMPY = 0.05
 """For each sample of each set of an output."""
 
-JOINED = 5.0
+JOINED = 15.0
+JOINED_OF_NUMPY = 5.0
 """Joined samples take so many times as long: lines between them are cut and crossed."""
+
+HALVED = 2.0
+"""A bisector goes through its samples twice."""
 
 PER_PANEL = 1.0
 PER_PANEL_OF_NUMPY = 8.0
 """Of a quadrature, for each stretch between bends and each set: 40 heights."""
 
-PER_CUT = 0.5
+PER_CUT = 0.02
+PER_CUT_OF_NUMPY = 0.5
 """Of exact maxima under `max`, for each stretch and set."""
 
 PER_SEARCH = 10.0
@@ -68,11 +73,14 @@ def _of_output(output: OutputPlan, *, covered: bool) -> float:
         return (PER_RULE if covered else PER_RULE_OF_NUMPY) * sets
     if way.resolution is not None:
         per_sample = PER_SAMPLE if covered else PER_SAMPLE_OF_NUMPY
-        return per_sample * way.resolution * sets * (JOINED if way.joined else 1.0)
+        joined = (JOINED if covered else JOINED_OF_NUMPY) if way.joined else 1.0
+        halved = HALVED if way.method == "bisector" else 1.0
+        return per_sample * way.resolution * sets * joined * halved
     pieces = {piece.x0 for member in output.members for piece in member.pieces}
     stretches = len(pieces) * sets
     if "maximum" in way.method:
-        return (PER_CUT if output.output.aggregation == "max" else PER_SEARCH) * stretches
+        per_cut = PER_CUT if covered else PER_CUT_OF_NUMPY
+        return (per_cut if output.output.aggregation == "max" else PER_SEARCH) * stretches
     if way.method != "bisector" and (output.closed is not None or output.enveloped):
         return PER_RULE * stretches
     ends = ENDS_OF_INTERVAL if way.method in KARNIK_MENDEL else 1.0

@@ -212,13 +212,15 @@ def reach_end(
 def last_covered(heap: Any, begin: int, end: int, sign: float) -> float:
     """Return the end of what a set covers."""
     # There may be pieces of no height in front and behind; only an area counts.
-    found = math.nan
+    found = 0.0
+    covered = False
     for piece in range(begin, end, RUN_OF_LINE):
         if heap[piece + 4] > 0.0:
             if sign > 0.0:
                 found = heap[piece + 1]
-            elif math.isnan(found):
+            elif not covered:
                 found = heap[piece]
+            covered = True
     return found
 
 

@@ -101,12 +101,16 @@ def enveloped_centroid(block: Any) -> None:
     For straight sets without a closed form.
     """
     k, f, room, total, moment = parts_of(block)
-    width = k[WIDTH]
-    heap = room[(k[WORK] + WORK_ROWS) * width :]
-    begin = k[k[OUTPUT] + DETAIL]
+    heap = room[(k[WORK] + WORK_ROWS) * k[WIDTH] :]
     for point in range(total.shape[0]):
-        end = envelop(k, f, room, point, 0, heap, begin)
-        total[point], moment[point] = whole_of(heap, begin, end)
+        total[point], moment[point] = whole_envelope(k, f, room, heap, point)
+
+
+@kernel
+def whole_envelope(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[float, float]:
+    """Return area and moment below the envelope of a point."""
+    begin = k[k[OUTPUT] + DETAIL]
+    return whole_of(heap, begin, envelop(k, f, room, point, 0, heap, begin))
 
 
 @kernel

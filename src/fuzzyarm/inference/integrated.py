@@ -18,8 +18,6 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numpy as np
-
 from fuzzyarm.inference.envelope import insert
 from fuzzyarm.inference.enveloped import cut_in
 from fuzzyarm.inference.kernel import (
@@ -37,6 +35,7 @@ from fuzzyarm.inference.kernel import (
     WORK_ROWS,
     parts_of,
 )
+from fuzzyarm.inference.sets import BELOW_ONE
 from fuzzyarm.kernels import call, kernel
 
 # Whole numbers of an output, from k[DETAIL] on: its constants in f, how many members it has,
@@ -51,10 +50,12 @@ CONSTANTS = WEIGHTS + 4
 
 # Whole numbers of a consequent: the row function of its set and the numbers of that; its
 # implication; its member; straight pieces that slope; where its implication clips them, as
-# (offset, factor of the strength); the lines that it leaves of one: four numbers each; and
-# whether it is on side 0 or, of an interval type-2 set, among the lower ones on side 1.
+# (offset, factor of the strength); the lines that it leaves of one: four numbers each; whether it
+# is on side 0 or, of an interval type-2 set, among the lower ones on side 1; and, where its
+# implication leaves nothing but ones, the stretches over which it is 1: two numbers each (-1: it
+# leaves more).
 CURVE, NUMBERS_AT, NUMBERS, IMPLICATION, MEMBER, PIECES, PIECES_AT = range(7)
-CLIPS, CLIPS_AT, LINES, LINES_AT, SIDE = range(7, 12)
+CLIPS, CLIPS_AT, LINES, LINES_AT, SIDE, FLATS, FLATS_AT = range(7, 14)
 LINE_NUMBERS = 4
 
 # Whole numbers of a stretch: its two consequents, and where its six numbers are in f.
@@ -68,29 +69,40 @@ ROW = 8
 def integrated_centroid(block: Any) -> None:
     """Integrate the aggregate of each point."""
     k, f, room, total, moment = parts_of(block)
-    width = k[WIDTH]
-    heap = room[(k[WORK] + WORK_ROWS) * width :]
+    heap = room[(k[WORK] + WORK_ROWS) * k[WIDTH] :]
     for point in range(total.shape[0]):
-        total[point], moment[point], _, _ = integrate_all(k, f, room, heap, point, math.inf)
+        total[point], moment[point] = integral_of_point(k, f, room, heap, point)
+
+
+@kernel
+def integral_of_point(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[float, float]:
+    """Return area and moment of the aggregate of a point."""
+    area, torque, _, _ = integrate_all(k, f, room, heap, point, math.inf)
+    return area, torque
 
 
 @kernel
 def integrated_bisector(block: Any) -> None:
-    """Find where the area of the aggregate is halved: in the middle, if on a stretch without area.
+    """Find where the area of the aggregate of each point is halved."""
+    k, f, room, total, moment = parts_of(block)
+    heap = room[(k[WORK] + WORK_ROWS) * k[WIDTH] :]
+    for point in range(total.shape[0]):
+        total[point], moment[point] = bisector_of_point(k, f, room, heap, point)
+
+
+@kernel
+def bisector_of_point(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[float, float]:
+    """Return the area, and where it is halved: in the middle, if on a stretch without area.
 
     Once through the panels for the area, once more for each end of that stretch, up to the panel
     where the sum reaches the share, which is then halved itself.
     """
-    k, f, room, total, moment = parts_of(block)
-    width = k[WIDTH]
-    heap = room[(k[WORK] + WORK_ROWS) * width :]
-    for point in range(total.shape[0]):
-        area, _, _, _ = integrate_all(k, f, room, heap, point, math.inf)
-        middle = 0.0
-        if area > 0.0:
-            middle = reach(k, f, room, heap, point, (0.5 - SAME_HALF) * area)
-            middle = 0.5 * (middle + reach(k, f, room, heap, point, (0.5 + SAME_HALF) * area))
-        total[point], moment[point] = area, middle
+    area, _, _, _ = integrate_all(k, f, room, heap, point, math.inf)
+    middle = 0.0
+    if area > 0.0:
+        middle = reach(k, f, room, heap, point, (0.5 - SAME_HALF) * area)
+        middle = 0.5 * (middle + reach(k, f, room, heap, point, (0.5 + SAME_HALF) * area))
+    return area, middle
 
 
 SAME_HALF = 1e-12
@@ -302,10 +314,30 @@ def halve(
 
 
 @kernel
-def move_bits(row: Any, index: int, steps: int) -> None:
-    """Move a float to a neighbour of it: floats of one sign are ordered as their bits are."""
-    bits = row.view(np.int64)
-    bits[index] += steps
+def leave_out_peak(k: Any, f: Any, consequent: int, nodes: Any, degrees: Any) -> None:
+    """Have a set be 1 over stretches only: a peak has no area, but a node may lie on it."""
+    for i in range(degrees.shape[0]):
+        is_flat = 0
+        for j in range(k[consequent + FLATS]):
+            at = k[consequent + FLATS_AT] + 2 * j
+            if f[at] <= nodes[i] <= f[at + 1]:
+                is_flat = 1
+        if is_flat == 0:
+            degrees[i] = min(degrees[i], BELOW_ONE)
+
+
+HALF_STEP = 2.0**-53 * (1.0 + 2.0**-52)
+SMALLEST_FLOAT = 5e-324
+
+
+@kernel
+def next_float(x: float, way: float) -> float:
+    """Return the next float above (way 1) or below (-1).
+
+    S. M. Rump, P. Zimmermann, S. Boldo, G. Melquiond, *Computing predecessor and successor in
+    rounding to nearest*, BIT 49 (2009), algorithm 1: arithmetic that every language has.
+    """
+    return x + way * (HALF_STEP * abs(x) + SMALLEST_FLOAT)
 
 
 @kernel
@@ -331,15 +363,7 @@ def integral(
         step = half * f[constants + NODES + i]
         nodes[2 * i], nodes[2 * i + 1] = middle - step, middle + step
     # The ends just inside, for the value on this side of a vertical edge.
-    nodes[6], nodes[7] = x_0, x_1
-    if x_0 == 0.0:
-        nodes[6] = 5e-324
-    else:
-        move_bits(heap, 6, 1 if x_0 > 0.0 else -1)
-    if x_1 == 0.0:
-        nodes[7] = -5e-324
-    else:
-        move_bits(heap, 7, 1 if x_1 < 0.0 else -1)
+    nodes[6], nodes[7] = next_float(x_0, 1.0), next_float(x_1, -1.0)
     for i in range(ROW):
         so_far[i] = 0.0
     fold = k[head + AGGREGATION]
@@ -353,6 +377,8 @@ def integral(
             begin = k[consequent + NUMBERS_AT]
             numbers = f[begin : begin + k[consequent + NUMBERS]]
             call(k[consequent + CURVE], nodes, numbers, degrees)
+            if k[consequent + FLATS] >= 0:
+                leave_out_peak(k, f, consequent, nodes, degrees)
             cut_in(k[consequent + IMPLICATION], fold, height, degrees, so_far, cut)
     area = torque = 0.0
     for i in range(4):

@@ -12,14 +12,31 @@ import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
-from fuzzyarm.expression.kinds import SNORMS, TNORMS, Norm
-from fuzzyarm.inference import envelope, enveloped, firing_intervals, integrated, reduced
+from fuzzyarm.expression.formulas import CONSTANTS
+from fuzzyarm.expression.kinds import SHAPES, SNORMS, TNORMS, Norm
+from fuzzyarm.expression.nodes import Node, replace, symbol
+from fuzzyarm.inference import (
+    envelope,
+    enveloped,
+    firing_intervals,
+    integrated,
+    positions,
+    reduced,
+)
 from fuzzyarm.inference import kernel as at
 from fuzzyarm.inference.aggregate import sample_positions, sampled_set, weights
 from fuzzyarm.inference.block import Layout, Mark, NotCoveredError
 from fuzzyarm.inference.cells import Cells, cut_into_cells
+from fuzzyarm.inference.errors import InferenceError
 from fuzzyarm.inference.overlap import Layers
-from fuzzyarm.inference.plan import CENTROIDS, OutputPlan, Plan, PlannedRule, has_envelope
+from fuzzyarm.inference.plan import (
+    CENTROIDS,
+    Member,
+    OutputPlan,
+    Plan,
+    PlannedRule,
+    has_envelope,
+)
 from fuzzyarm.inference.quadrature import (
     CLIPPING,
     DEEPEST,
@@ -32,11 +49,14 @@ from fuzzyarm.inference.quadrature import (
     panels,
 )
 from fuzzyarm.inference.row_functions import Addresses, Curve, InMemory, norm_number
-from fuzzyarm.inference.sets import cut_lines
+from fuzzyarm.inference.sets import Piece, cut_lines, formula_of, peak, plateaus
+from fuzzyarm.inference.weighted import is_rising
 from fuzzyarm.model.rulebase import (
+    JOINED,
     KARNIK_MENDEL,
-    TAKAGI_SUGENO,
+    MAXIMA,
     TYPE_2,
+    WEIGHTED,
     And,
     Expression,
     Hedge,
@@ -63,8 +83,29 @@ INTEGRATED = (
 """Defuzzifiers that go by the quadrature."""
 
 
-SAMPLED = (enveloped.sampled_centroid, reduced.karnik_mendel_samples, reduced.nie_tan_samples)
+SAMPLED = (
+    enveloped.sampled_centroid, reduced.karnik_mendel_samples, reduced.nie_tan_samples,
+    positions.sampled_position, positions.joined_samples,
+)  # fmt: skip
 """Defuzzifiers that go by samples."""
+
+FOUND_VALUES = (positions.weighted_values, positions.position_of_values)
+"""Defuzzifiers of values that are found: by formulas, where a set reaches its strength."""
+
+PLACED = (
+    positions.sampled_position, positions.joined_samples, positions.exact_maxima,
+    positions.position_of_values,
+)  # fmt: skip
+"""Defuzzifiers that answer with one of several positions."""
+
+WAYS = {
+    "bisector": positions.HALF,
+    "mean-of-maximum": positions.MEAN,
+    "smallest-of-maximum": positions.SMALLEST,
+    "largest-of-maximum": positions.LARGEST,
+    "centroid": positions.CENTROID,
+}
+"""Which position is wanted, by the defuzzifier."""
 
 ENVELOPED = (enveloped.enveloped_centroid, reduced.karnik_mendel_envelope, reduced.nie_tan_envelope)
 """Defuzzifiers that go by the upper envelope of straight sets."""
@@ -154,6 +195,52 @@ def what_is_not_covered(plan: Plan) -> str:
     return ""
 
 
+class OutputLayout(NamedTuple):
+    """The numbers of one output, for a defuzzifier that is given the strengths.
+
+    Attributes
+    ----------
+    whole, floats : list
+        What the defuzzifier reads. Behind the head and the output stand the groups, which list no
+        rules.
+    defuzzifier : callable
+        A kernel of :data:`fuzzyarm.inference.programs.AT_POINT`.
+    groups : tuple of int
+        Indices of what asserts each group: members where strengths are folded, else contributions.
+    rows : int
+        Rows of the room that the caller fills: a strength for each group, or as it says.
+    samples : int
+        Half of the floats that it works in behind these rows and the work rows.
+    """
+
+    whole: list[int]
+    floats: list[float]
+    defuzzifier: Callable[[Any], None]
+    groups: tuple[int, ...]
+    rows: int
+    samples: int
+
+
+def lay_out_output(plan: Plan, name: str, addresses: Addresses) -> OutputLayout:
+    """Write down what one output reads, for a caller that finds the strengths itself.
+
+    Parameters
+    ----------
+    plan : Plan
+        Of any rule base.
+    name : str
+        An output; under ``max`` its rules are folded by the caller, else every rule is a group.
+    addresses : Addresses
+        Who numbers the functions.
+
+    Raises
+    ------
+    NotCoveredError
+        If the kernel has no defuzzifier for it.
+    """
+    return _OneOutput(plan, plan.outputs[name], addresses).output_layout()
+
+
 _programs: dict[str, tuple[tuple[int, ...], tuple[int, ...]]] = {}
 """Programs by what they are written from, with how many heights each output has."""
 
@@ -174,7 +261,7 @@ class _Writer:
         for name, output in plan.outputs.items():
             if name in {key[0] for key in self.numbers}:
                 raise NotCoveredError(f"'{name}' is used by later rules")
-            _check_output(output)
+            _check_output(output, [variable.name for variable in plan.rulebase.inputs])
         self._cut_inputs()
         self.whole: list[int] = []
         self.floats: list[float] = []
@@ -441,6 +528,67 @@ def _homes(cells: Cells) -> dict[int, list[int]]:
     return found
 
 
+class _OneOutput(_Writer):
+    """The base of an output that stands alone: no inputs, no rules."""
+
+    def __init__(self, plan: Plan, output: OutputPlan, addresses: Addresses) -> None:
+        self.plan, self.output, self.addresses = plan, output, addresses
+        self.loose, self.alone = "", False
+        self.marks: list[Mark] = []
+        self.rules: list[_Rule] = []
+        self.operands = 0
+        self.whole = [0] * (at.HEAD + at.OUTPUT_HEAD)
+        self.floats: list[float] = []
+        if not output.discrete:
+            _check_output(output, ())
+
+    def output_layout(self) -> OutputLayout:
+        output = self.output
+        defuzzifier = _defuzzifier(output)
+        if output.discrete:
+            return self._of_values()
+        writer = _OutputWriter(self, output, at.HEAD)
+        united = output.output.aggregation == "max"
+        members = (
+            sorted({member for member, _ in output.contributions})
+            if united
+            else [member for member, _ in output.contributions]
+        )
+        groups = members if united else list(range(len(output.contributions)))
+        self._finish(len(groups), [writer.consequents[member] for member in members], len(groups))
+        return OutputLayout(
+            self.whole, self.floats, defuzzifier, tuple(groups), len(groups), writer.samples
+        )
+
+    def _of_values(self) -> OutputLayout:
+        """Write what a choice among values reads, or the ends of an average: no value is in it."""
+        method = self.output.output.defuzzifier.method
+        if method in KARNIK_MENDEL:
+            count, samples = len(self.output.pairs), reduced.PAIR_ROWS * len(self.output.pairs)
+            way, rows = WHICH_END[method], reduced.PAIR_ROWS * count
+            groups = tuple(member for pair in self.output.pairs for member in pair)
+            defuzzifier: Callable[[Any], None] = reduced.ends_of_rows
+        else:
+            groups = tuple(sorted({member for member, _ in self.output.contributions}))
+            count, samples = len(groups), 2 * len(groups)
+            way, rows = float(way_of(self.output)), 2 * count
+            defuzzifier = positions.position_of_rows
+        self.floats += [0.0, 0.0, 0.0, way]
+        self.whole[at.HEAD + at.DETAIL] = count
+        self._finish(count, [0] * count, rows)
+        return OutputLayout(self.whole, self.floats, defuzzifier, groups, rows, (samples + 1) // 2)
+
+    def _finish(self, groups: int, consequents: Sequence[int], rows: int) -> None:
+        whole = self.whole
+        whole[at.WIDTH], whole[at.OUTPUT], whole[at.WORK] = 1, at.HEAD, rows
+        whole[at.GROUPS] = len(whole)
+        whole.append(groups)
+        for consequent in consequents:
+            whole += [0, consequent]
+        # What reads ahead of a condition, as some languages do, stays inside.
+        self.floats += [0.0, 0.0]
+
+
 class _OutputWriter:
     """Writes what one output adds to the programs."""
 
@@ -459,25 +607,11 @@ class _OutputWriter:
             self.members.setdefault(rule, []).append(member)
         self.consequents = [0] * len(plan.members)
         self.terms: dict[tuple[int, ...], list[int]] = {}  # by the sets that may fire
-        detail = 0
-        if self.defuzzifier is at.closed_centroid:
-            self._write_layers(floats)
-        elif self.defuzzifier in SAMPLED:
-            detail = self._write_samples()
-        elif self.defuzzifier in ENVELOPED:
-            detail = self._write_pieces()
-        elif self.defuzzifier in INTEGRATED:
-            base.floats[floats + 3] = 0.5 * (output.low + output.high)
-            detail = self._write_integral()
-        elif self.defuzzifier is reduced.karnik_mendel_values:
-            detail = self._write_pairs()
-        else:
-            detail = self._write_values()
-        if self.defuzzifier is reduced.nie_tan_envelope:
-            base.floats[floats + 3] = 0.5 * (output.low + output.high)
-        if output.defuzzifier.method in KARNIK_MENDEL:
-            base.floats[floats + 3] = WHICH_END[output.defuzzifier.method]
-        is_mean = output.defuzzifier.method not in {"weighted-sum", "bisector", *KARNIK_MENDEL}
+        detail = self._write_detail(floats)
+        base.floats[floats + 3] = self._last_float(base.floats[floats + 3])
+        is_mean = self.defuzzifier not in PLACED and output.defuzzifier.method not in {
+            "weighted-sum", "bisector", *KARNIK_MENDEL
+        }  # fmt: skip
         fold = base.norm(SNORMS[output.aggregation], "S")
         is_closed = self.defuzzifier is at.closed_centroid
         address = 0
@@ -487,6 +621,38 @@ class _OutputWriter:
             address, floats, fold, mode, detail,
             int(is_mean), int(is_closed), int(self._is_max_min),
         ]  # fmt: skip
+
+    def _write_detail(self, floats: int) -> int:
+        """Write what the defuzzifier reads of its own; return its number."""
+        if self.defuzzifier is at.closed_centroid:
+            self._write_layers(floats)
+            return 0
+        if self.defuzzifier is positions.exact_maxima:
+            self._write_levels()
+            return 0
+        if self.defuzzifier in FOUND_VALUES:
+            self._write_found_values()
+            return 0
+        write = self._write_values
+        if self.defuzzifier in SAMPLED:
+            write = self._write_samples
+        elif self.defuzzifier in ENVELOPED:
+            write = self._write_pieces
+        elif self.defuzzifier in INTEGRATED:
+            write = self._write_integral
+        elif self.defuzzifier is reduced.karnik_mendel_values:
+            write = self._write_pairs
+        return write()
+
+    def _last_float(self, centre: float) -> float:
+        """Return the last float of an output: the centre of the moments, or what is wanted."""
+        output = self.plan.output
+        if self.defuzzifier in PLACED:
+            return float(way_of(self.plan))
+        if output.defuzzifier.method in KARNIK_MENDEL:
+            return WHICH_END[output.defuzzifier.method]
+        about_middle = {*INTEGRATED, reduced.nie_tan_envelope}
+        return 0.5 * (output.low + output.high) if self.defuzzifier in about_middle else centre
 
     @property
     def _is_max_min(self) -> bool:
@@ -526,6 +692,8 @@ class _OutputWriter:
         floats += weights(count, output.defuzzifier.sampling)
         # Two rows, or three, where both sides of an interval type-2 set are sampled.
         self.samples = count if not self.plan.sides else (3 * count + 1) // 2
+        if self.defuzzifier is positions.joined_samples:
+            self.samples = 2 * (2 + self._most_groups)
         for i, member in enumerate(self.plan.members):
             found = sampled_set(
                 member.term.shape, member.hedges, output.low, output.high, output.defuzzifier
@@ -539,6 +707,11 @@ class _OutputWriter:
             self.base.whole += [begin, end, first, cut, self._side(i)]
             self._mark("samples", i, len(floats) - len(heights), len(heights))
         return count
+
+    @property
+    def _most_groups(self) -> int:
+        """The most groups of a cell: under other unions than ``max`` every rule is one."""
+        return max(len(self.plan.members), len(self.plan.contributions))
 
     def _side(self, member: int) -> int:
         return self.plan.sides[member] if self.plan.sides else firing_intervals.UPPER
@@ -584,6 +757,10 @@ class _OutputWriter:
             whole += [len(clips), self._floats(number for clip in clips for number in clip)]
             whole += [len(lines), self._floats(number for line in lines for number in line)]
             whole.append(self._side(i))
+            flats = plateaus(member.pieces)
+            leaves_ones = TNORMS[member.implication].leaves_ones
+            whole.append(len(flats) if leaves_ones else -1)
+            whole.append(self._floats(end for flat in flats for end in flat))
         crossing = [
             (self.consequents[each.first], self.consequents[each.second], self._floats(each[2:]))
             for each in plan.stretches
@@ -645,10 +822,89 @@ class _OutputWriter:
         *coefficients, constant_term = shape.parameters
         return self._floats([constant_term, *coefficients])
 
+    def _write_levels(self) -> None:
+        """Write what exact maxima read of a set; see :mod:`fuzzyarm.inference.positions`."""
+        pieces = 0
+        for i, member in enumerate(self.plan.members):
+            cut = self.base.norm(TNORMS[member.implication], "T")
+            clips = CLIPPING.get(member.implication, ())
+            own = [self._piece(member, each, inside=True) for each in member.pieces]
+            head = self._set(member, own)
+            levels = [len(clips), self._floats(number for clip in clips for number in clip)]
+            top = self._floats([peak(member.pieces)])
+            self.consequents[i] = len(self.base.whole)
+            self.base.whole += [*head, cut, *levels, top, int(member.implication != "bounded")]
+            pieces += len(member.pieces)
+        self.samples = positions.HEAP // 2 + pieces
+
+    def _set(self, member: Member, pieces: Sequence[Sequence[float]]) -> list[int]:
+        """Return the function of a set and its pieces, as :data:`positions.FUNCTION` begins."""
+        address, numbers = Curve(0, ())
+        if any(piece[-1] != 0.0 for piece in pieces):
+            address, numbers = self.base.addresses.curve(member.term.shape, member.hedges)
+        return [
+            address, self._floats(numbers), len(numbers),
+            len(pieces), self._floats(number for piece in pieces for number in piece),
+        ]  # fmt: skip
+
+    def _piece(self, member: Member, piece: Piece, *, inside: bool) -> list[float]:
+        """Return the numbers of a piece; a search of a curve may begin just inside its ends."""
+        ends = [piece.x0, piece.y0, piece.x1, piece.y1]
+        if piece.straight:
+            return [*ends, 0.0, 0.0, 0.0]
+        a, b = piece.x0, piece.x1
+        if inside:
+            a, b = math.nextafter(a, b), math.nextafter(b, a)
+        rises = member.membership(b) > member.membership(a)
+        return [*ends, a, b, 1.0 if rises else -1.0]
+
+    def _write_found_values(self) -> None:
+        inputs = [variable.name for variable in self.base.plan.rulebase.inputs]
+        for i, member in enumerate(self.plan.members):
+            sort, head, own = self._found_value(member, inputs)
+            own_at = self._floats(own)
+            self.consequents[i] = len(self.base.whole)
+            self.base.whole += [*head, sort, own_at]
+            if sort == positions.CONSTANT:
+                self._mark("value", i, own_at, 1)
+        self.samples = (positions.HEAP + len(inputs)) // 2 + 1 + self._most_groups
+
+    def _found_value(
+        self, member: Member, inputs: Sequence[str]
+    ) -> tuple[int, list[int], Sequence[float]]:
+        """Return how a value is found, what for, and the numbers of its own."""
+        shape, addresses = member.term.shape, self.base.addresses
+        none = [0, 0, 0, 0, 0]
+        if member.value is not None:
+            return positions.CONSTANT, none, [member.value]
+        if self.plan.output.defuzzifier.method == "tsukamoto" and member.pieces:
+            inverse = SHAPES[shape.kind].inverse_expression
+            if inverse is not None and not member.hedges:
+                names = [f"number {i}" for i in range(len(shape.parameters))]
+                root = _renamed(inverse, SHAPES[shape.kind].inverse_symbols, ["x", *names])
+                numbers = [addresses.expression(root, names), self._floats(shape.parameters)]
+                head = [*numbers, len(shape.parameters), 0, 0]
+                return positions.INVERSE, head, [shape.height]
+            rising = is_rising(self.plan, member)
+            pieces = [self._piece(member, each, inside=False) for each in member.pieces]
+            if not rising:
+                pieces = [[x1, y1, x0, y0, *rest] for x0, y0, x1, y1, *rest in pieces[::-1]]
+            end = self.plan.output.high if rising else self.plan.output.low
+            return positions.LEVEL, self._set(member, pieces), [end]
+        if member.formula is not None:
+            root = formula_of(shape).with_constants(inputs)
+            return (
+                positions.FORMULA,
+                [addresses.expression(root, inputs), *none[1:]],
+                [shape.height],
+            )
+        *coefficients, constant_term = shape.parameters
+        return positions.LINEAR, none, [constant_term, *coefficients]
+
     def places(self) -> tuple[object, ...]:
         """Return all that :meth:`write` reads of this output."""
         united = self.plan.output.aggregation == "max"
-        values = self.defuzzifier in {at.weighted, reduced.karnik_mendel_values}
+        values = self._has_values
         closed = self.defuzzifier is at.closed_centroid
         layers = (self.own, self.overlaps) if closed else None
         return self.members, self.consequents, united, values, layers
@@ -671,8 +927,7 @@ class _OutputWriter:
 
     def _groups(self, active: Sequence[_Rule]) -> Iterator[tuple[int, list[_Rule]]]:
         entries = [(m, rule) for rule in active for m in self.members.get(rule.number, ())]
-        values = self.defuzzifier in {at.weighted, reduced.karnik_mendel_values}
-        if self.plan.output.aggregation == "max" or values:
+        if self.plan.output.aggregation == "max" or self._has_values:
             grouped: dict[int, list[_Rule]] = {}
             for member, rule in entries:
                 grouped.setdefault(member, []).append(rule)
@@ -681,6 +936,11 @@ class _OutputWriter:
         else:
             for member, rule in entries:
                 yield member, [rule]
+
+    @property
+    def _has_values(self) -> bool:
+        """Whether the strengths of a value are folded, whatever the aggregation."""
+        return self.defuzzifier in {at.weighted, reduced.karnik_mendel_values, *FOUND_VALUES}
 
     def _terms(self, members: Sequence[int]) -> list[int]:
         """Return unions of heights and terms of the closed form, where these sets may fire."""
@@ -707,14 +967,45 @@ class _OutputWriter:
         return found
 
 
+def way_of(plan: OutputPlan) -> int:
+    """Return which of several positions an output wants."""
+    way = plan.output.defuzzifier
+    nearest = way.method == "bisector" and way.sampling == "midpoints" and not plan.discrete
+    if nearest and way.resolution is not None:
+        return positions.NEAREST_HALF
+    return WAYS[way.method]
+
+
+def _renamed(root: Node, names: Sequence[str], others: Sequence[str]) -> Node:
+    """Return an expression with other names for its symbols."""
+    return replace(root, dict(zip(names, map(symbol, others), strict=True)))
+
+
 def _defuzzifier(plan: OutputPlan, *, loose: bool = False) -> Callable[[Any], None]:
     has_form = plan.closed is not None and not loose
-    if plan.output.defuzzifier.method in TYPE_2 and plan.members and not has_form:
+    way = plan.output.defuzzifier
+    if way.method in TYPE_2 and plan.members and not has_form:
         return _type_reduction(plan)
     if plan.discrete:
-        return at.weighted
-    if plan.output.defuzzifier.resolution is not None:
-        return enveloped.sampled_centroid
+        return _of_values(plan)
+    if way.resolution is not None:
+        return _of_samples(plan)
+    if way.method in MAXIMA:
+        return positions.exact_maxima
+    return _of_areas(plan, loose=loose)
+
+
+def _of_samples(plan: OutputPlan) -> Callable[[Any], None]:
+    """Return what makes a number of samples."""
+    way = plan.output.defuzzifier
+    if way.joined:
+        return positions.joined_samples
+    centroid = way.method in CENTROIDS
+    return enveloped.sampled_centroid if centroid else positions.sampled_position
+
+
+def _of_areas(plan: OutputPlan, *, loose: bool) -> Callable[[Any], None]:
+    """Return what makes a number of the area of a set."""
     if plan.output.defuzzifier.method == "bisector" and plan.members:
         return integrated.integrated_bisector
     # A loose one takes any form that numbers can have, where there are numbers.
@@ -723,6 +1014,16 @@ def _defuzzifier(plan: OutputPlan, *, loose: bool = False) -> Callable[[Any], No
         return at.closed_centroid
     lines = in_general or plan.enveloped
     return enveloped.enveloped_centroid if lines else integrated.integrated_centroid
+
+
+def _of_values(plan: OutputPlan) -> Callable[[Any], None]:
+    """Return what makes a number of values, or of sets that stand for one each."""
+    if plan.output.defuzzifier.method not in CENTROIDS | WEIGHTED:
+        return positions.position_of_values
+    is_found = plan.output.defuzzifier.method == "tsukamoto" or any(
+        member.formula is not None for member in plan.members
+    )
+    return positions.weighted_values if is_found else at.weighted
 
 
 def _type_reduction(plan: OutputPlan) -> Callable[[Any], None]:
@@ -746,21 +1047,42 @@ def lines_of(implication: str) -> list[tuple[float, float, float, float]]:
     ]
 
 
-def _check_output(plan: OutputPlan) -> None:
+def _check_output(plan: OutputPlan, inputs: Sequence[str]) -> None:
     output: Output = plan.output
     method = output.defuzzifier.method
-    if plan.discrete and method in CENTROIDS | TAKAGI_SUGENO:
-        formulas = [member.term.name for member in plan.members if member.formula is not None]
-        if formulas:
-            raise NotCoveredError(f"'{output.name} is {formulas[0]}' is a formula")
-        return
-    exact_bisector = method == "bisector" and output.defuzzifier.resolution is None
-    if output.defuzzifier.joined and not plan.discrete:
-        raise NotCoveredError(f"joined samples of '{output.name}'")
-    if plan.discrete or not (method in CENTROIDS or exact_bisector):
-        raise NotCoveredError(f"the {method} of '{output.name}'")
-    if _defuzzifier(plan) in INTEGRATED:
+    defuzzifier = _defuzzifier(plan)
+    if plan.discrete:
         for member in plan.members:
-            if TNORMS[member.implication].leaves_ones or TNORMS[member.implication].own:
+            _check_value(plan, member, inputs)
+        return
+    if output.defuzzifier.joined and method not in JOINED:
+        raise NotCoveredError(f"joined samples of '{output.name}', which is a {method}")
+    if defuzzifier is positions.exact_maxima and output.aggregation != "max":
+        raise NotCoveredError(
+            f"the exact {method} of '{output.name}' under aggregation {output.aggregation}"
+        )
+    if defuzzifier in INTEGRATED:
+        for member in plan.members:
+            if TNORMS[member.implication].own:
                 what = f"implication {member.implication}"
                 raise NotCoveredError(f"the exact {method} of '{output.name}' under {what}")
+
+
+def _check_value(plan: OutputPlan, member: Member, inputs: Sequence[str]) -> None:
+    """Refuse a value that is not found from inputs alone, or a set that has no one position."""
+    what = f"'{plan.output.name} is {member.term.name}'"
+    if member.value is not None:
+        return
+    if member.formula is not None and not member.pieces:
+        outside = {*member.formula.names} - {*inputs} - CONSTANTS.keys()
+        if outside:
+            raise NotCoveredError(f"{what} is a formula of '{min(outside)}'")
+    elif member.pieces:
+        inverse = SHAPES[member.term.shape.kind].inverse_expression
+        if inverse is None or member.hedges:
+            if inverse is None and SHAPES[member.term.shape.kind].inverse is not None:
+                raise NotCoveredError(f"{what}, whose inverse is plain Python")
+            try:
+                is_rising(plan, member)
+            except InferenceError as error:
+                raise NotCoveredError(str(error)) from None

@@ -104,6 +104,43 @@ def karnik_mendel_values(block: Any) -> None:
 
 
 @kernel
+def ends_of_rows(block: Any) -> None:
+    """Find the ends of averages of values that stand in rows, as exported programs have them."""
+    k, f, room, total, moment = parts_of(block)
+    heap = room[(k[WORK] + WORK_ROWS) * k[WIDTH] :]
+    for point in range(total.shape[0]):
+        total[point], moment[point] = ends_of_values(k, f, room, heap, point)
+
+
+@kernel
+def ends_of_values(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[float, float]:
+    """Return the greatest weight of a point, and the end that is asked for.
+
+    Of each pair there are four rows: upper and lower weight, and two values.
+    """
+    pairs = k[k[OUTPUT] + DETAIL]
+    end = f[k[k[OUTPUT] + FLOATS_AT] + OUTPUT_RANGE - 1]
+    skipped = without(end)
+    lower, upper = heap[2 * pairs : 3 * pairs], heap[3 * pairs : 4 * pairs]
+    strongest = value = 0.0
+    for pair in range(pairs):
+        row = (k[HEIGHTS] + PAIR_ROWS * pair) * k[WIDTH] + point
+        high, low = room[row], room[row + k[WIDTH]]
+        one, other = room[row + 2 * k[WIDTH]], room[row + 3 * k[WIDTH]]
+        strongest = max(strongest, high)
+        upper[pair], lower[pair] = high, min(low, high)
+        heap[pair], heap[pairs + pair] = min(one, other), max(one, other)
+    if strongest > 0.0:
+        found = 0.0
+        for i in range(2):
+            if i != skipped:
+                numbers = heap[i * pairs : (i + 1) * pairs]
+                found += end_of_average(numbers, lower, upper, pairs, 2.0 * i - 1.0)
+        value = 0.5 * found if end == 0.0 else found
+    return strongest, value
+
+
+@kernel
 def without(end: float) -> int:
     """Return which of the two ends is not asked for: 0 the left, 1 the right, 2 neither."""
     if end == 0.0:
@@ -127,36 +164,42 @@ def value_of(block: Any, k: Any, f: Any, at: int, point: int) -> float:
 def karnik_mendel_samples(block: Any) -> None:
     """Find the ends of the centroid of samples between two."""
     k, f, room, total, moment = parts_of(block)
-    width = k[WIDTH]
+    heap = room[(k[WORK] + WORK_ROWS) * k[WIDTH] :]
+    for point in range(total.shape[0]):
+        total[point], moment[point] = ends_of_samples(k, f, room, heap, point)
+
+
+@kernel
+def ends_of_samples(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[float, float]:
+    """Return the greatest height of a point, and the end that is asked for."""
     samples = k[k[OUTPUT] + DETAIL]
     numbers = k[k[OUTPUT] + FLOATS_AT] + OUTPUT_RANGE
-    positions = f[numbers : numbers + samples]
-    weights = f[numbers + samples : numbers + 2 * samples]
     end = f[numbers - 1]
     skipped = without(end)
-    heap = room[(k[WORK] + WORK_ROWS) * width :]
     upper, lower = heap[:samples], heap[samples : 2 * samples]
     cut = heap[2 * samples : 3 * samples]
-    for point in range(total.shape[0]):
-        first, last = samples, 0  # the stretch where either set is not zero
-        for side in range(2):
-            # Each side has a stretch of the heap of its own; `cut` is scratch.
-            begin, behind = sample(k, f, room, point, side, heap[side * samples :][:samples], cut)
-            first, last = min(first, begin), max(last, behind)
-        # A sample counts by its share of the integral: weights of the ends may be a half.
-        strongest = 0.0
-        for i in range(first, last):
-            strongest = max(strongest, upper[i])
-            upper[i] *= weights[i]
-            lower[i] *= weights[i]
-        total[point] = strongest
-        if strongest > 0.0:
-            here, high, low = positions[first:last], upper[first:last], lower[first:last]
-            found = 0.0
-            for i in range(2):
-                if i != skipped:
-                    found += end_of_average(here, low, high, last - first, 2.0 * i - 1.0)
-            moment[point] = 0.5 * found if end == 0.0 else found
+    first, last = samples, 0  # the stretch where either set is not zero
+    for side in range(2):
+        # Each side has a stretch of the heap of its own; `cut` is scratch.
+        own = heap[side * samples : (side + 1) * samples]
+        begin, behind = sample(k, f, room, point, side, own, cut)
+        first, last = min(first, begin), max(last, behind)
+    # A sample counts by its share of the integral: weights of the ends may be a half.
+    strongest = 0.0
+    for i in range(first, last):
+        strongest = max(strongest, upper[i])
+        upper[i] *= f[numbers + samples + i]
+        lower[i] *= f[numbers + samples + i]
+    value = 0.0
+    if strongest > 0.0:
+        here = f[numbers + first : numbers + last]
+        high, low = upper[first:last], lower[first:last]
+        found = 0.0
+        for i in range(2):
+            if i != skipped:
+                found += end_of_average(here, low, high, last - first, 2.0 * i - 1.0)
+        value = 0.5 * found if end == 0.0 else found
+    return strongest, value
 
 
 @kernel
@@ -172,45 +215,56 @@ def nie_tan_samples(block: Any) -> None:
 def karnik_mendel_envelope(block: Any) -> None:
     """Find the ends of the centroid between the envelopes of straight sets."""
     k, f, room, total, moment = parts_of(block)
-    width = k[WIDTH]
+    heap = room[(k[WORK] + WORK_ROWS) * k[WIDTH] :]
+    for point in range(total.shape[0]):
+        total[point], moment[point] = ends_of_envelopes(k, f, room, heap, point)
+
+
+@kernel
+def ends_of_envelopes(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[float, float]:
+    """Return the area below both envelopes of a point, and the end that is asked for."""
     numbers = k[k[OUTPUT] + FLOATS_AT]
     end = f[numbers + OUTPUT_RANGE - 1]
     skipped = without(end)
     centre = 0.5 * (f[numbers] + f[numbers + 1])
-    heap = room[(k[WORK] + WORK_ROWS) * width :]
     begin = k[k[OUTPUT] + DETAIL]
-    for point in range(total.shape[0]):
-        # The upper envelope from `begin` to `middle`, behind it the lower one to `behind`.
-        middle = behind = begin
-        area = torque = lower_area = 0.0
-        for side in range(2):
-            middle, behind = behind, envelop(k, f, room, point, side, heap, behind)
-            lower_area, more = add_up(heap, middle, behind, centre)
-            area, torque = area + lower_area, torque + more
-        total[point] = area
-        if area > 0.0:
-            start = centre + torque / area  # Nie and Tan's value lies between the ends
-            found = 0.0
-            for i in range(2):
-                if i != skipped:
-                    sign = 2.0 * i - 1.0
-                    found += reach_end(heap, begin, middle, behind, start, centre, lower_area, sign)
-            moment[point] = 0.5 * found if end == 0.0 else found
+    # The upper envelope from `begin` to `middle`, behind it the lower one to `behind`.
+    middle = behind = begin
+    area = torque = lower_area = value = 0.0
+    for side in range(2):
+        middle, behind = behind, envelop(k, f, room, point, side, heap, behind)
+        lower_area, more = add_up(heap, middle, behind, centre)
+        area, torque = area + lower_area, torque + more
+    if area > 0.0:
+        start = centre + torque / area  # Nie and Tan's value lies between the ends
+        found = 0.0
+        for i in range(2):
+            if i != skipped:
+                sign = 2.0 * i - 1.0
+                found += reach_end(heap, begin, middle, behind, start, centre, lower_area, sign)
+        value = 0.5 * found if end == 0.0 else found
+    return area, value
 
 
 @kernel
 def nie_tan_envelope(block: Any) -> None:
     """Add up area and moment below the envelopes of both sets."""
     k, f, room, total, moment = parts_of(block)
+    heap = room[(k[WORK] + WORK_ROWS) * k[WIDTH] :]
+    for point in range(total.shape[0]):
+        total[point], moment[point] = sum_of_envelopes(k, f, room, heap, point)
+
+
+@kernel
+def sum_of_envelopes(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[float, float]:
+    """Return area and moment below both envelopes of a point."""
     numbers = k[k[OUTPUT] + FLOATS_AT]
     centre = 0.5 * (f[numbers] + f[numbers + 1])
-    heap = room[(k[WORK] + WORK_ROWS) * k[WIDTH] :]
     begin = k[k[OUTPUT] + DETAIL]
-    for point in range(total.shape[0]):
-        behind = begin
-        for side in range(2):
-            behind = envelop(k, f, room, point, side, heap, behind)
-        total[point], moment[point] = add_up(heap, begin, behind, centre)
+    behind = begin
+    for side in range(2):
+        behind = envelop(k, f, room, point, side, heap, behind)
+    return add_up(heap, begin, behind, centre)
 
 
 # ── integrals of any sets ────────────────────────────────────────────────────────────
@@ -220,45 +274,55 @@ def nie_tan_envelope(block: Any) -> None:
 def karnik_mendel_integral(block: Any) -> None:
     """Find the ends of the centroid between any two sets, by the quadrature."""
     k, f, room, total, moment = parts_of(block)
+    heap = room[(k[WORK] + WORK_ROWS) * k[WIDTH] :]
+    for point in range(total.shape[0]):
+        total[point], moment[point] = ends_of_integrals(k, f, room, heap, point)
+
+
+@kernel
+def ends_of_integrals(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[float, float]:
+    """Return the area of both sets of a point, and the end that is asked for."""
     numbers = k[k[OUTPUT] + FLOATS_AT]
     end = f[numbers + OUTPUT_RANGE - 1]
     skipped = without(end)
     centre = 0.5 * (f[numbers] + f[numbers + 1])
-    heap = room[(k[WORK] + WORK_ROWS) * k[WIDTH] :]
     infinity = math.inf
-    for point in range(total.shape[0]):
-        area = torque = lower_area = 0.0
-        for side in range(2):
-            lower_area, more, _, _ = integrate(
-                k, f, room, heap, point, side, -infinity, infinity, infinity
-            )
-            area, torque = area + lower_area, torque + more
-        total[point] = area
-        if area > 0.0:
-            start = centre + torque / area
-            found = 0.0
-            for i in range(2):
-                if i != skipped:
-                    sign = 2.0 * i - 1.0
-                    found += reach_integral(
-                        k, f, room, heap, point, start, centre, lower_area, sign
-                    )
-            moment[point] = 0.5 * found if end == 0.0 else found
+    area = torque = lower_area = value = 0.0
+    for side in range(2):
+        lower_area, more, _, _ = integrate(
+            k, f, room, heap, point, side, -infinity, infinity, infinity
+        )
+        area, torque = area + lower_area, torque + more
+    if area > 0.0:
+        start = centre + torque / area
+        found = 0.0
+        for i in range(2):
+            if i != skipped:
+                sign = 2.0 * i - 1.0
+                found += reach_integral(k, f, room, heap, point, start, centre, lower_area, sign)
+        value = 0.5 * found if end == 0.0 else found
+    return area, value
 
 
 @kernel
 def nie_tan_integral(block: Any) -> None:
     """Integrate both sets."""
-    # (U + L) / 2 has the centroid of U + L, whose area and moment are sums: no third set.
     k, f, room, total, moment = parts_of(block)
     heap = room[(k[WORK] + WORK_ROWS) * k[WIDTH] :]
-    infinity = math.inf
     for point in range(total.shape[0]):
-        area = torque = 0.0
-        for side in range(2):
-            a, m, _, _ = integrate(k, f, room, heap, point, side, -infinity, infinity, infinity)
-            area, torque = area + a, torque + m
-        total[point], moment[point] = area, torque
+        total[point], moment[point] = sum_of_integrals(k, f, room, heap, point)
+
+
+@kernel
+def sum_of_integrals(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[float, float]:
+    """Return area and moment of both sets of a point."""
+    # (U + L) / 2 has the centroid of U + L, whose area and moment are sums: no third set.
+    infinity = math.inf
+    area = torque = 0.0
+    for side in range(2):
+        a, m, _, _ = integrate(k, f, room, heap, point, side, -infinity, infinity, infinity)
+        area, torque = area + a, torque + m
+    return area, torque
 
 
 @kernel
@@ -282,7 +346,9 @@ def reach_integral(
         area = torque = 0.0
         for i in range(2):  # what is on the left of c, then what is on its right
             side = 1 - i if sign > 0.0 else i
-            begin, end = (-infinity, c) if i == 0 else (c, infinity)
+            begin, end = c, infinity
+            if i == 0:
+                begin, end = -infinity, c
             a, m, _, _ = integrate(k, f, room, heap, point, side, begin, end, infinity)
             area, torque = area + a, torque + m
         following = centre + torque / area

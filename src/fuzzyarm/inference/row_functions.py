@@ -7,7 +7,7 @@ of machine code here (:class:`InMemory`), a place in a table in a program of ano
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -16,6 +16,7 @@ from fuzzyarm.expression.functions import row_function, row_source
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, Norm
 from fuzzyarm.expression.lines import degree_on_corners
 from fuzzyarm.expression.nodes import Node, constant, replace, symbol
+from fuzzyarm.expression.printing import PYTHON, printed
 from fuzzyarm.expression.programs import program_of
 from fuzzyarm.inference import kernel as at
 from fuzzyarm.inference.sets import formula_of
@@ -77,6 +78,14 @@ def curve_of(shape: Shape, hedges: tuple[Hedge, ...], *, compiled: bool) -> Curv
         # An address among floats: its bits are kept, its value as a float means nothing.
         (modified,) = struct.unpack("d", struct.pack("q", hedge_row(hedges, compiled=compiled)))
         return Curve(address_of(hedged_corners_row, 3, compiled=compiled), (modified, *corners))
+    function, own = curved_row(shape, hedges)
+    return Curve(address_of(function, 3, compiled=compiled), own)
+
+
+def curved_row(
+    shape: Shape, hedges: tuple[Hedge, ...]
+) -> tuple[Callable[..., None], tuple[float, ...]]:
+    """Return a curved term under hedges as a function of a row and of its numbers, and these."""
     names: list[str] = []
     numbers: list[float] = []
 
@@ -95,8 +104,7 @@ def curve_of(shape: Shape, hedges: tuple[Hedge, ...], *, compiled: bool) -> Curv
         root = replace(kind.expression, dict(zip(kind.symbols[1:], own, strict=True)))
     root = number(shape.height) * root if shape.height != 1.0 else root
     root = _under(hedges, root, number)
-    function = _row_function(root, ("x",), tuple(names), shape.kind)
-    return Curve(address_of(function, 3, compiled=compiled), tuple(numbers))
+    return _row_function(root, ("x",), tuple(names), shape.kind), tuple(numbers)
 
 
 def _under(hedges: tuple[Hedge, ...], root: Node, number: Callable[[float], Node]) -> Node:
@@ -116,6 +124,16 @@ def hedge_row(hedges: tuple[Hedge, ...], *, compiled: bool) -> int:
 def hedges_on_row(hedges: tuple[Hedge, ...]) -> Callable[..., None]:
     """Return hedges as a function of a row, with their exponents as constants."""
     return _row_function(_under(hedges, symbol("x"), constant), ("x",), (), "hedged")
+
+
+def expression_row(root: Node, numbers: Sequence[str]) -> Callable[..., None]:
+    """Return an expression of ``x`` as a function of a row and of some numbers.
+
+    The symbols are not read as words of Python: what a user calls a variable may be any text.
+    """
+    plain = tuple(f"n{index}" for index in range(len(numbers)))
+    own = dict(zip(numbers, map(symbol, plain), strict=True))
+    return _row_function(replace(root, own), ("x",), plain, "expression")
 
 
 def built_in_curve(name: str) -> Callable[..., None]:
@@ -149,6 +167,21 @@ def hedged_corners_row(x: Any, numbers: Any, into: Any) -> None:
     call(numbers.view(np.int64)[0], into, numbers[0:0], into)
 
 
+def corners_under(hedges: tuple[Hedge, ...]) -> Callable[..., None]:
+    """Return a straight term under hedges as a function of a row and of its corners."""
+    if not hedges:
+        return corners_row
+    lines, result = printed(_under(hedges, symbol("degree"), constant), PYTHON, taken=("degree",))
+    head = ["for i in range(into.shape[0]):", "    degree = degree_on_corners(corners, x_row[i])"]
+    body = [*head, *(f"    {line}" for line in lines), f"    into[i] = {result}"]
+    source = "\n".join(
+        ["def corners(x_row, corners, into):", *(f"    {line}" for line in body), ""]
+    )
+    function = row_function(source, "corners")
+    function.__globals__["degree_on_corners"] = degree_on_corners
+    return function
+
+
 class Addresses(Protocol):
     """Who gives the functions that a program calls their numbers."""
 
@@ -160,6 +193,9 @@ class Addresses(Protocol):
 
     def hedged(self, hedges: tuple[Hedge, ...]) -> int:
         """Return the number of a row function of hedges."""
+
+    def expression(self, root: Node, numbers: Sequence[str]) -> int:
+        """Return the number of a row function of an expression of ``x`` and of some numbers."""
 
     def program(self, function: Callable[[Any], None]) -> int:
         """Return the number of a kernel that takes the block."""
@@ -187,6 +223,11 @@ class InMemory(NamedTuple):
     def hedged(self, hedges: tuple[Hedge, ...]) -> int:
         """See :class:`Addresses`."""
         return hedge_row(hedges, compiled=self.compiled)
+
+    def expression(self, root: Node, numbers: Sequence[str]) -> int:
+        """See :class:`Addresses`."""
+        function = expression_row(root, numbers)
+        return address_of(function, 3, compiled=self.compiled)
 
     def program(self, function: Callable[[Any], None]) -> int:
         """See :class:`Addresses`."""

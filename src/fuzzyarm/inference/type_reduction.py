@@ -92,14 +92,16 @@ def ends_at_point(
 def end_of_average(numbers: Any, lower: Any, upper: Any, count: int, sign: float) -> float:
     """Return the greatest (sign 1) or least (-1) average of numbers with weights between two.
 
-    NaN where all weights are 0. Plain enough for a compiler.
+    0 where all weights are 0. Plain enough for a compiler.
     """
     total = moment = 0.0
     for i in range(count):
         if upper[i] > 0.0:
             total += lower[i] + upper[i]
             moment += (lower[i] + upper[i]) * numbers[i]
-    c = moment / total if total > 0.0 else float("nan")
+    c = 0.0
+    if total > 0.0:
+        c = moment / total
     for _ in range(count + 2):
         total = moment = 0.0
         for i in range(count):
@@ -108,7 +110,9 @@ def end_of_average(numbers: Any, lower: Any, upper: Any, count: int, sign: float
                 total += weight
                 moment += weight * numbers[i]
         # Nothing is left beyond c where all lower weights are 0: it is the last number.
-        if not total > 0.0 or not sign * (moment / total - c) > 0.0:
+        if not total > 0.0:
+            break
+        if not sign * (moment / total - c) > 0.0:
             break
         c = moment / total
     return c

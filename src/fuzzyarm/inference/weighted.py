@@ -74,7 +74,7 @@ def weighted_over_arrays(
 def tsukamoto_at_point(plan: OutputPlan, member: Member, strength: float) -> float:
     """Return where the set of `member` reaches `strength`; the nearest it has otherwise."""
     shape = member.term.shape
-    inverse = SHAPES[shape.kind].inverse
+    inverse = SHAPES[shape.kind].position_of
     if inverse is not None and not member.hedges:
         position = inverse(min(1.0, strength / shape.height), *shape.parameters)
         return position if math.isfinite(position) else _end(plan, position)
@@ -85,7 +85,7 @@ def _end(plan: OutputPlan, position: float) -> float:
     return plan.output.high if position > 0.0 else plan.output.low
 
 
-def _is_rising(plan: OutputPlan, member: Member) -> bool:
+def is_rising(plan: OutputPlan, member: Member) -> bool:
     """Return whether a set rises over the range of its output; it must rise or fall."""
     values = [value for piece in member.pieces for value in (piece.y0, piece.y1)]
     steps = [b - a for a, b in pairwise(values) if abs(b - a) > 1e-12]
@@ -98,7 +98,7 @@ def _is_rising(plan: OutputPlan, member: Member) -> bool:
 
 
 def _on_pieces(plan: OutputPlan, member: Member, strength: float) -> float:
-    pieces = member.pieces if _is_rising(plan, member) else member.pieces[::-1]
+    pieces = member.pieces if is_rising(plan, member) else member.pieces[::-1]
     for piece in pieces:
         start, end = (piece.x0, piece.x1) if pieces is member.pieces else (piece.x1, piece.x0)
         first, last = (piece.y0, piece.y1) if pieces is member.pieces else (piece.y1, piece.y0)

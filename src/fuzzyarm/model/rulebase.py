@@ -42,6 +42,9 @@ KARNIK_MENDEL = frozenset({"karnik-mendel", "karnik-mendel-left", "karnik-mendel
 TYPE_2 = KARNIK_MENDEL | {"nie-tan"}
 """Defuzzifiers that take an interval type-2 set: all between a lower and an upper one."""
 
+MAXIMA = frozenset({"mean-of-maximum", "smallest-of-maximum", "largest-of-maximum"})
+"""Defuzzifiers that choose among the positions where a set is greatest."""
+
 TAKAGI_SUGENO = frozenset({"weighted-average", "weighted-sum"})
 """Defuzzifiers that weigh consequents which are values."""
 

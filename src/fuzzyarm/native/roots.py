@@ -28,7 +28,7 @@ from fuzzyarm.controller.on_plant import text_law
 from fuzzyarm.controller.updates import UPDATE_ARRAYS, update_function
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
 from fuzzyarm.expression.sources import SOURCES
-from fuzzyarm.inference.programs import BLOCKS
+from fuzzyarm.inference.programs import BLOCKS, IN_ROWS
 from fuzzyarm.inference.row_functions import (
     built_in_curve,
     corners_row,
@@ -94,7 +94,7 @@ def roots() -> Iterator[Root]:
 
 
 def _roots() -> Iterator[Root]:
-    yield from (Root(block, "f") for block in BLOCKS)
+    yield from (Root(block, "f") for block in (*BLOCKS, *IN_ROWS))
     yield from _rows()
     yield from _plants()
     yield from (Root(*table) for table in lookup.ROOTS)

@@ -89,13 +89,19 @@ class Translation:
         bound = tuple(sorted(dict(bindings).items(), key=lambda pair: pair[0]))
         key = (function, tuple(types), tuple(pair for pair in bound if is_kernel(function)))
         if key not in self._functions:
-            made = _Function(self, function, types, bound, self._name(function.__name__))
+            made = self.new_function(function, types, bound)
             self._functions[key] = made
             made.translate()
             self._finished.append(made)
         return self._functions[key]
 
-    def _name(self, name: str) -> str:
+    def new_function(
+        self, function: Callable[..., Any], types: Sequence[Type], bindings: Bindings
+    ) -> _Function:
+        """Return a function that is not translated yet."""
+        return _Function(self, function, types, bindings, self.name(function.__name__))
+
+    def name(self, name: str) -> str:
         """Return a name that no function has yet."""
         count = self._names[name] = self._names.get(name, 0) + 1
         return name if count == 1 else f"{name}__{count}"
@@ -166,10 +172,6 @@ class _Function:
 
     def translate(self) -> None:
         """Write the text: again, until no name has become wider meanwhile."""
-        own = self.target.own.get(self.function)
-        if own is not None:
-            self.text = own
-            return
         before: Any = None
         while before != (self.types, self._returns):
             before = dict(self.types), self._returns

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -63,8 +63,6 @@ class Target:
         the array), and the whole numbers in its memory.
     call : callable
         From an address and arrays to the call of what stands there.
-    own : mapping
-        Kernels that are written by hand in this language.
     """
 
     name: str
@@ -91,7 +89,6 @@ class Target:
     stretch: str
     wholes: str
     call: Callable[[str, Sequence[Value]], str]
-    own: Mapping[Callable[..., Any], str] = field(default_factory=dict)
 
 
 # ── what the languages have in common ────────────────────────────────────────────────

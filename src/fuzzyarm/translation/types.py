@@ -20,9 +20,10 @@ class Scalar(Enum):
 
 
 class Array(Enum):
-    """An array of one axis, by its elements."""
+    """An array of one axis, by its elements; constants are reals that nobody writes."""
 
     REALS = "reals"
+    CONSTANTS = "constants"
     WHOLES = "wholes"
     SHORTS = "shorts"
 
@@ -33,8 +34,11 @@ class Array(Enum):
 
 
 _ELEMENTS = {
-    Array.REALS: Scalar.REAL, Array.WHOLES: Scalar.WHOLE, Array.SHORTS: Scalar.SHORT
-}  # fmt: skip
+    Array.REALS: Scalar.REAL,
+    Array.CONSTANTS: Scalar.REAL,
+    Array.WHOLES: Scalar.WHOLE,
+    Array.SHORTS: Scalar.SHORT,
+}
 
 
 class Record(NamedTuple):

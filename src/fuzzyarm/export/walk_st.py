@@ -1,0 +1,477 @@
+"""A walk over tables in Structured Text: the kernel's function for one point, as functions.
+
+The language has neither pointers nor tuples. An array of the kernel is a stretch of one of three
+arrays of the function block, which functions take by reference: whole numbers, floats, and the room
+to work in. So an array is two numbers here, where it begins and how long it is; and what a function
+returns beside a number it writes into variables that it is given.
+"""
+
+from __future__ import annotations
+
+import ast
+import math
+import sys
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any, ClassVar
+
+import numpy as np
+
+from fuzzyarm.export.names import Names
+from fuzzyarm.export.numbers import ExportError, st_number
+from fuzzyarm.export.walk import Walk
+from fuzzyarm.translation.functions import Bindings, NotTranslatedError, Translation, _Function
+from fuzzyarm.translation.targets import C99
+from fuzzyarm.translation.types import Array, Nothing, Record, Scalar, Type, Value, wider
+
+__all__ = ["WalkText", "walk_in_st"]
+
+REAL, WHOLE, TRUTH = Scalar.REAL, Scalar.WHOLE, Scalar.TRUTH
+
+MEMORIES = {Array.WHOLES: "whole", Array.CONSTANTS: "floats", Array.REALS: "room"}
+"""What the arrays of the function block are called inside the functions."""
+
+_KINDS = {TRUTH: "BOOL", WHOLE: "DINT", REAL: "LREAL"}
+
+_SPLIT = "; "
+"""Between where an array begins and its length, in the text of a value."""
+
+
+class WalkText:
+    """A walk as text.
+
+    Attributes
+    ----------
+    functions : list of str
+        Lines of the functions, each behind those that it calls.
+    tables : dict of str to (str, list of str)
+        Of the three arrays: type of an element, and literals; none for the room.
+    call : str
+        The statement that fills total and value, with their names and those of the arrays in
+        braces: ``{whole}``, ``{floats}``, ``{room}``, ``{total}``, ``{value}``, ``{done}``.
+    """
+
+    def __init__(self, functions: list[str], walk: Walk, name: str) -> None:
+        layout = walk.layout
+        self.functions = functions
+        self.tables = {
+            "whole": ("DINT", [str(number) for number in layout.whole]),
+            "floats": ("LREAL", [_real(number) for number in layout.floats]),
+        }
+        self.room = walk.room
+        ends = f"0, {len(layout.whole)}, 0, {len(layout.floats)}, 0, {walk.room}"
+        heap = f"{walk.heap}, {walk.room - walk.heap}"
+        given = f"{{whole}}, {{floats}}, {{room}}, {{total}}, {{value}}, {ends}, {heap}, 0"
+        self.call = f"{{done}} := {name}({given});"
+
+
+def walk_in_st(walk: Walk, names: Names, wanted: str) -> WalkText:
+    """Return a walk as functions, whose names are new to a file."""
+    translation = _InST(walk, names, wanted)
+    arrays = [Array.WHOLES, Array.CONSTANTS, Array.REALS, Array.REALS]
+    try:
+        made = translation.function(walk.function, [*arrays, WHOLE])
+    except NotTranslatedError as error:
+        raise ExportError(str(error), hint="export C, or a table") from None
+    return WalkText(translation.text().split("\n"), walk, made.name)
+
+
+def _real(value: float) -> str:
+    # There is no number beyond all others: nothing that is compared with it is larger.
+    if math.isnan(value):
+        return "0.0"
+    largest = sys.float_info.max
+    return st_number(min(max(value, -largest), largest), np.float64)
+
+
+_TARGET = replace(
+    C99,
+    name="Structured Text",
+    types={},
+    variable="{}_x",
+    constant="{name} := {value};",
+    cast="DINT_TO_LREAL({value})",
+    operators={**C99.operators, (ast.FloorDiv, WHOLE): "({0} / {1})"},
+    comparisons={**C99.comparisons, ast.Eq: "=", ast.NotEq: "<>"},
+    functions={
+        **{(function, type_): (f"{function.__name__.upper()}({{}})", type_)
+           for function in (min, max, abs) for type_ in (REAL, WHOLE)},
+        **{(getattr(math, name), REAL): (f"{word}({{}})", REAL) for name, word in {
+            "sin": "SIN", "cos": "COS", "tan": "TAN", "asin": "ASIN", "acos": "ACOS",
+            "atan": "ATAN", "exp": "EXP", "log": "LN", "log10": "LOG", "sqrt": "SQRT",
+            "pow": "EXPT"}.items()},
+        **{(int, type_): ("TRUNC({})", WHOLE) for type_ in (REAL, WHOLE)},
+    },
+    truths=("FALSE", "TRUE"),
+    real=_real,
+)  # fmt: skip
+
+
+class _InST(Translation):
+    """The functions of one walk."""
+
+    def __init__(self, walk: Walk, names: Names, wanted: str) -> None:
+        super().__init__(_TARGET)
+        self.walk, self.names, self.wanted = walk, names, wanted
+        self.dispatchers: dict[tuple[Type, ...], str] = {}
+        layout = walk.layout
+        self.sizes = {
+            "whole": (len(layout.whole), "DINT"), "floats": (len(layout.floats), "LREAL"),
+            "room": (walk.room, "LREAL"),
+        }  # fmt: skip
+
+    def new_function(self, function: Any, types: Sequence[Type], bindings: Bindings) -> _STFunction:
+        """Return a function that is not translated yet."""
+        return _STFunction(self, function, types, bindings, self.name(function.__name__))
+
+    def name(self, name: str) -> str:
+        """Return a name that the file does not have yet."""
+        return self.names.new(f"{self.wanted}_{name}")
+
+    def type_name(self, type_: Type) -> str:
+        """Return the name of a type of numbers."""
+        return _KINDS[type_] if isinstance(type_, Scalar) else ""
+
+    def memories(self) -> list[str]:
+        """Return the declaration of what every function takes by reference."""
+        return [
+            "VAR_IN_OUT",
+            *(f"    {name} : ARRAY [0..{size - 1}] OF {kind};"
+              for name, (size, kind) in self.sizes.items()),
+        ]  # fmt: skip
+
+    def dispatcher(self, types: tuple[Type, ...]) -> str:
+        """Return the name of the function that calls others by their number."""
+        if types not in self.dispatchers:
+            name = self.dispatchers[types] = self.name("call")
+            listed = self.walk.functions.norms if len(types) == 4 else self.walk.functions.curves
+            pairs = [f"a{i}_{part}" for i in range(len(types)) for part in ("at", "n")]
+            lines = []
+            for number, function in listed.items():
+                made = self.function(function, types)
+                passed = ", ".join([*MEMORIES.values(), *pairs])
+                lines += [f"IF number = {number} THEN", f"    done := {made.name}({passed});",
+                          "END_IF;"]  # fmt: skip
+            text = [
+                f"FUNCTION {name} : BOOL", *self.memories(), "END_VAR", "VAR_INPUT",
+                "    number : DINT;", *(f"    {pair} : DINT;" for pair in pairs), "END_VAR",
+                "VAR", "    done : BOOL;", "END_VAR", "", *lines, f"{name} := TRUE;",
+                "END_FUNCTION", "",
+            ]  # fmt: skip
+            self._finished.append(_Text("\n".join(text)))  # type: ignore[arg-type]
+        return self.dispatchers[types]
+
+
+class _Text:
+    """A function that was not translated but written."""
+
+    def __init__(self, text: str) -> None:
+        self.text = text
+
+
+class _STFunction(_Function):
+    """One kernel as a function of Structured Text."""
+
+    whole: _InST
+
+    def translate(self) -> None:
+        """Write the text: again, until no name has become wider meanwhile."""
+        before: Any = None
+        while before != (self.types, self._returns):
+            before = dict(self.types), self._returns
+            self._temporaries = 0
+            self.before: list[str] = []
+            self.own: dict[str, str] = {"done": "BOOL"}
+            body = [line for statement in self.source.body for line in self.statement(statement)]
+        parts = enumerate(self._parts())
+        results = [f"    part_{i} : {self.whole.type_name(part)};" for i, part in parts]
+        kind = "BOOL" if self._parts() or not isinstance(self.returned, Scalar) else (
+            _KINDS[self.returned])  # fmt: skip
+        given = [line for name in self.parameters for line in self._declared(name)]
+        local = {n: t for n, t in self.types.items() if n not in self.parameters}
+        lines = [line for name in local for line in self._declared(name)]
+        lines += [f"    {name} : {kind_};" for name, kind_ in self.own.items()]
+        end = [f"{self.name} := TRUE;"] if kind == "BOOL" and self.returned is not TRUTH else []
+        self.text = "\n".join([
+            f"FUNCTION {self.name} : {kind}", *self.whole.memories(), *results, "END_VAR",
+            "VAR_INPUT", *given, "END_VAR", "VAR", *lines, "END_VAR", "", *body, *end,
+            "END_FUNCTION", "",
+        ])  # fmt: skip
+
+    def _parts(self) -> tuple[Type, ...]:
+        return self.returned.parts if isinstance(self.returned, Record) else ()
+
+    def _declared(self, name: str) -> list[str]:
+        type_, own = self.types[name], self.variable(name)
+        if isinstance(type_, Array):
+            return [f"    {own}_at : DINT;", f"    {own}_n : DINT;"]
+        assert isinstance(type_, Scalar), name
+        return [f"    {own} : {_KINDS[type_]};"]
+
+    # --- Statements ---
+
+    def statement(self, node: ast.stmt) -> list[str]:
+        """Return the lines of a statement, behind the calls that its values need."""
+        outer, self.before = self.before, []
+        lines = super().statement(node)
+        lines, self.before = [*self.before, *lines], outer
+        return lines
+
+    def block(self, body: Any) -> list[str]:
+        """Return the lines of some statements, one step further in."""
+        return ["    " + line for statement in body for line in self.statement(statement)]
+
+    def plain(self, node: ast.Expr) -> list[str]:
+        """Return a call for what it does."""
+        if isinstance(node.value, ast.Constant):
+            return []
+        value = self.value(node.value)
+        is_called = isinstance(value.type, Record)  # before this statement
+        return [] if is_called else [f"done := {value.text};"]
+
+    def return_(self, node: ast.Return) -> list[str]:
+        """Return the lines that set the result and leave."""
+        if node.value is None:
+            return ["RETURN;"]
+        if isinstance(node.value, ast.Tuple):
+            values = [self.value(part) for part in node.value.elts]
+            type_: Type = Record(tuple(value.type for value in values))
+        else:
+            value = self.value(node.value)
+            type_ = value.type
+            if isinstance(type_, Record):
+                names = value.text.split(_SPLIT)
+                values = [Value(*pair) for pair in zip(names, type_.parts, strict=True)]
+        self.returned = self._returns = wider(self._returns, type_)
+        if not isinstance(self.returned, Record):
+            return [f"{self.name} := {self.as_type(value, self.returned)};", "RETURN;"]
+        # All values first: a part that is set may be what another one is made of.
+        pairs = list(zip(values, self.returned.parts, strict=True))
+        return [
+            *(f"part_{i} := {self.as_type(*pair)};" for i, pair in enumerate(pairs)),
+            "RETURN;",
+        ]
+
+    def stored(self, target: ast.expr, value: Value) -> list[str]:
+        """Return the lines that write a value into a name, an element, or several of these."""
+        if isinstance(target, ast.Tuple):
+            assert isinstance(value.type, Record)
+            values = map(Value, value.text.split(_SPLIT), value.type.parts)
+            pairs = zip(target.elts, values, strict=True)
+            return [line for pair in pairs for line in self.stored(*pair)]
+        if isinstance(target, ast.Name):
+            if target.id == "_":
+                return []
+            self.widen(target.id, value.type)
+            name = self.variable(target.id)
+            if isinstance(value.type, Array):
+                at, length = value.text.split(_SPLIT)
+                return [f"{name}_at := {at};", f"{name}_n := {length};"]
+            return [f"{name} := {self.as_type(value, self.types[target.id])};"]
+        place = self.value(target)
+        return [f"{place.text} := {self.as_type(value, place.type)};"]
+
+    def named(self, name: str, value: Value) -> str:
+        """Return the statement that gives a value a name."""
+        if isinstance(value.type, Array):
+            at, length = value.text.split(_SPLIT)
+            self.own |= {f"{name}_at": "DINT", f"{name}_n": "DINT"}
+            return f"{name}_at := {at}; {name}_n := {length};"
+        assert isinstance(value.type, Scalar)
+        self.own[name] = _KINDS[value.type]
+        return f"{name} := {value.text};"
+
+    def assigned(self, target: ast.expr, source: ast.expr) -> list[str]:
+        """Return the lines that write all values of a tuple, or one value."""
+        if not (isinstance(target, ast.Tuple) and isinstance(source, ast.Tuple)):
+            return self.stored(target, self.value(source))
+        lines, named = [], []
+        for part in source.elts:
+            value = self.value(part)
+            if isinstance(value.type, Array):  # nothing that is assigned here moves it
+                named.append(value)
+                continue
+            name = self.temporary()
+            lines.append(self.named(name, value))
+            named.append(Value(name, value.type))
+        for part, value in zip(target.elts, named, strict=True):
+            lines += self.stored(part, value)
+        return lines
+
+    def assignment(self, node: ast.Assign) -> list[str]:
+        """Return the lines of an assignment, to several names from the same value."""
+        value_of = node.value
+        if len(node.targets) == 1:
+            return self.assigned(node.targets[0], value_of)
+        value = self.value(value_of)
+        return [line for target in node.targets for line in self.stored(target, value)]
+
+    def break_(self, _node: ast.Break) -> list[str]:
+        """Leave a loop."""
+        return ["EXIT;"]
+
+    def if_(self, node: ast.If) -> list[str]:
+        """Return a choice."""
+        lines = [f"IF {self.condition(node.test)} THEN", *self.block(node.body)]
+        if node.orelse:
+            lines += ["ELSE", *self.block(node.orelse)]
+        return [*lines, "END_IF;"]
+
+    def while_(self, node: ast.While) -> list[str]:
+        """Return a loop."""
+        return [f"WHILE {self.condition(node.test)} DO", *self.block(node.body), "END_WHILE;"]
+
+    def for_(self, node: ast.For) -> list[str]:
+        """Return a loop over a range."""
+        assert isinstance(node.iter, ast.Call)
+        assert isinstance(node.target, ast.Name)
+        numbers = [self.value(argument).text for argument in node.iter.args]
+        start, end = ("0", numbers[0]) if len(numbers) == 1 else numbers[:2]
+        step = numbers[2].strip("()") if len(numbers) == 3 else "1"
+        last = f"{end} + 1" if step.startswith("-") else f"{end} - 1"
+        index = self.temporary()
+        self.own[index] = "DINT"
+        by = "" if step == "1" else f" BY {step}"
+        body = [f"    {line}" for line in self.stored(node.target, Value(index, WHOLE))]
+        head = f"FOR {index} := {start} TO {last}{by} DO"
+        return [head, *body, *self.block(node.body), "END_FOR;"]
+
+    _STATEMENTS: ClassVar[dict[type, Any]] = {
+        ast.Expr: plain,
+        ast.Return: return_,
+        ast.Assign: assignment,
+        ast.AnnAssign: _Function.typed_assignment,
+        ast.AugAssign: _Function.changed,
+        ast.Break: break_,
+        ast.If: if_,
+        ast.While: while_,
+        ast.For: for_,
+    }
+
+    # --- Expressions ---
+
+    def name_(self, node: ast.Name) -> Value:
+        """Return a name; of an array where it begins and how long it is."""
+        type_ = self.types.get(node.id)
+        if isinstance(type_, Array):
+            own = self.variable(node.id)
+            return Value(f"{own}_at{_SPLIT}{own}_n", type_)
+        return super().name_(node)
+
+    def unary(self, node: ast.UnaryOp) -> Value:
+        """Return a negative, or what is not so."""
+        value = self.value(node.operand)
+        if isinstance(node.op, ast.USub):
+            return Value(f"(-{value.text})", value.type)
+        return Value(f"(NOT {value.text})", TRUTH)
+
+    def joined(self, node: ast.BoolOp) -> Value:
+        """Return conditions that are joined; both are asked, whatever the first says."""
+        word = " AND " if isinstance(node.op, ast.And) else " OR "
+        return Value(f"({word.join(self.condition(part) for part in node.values)})", TRUTH)
+
+    def compared(self, node: ast.Compare) -> Value:
+        """Return a comparison, of two values at a time."""
+        values = [self.value(part) for part in (node.left, *node.comparators)]
+        parts = []
+        for a, sign, b in zip(values[:-1], node.ops, values[1:], strict=True):
+            type_ = wider(a.type, b.type)
+            texts = (
+                self.as_type(a, type_),
+                self.target.comparisons[type(sign)],
+                self.as_type(b, type_),
+            )
+            parts.append(f"({' '.join(texts)})")
+        return Value(parts[0] if len(parts) == 1 else f"({' AND '.join(parts)})", TRUTH)
+
+    def choice(self, node: ast.IfExp) -> Value:
+        """Return a choice between two values, of which one is found before the statement."""
+        condition, outer = self.condition(node.test), self.before
+        branches = []
+        for part in (node.body, node.orelse):
+            self.before = []
+            branches.append((self.value(part), self.before))
+        self.before = outer
+        type_ = wider(*(value.type for value, _ in branches))
+        assert isinstance(type_, Scalar)
+        name = self.temporary()
+        self.own[name] = _KINDS[type_]
+        then, otherwise = (
+            [f"    {line}" for line in (*before, f"{name} := {self.as_type(value, type_)};")]
+            for value, before in branches
+        )
+        self.before += [f"IF {condition} THEN", *then, "ELSE", *otherwise, "END_IF;"]
+        return Value(name, type_)
+
+    def subscript(self, node: ast.Subscript) -> Value:
+        """Return an element, a stretch, a length, or a part of what a function returns."""
+        if isinstance(node.value, ast.Attribute) and node.value.attr == "shape":
+            return self.length(self.value(node.value.value))
+        whole = self.value(node.value)
+        if isinstance(whole.type, Record):
+            index = int(str(ast.literal_eval(node.slice)))
+            return Value(whole.text.split(_SPLIT)[index], whole.type.parts[index])
+        assert isinstance(whole.type, Array)
+        at, length = whole.text.split(_SPLIT)
+        if isinstance(node.slice, ast.Slice):
+            ends = (node.slice.lower, node.slice.upper)
+            start, end = (None if part is None else self.value(part).text for part in ends)
+            size = length if end is None else f"MIN({end}, {length})"
+            if start is None:
+                return Value(f"{at}{_SPLIT}{size}", whole.type)
+            return Value(f"{at} + {start}{_SPLIT}{size} - {start}", whole.type)
+        index_text = self.value(node.slice).text
+        memory = MEMORIES[whole.type]
+        return Value(f"{memory}[{at} + {index_text}]", whole.type.element)
+
+    def length(self, whole: Value) -> Value:
+        """Return how long an array is."""
+        return Value(f"({whole.text.split(_SPLIT)[1]})", WHOLE)
+
+    def function_called(self, node: ast.Call, function: Any) -> Value:
+        """Return a call; what returns several numbers is called before the statement."""
+        from fuzzyarm.kernels import call, is_kernel
+
+        if function is not call and not is_kernel(function):
+            return super().function_called(node, function)
+        arguments = [self.value(argument) for argument in node.args]
+        memories = list(MEMORIES.values())
+        if function is call:
+            types = tuple(argument.type for argument in arguments[1:])
+            given = [arguments[0].text, *(_passed(argument.text) for argument in arguments[1:])]
+            name = self.whole.dispatcher(types)
+            return Value(f"{name}({', '.join([*memories, *given])})", Nothing.NOTHING)
+        made = self.whole.function(
+            function, [argument.type for argument in arguments], self.bindings
+        )
+        kinds = [made.types[name] for name in made.parameters]
+        given = [_passed(self.as_type(*pair)) for pair in zip(arguments, kinds, strict=True)]
+        if not isinstance(made.returned, Record):
+            return Value(f"{made.name}({', '.join([*memories, *given])})", made.returned)
+        parts = []
+        for part in made.returned.parts:
+            assert isinstance(part, Scalar)
+            parts.append(self.temporary())
+            self.own[parts[-1]] = _KINDS[part]
+        self.before.append(f"done := {made.name}({', '.join([*memories, *parts, *given])});")
+        return Value(_SPLIT.join(parts), made.returned)
+
+    def as_type(self, value: Value, type_: Type) -> str:
+        """Return the text of a value as one of another type."""
+        if value.type is TRUTH and type_ in {WHOLE, REAL}:
+            return f"BOOL_TO_{_KINDS[type_]}({value.text})"
+        return super().as_type(value, type_)
+
+    _VALUES: ClassVar[dict[type, Any]] = {
+        **_Function._VALUES,
+        ast.Name: name_,
+        ast.UnaryOp: unary,
+        ast.BoolOp: joined,
+        ast.Compare: compared,
+        ast.IfExp: choice,
+        ast.Subscript: subscript,
+    }
+
+
+def _passed(text: str) -> str:
+    return text.replace(_SPLIT, ", ")

@@ -1,0 +1,595 @@
+"""Maxima, bisectors and joined samples, and values that are found: defuzzifiers of the kernel.
+
+The mathematics stands in :mod:`fuzzyarm.inference.maxima`, :mod:`fuzzyarm.inference.joined` and
+:mod:`fuzzyarm.inference.weighted`; this is the same arithmetic in the same order, so the bits are
+those of one point in plain Python. All of them go point by point, and what is done at one point
+is a function of its own, which exported programs have as well (:mod:`fuzzyarm.export.walk`).
+
+A value that is one of several positions is the answer itself: the row TOTAL then has something
+above 0, and the row MOMENT has the value.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from fuzzyarm.inference.envelope import insert
+from fuzzyarm.inference.enveloped import cut_in, sample
+from fuzzyarm.inference.kernel import (
+    AGGREGATION,
+    DETAIL,
+    FLOATS_AT,
+    GROUP_HEAD,
+    GROUPS,
+    HEIGHTS,
+    INPUT_ROWS,
+    INPUTS,
+    MIN,
+    OPERANDS,
+    OUTPUT,
+    OUTPUT_RANGE,
+    RULE_HEAD,
+    WIDTH,
+    WORK,
+    WORK_ROWS,
+    join,
+    parts_of,
+)
+from fuzzyarm.inference.reduced import value_of
+from fuzzyarm.kernels import call, kernel
+
+HALF, NEAREST_HALF, MEAN, SMALLEST, LARGEST, CENTROID = range(6)
+"""What is asked for: the last of the output's floats. A bisector of samples at ``midpoints`` is the
+sample nearest to half of the area; the centroid is that of joined samples."""
+
+SAME = 1e-12
+"""Heights that differ by a smaller share than this are equally great."""
+
+SAME_HALF = 1e-12
+"""Shares of the area closer to one half than this are one half."""
+
+BISECTIONS = 80
+"""Halvings of a curved piece to where it passes a level."""
+
+# Whole numbers of a set whose level is sought, or of a value that is found: the row function of
+# the set, of the formula or of the inverse; the numbers of that (where, how many); pieces of the
+# set (how many, where, each of PIECE floats).
+FUNCTION, NUMBERS_AT, NUMBERS, PIECES, PIECES_AT = range(5)
+
+# A set whose level is sought also has its implication; the levels at which that clips it (how
+# many, and where: an offset and a factor of the strength each); where its greatest degree is; and
+# whether it is cut off flat at the strength, and not only above some level.
+CUT, LEVELS, LEVELS_AT, TOP_AT, FLAT = range(5, 10)
+
+# A value says how it is found, and where its number is: what a formula is multiplied by, the
+# height of the set, or the end of the range that a set does not reach.
+SORT, OWN_AT = 5, 6
+CONSTANT, LINEAR, FORMULA, INVERSE, LEVEL = range(5)
+
+PIECE = 7
+"""Floats of a piece: x and degree at its ends; for a curve where its search begins and ends, and
+whether it rises (1) or falls (-1) between them; 0 for a straight piece."""
+
+
+# ── a choice among positions with heights ────────────────────────────────────────────
+
+
+@kernel
+def chosen_among(way: int, positions: Any, heights: Any, count: int) -> tuple[float, float]:
+    """Return something above 0 where a height is, and the position that is asked for."""
+    if way == HALF:
+        return half_of(positions, heights, count)
+    if way == NEAREST_HALF:
+        return nearest_half_of(positions, heights, count)
+    return greatest_of(way, positions, heights, count)
+
+
+@kernel
+def half_of(positions: Any, heights: Any, count: int) -> tuple[float, float]:
+    """Return the total, and where the running sum of heights reaches half of it."""
+    total = 0.0
+    for i in range(count):
+        total += heights[i]
+    if not total > 0.0:
+        return 0.0, 0.0
+    low, high = (0.5 - SAME_HALF) * total, (0.5 + SAME_HALF) * total
+    running = 0.0
+    first = -1
+    for i in range(count):
+        running += heights[i]
+        if first < 0 and running >= low:
+            first = i
+        if running >= high:
+            return total, 0.5 * (positions[first] + positions[i])
+    return total, positions[count - 1]
+
+
+@kernel
+def nearest_half_of(positions: Any, heights: Any, count: int) -> tuple[float, float]:
+    """Return the total, and the position at which the running sum is nearest to half of it."""
+    total = 0.0
+    for i in range(count):
+        total += heights[i]
+    if not total > 0.0:
+        return 0.0, 0.0
+    nearest = 1.0
+    running = 0.0
+    for i in range(count):
+        running += heights[i]
+        nearest = min(nearest, abs(running / total - 0.5))
+    # Several are equally near where nothing is added between them: then the mean of them.
+    moment = among = running = 0.0
+    for i in range(count):
+        running += heights[i]
+        if abs(running / total - 0.5) <= nearest + SAME_HALF:
+            moment += positions[i]
+            among += 1.0
+    return total, moment / among
+
+
+@kernel
+def greatest_of(way: int, positions: Any, heights: Any, count: int) -> tuple[float, float]:
+    """Return the greatest height, and mean, smallest or largest of the positions that have it."""
+    greatest = 0.0
+    for i in range(count):
+        greatest = max(greatest, heights[i])
+    enough = greatest * (1.0 - SAME)
+    if not enough > 0.0:
+        return 0.0, 0.0
+    moment = among = last = 0.0
+    for i in range(count):
+        if heights[i] >= enough:
+            last = positions[i]
+            if way == SMALLEST:
+                return greatest, last
+            moment += last
+            among += 1.0
+    if way == MEAN:
+        last = moment / among
+    return greatest, last
+
+
+@kernel
+def way_of(k: Any, f: Any) -> int:
+    """Return what is asked for of an output."""
+    return int(f[k[k[OUTPUT] + FLOATS_AT] + OUTPUT_RANGE - 1])
+
+
+# ── samples ──────────────────────────────────────────────────────────────────────────
+
+
+@kernel
+def sampled_position(block: Any) -> None:
+    """Choose among the samples of the aggregate, point by point."""
+    k, f, room, total, moment = parts_of(block)
+    heap = room[(k[WORK] + WORK_ROWS) * k[WIDTH] :]
+    for point in range(total.shape[0]):
+        total[point], moment[point] = position_of_samples(k, f, room, heap, point)
+
+
+@kernel
+def position_of_samples(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[float, float]:
+    """Return what a choice among the samples of one point gives."""
+    samples = k[k[OUTPUT] + DETAIL]
+    numbers = k[k[OUTPUT] + FLOATS_AT] + OUTPUT_RANGE
+    way = way_of(k, f)
+    aggregate, cut = heap[:samples], heap[samples : 2 * samples]
+    sample(k, f, room, point, 0, aggregate, cut)
+    if way <= NEAREST_HALF:  # a sample counts by its share of the integral
+        for i in range(samples):
+            aggregate[i] *= f[numbers + samples + i]
+    return chosen_among(way, f[numbers : numbers + samples], aggregate, samples)
+
+
+# ── joined samples ───────────────────────────────────────────────────────────────────
+
+
+@kernel
+def joined_samples(block: Any) -> None:
+    """Integrate the union of sets that are joined by straight lines, point by point."""
+    k, f, room, total, moment = parts_of(block)
+    heap = room[(k[WORK] + WORK_ROWS) * k[WIDTH] :]
+    for point in range(total.shape[0]):
+        total[point], moment[point] = position_of_joined(k, f, room, heap, point)
+
+
+@kernel
+def position_of_joined(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[float, float]:
+    """Return area, and centroid or bisector, of the joined union of one point."""
+    area, moment, position = along_joined(k, f, room, heap, point, math.inf)
+    if not area > 0.0:
+        return 0.0, 0.0
+    if way_of(k, f) == CENTROID:
+        return area, moment / 6.0 / area
+    _, _, position = along_joined(k, f, room, heap, point, 0.5 * area)
+    return area, position
+
+
+@kernel
+def along_joined(
+    k: Any, f: Any, room: Any, heap: Any, point: int, wanted: float
+) -> tuple[float, float, float]:
+    """Go along the joined union until its area is what is wanted; return area, moment, position.
+
+    The moment is about 0 and six times too large.
+    """
+    samples = k[k[OUTPUT] + DETAIL]
+    numbers = k[k[OUTPUT] + FLOATS_AT] + OUTPUT_RANGE
+    most = k[k[GROUPS]] + 2
+    area = torque = 0.0
+    heap[0] = 0.0
+    heights_between(k, f, room, heap, point, 0, 1, 0)
+    x = f[numbers]
+    y = heap[3 * most]
+    for i in range(samples - 1):
+        start, end = f[numbers + i], f[numbers + i + 1]
+        inner = crossings_between(k, f, room, heap, point, i)
+        heights_between(k, f, room, heap, point, i, inner + 1, 1)
+        for j in range(inner + 1):
+            b = end
+            if j < inner:
+                b = start + heap[j] * (end - start)
+            z = heap[3 * most + j]
+            part = 0.5 * (b - x) * (y + z)
+            if area + part >= wanted:
+                return area, torque, x + far_along(b - x, y, z, wanted - area)
+            area += part
+            torque += (b - x) * (x * (2.0 * y + z) + b * (y + 2.0 * z))
+            x = b
+            y = z
+    return area, torque, x
+
+
+@kernel
+def far_along(width: float, y: float, z: float, area: float) -> float:
+    """Return how far a line from y to z has to be followed for an area under it."""
+    if area <= 0.0:
+        return 0.0
+    slope = (z - y) / width
+    # The root of y t + slope t² / 2 = area, in the form that takes no difference of near numbers.
+    root = math.sqrt(max(0.0, y * y + 2.0 * slope * area))
+    return min(width, 2.0 * area / (y + root))
+
+
+@kernel
+def degree_at(k: Any, f: Any, consequent: int, index: int) -> float:
+    """Return the degree of a set at a sample; it is written down where it is not zero."""
+    degree = 0.0
+    if k[consequent] <= index < k[consequent + 1]:
+        degree = f[k[consequent + 2] + index - k[consequent]]
+    return degree
+
+
+@kernel
+def crossings_between(k: Any, f: Any, room: Any, heap: Any, point: int, i: int) -> int:
+    """Write down the shares of the way from a sample to the next where a set is cut off flat."""
+    count = 0
+    at = k[GROUPS] + 1
+    for group in range(k[HEIGHTS], k[HEIGHTS] + k[k[GROUPS]]):
+        consequent = k[at + 1]
+        at += GROUP_HEAD + k[at] * (RULE_HEAD + k[OPERANDS])
+        height = room[group * k[WIDTH] + point]
+        if height > 0.0 and k[consequent + 3] == MIN:
+            y = degree_at(k, f, consequent, i)
+            z = degree_at(k, f, consequent, i + 1)
+            if (y >= height) != (z >= height):
+                share = (height - y) / (z - y)
+                if 0.0 < share < 1.0:
+                    count = insert(heap, 0, count, share)
+    return count
+
+
+@kernel
+def heights_between(
+    k: Any, f: Any, room: Any, heap: Any, point: int, i: int, count: int, ends: int
+) -> None:
+    """Write down the heights of the union at shares of the way from a sample to the next.
+
+    `ends`: whether the last of them is the next sample itself. In the heap stand the shares, the
+    degrees of a set, its cut, and the heights.
+    """
+    most = k[k[GROUPS]] + 2
+    degrees, cut = heap[most : most + count], heap[2 * most : 2 * most + count]
+    heights = heap[3 * most : 3 * most + count]
+    for j in range(count):
+        heights[j] = 0.0
+    at = k[GROUPS] + 1
+    for group in range(k[HEIGHTS], k[HEIGHTS] + k[k[GROUPS]]):
+        consequent = k[at + 1]
+        at += GROUP_HEAD + k[at] * (RULE_HEAD + k[OPERANDS])
+        height = room[group * k[WIDTH] + point]
+        if height > 0.0:
+            y = degree_at(k, f, consequent, i)
+            z = degree_at(k, f, consequent, i + 1)
+            for j in range(count):
+                degrees[j] = y + heap[j] * (z - y)
+            if ends != 0:
+                degrees[count - 1] = z
+            cut_in(k[consequent + 3], k[k[OUTPUT] + AGGREGATION], height, degrees, heights, cut)
+
+
+# ── exact maxima ─────────────────────────────────────────────────────────────────────
+
+
+@kernel
+def exact_maxima(block: Any) -> None:
+    """Find where the strongest sets reach their level, point by point; for sets under ``max``."""
+    k, f, room, total, moment = parts_of(block)
+    heap = room[(k[WORK] + WORK_ROWS) * k[WIDTH] :]
+    for point in range(total.shape[0]):
+        total[point], moment[point] = position_of_maxima(k, f, room, heap, point)
+
+
+HEAP = 2
+"""Where intervals begin in the heap: start and end of each, in their order."""
+
+
+@kernel
+def position_of_maxima(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[float, float]:
+    """Return the greatest height of one point, and mean, smallest or largest position of it."""
+    greatest = 0.0
+    at = k[GROUPS] + 1
+    for group in range(k[HEIGHTS], k[HEIGHTS] + k[k[GROUPS]]):
+        consequent = k[at + 1]
+        at += GROUP_HEAD + k[at] * (RULE_HEAD + k[OPERANDS])
+        height = room[group * k[WIDTH] + point]
+        if height > 0.0:
+            greatest = max(greatest, reached(k, f, heap, consequent, height))
+    if not greatest > 0.0:
+        return 0.0, 0.0
+    count = 0
+    at = k[GROUPS] + 1
+    for group in range(k[HEIGHTS], k[HEIGHTS] + k[k[GROUPS]]):
+        consequent = k[at + 1]
+        at += GROUP_HEAD + k[at] * (RULE_HEAD + k[OPERANDS])
+        height = room[group * k[WIDTH] + point]
+        if height > 0.0:
+            high = reached(k, f, heap, consequent, height)
+            if high >= greatest * (1.0 - SAME):
+                level = level_of(k, f, consequent, height, high)
+                count = cut_at_level(k, f, heap, consequent, level, count)
+    if count == 0:
+        return 0.0, 0.0
+    return greatest, chosen_of_intervals(way_of(k, f), heap, count)
+
+
+@kernel
+def reached(k: Any, f: Any, heap: Any, consequent: int, strength: float) -> float:
+    """Return how high a set reaches that is cut at a strength."""
+    heap[0], heap[1] = strength, f[k[consequent + TOP_AT]]
+    join(k[consequent + CUT], heap[0:1], heap[1:2], heap[0:1])
+    height: float = heap[0]
+    return height
+
+
+@kernel
+def level_of(k: Any, f: Any, consequent: int, strength: float, height: float) -> float:
+    """Return the degree from which on a cut set is at its height."""
+    top: float = f[k[consequent + TOP_AT]]
+    level = top
+    clips = k[consequent + FLAT] != 0 and height == strength and strength < top
+    if clips and k[consequent + LEVELS] > 0:
+        level = -math.inf
+        for i in range(k[consequent + LEVELS]):
+            at = k[consequent + LEVELS_AT] + 2 * i
+            level = max(level, f[at] + f[at + 1] * strength)
+    return level
+
+
+@kernel
+def cut_at_level(k: Any, f: Any, heap: Any, consequent: int, level: float, count: int) -> int:
+    """Insert the intervals where a set is at least at a level; return how many there are."""
+    for i in range(k[consequent + PIECES]):
+        piece = k[consequent + PIECES_AT] + PIECE * i
+        left, right = f[piece + 1] >= level, f[piece + 3] >= level
+        if left or right:
+            start, end = f[piece], f[piece + 2]
+            if not (left and right):
+                x = passed(k, f, heap, consequent, piece, level)
+                if left:
+                    end = x
+                else:
+                    start = x
+            count = insert_interval(heap, count, start, end)
+    return count
+
+
+@kernel
+def insert_interval(heap: Any, count: int, start: float, end: float) -> int:
+    """Insert an interval into the sorted ones; return how many there are."""
+    at = HEAP + 2 * count
+    while at > HEAP and (heap[at - 2] > start or (heap[at - 2] == start and heap[at - 1] > end)):
+        heap[at] = heap[at - 2]
+        heap[at + 1] = heap[at - 1]
+        at -= 2
+    heap[at] = start
+    heap[at + 1] = end
+    return count + 1
+
+
+@kernel
+def passed(k: Any, f: Any, heap: Any, consequent: int, piece: int, level: float) -> float:
+    """Return where a piece of a set passes a level that lies between its ends."""
+    x: float = 0.0
+    if f[piece + 6] == 0.0:
+        share = (level - f[piece + 1]) / (f[piece + 3] - f[piece + 1])
+        x = f[piece] + share * (f[piece + 2] - f[piece])
+    else:
+        x = passed_by_curve(k, f, heap, consequent, piece, level)
+    return x
+
+
+@kernel
+def passed_by_curve(k: Any, f: Any, heap: Any, consequent: int, piece: int, level: float) -> float:
+    """Return where a curved piece passes a level, by halving."""
+    a: float = f[piece + 4]
+    b: float = f[piece + 5]
+    rising = f[piece + 6]
+    begin = k[consequent + NUMBERS_AT]
+    numbers = f[begin : begin + k[consequent + NUMBERS]]
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (a + b)
+        if not a < middle < b:
+            break
+        heap[0] = middle
+        call(k[consequent + FUNCTION], heap[0:1], numbers, heap[1:2])
+        if (heap[1] < level) == (rising > 0.0):
+            a = middle
+        else:
+            b = middle
+    return 0.5 * (a + b)
+
+
+@kernel
+def chosen_of_intervals(way: int, heap: Any, count: int) -> float:
+    """Return mean, smallest or largest position of sorted intervals; by points if all are so."""
+    reach: float = heap[HEAP]
+    if way == SMALLEST:
+        return reach
+    if way == LARGEST:
+        last: float = heap[HEAP + 1]
+        for i in range(count):
+            last = max(last, heap[HEAP + 2 * i + 1])
+        return last
+    length = moment = 0.0
+    for i in range(count):
+        begin = max(heap[HEAP + 2 * i], reach)
+        end = heap[HEAP + 2 * i + 1]
+        if end > begin:
+            length += end - begin
+            moment += (end - begin) * 0.5 * (begin + end)
+            reach = end
+    if length > 0.0:
+        return moment / length
+    spots = 0.0
+    for i in range(count):
+        if i == 0 or heap[HEAP + 2 * i] != heap[HEAP + 2 * i - 2]:
+            moment += heap[HEAP + 2 * i]
+            spots += 1.0
+    return moment / spots
+
+
+# ── values that are found ────────────────────────────────────────────────────────────
+
+
+@kernel
+def weighted_values(block: Any) -> None:
+    """Add up strengths, and strengths times values that formulas or sets give, point by point."""
+    k, f, room, total, moment = parts_of(block)
+    heap = room[(k[WORK] + WORK_ROWS) * k[WIDTH] :]
+    for point in range(total.shape[0]):
+        whole = turn = 0.0
+        at = k[GROUPS] + 1
+        for group in range(k[HEIGHTS], k[HEIGHTS] + k[k[GROUPS]]):
+            consequent = k[at + 1]
+            at += GROUP_HEAD + k[at] * (RULE_HEAD + k[OPERANDS])
+            strength = room[group * k[WIDTH] + point]
+            if strength > 0.0:
+                whole += strength
+                turn += strength * found_value(block, k, f, heap, consequent, strength, point)
+        total[point], moment[point] = whole, turn
+
+
+@kernel
+def position_of_values(block: Any) -> None:
+    """Choose among values by their strengths, point by point."""
+    k, f, room, total, moment = parts_of(block)
+    heap = room[(k[WORK] + WORK_ROWS) * k[WIDTH] :]
+    groups = k[k[GROUPS]]
+    begin = HEAP + k[INPUTS]
+    values, heights = heap[begin : begin + groups], heap[begin + groups : begin + 2 * groups]
+    for point in range(total.shape[0]):
+        count = 0
+        at = k[GROUPS] + 1
+        for group in range(k[HEIGHTS], k[HEIGHTS] + groups):
+            consequent = k[at + 1]
+            at += GROUP_HEAD + k[at] * (RULE_HEAD + k[OPERANDS])
+            strength = room[group * k[WIDTH] + point]
+            if strength > 0.0:
+                value = found_value(block, k, f, heap, consequent, strength, point)
+                count = insert_value(values, heights, count, value, strength)
+        total[point], moment[point] = chosen_among(way_of(k, f), values, heights, count)
+
+
+@kernel
+def position_of_rows(block: Any) -> None:
+    """Choose among values that stand in rows, as exported programs have them."""
+    k, f, room, total, moment = parts_of(block)
+    heap = room[(k[WORK] + WORK_ROWS) * k[WIDTH] :]
+    for point in range(total.shape[0]):
+        total[point], moment[point] = choice_of_values(k, f, room, heap, point)
+
+
+@kernel
+def choice_of_values(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[float, float]:
+    """Return what a choice among the values of a point gives: strength and value by turns."""
+    groups = k[k[GROUPS]]
+    values, heights = heap[:groups], heap[groups : 2 * groups]
+    count = 0
+    for group in range(groups):
+        row = (k[HEIGHTS] + 2 * group) * k[WIDTH] + point
+        if room[row] > 0.0:
+            count = insert_value(values, heights, count, room[row + k[WIDTH]], room[row])
+    return chosen_among(way_of(k, f), values, heights, count)
+
+
+@kernel
+def insert_value(values: Any, heights: Any, count: int, value: float, height: float) -> int:
+    """Insert a value with its height behind those that are not greater; return how many."""
+    index = count
+    while index > 0 and values[index - 1] > value:
+        values[index] = values[index - 1]
+        heights[index] = heights[index - 1]
+        index -= 1
+    values[index] = value
+    heights[index] = height
+    return count + 1
+
+
+@kernel
+def found_value(
+    block: Any, k: Any, f: Any, heap: Any, consequent: int, strength: float, point: int
+) -> float:
+    """Return the number that a consequent stands for at a point and a strength."""
+    sort, own = k[consequent + SORT], k[consequent + OWN_AT]
+    value: float = f[own]
+    if sort == LINEAR:
+        value = value_of(block, k, f, own, point)
+    elif sort == FORMULA:
+        inputs = heap[HEAP : HEAP + k[INPUTS]]
+        for i in range(k[INPUTS]):
+            inputs[i] = block[k[INPUT_ROWS] + i * k[WIDTH] + point]
+        heap[0] = strength
+        call(k[consequent + FUNCTION], heap[0:1], inputs, heap[1:2])
+        value = value * heap[1]
+    elif sort == INVERSE:
+        begin = k[consequent + NUMBERS_AT]
+        numbers = f[begin : begin + k[consequent + NUMBERS]]
+        heap[0] = min(1.0, strength / value)
+        call(k[consequent + FUNCTION], heap[0:1], numbers, heap[1:2])
+        value = heap[1]
+        if not abs(value) < math.inf:  # an end that the set only tends to
+            range_at = k[k[OUTPUT] + FLOATS_AT]
+            value = f[range_at + 1] if value > 0.0 else f[range_at]
+    elif sort == LEVEL:
+        value = position_at_level(k, f, heap, consequent, strength)
+    return value
+
+
+@kernel
+def position_at_level(k: Any, f: Any, heap: Any, consequent: int, level: float) -> float:
+    """Return where a set that rises or falls throughout reaches a level; its pieces rise."""
+    position: float = f[k[consequent + OWN_AT]]
+    for i in range(k[consequent + PIECES]):
+        piece = k[consequent + PIECES_AT] + PIECE * i
+        start, first, last = f[piece], f[piece + 1], f[piece + 3]
+        if first >= level:
+            position = start
+            break
+        if last >= level:
+            if f[piece + 6] != 0.0:
+                return passed_by_curve(k, f, heap, consequent, piece, level)
+            position = start + (f[piece + 2] - start) * (level - first) / (last - first)
+            break
+    return position
