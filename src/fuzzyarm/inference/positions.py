@@ -412,7 +412,11 @@ def insert_interval(heap: Any, count: int, start: float, end: float) -> int:
 def passed(k: Any, f: Any, heap: Any, consequent: int, piece: int, level: float) -> float:
     """Return where a piece of a set passes a level that lies between its ends."""
     x: float = 0.0
-    if f[piece + 6] == 0.0:
+    if f[piece + 1] == level:
+        x = f[piece]
+    elif f[piece + 3] == level:
+        x = f[piece + 2]
+    elif f[piece + 6] == 0.0:
         share = (level - f[piece + 1]) / (f[piece + 3] - f[piece + 1])
         x = f[piece] + share * (f[piece + 2] - f[piece])
     else:

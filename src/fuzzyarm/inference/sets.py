@@ -296,7 +296,12 @@ def cut(
 
 
 def crossing(piece: Piece, membership: SetFunction, level: float) -> float:
-    """Return where a piece passes `level`, which lies between its ends."""
+    """Return where a piece passes `level`, which lies between its ends, or is one of them.
+
+    A curve is at its peak in one point, whatever the neighbours are rounded to.
+    """
+    if level in (piece.y0, piece.y1):
+        return piece.x0 if level == piece.y0 else piece.x1
     if piece.straight:
         share = (level - piece.y0) / (piece.y1 - piece.y0)
         return piece.x0 + share * (piece.x1 - piece.x0)

@@ -6,6 +6,7 @@ give the ends. Everything is rounded outward by :data:`SLACK`.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 
@@ -14,7 +15,7 @@ import numpy as np
 from fuzzyarm.expression.evaluation import bounds, specialise
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, TNORMS, Norm
 from fuzzyarm.inference.sets import formula_of
-from fuzzyarm.model.rulebase import Hedge, Is, RuleBase, Shape
+from fuzzyarm.model.rulebase import POSITION, Hedge, Is, RuleBase, Shape
 from fuzzyarm.model.shapes import polyline
 from fuzzyarm.proof.arithmetic import Array
 
@@ -102,7 +103,7 @@ def membership_bounder(shape: Shape) -> Callable[[float, float], tuple[float, fl
     if shape.kind != "formula" and SHAPES[shape.kind].straight:
         return _straight_bounder(shape)
     if shape.kind == "formula":
-        expression, parts = formula_of(shape).with_constants(()), 1
+        expression, parts = formula_of(shape).with_constants((POSITION,)), 1
     else:
         record = SHAPES[shape.kind]
         numbers = dict(zip(record.symbols[1:], shape.parameters, strict=True))
@@ -114,6 +115,8 @@ def membership_bounder(shape: Shape) -> Callable[[float, float], tuple[float, fl
         found = [bounds(expression, {"x": pair}) for pair in pairwise(cuts)]
         least = shape.height * min(part.low for part in found)
         most = shape.height * max(part.high for part in found)
+        if math.isnan(least + most):  # a formula that has no value everywhere
+            return 0.0, shape.height
         return max(0.0, least - SLACK), min(shape.height, most + SLACK)
 
     return of_stretch
