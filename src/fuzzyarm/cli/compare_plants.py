@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fuzzyarm.cli.command import WordError, print_json, progress_bar
+from fuzzyarm.cli.experiment import DIVERGED
 from fuzzyarm.cli.plants import connections, motion_of, options_of, plant_of
 from fuzzyarm.cli.simulate import run_as_json
 
@@ -78,7 +79,7 @@ def compare_on(
         print("\n".join(_markdown(runs)))
     else:
         print("\n".join(_lines(runs)))
-    return 0
+    return DIVERGED if all(run.diverged is not None for run in runs) else 0
 
 
 def _rows(runs: Sequence[Run]) -> Iterator[list[str]]:

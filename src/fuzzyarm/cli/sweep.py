@@ -48,6 +48,7 @@ from fuzzyarm.cli.command import (
     say,
 )
 from fuzzyarm.cli.experiment import (
+    DIVERGED,
     RUN,
     SOURCES,
     TRAJECTORY,
@@ -238,7 +239,9 @@ def sweep(arguments: argparse.Namespace) -> int:
         kept = "-o keeps them" if file is None else f"{file.path} has them, --resume goes on"
         print_error(f"interrupted after {done}; {kept}")
         return EXIT_INTERRUPTED
-    return 1 if faults else 0
+    if faults:
+        return 1
+    return DIVERGED if 0 < len(many) == _lost(many) else 0
 
 
 def _require_sensible(arguments: argparse.Namespace, metrics: tuple[str, ...]) -> None:

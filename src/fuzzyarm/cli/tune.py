@@ -26,6 +26,7 @@ Examples
 from __future__ import annotations
 
 import argparse
+import math
 import os
 import shutil
 import sys
@@ -107,9 +108,9 @@ def _run(arguments: argparse.Namespace) -> int:
     given["journal"] = _journal(arguments, path)
     result = _Result(arguments.out)
     with (
-        announced(f"tuning {path}, up to {counted(arguments.evals, 'trial')}"),
+        announced(f"tuning {path}, {_most(arguments)}"),
         cluster(arguments) as (executor, workers),
-        _shown(arguments.evals) as progress,
+        _shown(arguments.evals, _own_seconds(arguments)) as progress,
     ):
         given |= {"watch": progress.search, "watch_linear": progress.linear}
         given |= {"take": result.take, "tell": progress.tell}
@@ -213,8 +214,6 @@ def _require_sensible(arguments: argparse.Namespace) -> None:
 
 
 def _seconds(arguments: argparse.Namespace) -> float:
-    import math
-
     from fuzzyarm.cli.plants import time_of
 
     return time_of(arguments.time, "--time") if arguments.time else math.inf
@@ -363,6 +362,19 @@ REDRAWN_EVERY = 0.2
 """Where it is one, s."""
 
 
+def _own_seconds(arguments: argparse.Namespace) -> float:
+    """Return the seconds of the first search: half of them where the line is tuned, too."""
+    seconds = _seconds(arguments)
+    return seconds if arguments.no_linear else 0.5 * seconds
+
+
+def _most(arguments: argparse.Namespace) -> str:
+    """Return in words when the searches end at the latest."""
+    words = f"up to {counted(arguments.evals, 'trial')}"
+    seconds = _seconds(arguments)
+    return f"{words} and {duration_words(seconds)}" if seconds < math.inf else words
+
+
 class _Progress:
     """What is said of the searches while they go on: of the controller's, then of the opponent's.
 
@@ -374,10 +386,19 @@ class _Progress:
         Takes a search, or none, and a line that says how far it is.
     every : float
         Seconds between two words.
+    seconds : float
+        After which the search ends in any case.
     """
 
-    def __init__(self, evals: int, say: Callable[[Found | None, str], None], every: float) -> None:
+    def __init__(
+        self,
+        evals: int,
+        say: Callable[[Found | None, str], None],
+        every: float,
+        seconds: float = math.inf,
+    ) -> None:
         self.evals, self.say, self.every = evals, say, every
+        self.until = time.monotonic() + seconds
         self.told = time.monotonic()
         self.first: tuple[int, float] | None = None
 
@@ -420,14 +441,15 @@ class _Progress:
         count, begin = self.first
         if done > count:
             rate = (done - count) / max(time.monotonic() - begin, 1e-9)
-            yield f"{duration_words((self.evals - done) / rate)} left"
+            left = min((self.evals - done) / rate, self.until - time.monotonic())
+            yield f"{duration_words(max(left, 0.0))} left"
 
 
 @contextmanager
-def _shown(evals: int) -> Iterator[_Progress]:
+def _shown(evals: int, seconds: float) -> Iterator[_Progress]:
     """Show trials, the best cost and its curve on stderr; give what is told of the searches."""
     if not sys.stderr.isatty():
-        yield _Progress(evals, lambda _found, state: print_error(state), TOLD_EVERY)
+        yield _Progress(evals, lambda _found, state: print_error(state), TOLD_EVERY, seconds)
         return
     from rich.console import Console
     from rich.live import Live
@@ -443,7 +465,7 @@ def _shown(evals: int) -> Iterator[_Progress]:
             live.update(view, refresh=True)
 
         draw(None, "the file as it is")
-        yield _Progress(evals, draw, REDRAWN_EVERY)
+        yield _Progress(evals, draw, REDRAWN_EVERY, seconds)
 
 
 # --- What came of it ---

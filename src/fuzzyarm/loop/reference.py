@@ -7,8 +7,9 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import zip_longest
 from pathlib import Path
 
 import numpy as np
@@ -97,13 +98,23 @@ def read_signal(text: str) -> Signal:
         return Signal("file", path=text)
     kind, _, rest = text.partition(":")
     try:
-        numbers = tuple(float(word) for word in rest.split(",")) if rest else ()
+        numbers = tuple(_numbers(kind, rest.split(","))) if rest else ()
         if kind and not rest:  # a number alone is a step
             return Signal("step", (float(kind),))
     except ValueError:
-        hint = "as in step:1, ramp:0.5, sine:1,0.5, quintic:1,2 or a FILE.csv"
-        raise PlantError(f"'{text}' is not a reference", name=text, hint=hint) from None
+        hint = "as in step:1, step:1,5ms, ramp:0.5, sine:1,0.5, quintic:1,2 or a FILE.csv"
+        raise PlantError(f"'{text}' is not a signal", name=text, hint=hint) from None
     return Signal(kind, numbers)
+
+
+def _numbers(kind: str, words: Sequence[str]) -> Iterator[float]:
+    """Yield the numbers of a signal; a time may have its unit."""
+    names = KINDS[kind].words if kind in KINDS else ()
+    for name, word in zip_longest(names, words):
+        if word is None:
+            return
+        is_time = name in ("AT", "SECONDS") and word.strip()[-1:].isalpha()
+        yield read_time(word, name) if is_time else float(word)
 
 
 AnySignal = Signal | str | float

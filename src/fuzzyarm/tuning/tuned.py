@@ -335,6 +335,8 @@ def _remarks(tuned: Tuned) -> Iterator[str]:
         yield f"{_trials(found.refused)} broke an expect or prove line"
     if found.failed:
         yield f"{_trials(found.failed)} failed, the first so: {found.failure}"
+    if tuned.linear is not None and len(tuned.linear.trials) != len(found.trials):
+        yield f"the linear opponent had {_trials(len(tuned.linear.trials))} in the same time"
     if tuned.alone:
         yield f"no linear opponent: {tuned.alone}"
     own = tuned.row("tuned")
@@ -381,6 +383,7 @@ def _as_data(tuned: Tuned) -> dict[str, Any]:
         "method": tuned.plan.method,
         "seed": tuned.plan.seed,
         "trials": len(found.trials),
+        "linear_trials": None if tuned.linear is None else len(tuned.linear.trials),
         "refused": found.refused,
         "seconds": round(found.seconds, 3),
         "interrupted": found.interrupted,
