@@ -14,7 +14,7 @@ from fuzzyarm.controller.catalogue import controller_in
 from fuzzyarm.controller.program import SourceError
 from fuzzyarm.language import read_text
 from fuzzyarm.loop import Options, Sensor, Signal, simulate, simulate_many
-from fuzzyarm.plant import STUDY, PlantError, Port, find_plant, reach, reach_return
+from fuzzyarm.plant import STUDY, Plant, PlantError, Port, find_plant, reach, reach_return
 from fuzzyarm.plant.plant import with_actuators
 
 SERVO = read_text(shipped("servo.frb"))
@@ -255,3 +255,44 @@ def test_a_set_point_that_no_sensor_can_say_is_noted(step, said):
     run = simulate(shipped("servo.frb"), "motor", references=references, duration=0.01)
     words = f"the set point {said} rad of 'position' is beyond its range, -6.28319 .. 6.28319"
     assert run.notes == (() if said is None else (words,))
+
+
+def test_a_run_that_diverges_says_of_what(tmp_path, capsys):
+    class Rooted(Plant):
+        name = "rooted"
+        inputs = {"voltage": Port("V", -24.0, 24.0)}
+        outputs = {"position": Port("rad", bound=50.0)}
+        states = {"position": "rad"}
+
+        def derivative(self, t, x, u, p):
+            return [1e3 * u[0] if x[0] < self.end else math.nan]
+
+    asked = {"references": STEP, "duration": 0.2}
+    wild = text("e = error of position", "drive voltage = e * 1000")
+    plant = Rooted()
+    plant.end = 0.5
+    assert simulate(wild, plant, **asked).cause == "an output, position, that is not a number"
+    plant.end = math.inf
+    away = text("e = measured position", "r = reference position", "drive voltage = e * 1000 - r")
+    assert "position at -" in simulate(away, plant, **asked).cause
+    assert "beyond its bound of 50" in simulate(away, plant, **asked).cause
+    holes = """
+rulebase holes
+input e -1 .. 1
+output u -1 .. 1
+terms e, u: triangles N Z P
+inference no-rule error
+rule if e is N then u is N
+
+controller own
+period 1 ms
+axis shaft
+  e = error of position
+  u = rules holes(e)
+  drive voltage = u
+"""
+    run = simulate(controller_in(holes, "own.frb"), plant, **asked)
+    assert run.cause == "a drive, voltage, that is not a number"
+    assert (
+        simulate(text("e = error of position", "drive voltage = e"), "motor", **asked).cause == ""
+    )

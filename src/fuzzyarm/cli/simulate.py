@@ -267,8 +267,8 @@ def _as_text(result: Run) -> str:
         )
     if result.diverged is not None:
         until = "the figures are those until then" if result.samples else "before the first sample"
-        bound = "an output beyond its bound or not a number"
-        if result.plant == "arm":
+        bound = result.cause
+        if result.plant == "arm" and "not a number" not in bound:
             bound = "an error over ten turns or a joint over 100000 rad/s"
         lines.append(f"diverged: stopped at {result.diverged:.4f} s with {bound}; {until}")
     return "\n".join(lines)

@@ -137,6 +137,8 @@ class Run(Plotted):
     driven : tuple of str
         Which of `drives` the controller moves, alone or through the motors of the arm; a metric of
         drives is of these. All where it is empty.
+    cause : str
+        Of a run that diverged: what was beyond its bound, or not a number.
     notes : tuple of str
         What was taken otherwise than it was asked for, in sentences.
     """
@@ -171,6 +173,7 @@ class Run(Plotted):
     rms_path: Vector = field(default_factory=lambda: np.zeros(0))
     output_units: Mapping[str, str] = field(default_factory=dict)
     driven: tuple[str, ...] = ()
+    cause: str = ""
     notes: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
@@ -621,6 +624,7 @@ class ClosedLoop:
             limits=self._limits(program),
             drive_units={label(port): each.unit for port, each in inputs.items()},
             driven=self._driven,
+            cause="" if over or stopped is None else self._cause(record),
             loaded=tuple((followed.block[taken] != 0).tolist()),
             period=followed.period * followed.every,
             seed=course.options.seed if found.seed is None else found.seed,
@@ -633,6 +637,21 @@ class ClosedLoop:
             output_units={label(port): each.unit for port, each in interface.outputs.items()},
             notes=self.notes(course) + (() if over or stopped is None else _coarse(course)),
         )
+
+    def _cause(self, record: Record) -> str:
+        """Say what stopped a run that diverged, of the values when it did."""
+        interface, board = self.site.interface, np.asarray(record.board, float)
+        label = interface.label
+        for port in interface.inputs:
+            if math.isnan(board[self.course.drive_cell(port)]):
+                return f"a drive, {label(port)}, that is not a number"
+        for port, output in interface.outputs.items():
+            value = board[self.course.output_cell(port)]
+            if math.isnan(value):
+                return f"an output, {label(port)}, that is not a number"
+            if not abs(value) <= output.bound:
+                return f"{label(port)} at {value:.4g}, beyond its bound of {output.bound:g}"
+        return "an output beyond its bound or not a number"
 
     def notes(self, course: Course | None = None) -> tuple[str, ...]:
         """Return what is taken otherwise than it was asked for, in sentences."""

@@ -138,8 +138,9 @@ def _is_plant_of(module: ModuleType, value: Any) -> bool:
 
 
 def _moves(thing: Any) -> bool:
-    """Whether an object or a class has the attributes of a plant."""
-    return hasattr(thing, "outputs") and (hasattr(thing, "derivative") or hasattr(thing, "step"))
+    """Whether an object or a class has the attributes of a plant, or fields for them."""
+    has = hasattr(thing, "outputs") or "outputs" in getattr(thing, "__dataclass_fields__", ())
+    return has and (hasattr(thing, "derivative") or hasattr(thing, "step"))
 
 
 def _plant_of(thing: Any) -> Plant:

@@ -27,6 +27,7 @@ from fuzzyarm.plant.plant import (
     measure_states,
     runge_kutta_4,
 )
+from fuzzyarm.text.names import nearest
 
 EXAMPLES = {
     "inputs": '{"power": Port("%", 0, 100)}',
@@ -83,10 +84,18 @@ def require_ports(plant: Plant) -> None:
         said = f", but '{near}'" if near else ""
         hint = "def derivative(self, t, x, u, p):  returns the rate of each state"
         raise _fault(plant, near or "states", f"it has no derivative{said}", hint=hint)
+    _require_no_slip(plant)
     for what in ("longest_step", "duration"):
         number = getattr(plant, what)
         if number is not None and not (_is_number(number) and number > 0.0):
             raise _fault(plant, what, f"{what} is {_words(number)}", hint="a positive number of s")
+
+
+def _require_no_slip(plant: Plant) -> None:
+    """Raise PlantError for an attribute that is a misspelt one of those that need not be there."""
+    for name in [name for kind in type(plant).__mro__ for name in vars(kind)]:
+        if name != "longest_step" and nearest(name, ("longest_step",)):
+            raise _fault(plant, name, f"'{name}' is not read", hint="did you mean 'longest_step'?")
 
 
 def _require_value(plant: Plant, what: str, name: str, value: object) -> None:
