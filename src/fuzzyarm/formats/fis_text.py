@@ -147,13 +147,13 @@ def membership_parts(value: Word) -> tuple[Word, Word, Word] | None:
 # --- Which program a text was written for ---
 
 _FUZZYLITE_KEYS = re.compile(
-    r"^\s*(lockprevious|lockrange|enabled)\s*=", re.IGNORECASE | re.MULTILINE
+    r"^[^\S\n]*(lockprevious|lockrange|enabled)\s*=", re.IGNORECASE | re.MULTILINE
 )
 _ONLY_OCTAVE = re.compile(
     r"'(einstein|hamacher|drastic|bounded)_(sum|product|difference)'|centroid_integral",
     re.IGNORECASE,
 )
-_FRACTION = re.compile(r"^\s*(-?\d+(\.\d+)?\s+)*-?\d+\.0*[1-9]\d*[\s,]", re.MULTILINE)
+_FRACTION = re.compile(r"^[^\S\n]*(-?\d+(\.\d+)?[^\S\n]+)*-?\d+\.0*[1-9]\d*[\s,]", re.MULTILINE)
 
 
 def detect(text: str) -> str:
