@@ -177,7 +177,7 @@ def _defuzzifier(variable: Any, method: str, findings: Findings) -> Defuzzifier:
     """Return the joined samples of an even universe, the exact integral of any other."""
     xs = [float(x) for x in variable.universe]
     if method == "mean-of-maximum":
-        findings.loss("mean-of-maximum", f"'{variable.label}': {MEAN_OF_POINTS}", slight=True)
+        findings.info("mean-of-maximum", f"'{variable.label}': {MEAN_OF_POINTS}")
     if len(xs) < 2 or "maximum" in method:
         return Defuzzifier(method)
     if _are_even(xs):
