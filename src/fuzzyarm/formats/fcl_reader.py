@@ -22,7 +22,7 @@ _ONLY_FUZZYLITE = re.compile(
 
 
 _STEP = re.compile(r"\bRANGE\b[\s:=]*\([^()]*\)\s*WITH\b", re.IGNORECASE)
-_COMMENT = re.compile(r"//[^\n]*|#[^\n]*|/\*.*?\*/|\(\*.*?\*\)", re.DOTALL)
+_COMMENT = re.compile(r"//[^\n]*|#[^\n]*|/\*.*?(?:\*/|\Z)|\(\*.*?(?:\*\)|\Z)", re.DOTALL)
 _IN_INPUT = re.compile(r"\b(?:FUZZIFY|END_FUZZIFY|RANGE)\b", re.IGNORECASE)
 
 

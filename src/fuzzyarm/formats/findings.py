@@ -242,9 +242,17 @@ class Findings:
 
     def no_term(self, variable: str, word: Word, terms: Iterable[str], before: str = "") -> None:
         """Record an error about a word that is none of the terms of a variable."""
-        self.unknown("undefined-term", f"{before}'{variable}' has no term", word, terms)
+        self.unknown("undefined-term", f"{before}'{variable}' has no term", word, terms, ending="")
 
-    def unknown(self, name: str, what: str, word: Word, choices: Iterable[str]) -> None:
+    def unknown(
+        self,
+        name: str,
+        what: str,
+        word: Word,
+        choices: Iterable[str],
+        *,
+        ending: str = " is not known",
+    ) -> None:
         """Record an error about a word that is none of `choices`, with a guess of what was meant.
 
         The same word is said once, with how often it stands there. Names of the file are listed;
@@ -263,9 +271,7 @@ class Findings:
             hint, replacement = near_hint(word.text, known)
         if not hint or name.startswith("undefined"):
             hint = "; ".join(filter(None, (hint, listed(known))))
-        message = f"{what} '{shortened(word.text)}'"
-        if not what.endswith(" has no term"):
-            message += " is not known"
+        message = f"{what} '{shortened(word.text)}'{ending}"
         if len(self._items) < MAX_FINDINGS:
             self._unknown[key] = len(self._items), 1
         self._add(name, message, word, Severity.ERROR, hint, replacement)

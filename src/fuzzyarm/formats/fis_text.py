@@ -128,8 +128,8 @@ BRACKETED = re.compile(r"[^\s,;\[\]]+")
 
 
 _MEMBERSHIP = re.compile(
-    r"\s*(?:'(?P<quoted>[^']*)'|(?P<bare>[^:']*?))\s*:\s*'?(?P<kind>[\w.]*)'?\s*,\s*"
-    r"(?P<rest>.*?)\s*\Z",
+    r"\s*(?:'(?P<quoted>[^']*)'|(?P<bare>(?:[^:'\s]+(?:\s+[^:'\s]+)*)?))\s*:\s*"
+    r"'?(?P<kind>[\w.]*)'?\s*,\s*(?P<rest>.*)\Z",
     re.DOTALL,
 )
 
@@ -141,7 +141,8 @@ def membership_parts(value: Word) -> tuple[Word, Word, Word] | None:
         return None
     quoted = match.group("quoted") is not None
     name, kind, rest = (match.span(key) for key in ("quoted" if quoted else "bare", "kind", "rest"))
-    return value.part(*name), value.part(*kind), value.part(*rest)
+    end = len(value.text.rstrip())
+    return value.part(*name), value.part(*kind), value.part(rest[0], max(rest[0], end))
 
 
 # --- Which program a text was written for ---
