@@ -139,3 +139,18 @@ def test_options_of_the_other_kind_of_plant_are_refused(run):
     assert "--angles is for the arm" in run(f"compare {SERVO} --angles 1 2", 1)
     assert "--step is for other plants" in run("compare pd --step 1", 1)
     assert "--sensor-delay is for other plants" in run("compare pd --sensor-delay position=1ms", 1)
+    assert "--step is for other plants" in run("compare pd --step 0", 1)
+    assert "--step is for other plants" in run("simulate pd --step 0", 1)
+
+
+@pytest.mark.parametrize(
+    "option",
+    ["--conventions study", "--no-payload", "--no-load-in-hold", "--pi 0", "--segment 0",
+     "--supply 24", "--inductance 0", "--limits 5 5", "--precision float32"],
+)  # fmt: skip
+@pytest.mark.parametrize("command", ["compare", "simulate", "sweep --sweep K_p=1,2", "tune"])
+def test_no_option_of_the_arm_is_dropped_on_another_plant(option, command, run):
+    if option == "--no-payload" and command[0] == "s":
+        return  # which is what they do by themselves
+    said = run(f"{command} {SERVO} --plant motor {option}", 1)
+    assert f"{option.split()[0]} is for the arm; motor takes --reference" in said

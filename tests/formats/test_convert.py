@@ -116,7 +116,7 @@ def test_bad_input_is_one_sentence(
 
 def test_usage_is_told(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["convert", "only-one.fis"]) == 2
-    assert "usage" in capsys.readouterr().err
+    assert "the file to write, OUT, is missing" in capsys.readouterr().err
 
 
 def test_corpus_reports_a_folder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

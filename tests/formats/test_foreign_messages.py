@@ -144,7 +144,7 @@ def test_an_unknown_name_is_said_once_with_those_there_are() -> None:
     first, second = parse_fll(fll).errors
     assert first.message == "the variable 'warmht' is not known (here and 39 more times)"
     assert first.hint == "did you mean 'warmth'?; known: warmth, y"
-    assert second.message == "the term of 'warmth' 'icy' is not known (here and 2 more times)"
+    assert second.message == "'warmth' has no term 'icy' (here and 2 more times)"
     assert second.hint == "known: cold, hot"
 
 

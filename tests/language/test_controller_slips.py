@@ -131,8 +131,8 @@ SLIPS = [
     ("rules pd7(e, ce)", "rule pd7(e, ce)"),
     ("rules pd7(e, ce)", "rulebase pd7(e, ce)"),
     ("rules pd7(e, ce)", "rules pd7[e, ce]"),
-    ("rules pd7(e, ce)", "rules pd7(e = e, ce = ce)"),
     ("rules pd7(e, ce)", "evalfis(pd7, [e ce])"),
+    ("rules pd7(e, ce)", "evalfis([e, ce], pd7)"),
     # Drives and the rest
     ("drive voltage = sum", "drive voltage sum"),
     ("drive voltage = sum", "drive voltage: sum"),
@@ -211,6 +211,11 @@ ADVICE = {
     "  x = integral of (e * 2)": ("of a signal", "x = e * 2  above"),
     "  x = lag of measured velocity, time 1 s": ("of a signal", "x = measured velocity  above"),
     "  x = e + error of velocity": ("one source", "x = error of velocity  above"),
+    "  x = rules pd7(ce=ce, e=e)": ("in the order of the rule base", "write the signals alone"),
+    "  x = rules pd7(e = e, ce = ce)": ("in the order of the rule base", "write the signals alone"),
+    "  x = pd7(e=e, ce=ce)": ("in the order of the rule base", "write the signals alone"),
+    "  x = evalfis(e, pd7)": ("asked by rules", "rules NAME(x)"),
+    "  x = evalfis(pd7, e)": ("asked by rules", "rules NAME(x)"),
     "  x = -error of velocity": ("one source", "x = error of velocity  above"),
     "  x = error of position * 2 + e": ("stands alone", "x = error of position  above"),
     "  x = (e + ce) * 2": ("no parentheses", "x = e + ce  above"),
@@ -237,6 +242,60 @@ def test_a_line_that_needs_more_says_what(line):
     assert finding.line == TEXT.count("\n") + 1
     assert said in finding.message
     assert hint in finding.hint
+
+
+@pytest.mark.parametrize(
+    ("wrong", "right"),
+    [
+        ("u / G_u^2", "u / G_u / G_u"),
+        ("u / G_u ** 3 * K_I", "u / G_u / G_u / G_u * K_I"),
+        ("u * G_u^2", "u * G_u * G_u"),
+        ("u / G_u / K_I^2", "u / G_u / K_I / K_I"),
+    ],
+)
+def test_a_power_behind_a_division_divides_as_often(wrong, right):
+    (finding,) = faults(TEXT.replace("sum = u ", f"sum = {wrong} "))
+    assert right in finding.hint
+
+
+def test_one_named_input_is_in_order():
+    text = TEXT.replace("rules pd7(e, ce) * G_u", "rules pd7(e=e)")
+    assert any("rules pd7(e)" in each.hint for each in faults(text))
+
+
+CUT_OFF = 1000 / (2 * 3.141592653589793 * 50)  # ms
+
+
+@pytest.mark.parametrize(
+    ("right", "wrong", "time"),
+    [
+        ("time 20 ms", "time 50 Hz", CUT_OFF),
+        ("filter 2 ms", "filter 0.05 kHz", CUT_OFF),
+        ("period 1 ms", "period 50 Hz", 20.0),
+        ("anti-windup hold", "anti-windup back 50 Hz", None),
+    ],
+)
+def test_a_frequency_is_a_period_or_a_cut_off(right, wrong, time):
+    (finding,) = faults(TEXT.replace(right, wrong))
+    assert "not a frequency" in finding.message
+    if time is None:
+        assert finding.replacement is None
+    else:
+        assert float(finding.replacement.removesuffix(" ms")) == pytest.approx(time, rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "axis " + " and ".join("abcdefghij" * 6) + " !",
+        "axis " + (" " * 10).join("abcdefg") + " 1",
+        "axis " + (" " * 10).join("abcdefghijkl") + " !",
+        "gain g = " + "*".join(["1234"] * 40) + " !",
+    ],
+)
+def test_a_line_of_many_words_is_read_at_once(line):
+    """Each took time that doubles with every word."""
+    assert parse(f"controller c\nperiod 1 ms\n{line}\n  u = error of p\n").diagnostics
 
 
 HEADS = {

@@ -37,8 +37,6 @@ MISTAKES = {
     ("duration = 10.0", "duration = -1"): (8, "duration is -1", "positive"),
     ("duration = 10.0", "longest_step = 0"): (8, "longest_step is 0", "positive"),
     ("duration = 10.0", "longest_stp = 0.1"): (8, "'longest_stp' is not read", "'longest_step'"),
-    ('Port("%", 0, 100)', "Port(0, 100)"): (4, "the unit 0, not a text", 'Port("1", 0, 100)'),
-    ('Port("%", 0, 100)', 'Port("%", "0", 100)'): (4, "low of a port is '0', not a number", ""),
     ("[20.0, 20.0]", "[20.0]"): (10, "start returns 1 number for 2 states", "charge, element"),
     ("return [x[1] - x[0], 0.2", "return [0.2"): (13, "returns 1 number for 2", "charge"),
     ("p[0] * x[1]]", "p[0] * x[1], 0.0]"): (13, "derivative returns 3 numbers for 2", "charge"),
@@ -104,6 +102,12 @@ FILES = {
     "class Kiln(Plant:\n": ("mine.py:1: ", ""),
     "import nothing_of_that_name\n": ("mine.py:1: ModuleNotFoundError", ""),
     "x = 1\n": ("mine.py has no plants", ""),
+    KILN.replace('Port("%", 0, 100)', "Port(0, 100)"): (
+        "mine.py:4: PlantError: a port has the unit 0, not a text", 'Port("1", 0, 100)',
+    ),
+    KILN.replace('Port("%", 0, 100)', 'Port("%", "0", 100)'): (
+        "mine.py:4: PlantError: low of a port is '0', not a number", "",
+    ),
     KILN.replace("class Kiln(Plant)", "class Oven(Plant)"): ("no plant 'Kiln'", "its plants: Oven"),
     KILN.replace("class Kiln(Plant)", "class Klin(Plant)"): ("no plant 'Kiln'", "mean 'Klin'?"),
     KILN.replace("(Plant)", "").replace("    outputs", "    output"): (

@@ -12,7 +12,7 @@ from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language import load_rulebase
 from fuzzyarm.plant import reach
 from fuzzyarm.show import figures
-from fuzzyarm.text.mistaken import WrongKindError
+from fuzzyarm.text.mistaken import WrongKindError, wrong_kind
 
 RULES = fuzzyarm.load(fuzzyarm.shipped("pd7.frb"))
 TABLE = fuzzyarm.load(fuzzyarm.shipped("thesis-6.1.lut"))
@@ -119,3 +119,15 @@ def test_a_file_with_doubts_only_is_refused_by_name(tmp_path):
     path.write_text(text.replace("axis shaft", "gain idle = 1\n\naxis shaft"), "utf-8")
     with pytest.raises(fuzzyarm.RuleBaseError, match="this is a controller, not a rule base"):
         load_rulebase(path)
+
+
+@pytest.mark.parametrize(
+    ("value", "said"),
+    [
+        (3, "3 is an int, not a rule"),
+        (None, "None is not a rule"),
+        ([1], "[1] is a list, not a rule"),
+    ],
+)
+def test_a_plain_value_is_called_what_it_is(value, said):
+    assert str(wrong_kind(value, "rule base")).startswith(said)

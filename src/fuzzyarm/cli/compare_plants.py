@@ -9,7 +9,15 @@ from typing import TYPE_CHECKING
 
 from fuzzyarm.cli.command import WordError, print_json, progress_bar
 from fuzzyarm.cli.experiment import DIVERGED
-from fuzzyarm.cli.plants import connections, motion_of, options_of, plant_of
+from fuzzyarm.cli.plants import (
+    OF_OTHERS,
+    connections,
+    motion_of,
+    option_given,
+    options_of,
+    plant_of,
+    require_plain,
+)
 from fuzzyarm.cli.simulate import run_as_json
 
 if TYPE_CHECKING:
@@ -19,18 +27,6 @@ if TYPE_CHECKING:
 
 SHOWN = ("rms", "max", "overshoot", "settling", "effort", "chatter")
 """Metrics of a run that the table has."""
-
-OF_THE_ARM = (
-    "angles", "segment", "cost", "operations", "errors", "precision", "pi", "limits", "supply",
-    "inductance",
-)  # fmt: skip
-"""Options that are for the arm's trajectories, its joints and its motors."""
-
-OF_OTHERS = (
-    "connect", "duration", "step", "reference", "noise", "quantise", "sensor_delay", "difference",
-    "actuator", "disturb",
-)  # fmt: skip
-"""Options that are for other plants."""
 
 
 def other_plant(
@@ -42,16 +38,14 @@ def other_plant(
 
     controllers = find_controllers(names)
     plant = plant_of(arguments, controllers)
-    on_arm = isinstance(plant, Arm)
-    for option in OF_OTHERS if on_arm else OF_THE_ARM:
-        if getattr(arguments, option, None):
-            word = "for" if option == "duration" else option.replace("_", "-")
-            if on_arm:
-                message = f"--{word} is for other plants; the arm runs along its trajectories"
-            else:
-                message = f"--{word} is for the arm; {arguments.plant} takes --reference"
+    if isinstance(plant, Arm):
+        option = option_given(arguments, OF_OTHERS)
+        if option is not None:
+            message = f"{option} is for other plants; the arm runs along its trajectories"
             raise WordError(message)
-    return None if on_arm else (controllers, plant)
+        return None
+    require_plain(arguments, payload=True)
+    return controllers, plant
 
 
 def compare_on(

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.cli.command import SET, WordError, argument, group, load_rulebase, load_table
-from fuzzyarm.cli.plants import split_settings
+from fuzzyarm.cli.plants import option_given, split_settings
 
 if TYPE_CHECKING:
     from fuzzyarm.controller import Controller, Sources
@@ -107,10 +107,9 @@ def experiment_of(
 
     trajectory = _trajectory(arguments)
     conventions = conventions_of(arguments)
-    for option in ("step", "reference", "duration"):
-        if getattr(arguments, option, None):
-            word = "for" if option == "duration" else option
-            raise WordError(f"--{word} is for other plants; the arm follows --trajectory")
+    option = option_given(arguments, ("step", "reference", "duration"))
+    if option is not None:
+        raise WordError(f"{option} is for other plants; the arm follows --trajectory")
     arms = schedule(
         trajectory, payload=arguments.payload, segments=arguments.loaded, conventions=conventions
     )

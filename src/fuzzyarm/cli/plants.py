@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from fuzzyarm.cli.command import WordError, argument, flag, group
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
     from fuzzyarm.controller import Controller
     from fuzzyarm.loop import Motion, Options
@@ -114,25 +114,35 @@ def motion_of(arguments: argparse.Namespace, controller: Controller, plant: Plan
     return _words(arguments).motion(controller, plant)
 
 
-def require_plain(arguments: argparse.Namespace) -> None:
-    """Refuse what only the arm understands."""
-    given = {
-        "--payload": arguments.payload,
-        "--loaded": arguments.loaded,
-        "--angles": arguments.angles,
-        "--way-points": arguments.way_points,
-        "--segment": arguments.segment is not None,
-        "--hold": arguments.hold is not None,
-        "--limits": getattr(arguments, "limits", None),
-        "--supply": getattr(arguments, "supply", None),
-        "--inductance": getattr(arguments, "inductance", None) is not None,
-        "--conventions": arguments.conventions != "plain",
-        "--precision": arguments.precision,
-        "--pi": arguments.pi is not None,
-        "--no-load-in-hold": not arguments.load_in_hold,
-    }
-    for option, value in given.items():
-        if value:
+OF_THE_ARM: dict[str, Any] = {
+    "payload": False, "loaded": None, "angles": None, "way_points": None, "segment": None,
+    "hold": None, "limits": None, "supply": None, "inductance": None, "conventions": "plain",
+    "precision": None, "pi": None, "load_in_hold": True, "cost": False, "operations": False,
+    "errors": None,
+}  # fmt: skip
+"""Options that only the arm understands, and what they are where nobody gives them."""
+
+OF_OTHERS = (
+    "connect", "duration", "step", "reference", "noise", "quantise", "sensor_delay", "difference",
+    "actuator", "disturb",
+)  # fmt: skip
+"""Options that are for other plants."""
+
+
+def option_given(arguments: argparse.Namespace, names: Iterable[str]) -> str | None:
+    """Return the first option for other plants among `names` that is given, as it is written."""
+    for name in names:
+        if getattr(arguments, name, None) not in (None, []):
+            return "--for" if name == "duration" else f"--{name.replace('_', '-')}"
+    return None
+
+
+def require_plain(arguments: argparse.Namespace, *, payload: bool | None = False) -> None:
+    """Refuse what only the arm understands; `payload` is what a command has by itself."""
+    for name, usual in (OF_THE_ARM | {"payload": payload}).items():
+        value = getattr(arguments, name, usual)
+        if value is not None and value != usual:
+            option = f"--{'no-' if value is False else ''}{name.replace('_', '-')}"
             raise WordError(f"{option} is for the arm; {arguments.plant} takes --reference")
 
 

@@ -254,7 +254,7 @@ def _stage(arguments: argparse.Namespace, text: ControllerText) -> Stage:
             way, _, _ = experiment_of(arguments, plant)
             first = (Scenario(way.name, way, first[0].changes),)
         return Stage(plant, first, options, vary, connect=connect)
-    require_plain(arguments)
+    require_plain(arguments, payload=None)
     motion = motion_of(arguments, controller_of(text), plant)
     references, duration = _references(arguments, motion.tracked), _duration(arguments)
     first = (Scenario(motion.name, motion),)

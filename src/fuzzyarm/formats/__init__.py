@@ -8,20 +8,18 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from fuzzyarm.formats.dialects import MEANINGS, PRODUCERS
 from fuzzyarm.formats.fcl_reader import parse_fcl
 from fuzzyarm.formats.fcl_writer import write_fcl
-from fuzzyarm.formats.findings import Exported, Imported
+from fuzzyarm.formats.findings import Exported, FormatError, Imported
 from fuzzyarm.formats.fis_reader import parse_fis
 from fuzzyarm.formats.fis_writer import write_fis
 from fuzzyarm.formats.fll import parse_fll, write_fll
 from fuzzyarm.formats.fml import parse_fml
 from fuzzyarm.formats.registry import (
     FOREIGN,
-    MEANINGS,
-    PRODUCERS,
     READABLE,
     SUFFIXES,
-    FormatError,
     parse,
     read,
     same_model,

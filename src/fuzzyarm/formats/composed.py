@@ -25,19 +25,26 @@ _STRAIGHT = frozenset({"min", "max", "bounded"})
 """Norms that make straight sets of straight ones."""
 
 
-def norm_of(name: str, one: Degree, other: Degree) -> Degree:
-    """Return the degree of two sets under a T-norm or an S-norm, by its name.
+def norm_of(name: str, sets: Sequence[Degree]) -> Degree:
+    """Return the degree of two or more sets under a T-norm or an S-norm, by its name.
 
     Parameters
     ----------
     name : str
         The norm, ``t:`` or ``s:`` and its name in the model.
-    one, other : callable
-        Degrees of the two sets.
+    sets : sequence of callable
+        The degrees of the sets, joined from the first on.
     """
     kinds, _, word = name.partition(":")
     norm = (TNORMS if kinds == "t" else SNORMS)[word].scalar
-    return lambda x: min(1.0, max(0.0, norm(one(x), other(x))))
+
+    def joint(x: float) -> float:
+        first, *others = (degree(x) for degree in sets)
+        for other in others:
+            first = min(1.0, max(0.0, norm(first, other)))
+        return first
+
+    return joint
 
 
 def composed(

@@ -216,6 +216,13 @@ FML = Dialect(
 # --- Names of kinds ---
 
 
+PRODUCERS = {".fll": (FLL.producer,), ".fcl": ("jfuzzylogic", "fuzzylite"), ".fis": tuple(FIS)}
+"""Programs that a file of that suffix can be written for."""
+
+MEANINGS = PRODUCERS | {".fcl": tuple(FCL), ".t2fis": tuple(FIS)}
+"""Programs whose meaning a file of that suffix can have."""
+
+
 class Spelling(NamedTuple):
     """What a program calls a kind, and which parameter each number in its text is."""
 

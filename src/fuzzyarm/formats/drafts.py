@@ -206,6 +206,7 @@ class Draft:
     aggregates: bool = True
     defuzzifier: Defuzzifier = field(default_factory=Defuzzifier)
     no_rule: float | str = math.nan
+    step: float | None = None  # between the points of its range, to scikit-fuzzy
     _index: dict[str, Term] = field(default_factory=dict)
     refused: set[str] = field(default_factory=set)  # names of terms that have findings
 

@@ -50,6 +50,7 @@ class BlockText:
     norms: list[tuple[str, Word]] = field(default_factory=list)
     rules: list[list[Word]] = field(default_factory=list)
     enabled: bool = True
+    named: dict[str, str] | None = None  # the norms in the model, once they are asked for
 
 
 @dataclass(slots=True)
@@ -322,6 +323,7 @@ class Reader:
         cursor.expect("..", ",")
         draft.high = cursor.number()
         cursor.expect(")")
+        draft.step = None
         if cursor.key() == "WITH":
             self._step(draft, cursor.take())
         cursor.skip(";")
@@ -417,6 +419,12 @@ class Reader:
             raise FaultError("the rule has no IF", start)
         return _joined_numbers(words)
 
+    def _norms_of(self, text: BlockText) -> dict[str, str]:
+        """Return the norms of a block, with their findings the first time."""
+        if text.named is None:
+            text.named = self._norms(text)
+        return text.named
+
     def _norms(self, text: BlockText) -> dict[str, str]:
         """Return the norms that a block names, by AND, OR, ACT and ACCU."""
         found: dict[str, str] = {}
@@ -477,13 +485,15 @@ class Reader:
         block = Block(text.word.text, text.word.span, text.enabled)
         if not block.enabled:
             return block
-        norms = self._norms(text)
+        norms = self._norms_of(text)
         block.conjunction, block.disjunction = norms.get("AND"), norms.get("OR")
         block.implication, block.threshold = norms.get("ACT"), self.dialect.threshold
-        variables = self.block.variables
-        block.rules = read_sentences(text.rules, variables, self.findings, self.dialect)
+        block.rules = self._sentences(text.rules)
         self._accumulate(block.rules, norms.get("ACCU"))
         return block
+
+    def _sentences(self, rules: list[list[Word]]) -> list[RuleText]:
+        return read_sentences(rules, self.block.variables, self.findings, self.dialect)
 
     def _settle(self, draft: Draft) -> None:
         if draft.is_output:
@@ -505,8 +515,8 @@ class Reader:
             settle_edges(draft, self.findings)
 
     def _implication(self) -> str | None:
-        """Return the implication of all rule blocks, if it is the same."""
-        found = {self._norms(text).get("ACT") for text in self.block.blocks}
+        """Return the implication of all rule blocks that are on, if it is the same."""
+        found = {self._norms_of(text).get("ACT") for text in self.block.blocks if text.enabled}
         return found.pop() if len(found) == 1 else None
 
     def _finish_output(self, draft: Draft, method: Word | None) -> None:
@@ -549,14 +559,15 @@ class Reader:
 
     def _integrated(self, draft: Draft, name: str, at: Word) -> None:
         draft.defuzzifier = Defuzzifier(self.dialect.integral[name], *self.dialect.samples)
-        if not self._own:
-            self._note_habits(draft, name, at)
+        self._note_habits(draft, name, at)
         if draft.kinds & VALUES and not self._own:
             message = f"'{draft.name}' has values for terms but integrates sets"
             self.findings.loss("value-as-set", message, at, "METHOD : COGS is for singletons")
 
     def _note_habits(self, draft: Draft, name: str, at: Word) -> None:
         """Say in what the methods of jFuzzyLogic differ from those of the model."""
+        if self._own:
+            return
         if name == "COA":
             message = "jFuzzyLogic finds the middle of the area one sample coarser than the model"
             self.findings.loss("bisector-rule", message, at, slight=True)

@@ -16,15 +16,14 @@ from fuzzyarm.model.rulebase import RuleBase
 _ONLY_FUZZYLITE = re.compile(
     r"[:=]\s*(EPROD|DPROD|HPROD|ESUM|DSUM|HSUM|NMIN|NMAX|COGSS|Triangle|Trapezoid|Bell|Gaussian|"
     r"Sigmoid|Ramp|Rectangle|ZShape|SShape|PiShape|Linear|Concave|Spike|Discrete)\b"
-    r"|^\s*(ENABLED|LOCK)\s*:",
+    r"|^[^\S\n]*(ENABLED|LOCK)\s*:",
     re.MULTILINE,
 )
 
 
 _STEP = re.compile(r"\bRANGE\b[\s:=]*\([^()]*\)\s*WITH\b", re.IGNORECASE)
-_COMMENT = re.compile(r"//[^\n]*|#[^\n]*|/\*.*?\*/|\(\*.*?\*\)", re.DOTALL)
-_INPUT = re.compile(r"(?<!_)\bFUZZIFY\b(.*?)\bEND_FUZZIFY\b", re.DOTALL | re.IGNORECASE)
-_RANGE = re.compile(r"\bRANGE\b", re.IGNORECASE)
+_COMMENT = re.compile(r"//[^\n]*|#[^\n]*|/\*.*?(?:\*/|\Z)|\(\*.*?(?:\*\)|\Z)", re.DOTALL)
+_IN_INPUT = re.compile(r"\b(?:FUZZIFY|END_FUZZIFY|RANGE)\b", re.IGNORECASE)
 
 
 def detect(text: str) -> str:
@@ -38,11 +37,25 @@ def detect(text: str) -> str:
     head = text[:2000].lower()
     if "fuzzylite" in head or _ONLY_FUZZYLITE.search(plain) or _has_accu_in_defuzzify(plain):
         return "fuzzylite"
-    has_range = any(_RANGE.search(match.group(1)) for match in _INPUT.finditer(plain))
-    if has_range:
+    if _has_range_in_fuzzify(plain):
         # The words of a rule are in small letters to fuzzylite, and in no other case.
         return "fuzzylite" if re.search(r"\bif\b", plain) else "scikit-fuzzy"
     return "jfuzzylogic"
+
+
+def _has_range_in_fuzzify(text: str) -> bool:
+    has_range: bool | None = None  # outside of a section
+    for match in _IN_INPUT.finditer(text):
+        match match.group().upper():
+            case "FUZZIFY":
+                has_range = bool(has_range)
+            case "RANGE":
+                has_range = None if has_range is None else True
+            case _:
+                if has_range:
+                    return True
+                has_range = None
+    return False
 
 
 def _has_accu_in_defuzzify(text: str) -> bool:

@@ -8,21 +8,44 @@ rest is what scikit-fuzzy makes of it: rules clip by the minimum and add up by t
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 from fuzzyarm.expression.kinds import SNORMS, TNORMS
-from fuzzyarm.formats.dialects import words
+from fuzzyarm.formats.dialects import Dialect, words
 from fuzzyarm.formats.drafts import Draft
 from fuzzyarm.formats.fcl_blocks import BlockText, Reader
-from fuzzyarm.formats.findings import Word
+from fuzzyarm.formats.fcl_scikit_terms import (
+    MORE_HEDGES,
+    closed,
+    hedged_degrees,
+    is_at_points_only,
+    least_difference,
+    widest_gap,
+)
+from fuzzyarm.formats.findings import Findings, Word, unique_name
 from fuzzyarm.formats.recovery import NEAR_LINES, beside_lines, is_joined, joined
-from fuzzyarm.formats.sentences import RuleText
-from fuzzyarm.model.rulebase import Defuzzifier, Shape, Term
+from fuzzyarm.formats.sentences import NOT, RuleText, read_sentences
+from fuzzyarm.formats.skfuzzy import MEAN_OF_POINTS
+from fuzzyarm.model.rulebase import (
+    And,
+    Defuzzifier,
+    Expression,
+    Hedge,
+    Hedged,
+    Is,
+    Or,
+    Shape,
+    Term,
+)
 from fuzzyarm.model.shapes import membership_function
+from fuzzyarm.text.diagnostic import MAX_TERMS
 
 __all__ = ["ScikitReader", "universe"]
 
 MAX_POINTS = 1_000_000
 """Most points of a universe."""
+
+_WORDS = {hedge: word for word, hedge in MORE_HEDGES.items()}
 
 _MINIMUM = "the reader for scikit-fuzzy clips by the minimum"
 
@@ -55,16 +78,19 @@ def universe(low: float, high: float, step: float | None) -> list[float]:
 class ScikitReader(Reader):
     """Reads a function block as fcl-for-scikit-fuzzy does."""
 
-    _steps: dict[str, float]
+    def __init__(self, text: str, dialect: Dialect, findings: Findings) -> None:
+        super().__init__(text, dialect, findings)
+        self._universes: dict[str, list[float]] = {}  # of the block that is settled
+        self._hedged_terms: dict[tuple[str, str, tuple[Hedge, ...]], str] = {}
 
     def _note_range(self, draft: Draft) -> None:
         """Take the range of an input where it stands."""
 
     def _step(self, draft: Draft, word: Word) -> None:
-        if not hasattr(self, "_steps"):
-            self._steps = {}
-        self._steps[draft.name] = self.cursor.number()
-        if self._steps[draft.name] <= 0.0:
+        step = self.cursor.number()
+        if 0.0 < step < math.inf:
+            draft.step = step
+        else:
             self.findings.error("bad-range", "the step of a range must be positive", word)
 
     def _norms(self, text: BlockText) -> dict[str, str]:
@@ -106,24 +132,26 @@ class ScikitReader(Reader):
             draft.no_rule = "error"
             norm = self.block.accumulations.get(draft.name, "max")
             if norm != "max":
-                message = f"'{draft.name}' accumulates by something else than the maximum"
+                message = f"'{draft.name}' accumulates by something other than the maximum"
                 self.findings.loss("unsupported-norm", message, draft.word)
             draft.aggregation = "max"
         else:
             draft.outside = "clamp"
-        if not draft.bounded or not draft.low < draft.high:
-            message = f"'{draft.name}' needs a RANGE of two numbers that increase"
+        if not draft.low < draft.high or not math.isfinite(draft.high - draft.low):
+            message = f"'{draft.name}' needs a RANGE of two numbers, the first below the second"
             self.findings.error("bad-range", message, draft.word)
             draft.low, draft.high = 0.0, 1.0
             return
-        xs = universe(draft.low, draft.high, getattr(self, "_steps", {}).get(draft.name))
+        xs = universe(draft.low, draft.high, draft.step)
         if not (2 <= len(xs) < MAX_POINTS and xs[0] < xs[-1]):
-            message = f"the RANGE of '{draft.name}' has {len(xs)} points"
+            size = f"{len(xs):,} points{' or more' if len(xs) == MAX_POINTS else ''}"
+            message = f"the RANGE of '{draft.name}' has {size.replace('1 points', '1 point')}"
             self.findings.error("bad-range", message, draft.word)
             return
         draft.low, draft.high = xs[0], xs[-1]
+        self._universes[draft.name] = xs
         for index, term in enumerate(draft.terms):
-            shape = self._on_points(draft, term, xs)
+            shape = self._on_points(draft, replace(term, shape=closed(term.shape, xs)), xs)
             draft.put(index, Term(term.name, shape, term.span))
         if draft.is_output:
             self._finish_output(draft, self.block.methods.get(draft.name))
@@ -133,9 +161,80 @@ class ScikitReader(Reader):
                 Defuzzifier(method) if exact else Defuzzifier(method, len(xs), "joined")
             )
 
+    def _note_habits(self, draft: Draft, name: str, at: Word) -> None:
+        if self.dialect.integral[name] == "mean-of-maximum":
+            self.findings.loss("mean-of-maximum", MEAN_OF_POINTS, at, slight=True)
+
+    # --- Hedges ---
+
+    def _sentences(self, rules: list[list[Word]]) -> list[RuleText]:
+        """Read rules; hedged terms become terms where the points do not show the hedge itself."""
+        variables = self.block.variables
+        texts = read_sentences(rules, variables, self.findings, self.dialect, MORE_HEDGES)
+        return [
+            replace(
+                text,
+                antecedent=self._hedged(text.antecedent),
+                conclusions=tuple(
+                    replace(end, term=term, hedges=hedges)
+                    for end in text.conclusions
+                    for term, hedges in [self._hedged_term(end.variable, end.term, end.hedges)]
+                ),
+            )
+            for text in texts
+        ]
+
+    def _hedged(self, expression: Expression) -> Expression:
+        match expression:
+            case Is(variable=variable, term=name, hedges=hedges):
+                term, left = self._hedged_term(variable, name, hedges)
+                return replace(expression, term=term, hedges=left)
+            case Hedged(operand=operand):
+                return replace(expression, operand=self._hedged(operand))
+            case And(operands=operands) | Or(operands=operands):
+                return replace(expression, operands=tuple(map(self._hedged, operands)))
+
+    def _hedged_term(
+        self, variable: str, name: str, hedges: tuple[Hedge, ...]
+    ) -> tuple[str, tuple[Hedge, ...]]:
+        """Return a term and the hedges that stay beside it.
+
+        scikit-fuzzy has the hedges of a term at the points only, and straight lines between them.
+        """
+        draft = self.block.variables.get(variable)
+        term = draft.term(name) if draft is not None else None
+        xs = self._universes.get(variable)
+        if draft is None or term is None or not xs or set(hedges) <= {NOT}:
+            return name, hedges
+        is_own = is_at_points_only(hedges)
+        if draft.is_output and not is_own:
+            return name, hedges  # the defuzzifier asks at the points only
+        degrees = list(map(membership_function(term.shape), xs))
+        if not is_own and widest_gap(degrees, hedges) <= NEAR_LINES:
+            return name, hedges
+        key = (variable, name, hedges)
+        if key not in self._hedged_terms:
+            if not self.findings.room(
+                len(draft.terms), MAX_TERMS, "terms of a variable", draft.word
+            ):
+                return name, hedges
+            words = [_WORDS.get(hedge, hedge.name) for hedge in hedges]
+            title = unique_name("_".join([*words, name]), {each.name for each in draft.terms})
+            shape = joined(xs, hedged_degrees(degrees, hedges))
+            draft.add(Term(title, shape, term.span))
+            self._hedged_terms[key] = title
+        return self._hedged_terms[key], ()
+
     def _on_points(self, draft: Draft, term: Term, xs: list[float]) -> Shape:
         """Return the set that has the degrees of a term at points and is straight between them."""
         shape = _extended(term.shape, xs)
+        if shape.kind == "sigmoid-difference" and (least := least_difference(shape, xs)) < -1e-12:
+            message = (
+                f"'{term.name}' of '{draft.name}' is a difference of sigmoids that goes down to "
+                f"{least:.2g}: a negative degree to scikit-fuzzy, whose magnitude the model takes"
+            )
+            slight = least > -NEAR_LINES
+            self.findings.loss("negative-difference", message, term.span, slight=slight)
         if shape.kind == "singleton":
             nearest = min(range(len(xs)), key=lambda i: abs(xs[i] - shape.parameters[0]))
             return joined(xs, [float(i == nearest) for i in range(len(xs))])

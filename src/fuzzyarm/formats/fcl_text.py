@@ -7,6 +7,7 @@ from itertools import pairwise
 
 from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.formats.dialects import FCL, Dialect, Spelling, all_spellings
+from fuzzyarm.formats.fcl_scikit_terms import own_shape, refusal
 from fuzzyarm.formats.findings import FaultError, Findings, Word, number
 from fuzzyarm.formats.shapes import formula_shape, make_shape, spelled_shape
 from fuzzyarm.model.rulebase import Shape
@@ -179,7 +180,7 @@ _ALIASES = {"TRIANGULAR": "TRIANGLE", "TRAPEZOIDAL": "TRAPEZOID", "GENERALIZEDBE
 
 
 _OF_THE_STANDARD = {
-    "TRIANGULAR": "TRIANGLE", "RIGHTLINEAR": "RAMP", "S": "SSHAPE", "Z": "ZSHAPE", "PI": "PISHAPE",
+    "RIGHTLINEAR": "RAMP", "S": "SSHAPE", "Z": "ZSHAPE", "PI": "PISHAPE",
     "RECTANGULAR": "RECTANGLE",
 }  # fmt: skip
 """Words of IEEE 1855 that fcl-for-scikit-fuzzy has beside those of the other two programs."""
@@ -195,6 +196,9 @@ def _spellings(dialect: Dialect) -> dict[str, Spelling]:
     known["LEFTLINEAR"] = Spelling("ramp", "leftlinear", (1, 0))
     for word in ("SIGMOIDDIFFERENCE", "SIGMOIDPRODUCT"):  # the numbers of one after the other
         known[word] = known[word]._replace(order=(0, 1, 2, 3))
+    known["SINGLETON"] = Spelling("singleton", "singleton", (0,))
+    for word in ("LEFTGAUSSIAN", "RIGHTGAUSSIAN"):
+        known[word] = Spelling("gaussian", word.lower(), (0, 1))
     return {word: each for word, each in known.items() if word not in _NOT_OF_SCIKIT}
 
 
@@ -212,7 +216,8 @@ def read_shape(cursor: Cursor, dialect: Dialect, inputs: int, findings: Findings
     key = cursor.key()
     if key == "(":
         return _points(cursor, dialect, findings)
-    if cursor.at_number():
+    known = _spellings(dialect)
+    if cursor.at_number() and key not in known:  # PI is a shape to one program, else a number
         return make_shape("singleton", [cursor.number()], word, findings)
     if not cursor.ended and word.text[0] in ".0123456789":
         cursor.number()
@@ -227,7 +232,6 @@ def read_shape(cursor: Cursor, dialect: Dialect, inputs: int, findings: Findings
         return _function(cursor, dialect, findings)
     if key == "SINGLETONS" and not is_scikits(dialect):
         return _singletons(cursor, word, findings)
-    known = _spellings(dialect)
     spelling = known.get(_ALIASES.get(key, key))
     if spelling is None:
         names = (*known, "SINGLETONS")
@@ -247,6 +251,14 @@ def _shape(
     findings: Findings,
 ) -> Shape | None:
     key = word.text.upper()
+    if is_scikits(dialect):
+        reason = refusal(key, values)
+        if reason:
+            findings.error("unordered-corners", reason, word)
+            return None
+        own = own_shape(key, values)
+        if own is not None:
+            return own
     if key == "COSINE" and dialect.producer == "jfuzzylogic":  # half width, then centre
         values = [values[1], 2.0 * values[0]] if len(values) == 2 else values
         return make_shape("cosine", values, word, findings)

@@ -14,12 +14,13 @@ from fuzzyarm.formats.dialects import (
     FCL,
     JFUZZYLOGIC_ACCUMULATIONS,
     JFUZZYLOGIC_PAIRS,
+    PRODUCERS,
     Dialect,
     word_of,
 )
 from fuzzyarm.formats.drafts import VALUES, all_invertible
 from fuzzyarm.formats.fcl_text import KEYWORDS, MEAN_OF_MAXIMUM, is_cut
-from fuzzyarm.formats.findings import Exported, all_written, written
+from fuzzyarm.formats.findings import Exported, all_written, demand_program, written
 from fuzzyarm.formats.shapes import larger_wins, word_and_numbers
 from fuzzyarm.formats.writing import (
     FUZZYLITE_WORDS,
@@ -59,6 +60,8 @@ def write_fcl(
     Exported
         The text, if there is no error, and every finding.
     """
+    if dialect is not None:
+        demand_program(dialect, ".fcl", "written for", PRODUCERS)
     producers = (dialect,) if dialect is not None else ("fuzzylite", "jfuzzylogic")
     dialects = [FCL[each] for each in producers]
     return best([_Writer(rulebase, each, lossy=lossy, strict=strict).export() for each in dialects])

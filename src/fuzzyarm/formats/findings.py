@@ -44,6 +44,20 @@ MAX_RULES = 10_000
 LOSSY_HINT = "--lossy goes on regardless"
 
 
+class FormatError(FuzzyarmError, ValueError):
+    """A suffix or a producer that is not known."""
+
+
+def demand_program(
+    producer: str | None, suffix: str, does: str, known_by: Mapping[str, tuple[str, ...]]
+) -> None:
+    """Refuse a program that does not read or write files of a suffix."""
+    programs = known_by.get(suffix, ())
+    if producer is not None and producer not in programs:
+        known = ", ".join(programs) or "none"
+        raise FormatError(f"{suffix} files are not {does} '{producer}' (known: {known})")
+
+
 @dataclass(frozen=True, slots=True, repr=False)
 class Imported:
     """A foreign file, read.
@@ -55,8 +69,8 @@ class Imported:
     diagnostics : tuple of Diagnostic
         Faults of the file and what could not be carried, in the order of the text.
     producer : str
-        The program whose defaults were taken: ``fuzzylite``, ``jfuzzylogic``, ``matlab``,
-        ``octave`` or ``fuzzyarm``.
+        The program whose defaults were taken: ``fuzzylite``, ``jfuzzylogic``, ``scikit-fuzzy``,
+        ``matlab``, ``octave``, ``ieee1855`` (FML) or ``fuzzyarm``; of a live object its library.
     """
 
     rulebase: RuleBase | None
@@ -226,7 +240,19 @@ class Findings:
         """Record a choice or a piece of text that was left out."""
         self._add(name, message, at, Severity.INFO, hint)
 
-    def unknown(self, name: str, what: str, word: Word, choices: Iterable[str]) -> None:
+    def no_term(self, variable: str, word: Word, terms: Iterable[str], before: str = "") -> None:
+        """Record an error about a word that is none of the terms of a variable."""
+        self.unknown("undefined-term", f"{before}'{variable}' has no term", word, terms, ending="")
+
+    def unknown(
+        self,
+        name: str,
+        what: str,
+        word: Word,
+        choices: Iterable[str],
+        *,
+        ending: str = " is not known",
+    ) -> None:
         """Record an error about a word that is none of `choices`, with a guess of what was meant.
 
         The same word is said once, with how often it stands there. Names of the file are listed;
@@ -245,7 +271,7 @@ class Findings:
             hint, replacement = near_hint(word.text, known)
         if not hint or name.startswith("undefined"):
             hint = "; ".join(filter(None, (hint, listed(known))))
-        message = f"{what} '{shortened(word.text)}' is not known"
+        message = f"{what} '{shortened(word.text)}'{ending}"
         if len(self._items) < MAX_FINDINGS:
             self._unknown[key] = len(self._items), 1
         self._add(name, message, word, Severity.ERROR, hint, replacement)
@@ -343,7 +369,7 @@ def unique_name(name: str, taken: set[str]) -> str:
 
 # --- Numbers as the formats write them, in and out without loss ---
 
-_PLAIN = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d+)?\Z", re.ASCII)
+_PLAIN = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eEdD][+-]?\d+)?\Z", re.ASCII)
 _SPECIAL = {
     "nan": math.nan, "+nan": math.nan, "-nan": math.nan, "na": math.nan,
     "inf": math.inf, "+inf": math.inf, "-inf": -math.inf,

@@ -207,7 +207,7 @@ class _Reader:
                 self.findings.ignored_key(key, _KEYS)
 
     def _has_known_type(self) -> bool:
-        """Refuse what is not a system of type 1, before its parts bring findings of their own."""
+        """Refuse an unknown type of system, before its parts bring findings of their own."""
         word = self.settings.get("type")
         name = self.text_of("type").lower()
         if word is None or not name or name in _TYPES:
@@ -373,7 +373,7 @@ class _Reader:
             if index in lower:
                 self._lower(draft, lower.pop(index), inputs)
         for word in lower.values():
-            message = "a lower membership function has no upper one of its number"
+            message = "a lower membership function needs an upper one of the same number"
             self.findings.error("syntax", message, word)
         for word in declared[-1:]:
             self._check_count(word, len(memberships), "terms")

@@ -128,8 +128,8 @@ BRACKETED = re.compile(r"[^\s,;\[\]]+")
 
 
 _MEMBERSHIP = re.compile(
-    r"\s*(?:'(?P<quoted>[^']*)'|(?P<bare>[^:']*?))\s*:\s*'?(?P<kind>[\w.]*)'?\s*,\s*"
-    r"(?P<rest>.*?)\s*\Z",
+    r"\s*(?:'(?P<quoted>[^']*)'|(?P<bare>(?:[^:'\s]+(?:\s+[^:'\s]+)*)?))\s*:\s*"
+    r"'?(?P<kind>[\w.]*)'?\s*,\s*(?P<rest>.*)\Z",
     re.DOTALL,
 )
 
@@ -141,19 +141,20 @@ def membership_parts(value: Word) -> tuple[Word, Word, Word] | None:
         return None
     quoted = match.group("quoted") is not None
     name, kind, rest = (match.span(key) for key in ("quoted" if quoted else "bare", "kind", "rest"))
-    return value.part(*name), value.part(*kind), value.part(*rest)
+    end = len(value.text.rstrip())
+    return value.part(*name), value.part(*kind), value.part(rest[0], max(rest[0], end))
 
 
 # --- Which program a text was written for ---
 
 _FUZZYLITE_KEYS = re.compile(
-    r"^\s*(lockprevious|lockrange|enabled)\s*=", re.IGNORECASE | re.MULTILINE
+    r"^[^\S\n]*(lockprevious|lockrange|enabled)\s*=", re.IGNORECASE | re.MULTILINE
 )
 _ONLY_OCTAVE = re.compile(
     r"'(einstein|hamacher|drastic|bounded)_(sum|product|difference)'|centroid_integral",
     re.IGNORECASE,
 )
-_FRACTION = re.compile(r"^\s*(-?\d+(\.\d+)?\s+)*-?\d+\.0*[1-9]\d*[\s,]", re.MULTILINE)
+_FRACTION = re.compile(r"^[^\S\n]*(-?\d+(\.\d+)?[^\S\n]+)*-?\d+\.0*[1-9]\d*[\s,]", re.MULTILINE)
 
 
 def detect(text: str) -> str:

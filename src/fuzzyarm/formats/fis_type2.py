@@ -39,7 +39,7 @@ LOWER_KEY = re.compile(r"MF(\d{1,6})L\Z", re.IGNORECASE)
 """With U and L the upper and the lower function of one term, as the type-2 toolbox writes them."""
 
 _OF_TOOLBOX = re.compile(
-    r"^\s*(MF\d+[UL]|TypeRedMethod|CrispInterval)\s*=", re.IGNORECASE | re.MULTILINE
+    r"^[^\S\n]*(MF\d+[UL]|TypeRedMethod|CrispInterval)\s*=", re.IGNORECASE | re.MULTILINE
 )
 
 

@@ -331,8 +331,8 @@ class _Reader:
             )
 
     def _implication(self) -> str | None:
-        """Return the implication of all blocks, if it is the same."""
-        named = {block.implication for block in self.blocks}
+        """Return the implication of all blocks that are on, if it is the same."""
+        named = {block.implication for block in self.blocks if block.enabled}
         return named.pop() if len(named) == 1 else None
 
     def _term(self, draft: Draft, line: _Line, inputs: int) -> None:

@@ -11,7 +11,7 @@ import math
 import re
 from collections.abc import Container, Iterator, Mapping
 from dataclasses import dataclass, field
-from functools import reduce
+from graphlib import CycleError, TopologicalSorter
 from xml.parsers import expat
 
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
@@ -212,7 +212,8 @@ class _Reader:
         self._refuse_others(self.root.children, ("knowledgeBase", *_RULE_BASES))
         # A linear consequent needs to know how many inputs there are.
         found = [each for each in knowledge if each.tag.text in _VARIABLES]
-        inputs = sum(not _is_output(each) for each in found)
+        named = {each.get("name").text for each in found if not _is_output(each)}
+        inputs = len(named - {""})
         for element in found:
             self._variable(element, inputs)
         self._estimate_ranges()
@@ -231,6 +232,8 @@ class _Reader:
 
     def _estimate_ranges(self) -> None:
         """Give an output of values, which has no domain, the range that they span."""
+        if self.findings.failed:
+            return
         ends = {d.name: (d.low, d.high) for d in self.variables.values() if not d.is_output}
         for draft in self.variables.values():
             if not draft.is_output or draft.bounded or draft.integrates:
@@ -276,9 +279,7 @@ class _Reader:
             text = Word(" ".join(end.text for end in ends), element.tag.span)
             draft.set_range(ends, text, self.findings, "two numbers, domainleft and domainright")
         draft.settle_range(self.findings)
-        terms = list(element.all(_VARIABLES[element.tag.text]))
-        # A term that is made of others comes after them, wherever it stands.
-        for term in sorted(terms, key=lambda each: any(each.all(_CIRCULAR))):
+        for term in self._by_dependence(list(element.all(_VARIABLES[element.tag.text]))):
             name = term.get("name")
             shape = self._shape(term, draft, inputs)
             if shape is None:
@@ -289,6 +290,22 @@ class _Reader:
                 self.complements.add((draft.name, name.text))
         if draft.is_output:
             self._finish(draft, element)
+
+    def _by_dependence(self, terms: list[_Element]) -> list[_Element]:
+        """Return the terms of a variable, one that is made of others after them.
+
+        What is made of itself stays where it stands: what it names is not known there.
+        """
+        parts = {term.get("name").text: _parts(term) for term in terms}
+        places = {name: place for place, name in enumerate(parts)}
+        depth: dict[str, int] = {}
+        try:
+            for name in TopologicalSorter(parts).static_order():
+                below = [depth[part] for part in parts.get(name, ())]
+                depth[name] = 1 + max(below) if below else 0
+        except CycleError:
+            depth = {name: int(bool(parts[name])) for name in parts}
+        return sorted(terms, key=lambda term: (depth[name := term.get("name").text], places[name]))
 
     def _shape(self, term: _Element, draft: Draft, inputs: int) -> Shape | None:
         if term.tag.text == "tskTerm":
@@ -340,12 +357,10 @@ class _Reader:
                 found.append(self._named_degree(child, draft, parts))
             else:
                 found.append(self._joined(child, draft, parts, norms))
-        if len(found) < 2 and not self.findings.failed:
+        degrees = [degree for degree in found if degree is not None]
+        if len(found) < 2:
             raise FaultError(f"<{element.tag.text}> joins two terms", element.tag)
-        if any(each is None for each in found):
-            return None
-        first, *others = [each for each in found if each is not None]
-        return reduce(lambda one, other: norm_of(norm, one, other), others, first)
+        return norm_of(norm, degrees) if len(degrees) == len(found) else None
 
     def _named_degree(self, element: _Element, draft: Draft, parts: list[Shape]) -> Degree | None:
         word = Word(element.text, element.tag.span)
@@ -353,7 +368,7 @@ class _Reader:
         if term is None:
             if word.text not in draft.refused:
                 names = [each.name for each in draft.terms]
-                self.findings.unknown("undefined-term", f"the term of '{draft.name}'", word, names)
+                self.findings.no_term(draft.name, word, names)
             return None
         parts.append(term.shape)
         degree = membership_function(term.shape)
@@ -579,7 +594,7 @@ class _Reader:
                 )
             elif draft.term(term.text) is None and term.text not in draft.refused:
                 names = [each.name for each in draft.terms]
-                self.findings.unknown("undefined-term", f"the term of '{draft.name}'", term, names)
+                self.findings.no_term(draft.name, term, names)
             hedges = self._hedges(clause.get("modifier"))
             if (variable.text, term.text) in self.complements:
                 hedges = (*hedges, NOT)
@@ -594,6 +609,17 @@ class _Reader:
             message = f"the modifier '{word.text[:40]}' is not supported"
             self.findings.loss("unsupported-hedge", message, word)
         return known.get(word.text, ())
+
+
+def _parts(term: _Element) -> list[str]:
+    """Return the names of the terms that a term is made of."""
+    found: list[str] = []
+    waiting = list(term.all(_CIRCULAR))
+    while waiting:
+        element = waiting.pop()
+        found += [child.text for child in element.all("termName")]
+        waiting += element.all("and", "or")
+    return found
 
 
 def _is_output(element: _Element) -> bool:

@@ -39,7 +39,8 @@ DEEPEST = 3
 """How deep in objects of the script systems are looked for."""
 
 CALL = "_fuzzyarm_call"
-"""Attribute of a system whose settings are the arguments of its evaluation: the last of them."""
+"""Attribute of a system whose settings are the arguments of its evaluation: the last of them, or
+the first that tells the order of the arguments of its functions."""
 
 
 def _beside(name: str) -> Any:
@@ -110,11 +111,24 @@ def _noting(compute: Callable[..., Any]) -> Callable[..., Any]:
     def method(self: Any, *arguments: Any, **options: Any) -> Any:
         result = compute(self, *arguments, **options)
         _computed.add(id(self))
-        vars(self)[CALL] = (arguments, options)
+        if not _tells_order(*vars(self).get(CALL, ((), {}))):
+            vars(self)[CALL] = (arguments, options)
         return result
 
     method.__doc__ = compute.__doc__
     return method
+
+
+def _tells_order(arguments: tuple[Any, ...], options: dict[str, Any]) -> bool:
+    """Whether arguments of an evaluation tell which input each argument of functions is."""
+    inputs, params, *_ = (*arguments, None, None)
+    inputs, params = options.get("inputs", inputs), options.get("params", params)
+    if not isinstance(inputs, dict) or not isinstance(params, (tuple, list)):
+        return False  # the settings of another class: the last of them count
+    try:
+        return len(set(map(float, inputs.values()))) == len(inputs)
+    except (TypeError, ValueError):
+        return False
 
 
 def _noted(compute: Callable[..., Any], system: Any) -> Callable[..., Any]:

@@ -192,6 +192,7 @@ class _Activations:
         self._fired: dict[tuple[str, str], list[tuple[Rule, Block]]] = {}
         self._own: frozenset[str] = frozenset()
         self._sizes: dict[tuple[str, str], int] = {}
+        self._shares: dict[tuple[str, str, tuple[Hedge, ...], float], float] = {}
 
     def block(self, block: Block, later: frozenset[str]) -> list[RuleBlock]:
         """Return the block of the model; `later` blocks conclude other outputs.
@@ -303,7 +304,12 @@ class _Activations:
 
     def _note_faint(self, antecedent: Expression, threshold: float, text: RuleText) -> None:
         """Report degrees between 0 and the threshold, under which the rule fires in the model."""
-        shares = {part: self._faint(part, threshold) for part in propositions(antecedent)}
+        shares: dict[Is, float] = {}
+        for part in propositions(antecedent):
+            key = (part.variable, part.term, part.hedges, threshold)
+            if key not in self._shares:
+                self._shares[key] = self._faint(part, threshold)
+            shares[part] = self._shares[key]
         worst = max(shares, key=lambda part: shares[part], default=None)
         if worst is None or shares[worst] == 0.0:
             return

@@ -14,7 +14,8 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
-from typing import Any
+from operator import contains
+from typing import Any, NamedTuple
 
 from fuzzyarm.expression.formulas import FormulaError
 from fuzzyarm.formats.findings import Findings, Imported, reading, unique_name
@@ -44,14 +45,18 @@ KINDS = ("IT2Mamdani", "IT2TSK", "IT2FLS", "T1Mamdani", "T1TSK")
 NAME = "_fuzzyarm_name"
 """Attribute of a set that says what the script calls it."""
 
+_NOTHING = "nothing"
+"""The term of an output in a rule of ``T1TSK`` that leaves it out: its sum counts the rule."""
+
 CALL = "_fuzzyarm_call"
-"""Attribute of a system with the arguments of its last evaluation."""
+"""Attribute of a system with the arguments of its last evaluation; of functions that of the first
+with a different value for each input."""
 
 
 def pyit2fls_numbers(system: Any) -> Callable[[Mapping[str, float]], dict[str, float]]:
     """Return what asks a system for its own numbers: the middle of both ends."""
     kind = _kind(system)
-    order = _order(system) if kind == "T1TSK" else []
+    order = _order(system).names if kind == "T1TSK" else ()
     settings = _evaluation(system) if kind == "IT2FLS" else {}
 
     def numbers(values: Mapping[str, float]) -> dict[str, float]:
@@ -151,25 +156,63 @@ def _evaluation(system: Any) -> dict[str, Any]:
     }
 
 
-def _order(system: Any) -> list[str]:
+class _Order(NamedTuple):
+    """The inputs that the functions of a ``T1TSK`` get; what speaks against that, if anything."""
+
+    names: tuple[str, ...]
+    is_guess: bool = False
+    strange: str = ""  # an argument that is the value of no input
+
+
+def _order(system: Any) -> _Order:
     """Return the inputs in the order in which the functions of a ``T1TSK`` get them.
 
-    Told from an evaluation where each argument is the value of one input; else as they were added.
+    Told from an evaluation where each argument is the value of one input; else as the functions
+    call their parameters, or as the inputs were added.
     """
-    names = [str(name) for name in system.inputs]
+    names = tuple(str(name) for name in system.inputs)
     given, options = vars(system).get(CALL, ((), {}))
     settings = dict(zip(("inputs", "params"), given, strict=False)) | dict(options)
     values, arguments = settings.get("inputs"), settings.get("params")
     if not values or arguments is None:
-        return names
-    found = [
-        [name for name in names if name in values and values[name] is argument]
-        or [name for name in names if name in values and values[name] == argument]
-        for argument in arguments
-    ]
-    if any(len(each) != 1 for each in found):
-        return names[: len(found)] if len(found) < len(names) else names
-    return [each[0] for each in found]
+        return _Order(_as_called(system, names) or names, len(names) > 1)
+    candidates = []
+    for argument in arguments:
+        here = [name for name in names if name in values]
+        same = [name for name in here if values[name] is argument]
+        candidates.append(same or [name for name in here if _equal(values[name], argument)])
+        if not candidates[-1]:
+            return _Order(names, strange=str(argument)[:40])
+    if all(len(same) == 1 for same in candidates):
+        return _Order(tuple(same[0] for same in candidates))
+    for order in (_as_called(system, names), names):
+        # With fewer arguments than inputs the first of them are meant.
+        meant = (order or ())[: len(candidates)]
+        if len(meant) == len(candidates) and all(map(contains, candidates, meant)):
+            return _Order(meant, is_guess=True)
+    taken: list[str] = []
+    for same in candidates:
+        taken.append(next((name for name in same if name not in taken), same[0]))
+    return _Order(tuple(taken), is_guess=True)
+
+
+def _equal(one: Any, other: Any) -> bool:
+    """Whether two numbers, or all of two arrays, are equal."""
+    if getattr(one, "shape", ()) != getattr(other, "shape", ()):
+        return False
+    same = one == other
+    return bool(same.all() if hasattr(same, "all") else same)
+
+
+def _as_called(system: Any, names: tuple[str, ...]) -> tuple[str, ...] | None:
+    """Return the inputs in the order of the parameters that all functions name after them."""
+    orders = set()
+    for _, conclusions in system.rules:
+        for _, function in conclusions:
+            code = getattr(function, "__code__", None)
+            orders.add(code.co_varnames[: code.co_argcount] if code else ())
+    order = orders.pop() if len(orders) == 1 else ()
+    return order if sorted(order) == sorted(names) else None
 
 
 class _Reader:
@@ -181,6 +224,7 @@ class _Reader:
         self.kind = _kind(system)
         self.sets: dict[str, list[Any]] = {str(name): [] for name in system.inputs}
         self.results: dict[str, list[Any]] = {str(name): [] for name in system.outputs}
+        self.partly: list[str] = []  # outputs of functions that a rule leaves out
 
     @property
     def _is_type1(self) -> bool:
@@ -195,8 +239,9 @@ class _Reader:
         if not self.system.rules:
             self.findings.error("no-rules", "the system has no rules")
             return None
-        if not self._gather():
+        if not self._gather() or not self._check_order():
             return None
+        self._note_silence()
         if self._is_type1:
             conjunction, aggregation = self._engine(), "max"
         else:
@@ -281,7 +326,44 @@ class _Reader:
                 del self.sets[name]
         for name in [each for each, used in self.results.items() if not used]:
             self.findings.error("no-rules", f"no rule concludes '{name}'")
+        self.partly = self._left_out()
         return not self.findings.failed
+
+    def _left_out(self) -> list[str]:
+        """Return what some rule leaves out of the outputs that are divided by the sum of all."""
+        if self.kind != "T1TSK":
+            return []
+        ends = [{str(name) for name, _ in then} for _, then in self.system.rules]
+        return [name for name in self.results if not all(name in end for end in ends)]
+
+    def _check_order(self) -> bool:
+        """Say what is not certain about the arguments of functions; whether they can be carried."""
+        if self.kind != "T1TSK":
+            return True
+        order = _order(self.system)
+        if order.strange:
+            message = (
+                f"an argument of the functions ({order.strange}) is not the value of an input; "
+                "only inputs themselves can be passed on as params"
+            )
+            self.findings.error("bad-formula", message)
+        elif order.is_guess:
+            hint = "evaluate it once with a different value for each input"
+            message = (
+                "no evaluation shows the order in which the functions get the inputs: "
+                f"{', '.join(order.names)} is assumed, in the comparison of numbers too"
+            )
+            self.findings.warn("assumed-order", message, hint=hint)
+        return not order.strange
+
+    def _note_silence(self) -> None:
+        """Say that the centres of pyit2fls are nan where one of several rules does not fire."""
+        if self.kind == "T1Mamdani" and self._by_centres:
+            message = (
+                "pyit2fls has no value by centres (CoA) where a single rule does not fire; here "
+                "the rules that do fire give one"
+            )
+            self.findings.warn("no-rule", message)
 
     def _rule(self, conditions: Any, conclusions: Any, names: Mapping[str, Sequence[str]]) -> Rule:
         def term(variable: str, used: Any) -> str:
@@ -290,6 +372,8 @@ class _Reader:
 
         parts = tuple(Is(str(name), term(name, used)) for name, used in conditions)
         ends = tuple(Consequent(str(name), term(name, used)) for name, used in conclusions)
+        concluded = {end.variable for end in ends}
+        ends += tuple(Consequent(name, _NOTHING) for name in self.partly if name not in concluded)
         return Rule(And(parts) if len(parts) > 1 else parts[0], ends)
 
     def _rules(self, rule: Rule, conclusions: Any) -> list[Rule]:
@@ -452,12 +536,14 @@ class _Reader:
 
     def _functions(self, name: str, inputs: tuple[Input, ...]) -> Output:
         """Return the values of functions, which get the inputs in the order of an evaluation."""
-        order = _order(self.system)
+        order = list(_order(self.system).names)
         terms = []
         for number, function in enumerate(self.results[name], 1):
             with reading(f"value{number} of '{name}'"):
                 shape = self._function(function, order, inputs, f"value{number} of '{name}'")
                 terms.append(Term(f"value{number}", shape))
+        if name in self.partly:
+            terms.append(Term(_NOTHING, Shape("singleton", (0.0,))))
         default = float(getattr(self.system, "default", 0.0))
         way = Defuzzifier("weighted-average")
         return self._average(name, inputs, tuple(terms), way, default)
@@ -466,7 +552,9 @@ class _Reader:
         self, function: Any, order: list[str], inputs: tuple[Input, ...], what: str
     ) -> Shape:
         try:
-            shape = function_shape(function, order)
+            ends = {each.name: (each.low, each.high) for each in inputs if self.sets[each.name]}
+            ranges = [ends.get(name, (-100.0, 100.0)) for name in order]
+            shape = function_shape(function, order, ranges)
         except (SyntaxError, ValueError, FormulaError, OSError, TypeError) as error:
             message = f"{what} is a function that is not arithmetic of the inputs: {error}"
             self.findings.error("bad-formula", message[:300])

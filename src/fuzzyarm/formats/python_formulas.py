@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import ast
 import inspect
-import textwrap
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Sequence
+from types import CodeType
 from typing import Any
 
 from fuzzyarm.expression.formulas import read_formula, write_formula
@@ -40,10 +41,15 @@ def text_shape(text: str, names: list[str], factor: float = 1.0) -> Shape:
     return _shape(ast.parse(text.strip(), mode="eval").body, names, factor)
 
 
-def function_shape(function: Callable[..., Any], names: list[str]) -> Shape:
+def function_shape(
+    function: Callable[..., Any],
+    names: list[str],
+    ranges: Sequence[tuple[float, float]] | None = None,
+) -> Shape:
     """Return what a function of the inputs computes: a linear consequent, else a formula.
 
-    It is linear where it is at points; otherwise its own text is read.
+    Its own text is read where it is arithmetic of the inputs; whatever is returned has the values
+    of the function at points all over the ranges.
 
     Parameters
     ----------
@@ -51,47 +57,140 @@ def function_shape(function: Callable[..., Any], names: list[str]) -> Shape:
         Of a number for each name, in their order.
     names : list of str
         The inputs.
+    ranges : sequence of (float, float), optional
+        Where the inputs move; -100 to 100 where nothing is known.
 
     Raises
     ------
     SyntaxError, ValueError, FormulaError, OSError
         If it is not arithmetic of the inputs, or its text is not at hand.
     """
-    linear = _linear_at_points(function, len(names))
-    if linear is not None:
+    points = _points(function, ranges or [(-100.0, 100.0)] * len(names))
+    linear = _linear_at_points(function, points, len(names))
+    try:
+        parameters, body = _definition(function)
+        if len(parameters) != len(names):
+            raise ValueError(f"it takes {len(parameters)} numbers, not {len(names)}")
+        shape = _shape(_renamed(body, dict(zip(parameters, names, strict=True))), names, 1.0)
+        _compare(function, shape, names, points)
+    except (SyntaxError, ValueError, OSError, TypeError):
+        if linear is None:
+            raise
+        shape = Shape("linear", tuple(linear))
+    if linear is not None and shape.kind == "linear":
         return Shape("linear", tuple(linear)) if any(linear[:-1]) else _constant(linear[-1])
-    parameters, body = _definition(function)
-    if len(parameters) != len(names):
-        raise ValueError(f"it takes {len(parameters)} numbers, not {len(names)}")
-    return _shape(_Renamed(dict(zip(parameters, names, strict=True))).visit(body), names, 1.0)
+    return shape
 
 
 def _constant(value: float) -> Shape:
     return Shape("singleton", (value,))
 
 
-_POINTS = (0.37, -1.61, 2.83, 0.59, -3.31, 1.13)
+_TRIALS = (0.37, -1.61, 2.83, 0.59, -3.31, 1.13)
 """Numbers at which a sum is tried, in no order."""
 
+_SPREAD = 256
+"""Points all over the ranges, beside those on the way through the middle along each input."""
 
-def _linear_at_points(function: Callable[..., Any], count: int) -> list[float] | None:
-    """Return factors and constant of a function that is their sum at points, else None."""
 
-    def value(*numbers: float) -> float:
-        return float(function(*numbers))
+def _points(
+    function: Callable[..., Any], ranges: Sequence[tuple[float, float]]
+) -> list[list[float]]:
+    """Return points of the ranges: spread evenly, at their corners, and at a function's numbers.
 
+    A kink mostly stands at a number that the function names.
+    """
+    middle = [0.5 * (low + high) for low, high in ranges]
+    steps = [math.sqrt(prime) % 1.0 for prime in _primes(len(ranges))]
+    points = [
+        [
+            low + (high - low) * ((turn * step) % 1.0)
+            for step, (low, high) in zip(steps, ranges, strict=True)
+        ]
+        for turn in range(_SPREAD)
+    ]
+    points += [[low for low, _ in ranges], [high for _, high in ranges], middle]
+    numbers = _numbers_of(function)
+    for index, (low, high) in enumerate(ranges):
+        along = [low + (high - low) * i / 16 for i in range(17)]
+        along += [x for x in numbers if low < x < high]
+        points += [[*middle[:index], x, *middle[index + 1 :]] for x in along]
+    return points
+
+
+def _primes(count: int) -> list[int]:
+    found: list[int] = []
+    number = 2
+    while len(found) < count:
+        if all(number % prime for prime in found):
+            found.append(number)
+        number += 1
+    return found
+
+
+def _numbers_of(function: Callable[..., Any]) -> list[float]:
+    """Return the numbers that the code of a function names, with those beside each."""
+    code = getattr(function, "__code__", None)
+    values = [x for x in getattr(code, "co_consts", ()) if isinstance(x, (int, float))]
+    near = [(x, math.nextafter(x, -math.inf), math.nextafter(x, math.inf)) for x in values[:50]]
+    return [float(x) for beside in near for x in beside]
+
+
+def _value(function: Callable[..., Any], point: Sequence[float]) -> float | None:
+    """Return the number of a function, or None where it has none."""
     try:
-        constant = value(*[0.0] * count)
+        value = float(function(*point))
+    except ArithmeticError:
+        return None
+    return value if math.isfinite(value) else None
+
+
+def _linear_at_points(
+    function: Callable[..., Any], points: Sequence[Sequence[float]], count: int
+) -> list[float] | None:
+    """Return factors and constant of a function that is their sum at points, else None."""
+    try:
+        constant = float(function(*[0.0] * count))
         units = ([float(i == k) for i in range(count)] for k in range(count))
-        factors = [value(*unit) - constant for unit in units]
-        for turn in range(len(_POINTS)):
-            point = [_POINTS[(turn + i) % len(_POINTS)] * (1 + i) for i in range(count)]
-            found, sum_ = value(*point), sum(f * x for f, x in zip(factors, point, strict=True))
-            if not abs(found - constant - sum_) <= 1e-9 * (1.0 + abs(found)):
+        factors = [float(function(*unit)) - constant for unit in units]
+        trials = [
+            [_TRIALS[(turn + i) % len(_TRIALS)] * (1 + i) for i in range(count)]
+            for turn in range(len(_TRIALS))
+        ]
+        for point in [*trials, *points]:
+            terms = [f * x for f, x in zip(factors, point, strict=True)]
+            if not _agree(float(function(*point)), constant + sum(terms), [constant, *terms]):
                 return None
     except (ArithmeticError, ValueError, TypeError):
         return None
     return [*map(_plain, factors), _plain(constant)]
+
+
+def _agree(one: float, other: float, terms: Sequence[float] = ()) -> bool:
+    """Whether two numbers are the same but for the rounding of the terms of their sum."""
+    return abs(one - other) <= 1e-9 * (1.0 + abs(one) + sum(map(abs, terms)))
+
+
+def _compare(
+    function: Callable[..., Any],
+    shape: Shape,
+    names: Sequence[str],
+    points: Sequence[Sequence[float]],
+) -> None:
+    """Refuse a shape that has other values than a function, which its text does not say."""
+    formula = read_formula(shape.formula).function(names) if shape.kind == "formula" else None
+    for point in points:
+        value = _value(function, point)
+        if value is None:
+            continue
+        if formula is not None:
+            same = _agree(value, formula(*point))
+        else:
+            *factors, constant = shape.parameters
+            terms = [f * x for f, x in zip(factors, point, strict=True)]
+            same = _agree(value, constant + sum(terms), [constant, *terms])
+        if not same:
+            raise ValueError("its text does not say what it computes")
 
 
 def _plain(number: float) -> float:
@@ -100,27 +199,54 @@ def _plain(number: float) -> float:
 
 
 def _definition(function: Callable[..., Any]) -> tuple[list[str], ast.expr]:
-    """Return parameters and expression of a function of one line."""
-    source = textwrap.dedent(inspect.getsource(function)).strip()
-    while True:
-        try:
-            tree = ast.parse(source)
-            break
-        except SyntaxError:  # a lambda within a call: from its word on, as far as it goes
-            start = source.find("lambda", 1 if source.startswith("lambda") else 0)
-            source = source[start:] if start > 0 else source[:-1]
-            if not source:
-                raise
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Lambda):
-            return [each.arg for each in node.args.args], node.body
-        if isinstance(node, ast.FunctionDef):
-            statements = [each for each in node.body if not _is_docstring(each)]
-            if len(statements) == 1 and isinstance(statements[0], ast.Return):
-                body = statements[0].value
-                if body is not None:
-                    return [each.arg for each in node.args.args], body
-    raise ValueError("it is not a function of one expression")
+    """Return parameters and expression of a function of one expression."""
+    if not inspect.isfunction(function):
+        raise ValueError("it is not a function of one expression")
+    code = function.__code__
+    lines, _ = inspect.findsource(function)
+    found: list[tuple[int, list[str], ast.expr]] = []
+    for node in ast.walk(ast.parse("".join(lines))):
+        body = _body(node)
+        if body is not None and _is_of(node, body, code):
+            size = len(list(ast.walk(body)))
+            found.append((size, [arg.arg for arg in node.args.args], body))  # type: ignore[attr-defined]
+    if not found:
+        raise ValueError("it is not a function of one expression")
+    _, parameters, body = min(found, key=lambda entry: entry[0])  # the innermost
+    return parameters, body
+
+
+def _body(node: ast.AST) -> ast.expr | None:
+    """Return the one expression of a function, or None."""
+    if isinstance(node, ast.Lambda):
+        return node.body
+    if isinstance(node, ast.FunctionDef):
+        statements = [part for part in node.body if not _is_docstring(part)]
+        if len(statements) == 1 and isinstance(statements[0], ast.Return):
+            return statements[0].value
+    return None
+
+
+def _is_of(node: ast.AST, body: ast.expr, code: CodeType) -> bool:
+    """Whether an expression of a text is what a code computes: it spans its instructions."""
+    first = min([node.lineno, *(d.lineno for d in getattr(node, "decorator_list", ()))])  # type: ignore[attr-defined]
+    if isinstance(node, ast.Lambda) != (code.co_name == "<lambda>") or code.co_firstlineno != first:
+        return False
+    starts: list[tuple[int, int]] = []
+    ends: list[tuple[int, int]] = []
+    for line, end_line, column, end_column in code.co_positions():
+        if line is not None and column is not None and (line, column) >= _start(body):
+            starts.append((line, column))
+            ends.append((end_line or line, end_column or column))
+    return bool(starts) and min(starts) == _start(body) and max(ends) <= _end(body)
+
+
+def _start(node: ast.expr) -> tuple[int, int]:
+    return node.lineno, node.col_offset
+
+
+def _end(node: ast.expr) -> tuple[int, int]:
+    return node.end_lineno or node.lineno, node.end_col_offset or node.col_offset
 
 
 def _is_docstring(statement: ast.stmt) -> bool:
@@ -133,6 +259,15 @@ class _Renamed(ast.NodeTransformer):
 
     def visit_Name(self, node: ast.Name) -> ast.Name:
         return ast.Name(self.names.get(node.id, node.id), node.ctx)
+
+
+def _renamed(body: ast.expr, names: dict[str, str]) -> ast.expr:
+    """Return an expression of parameters as one of inputs; no other name is one of them."""
+    for node in ast.walk(body):
+        if isinstance(node, ast.Name) and node.id not in {*names, *_FUNCTIONS}:
+            raise ValueError(f"'{node.id}' is not one of its parameters")
+    renamed: ast.expr = _Renamed(names).visit(body)
+    return renamed
 
 
 def _shape(tree: ast.expr, names: list[str], factor: float) -> Shape:

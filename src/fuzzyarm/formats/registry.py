@@ -5,15 +5,20 @@ from __future__ import annotations
 import codecs
 import math
 import os
-from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.formats.dialects import FCL, FIS, FLL
+from fuzzyarm.formats.dialects import MEANINGS, PRODUCERS
 from fuzzyarm.formats.fcl_reader import parse_fcl
 from fuzzyarm.formats.fcl_writer import write_fcl
-from fuzzyarm.formats.findings import MAX_CHARACTERS, Exported, Findings, Imported
+from fuzzyarm.formats.findings import (
+    MAX_CHARACTERS,
+    Exported,
+    Findings,
+    FormatError,
+    Imported,
+    demand_program,
+)
 from fuzzyarm.formats.fis_reader import parse_fis
 from fuzzyarm.formats.fis_writer import write_fis
 from fuzzyarm.formats.fll import parse_fll, write_fll
@@ -32,17 +37,6 @@ SUFFIXES = (".frb", *FOREIGN)
 
 READABLE = (*SUFFIXES, ".t2fis", ".fml", ".xml")
 """Every suffix that :func:`parse` knows."""
-
-
-PRODUCERS = {".fll": (FLL.producer,), ".fcl": ("jfuzzylogic", "fuzzylite"), ".fis": tuple(FIS)}
-"""Programs that a file of that suffix can be written for."""
-
-MEANINGS = PRODUCERS | {".fcl": tuple(FCL), ".t2fis": tuple(FIS)}
-"""Programs whose meaning a file of that suffix can have."""
-
-
-class FormatError(FuzzyarmError, ValueError):
-    """A suffix or a producer that is not known."""
 
 
 def suffix_of(path: str | os.PathLike[str], known: tuple[str, ...] = SUFFIXES) -> str:
@@ -105,7 +99,7 @@ def parse(
     FormatError
         If `suffix` or `producer` is not known.
     """
-    _demand_program(producer, suffix, "writes", MEANINGS)
+    demand_program(producer, suffix, "read as those of", MEANINGS)
     match suffix:
         case ".fll":
             return parse_fll(text, path, lossy=lossy, strict=strict)
@@ -227,7 +221,7 @@ def write(
         If `suffix` or `producer` is not known.
     """
     rulebase = rulebase.model
-    _demand_program(producer, suffix, "reads", PRODUCERS)
+    demand_program(producer, suffix, "written for", PRODUCERS)
     match suffix:
         case ".fll":
             return write_fll(rulebase, lossy=lossy, strict=strict)
@@ -302,12 +296,3 @@ def _without_nan(rulebase: RuleBase) -> RuleBase:
         for o in rulebase.outputs
     )
     return replace(rulebase, outputs=outputs)
-
-
-def _demand_program(
-    producer: str | None, suffix: str, does: str, known_by: Mapping[str, tuple[str, ...]]
-) -> None:
-    programs = known_by.get(suffix, ())
-    if producer is not None and producer not in programs:
-        known = ", ".join(programs) or "none"
-        raise FormatError(f"no program '{producer}' {does} {suffix} files (known: {known})")

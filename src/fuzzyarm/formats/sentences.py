@@ -7,7 +7,7 @@ means to the program is up to :mod:`fuzzyarm.formats.meaning`.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
 from fuzzyarm.expression.kinds import HEDGES
@@ -49,10 +49,18 @@ def hedged(hedges: tuple[Hedge, ...], inner: Expression) -> Expression:
 
 
 def read_sentences(
-    rules: Iterable[list[Word]], variables: dict[str, Draft], findings: Findings, dialect: Dialect
+    rules: Iterable[list[Word]],
+    variables: dict[str, Draft],
+    findings: Findings,
+    dialect: Dialect,
+    more_hedges: Mapping[str, Hedge] | None = None,
 ) -> list[RuleText]:
-    """Read rules, each as words with parentheses and commas apart; report those at fault."""
+    """Read rules, each as words with parentheses and commas apart; report those at fault.
+
+    `more_hedges` are those that a program has beside the ones of the records.
+    """
     parser = _Parser(variables, findings, dialect)
+    parser.hedges |= more_hedges or {}
     texts = []
     for sentence in rules:
         try:
@@ -172,7 +180,12 @@ class _Parser:
         variable, draft = self._variable(outputs_only=True)
         self.expect("is")
         hedges, term = self._hedges_and_term(draft, variable)
-        if NOT in hedges and not self.dialect.negates:
+        if self.dialect.producer == "scikit-fuzzy":
+            if hedges == (NOT,):  # beside another hedge it makes a term of its own
+                message = f"{self.dialect.program} fails at a conclusion with NOT alone"
+                hint = "name the term that is meant"
+                self.findings.error("hedged-conclusion", message, variable, hint)
+        elif NOT in hedges and not self.dialect.negates:
             message = (
                 f"{self.dialect.program} drops the NOT of a conclusion: to it this rule says "
                 f"{variable.text} IS {term}"
@@ -278,7 +291,7 @@ class _Parser:
             self.at += 1
             return following.text
         names = [t.name for t in draft.terms]
-        self.findings.unknown("undefined-term", f"the term of '{draft.name}'", word, names)
+        self.findings.no_term(draft.name, word, names)
         return word.text
 
     def weight(self) -> float:

@@ -155,6 +155,9 @@ def make_shape(
     if any(map(math.isnan, (*parameters, height))):
         findings.error("not-a-number", f"{kind} cannot have nan among its numbers", at)
         return None
+    if math.isinf(height):
+        findings.error("not-finite", f"the height of {with_article(kind)} must be finite", at)
+        return None
     if kind == "linear":
         return Shape(kind, tuple(parameters), height)
     if kind == "triangle" and any(map(math.isinf, (parameters[0], parameters[2]))):
@@ -173,7 +176,9 @@ def _checked(
         parameters = sorted(parameters)
     elif known.ordered and any(a > b for a, b in pairwise(parameters)):
         names = " <= ".join(known.symbols[1:])
-        message = f"the corners of a {kind} must not decrease ({names}): it is 0 everywhere"
+        message = (
+            f"the corners of {with_article(kind)} must not decrease ({names}): it is 0 everywhere"
+        )
         findings.warn("unordered-corners", message, at)
         return nothing(parameters)
     values = dict(zip(known.parameters, parameters, strict=True))
@@ -181,17 +186,24 @@ def _checked(
         if values[name] < 0.0 and kind in _SQUARED:
             values[name] = -values[name]  # it is only ever squared
         if values[name] <= 0.0:
-            message = f"the {name.replace('-', '_')} of a {kind} must be positive"
+            message = f"the {name.replace('-', '_')} of {with_article(kind)} must be positive"
             findings.error("not-positive", message, at)
             return None
     zero = next((name for name in known.nonzero if values[name] == 0.0), None)
     if zero is not None:
-        findings.error("not-positive", f"the {zero} of a {kind} must not be zero", at)
+        findings.error("not-positive", f"the {zero} of {with_article(kind)} must not be zero", at)
         return None
     if not _finite_enough(kind, parameters):
-        findings.error("not-finite", f"a {kind} needs finite numbers", at)
+        findings.error("not-finite", f"{with_article(kind)} needs finite numbers", at)
         return None
     return Shape(kind, tuple(values.values()), height)
+
+
+def with_article(kind: str) -> str:
+    """Return a kind of shape with its article; the letters s and z are in quotes."""
+    if len(kind) == 1:
+        return f"{'an' if kind == 's' else 'a'} '{kind}'"
+    return f"{'an' if kind[0] in 'aeiou' else 'a'} {kind}"
 
 
 def nothing(parameters: Sequence[float]) -> Shape:

@@ -176,8 +176,7 @@ class _Reader:
             return False
         terms = [each._term for each in self.variables[variable]._FSlist]
         if term not in terms:
-            what = f"in rule {number}, the term of '{variable}'"
-            self.findings.unknown("undefined-term", what, Word(term), terms)
+            self.findings.no_term(variable, Word(term), terms, f"in rule {number}, ")
         return term in terms
 
     def _expression(self, part: Any, used: set[str], number: int) -> Expression | None:

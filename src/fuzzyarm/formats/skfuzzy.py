@@ -65,6 +65,11 @@ METHODS = {
 }
 """Defuzzifiers of scikit-fuzzy."""
 
+MEAN_OF_POINTS = (
+    "scikit-fuzzy takes the mean of the points that are greatest, and of the cuts between them; "
+    "here it is the middle of where the set is greatest"
+)
+
 _TNORMS, _SNORMS = ("min", "product"), ("max", "probor")
 """Norms that a rule is given there; it clips by the minimum and joins terms by the maximum."""
 
@@ -156,7 +161,7 @@ def _output(variable: Any, terms: tuple[Term, ...], findings: Findings) -> Outpu
         findings.error("unknown-defuzzifier", message)
     aggregation = _norm_name(variable.accumulation_method)
     if aggregation != "max":
-        message = f"'{variable.label}' accumulates by something else than the maximum"
+        message = f"'{variable.label}' accumulates by something other than the maximum"
         findings.loss("unsupported-norm", message)
     return Output(
         str(variable.label),
@@ -171,6 +176,8 @@ def _output(variable: Any, terms: tuple[Term, ...], findings: Findings) -> Outpu
 def _defuzzifier(variable: Any, method: str, findings: Findings) -> Defuzzifier:
     """Return the joined samples of an even universe, the exact integral of any other."""
     xs = [float(x) for x in variable.universe]
+    if method == "mean-of-maximum":
+        findings.info("mean-of-maximum", f"'{variable.label}': {MEAN_OF_POINTS}")
     if len(xs) < 2 or "maximum" in method:
         return Defuzzifier(method)
     if _are_even(xs):

@@ -37,7 +37,7 @@ def _pattern(kind: SourceKind) -> str:
     return r"\s+".join([kind.name, *kind.joined.split(), NAME])
 
 
-_ANY_SOURCE = rf"(?:{'|'.join(map(_pattern, SOURCES.values()))})"
+_SOURCE = rf"(?:{'|'.join(map(_pattern, SOURCES.values()))})"
 _OF_SIGNALS = "|".join(kind.name for kind in SOURCES.of("signal"))
 
 
@@ -60,7 +60,7 @@ _FUNCTIONS = (
     *_LIMITING, *_ZONES, "abs", "sign", "sgn", "sqrt", "exp", "log", "ln", "sin", "cos", "tan",
     "tanh", "atan", "atan2", "floor", "round", "mod", "pow", "power",
 )  # fmt: skip
-_NO_CALL = "|".join(("rules", "table", *_FUNCTIONS, *_SOURCE_OF))
+_NO_CALL = "|".join(("rules", "table", "evalfis", *_FUNCTIONS, *_SOURCE_OF))
 
 _LINE = (SIGNAL, "drive")
 
@@ -144,7 +144,7 @@ SLIPS = (
     ),
     Slip(
         "commas stand between axes",
-        re.compile(rf"^(\s*axis\s+)({NAME}(?:\s*(?:\band\b|&|\s)\s*{NAME})+)\s*$"),
+        re.compile(rf"^(\s*axis\s+)({NAME}(?:(?:\s+and\s+|\s*&\s*|\s+)(?!and\b){NAME})+)\s*$"),
         lambda m: m[1] + ", ".join(re.findall(NAME, re.sub(r"\band\b|&", " ", m[2]))),
         ("axis",),
     ),
@@ -268,8 +268,10 @@ SLIPS = (
     ),
     Slip(
         "a rule base is asked by rules",
-        re.compile(rf"\bevalfis\s*\(\s*({NAME})\s*,\s*\[?([^\])]*)\]?\s*\)"),
-        lambda m: f"rules {m[1]}({_comma_list(m[2])})",
+        re.compile(
+            rf"\bevalfis\s*\(\s*(?:({NAME})\s*,\s*\[([^\])]*)\]|\[([^\])]*)\]\s*,\s*({NAME}))\s*\)"
+        ),
+        lambda m: f"rules {m[1] or m[4]}({_comma_list(m[2] or m[3])})",
         _LINE,
     ),
     Slip(
@@ -280,8 +282,8 @@ SLIPS = (
     ),
     Slip(
         "inputs stand in the order of the rule base, without their names",
-        re.compile(rf"(?<=[(,])(\s*){NAME}\s*=\s*(?={NAME})"),
-        r"\1",
+        re.compile(rf"(\(\s*){NAME}\s*=\s*({NAME}\s*\))"),  # of several the order is not known
+        r"\1\2",
         _LINE,
     ),
     Slip(
@@ -307,20 +309,20 @@ SLIPS = (
     Slip("a source is written  WORD of NAME", _OF_ONE, _source, _LINE),
     Slip(
         "a factor stands behind '*'",
-        re.compile(rf"(=\s*)({NAME})\s+({_ANY_SOURCE})(?=\s*(?:,|$))"),
+        re.compile(rf"(=\s*)({NAME})\s+({_SOURCE})(?=\s*(?:,|$))"),
         r"\1\3 * \2",
         (SIGNAL,),
     ),
     Slip(
         "what comes from a source stands first, its factors behind it",
-        re.compile(rf"(=\s*)([^=,]*?)\s*\*\s*({_ANY_SOURCE})((?:\s*[*/][^,+-]*)?)(?=,|$|\s*$)"),
+        re.compile(rf"(=\s*)([^=,]*?)\s*\*\s*({_SOURCE})((?:\s*[*/][^,+-]*)?)(?=,|$|\s*$)"),
         r"\1\3\4 * \2",
         _LINE,
     ),
     Slip(
         "a power is written as a product",
-        re.compile(rf"({NAME})\s*(?:\^|\*\*)\s*([23])\b"),
-        lambda m: " * ".join([m[1]] * int(m[2])),
+        re.compile(rf"(/\s*)?({NAME})\s*(?:\^|\*\*)\s*([23])\b"),
+        lambda m: (m[1] or "") + (" / " if m[1] else " * ").join([m[2]] * int(m[3])),
         _LINE,
     ),
     # Drives, zooms, learners
@@ -379,12 +381,24 @@ def _in_place_of(match: re.Match[str]) -> str:
 
 ADVICE = (
     Advice(
+        re.compile(rf"\((?P<at>\s*{NAME}\s*=[^=()]*,[^()]*)\)"),
+        "inputs stand in the order of the rule base, without their names",
+        "write the signals alone, in the order in which that file declares its inputs",
+        _LINE,
+    ),
+    Advice(
+        re.compile(rf"\b(?P<at>evalfis)\s*\(\s*({NAME})\s*,\s*({NAME})\s*\)"),
+        "a rule base is asked by rules",
+        "write  rules NAME(x)  with the rule base first and its inputs in parentheses",
+        _LINE,
+    ),
+    Advice(
         re.compile(r"^\s*(?P<at>(?:rule\s+)?(?:if|when|case)\b.*)", ANY_CASE),
         "a controller has no rules and no 'if': they stand in a rule base",
         "write them into a rule base, in this file or another, and  u = rules NAME(e, ce)  here",
     ),
     Advice(
-        re.compile(rf"\b(?:{_OF_SIGNALS})\s+of\s+(?P<at>{_ANY_SOURCE})"),
+        re.compile(rf"\b(?:{_OF_SIGNALS})\s+of\s+(?P<at>{_SOURCE})"),
         "a source is taken of a signal",
         _above,
         _LINE,
@@ -408,19 +422,19 @@ ADVICE = (
         _LINE,
     ),
     Advice(
-        re.compile(rf"=\s*\S.*?[-+*/]\s*(?P<at>{_ANY_SOURCE})|=\s*-\s*(?P<two>{_ANY_SOURCE})"),
+        re.compile(rf"=\s*\S.*?[-+*/]\s*(?P<at>{_SOURCE})|=\s*-\s*(?P<two>{_SOURCE})"),
         "a line has one source, and it stands first",
         lambda m: f"write  x = {' '.join((m['at'] or m['two']).split())}  above, and x here",
         (SIGNAL,),
     ),
     Advice(
-        re.compile(rf"(?P<at>{_ANY_SOURCE})"),
+        re.compile(rf"(?P<at>{_SOURCE})"),
         "a drive is a sum of signals",
         _above,
         ("drive",),
     ),
     Advice(
-        re.compile(rf"(?P<at>{_ANY_SOURCE})\s*(?:[*/][^-+,]*)?[-+]"),
+        re.compile(rf"(?P<at>{_SOURCE})\s*(?:[*/][^-+,]*)?[-+]"),
         "a source stands alone on its line, with factors",
         _above,
         (SIGNAL,),

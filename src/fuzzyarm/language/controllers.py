@@ -128,7 +128,7 @@ class PeriodNode(NamedTuple):
     def read(cls, cursor: Cursor) -> PeriodNode:
         """Read it from the cursor."""
         cursor.take()
-        return cls(TimeNode.read(cursor, "how often the controller runs"), cursor.whole)
+        return cls(TimeNode.read(cursor, "how often the controller runs", 1.0), cursor.whole)
 
     def __str__(self) -> str:
         return f"period {self.time}"

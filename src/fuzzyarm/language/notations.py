@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from fuzzyarm.text.diagnostic import Span
 
-NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+NUMBER = r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?"
 NAME = r"(?:'[^']*'|[^\W\d]\w*(?:-[^\W\d]\w*)*)"
 ANY_CASE = re.IGNORECASE
 

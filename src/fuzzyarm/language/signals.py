@@ -6,6 +6,7 @@ source, is the table :data:`fuzzyarm.model.controller.SOURCES`.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
@@ -52,13 +53,17 @@ class TimeNode(NamedTuple):
     unit: str
 
     @classmethod
-    def read(cls, cursor: Cursor, what: str) -> TimeNode:
-        """Read a number and a unit."""
+    def read(cls, cursor: Cursor, what: str, turns: float | None = None) -> TimeNode:
+        """Read a number and a unit.
+
+        `turns` is what a frequency times this time would be: 1 for a period, 1/(2 pi) for the
+        time constant of a cut-off, None where neither is meant.
+        """
         figure = cursor.figure(what)
         cursor.suggest("times")
         token = cursor.peek()
         if token is None or token.kind != "name" or token.text not in TIMES:
-            raise Fault(_without_unit(figure, cursor))
+            raise Fault(_without_unit(figure, cursor, turns))
         return cls(figure, cursor.take().text)
 
     @property
@@ -83,7 +88,7 @@ UNITS_ELSEWHERE = {
 HERTZ = {"hz": 1.0, "khz": 1e3}
 
 
-def _without_unit(figure: Figure, cursor: Cursor) -> Diagnostic:
+def _without_unit(figure: Figure, cursor: Cursor, turns: float | None) -> Diagnostic:
     """Describe a number that is to be a time and has no unit of it."""
     token = cursor.peek()
     found = "nothing" if token is None or token.kind == "mark" else f"'{token.text}'"
@@ -94,10 +99,14 @@ def _without_unit(figure: Figure, cursor: Cursor) -> Diagnostic:
         hint = f"write  {figure} {unit}"
         return Diagnostic("missing-unit", message, cursor.span, hint=hint, replacement=unit)
     if small in HERTZ and figure.value > 0.0:
-        milliseconds = float(f"{1e3 / (HERTZ[small] * figure.value):.6g}")
-        time = f"{number_text(milliseconds)} ms"
         span = figure.span.to(cursor.span)
         message = f"a time is wanted, not a frequency: {figure} {token.text if token else ''}"
+        if turns is None:
+            return Diagnostic("missing-unit", message, span, hint=f"one of {', '.join(TIMES)}")
+        milliseconds = float(f"{1e3 * turns / (HERTZ[small] * figure.value):.6g}")
+        time = f"{number_text(milliseconds)} ms"
+        if turns != 1.0:
+            message += "; the time constant of a cut-off is 1 / (2 pi f)"
         return Diagnostic("missing-unit", message, span, hint=f"write  {time}", replacement=time)
     hint = f"one of {', '.join(TIMES)}, as in  {figure} s"
     return Diagnostic("missing-unit", message, cursor.span, hint=hint)
@@ -245,7 +254,7 @@ class OptionNode(NamedTuple):
                 cursor.expect(each, f"behind {word.text}")
             return cls(word, rest=kind.rest)
         if kind.takes == "time":
-            return cls(word, TimeNode.read(cursor, f"the time of {word.text}"))
+            return cls(word, TimeNode.read(cursor, f"the time of {word.text}", 0.5 / math.pi))
         if kind.takes == "range":
             low = cursor.figure("the lower end", finite=False)
             cursor.expect("..", "between the ends of the range")

@@ -65,7 +65,11 @@ class WrongKindError(FuzzyarmError, AttributeError, ValueError):
     """
 
     def __init__(self, what: str, kind: str, wanted: str, *, hint: str = "") -> None:
-        super().__init__(f"{what} is a {kind}, not a {wanted}", hint=hint)
+        article = "an" if kind[:1] in "aeiou" else "a"
+        said = (
+            f"{what} is {article} {kind}, not a {wanted}" if kind else f"{what} is not a {wanted}"
+        )
+        super().__init__(said, hint=hint)
         self.kind, self.wanted = kind, wanted
 
 
@@ -90,7 +94,8 @@ def wrong_kind(value: object, wanted: str) -> WrongKindError:
     if isinstance(value, type):
         name = value.__name__
         return WrongKindError(name, "class", wanted, hint=f"{name}() makes one of its values")
-    return WrongKindError(shortened(repr(value), 80), f"{type(value).__name__}", wanted)
+    kind = "" if value is None else type(value).__name__  # "None is not a rule base" says it all
+    return WrongKindError(shortened(repr(value), 80), kind, wanted)
 
 
 class OfKind:
