@@ -353,7 +353,7 @@ class _OfNumbers(Crisp):
         """Return where a set reaches a degree, and where inference says so: not at infinity."""
         position = tsukamoto_at_point(self.output, member, degree)
         shape = member.term.shape
-        inverse = SHAPES[shape.kind].inverse
+        inverse = SHAPES[shape.kind].position_of
         if inverse is None or member.hedges:
             return position, position
         return inverse(min(1.0, degree / shape.height), *shape.parameters), position
