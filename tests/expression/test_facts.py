@@ -77,10 +77,10 @@ def on(x):
 
 @pytest.mark.parametrize(("kind", "numbers"), CASES)
 def test_inverses_find_their_degree(kind, numbers):
-    if kind.inverse is None:
+    if kind.position_of is None:
         return
     for wanted in (0.0, 0.01, 0.25, 0.5, 0.75, 0.99, 1.0):
-        x = kind.inverse(wanted, *map(float, numbers))
+        x = kind.position_of(wanted, *map(float, numbers))
         found = kind.scalar(on(x), *map(float, numbers))
         # Beyond a step there is no degree between.
         assert found == pytest.approx(wanted, abs=1e-5) or numbers[0] == numbers[1]

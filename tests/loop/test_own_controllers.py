@@ -54,18 +54,20 @@ def test_a_controller_in_python_does_what_its_text_does(kind):
     assert simulate(kind(), "room", **WARM).rms == own.rms  # each run starts it anew
 
 
-def test_what_it_keeps_is_left_for_no_other_run():
-    class Kept(Pi):
-        def __init__(self):
-            self.sum = 0.0
-
+def test_what_it_notes_is_there_after_the_run():
+    class Noting(Pi):
         def start(self, single=False):
-            pass
+            super().start(single)
+            self.notes = []
 
-    kept = Kept()
-    first = simulate(kept, "room", **WARM).rms
-    assert simulate(kept, "room", **WARM).rms == first == simulate(Pi(), "room", **WARM).rms
-    assert kept.sum == 0.0
+        def step(self, measured, reference):
+            self.notes.append(measured["temperature"])
+            return super().step(measured, reference)
+
+    noting = Noting()
+    runs = [simulate(noting, "room", **WARM) for _ in range(2)]
+    assert runs[0].rms == runs[1].rms
+    assert noting.notes[1:] == runs[1].outputs["temperature"][1:].tolist()
 
 
 def test_sensors_and_limits_are_those_of_every_controller():

@@ -27,7 +27,6 @@ from typing import Any
 import numpy as np
 
 from fuzzyarm.controller.law import Block, Gain, GainError, Law, collect, view
-from fuzzyarm.plant.equations import apart
 from fuzzyarm.plant.setting import Arithmetic, Clock, Moment, Pair, Reference, State, pose_of
 from fuzzyarm.text.shown import one_line
 
@@ -89,11 +88,6 @@ class Controller:
         message = f"{type(self).__name__} does not say what its torque is"
         raise TypeError(message)
 
-    def for_run(self) -> Controller:
-        """Return what a run asks: a copy, so that what it keeps is left for no other run."""
-        copied: Controller = apart(self)
-        return copied
-
     def parts(self) -> Iterator[Controller]:
         """Iterate over the addends; a plain controller is its only one."""
         yield self
@@ -153,10 +147,6 @@ class CompiledController(Controller):
     def with_origin(self, **values: Gain) -> CompiledController:
         """Return the controller with whole gains, origin included, replaced."""
         return CompiledController(self.law, {**self._gains, **values})
-
-    def for_run(self) -> Controller:
-        """Return itself, which begins anew when it is prepared."""
-        return self
 
     def block(self, arithmetic: Arithmetic) -> Block:
         """Write constants and initial memory down for the loop."""

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.controller import on_plant
-from fuzzyarm.controller.controller import CompiledController, Controller, Sum
+from fuzzyarm.controller.controller import CompiledController, Controller
 from fuzzyarm.controller.law import Law, law_integers, summed_drives, view
 from fuzzyarm.controller.program import SourceError
 from fuzzyarm.controller.text import ControllerRun
@@ -333,9 +333,9 @@ Asked = Callable[[Any], Iterable[tuple[int, float]]]
 
 def plain_control(program: Program, course: Course) -> Callable[..., None]:
     """Return what asks a controller in plain Python, each addend in its own way."""
-    parts = [part.for_run() for part in program.controller.parts()]
-    if len(parts) > 1 and not any(part.takes_ports for part in parts):
-        parts = [Sum(parts, program.controller.name)]  # which adds the torques up itself
+    parts = list(program.controller.parts())
+    if not any(part.takes_ports for part in parts):
+        parts = [program.controller]  # which adds the torques up itself
     asked = [_asked(part, program.arithmetic, course) for part in parts]
     zeros = range(len(course.site.interface.inputs))
 

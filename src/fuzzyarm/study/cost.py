@@ -215,9 +215,6 @@ class _Counting(Controller):
             arrays = _counted(block.numbers), _counted(block.memory), block.links
             self._parts.append((part.law, arrays))
 
-    def for_run(self) -> Controller:
-        return self  # whose steps are asked for when the run is over
-
     def torque(self, reference: Reference, state: State, clock: Clock) -> Pair:
         self.steps += 1
         first = second = 0.0
