@@ -51,7 +51,9 @@ def test_the_motor_runs_is_pushed_and_tuned_and_stops(served, browser):
     page.locator(".run").get_by_role("button", name="Start").click()
     until(lambda: clock(page) > 0.6, "it moves")
     until(lambda: abs(final_error(page)) < 1e-3, "it arrives")
-    page.get_by_text("2 s, the time asked for").wait_for()  # the time of the plant; all of it is in view
+    page.get_by_text(
+        "2 s, the time asked for"
+    ).wait_for()  # the time of the plant; all of it is in view
     assert clock(page) == 2
     drawn = page.locator(".run-picture canvas").evaluate("canvas => canvas.toDataURL()")
 
