@@ -1,7 +1,5 @@
 """What a hand has typed or reached stays: unsaved texts, drafts, the focus; and the page says what is so."""
 
-from pathlib import Path
-
 import pytest
 from test_designer_page import CHROMIUM, Served, text_of, until
 
@@ -277,23 +275,20 @@ def test_files_that_came_while_the_server_was_away_are_offered(page, server, fol
 
 
 def test_a_file_that_goes_takes_its_run_along(page, server):
+    heard = []
+    page.on("websocket", lambda socket: socket.on("framereceived", heard.append))
     page.goto(f"{server.address}#file=two.frb")
     until(lambda: page.evaluate("!!window.designer?.store.diagram"), "a diagram")
     page.get_by_role("tab", name="Run").click()
     page.locator(".run-form").get_by_role("button", name="Start").click()
     page.evaluate("window.ended = 0; designer.store.on('closed', () => { window.ended++; })")
     until(lambda: page.locator("output.clock").inner_text(), "it runs")
-    names = Path(f"/proc/{server.process.pid}/task")
-
-    def runs():
-        return sum(each.read_text() == "fuzzyarm-job\n" for each in names.glob("*/comm"))
-
     page.get_by_role("tab", name="Files").click()
     page.get_by_label("Delete two.frb").click()
     page.get_by_role("dialog").get_by_role("button", name="Delete").click()
     until(lambda: not page.title().startswith("two.frb"), "gone")
     until(lambda: page.evaluate("window.ended") == 1, "closed")
-    until(lambda: runs() == 0, "the run has ended")
+    until(lambda: any('"end": "stopped"' in each for each in heard), "the run has ended")
 
 
 def test_a_border_moves_without_a_store(browser, server):
