@@ -106,7 +106,8 @@ def load(path: str | os.PathLike[str]) -> RuleBase | LookupTable | ControllerTex
     ----------
     path : path-like
         A rule base or a controller (``.frb``), a rule base of another program (``.fll``,
-        ``.fcl``, ``.fis``, ``.t2fis``, ``.fml``, ``.xml``) or a table (``.lut``, ``.csv``, ``.npz``, ``.json``).
+        ``.fcl``, ``.fis``, ``.t2fis``, ``.fml``, ``.xml``) or a table (``.lut``, ``.csv``,
+        ``.npz``, ``.json``).
 
     Warns
     -----

@@ -1,4 +1,4 @@
-"""What a hand has typed or reached stays: unsaved texts, drafts, the focus; and the page says what is so."""
+"""What a hand has typed or reached stays: unsaved texts, drafts, the focus."""
 
 import pytest
 from test_designer_page import CHROMIUM, Served, text_of, until
@@ -276,7 +276,7 @@ def test_files_that_came_while_the_server_was_away_are_offered(page, server, fol
 
 def test_a_file_that_goes_takes_its_run_along(page, server):
     heard = []
-    page.on("websocket", lambda socket: socket.on("framereceived", heard.append))
+    page.on("websocket", lambda socket: socket.on("framereceived", lambda news: heard.append(news)))
     page.goto(f"{server.address}#file=two.frb")
     until(lambda: page.evaluate("!!window.designer?.store.diagram"), "a diagram")
     page.get_by_role("tab", name="Run").click()

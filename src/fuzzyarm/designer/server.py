@@ -266,12 +266,9 @@ class Designer:
         if wanted in {"say", "stop"}:
             _passed_on(window, message)
             return
-        if wanted == "hello":
-            window.follows = True
-            self._hold(self._welcomed(window))
-            return
-        if wanted == "folder":
-            self._hold(self._foldered(window, message))
+        if wanted in {"hello", "folder"}:
+            answer = self._welcomed if wanted == "hello" else self._foldered
+            self._hold(answer(window, message))
             return
         name = str(message["file"])
         if wanted == "close":
@@ -334,6 +331,11 @@ class Designer:
             found = {"error": "a question that is not understood"}
         except Exception as error:  # the page waits for an answer
             found = {"error": fault_words(error)}
+        await self._moved(found)
+        await window.tell({"is": "answer", "id": asked.get("id"), **found})
+
+    async def _moved(self, found: dict[str, Any]) -> None:
+        """Tell the windows which file has another name now, or none, and go on with its check."""
         moved = [(old, new) for old, new in [found.get("renamed", ("", ""))] if old]
         moved += [(found["deleted"], "")] if "deleted" in found else []
         told = []
@@ -350,7 +352,6 @@ class Designer:
             if shared is not None:
                 self._check(new, shared)
         await self._tell_unsaved()
-        await window.tell({"is": "answer", "id": asked.get("id"), **found})
 
     async def _imported(self, name: str, data: bytes) -> dict[str, Any]:
         """Convert a file, and write it; with one file open it is to replace its text."""
@@ -503,8 +504,9 @@ class Designer:
         for window in [each for each in self.windows if each.follows]:
             await window.tell({"is": "unsaved", "names": names})
 
-    async def _welcomed(self, window: Window) -> None:
+    async def _welcomed(self, window: Window, _said: dict[str, Any]) -> None:
         """Tell a window what it may have missed: which files there are, and which are unsaved."""
+        window.follows = True
         await self._tell_names(self.workspace.files(), [window])
         await window.tell({"is": "unsaved", "names": self.workspace.unsaved()})
 
