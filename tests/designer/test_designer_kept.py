@@ -275,8 +275,10 @@ def test_files_that_came_while_the_server_was_away_are_offered(page, server, fol
 
 
 def test_a_file_that_goes_takes_its_run_along(page, server):
-    heard = []
-    page.on("websocket", lambda socket: socket.on("framereceived", lambda news: heard.append(news)))
+    page.add_init_script("""const send = WebSocket.prototype.send;
+      window.sent = [];
+      WebSocket.prototype.send = function(words) { window.sent.push(words); send.call(this, words); };
+    """)
     page.goto(f"{server.address}#file=two.frb")
     until(lambda: page.evaluate("!!window.designer?.store.diagram"), "a diagram")
     page.get_by_role("tab", name="Run").click()
@@ -288,7 +290,8 @@ def test_a_file_that_goes_takes_its_run_along(page, server):
     page.get_by_role("dialog").get_by_role("button", name="Delete").click()
     until(lambda: not page.title().startswith("two.frb"), "gone")
     until(lambda: page.evaluate("window.ended") == 1, "closed")
-    until(lambda: any('"end": "stopped"' in each for each in heard), "the run has ended")
+    stops = """window.sent.some((each) => JSON.parse(each).do === "stop")"""
+    until(lambda: page.evaluate(stops), "the run is stopped")
 
 
 def test_a_border_moves_without_a_store(browser, server):

@@ -93,7 +93,8 @@ class Many:
     diverged : ndarray, shape (n,)
         When a run diverged, s; not a number where it did not. Its metrics are those until then.
     values : ndarray, shape (n, outputs, metrics)
-        In the order of ``fuzzyarm.loop.metrics.METRICS``; not a number where a metric does not exist.
+        In the order of ``fuzzyarm.loop.metrics.METRICS``; not a number where a metric does not
+        exist.
     """
 
     controller: str
