@@ -277,7 +277,8 @@ def test_files_that_came_while_the_server_was_away_are_offered(page, server, fol
 def test_a_file_that_goes_takes_its_run_along(page, server):
     page.add_init_script("""const send = WebSocket.prototype.send;
       window.sent = [];
-      WebSocket.prototype.send = function(words) { window.sent.push(words); send.call(this, words); };
+      WebSocket.prototype.send = function(words) { window.sent.push(words); send.call(this, words);
+      };
     """)
     page.goto(f"{server.address}#file=two.frb")
     until(lambda: page.evaluate("!!window.designer?.store.diagram"), "a diagram")
