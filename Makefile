@@ -3,6 +3,8 @@ PYTHON ?= python3
 VENV   := .venv
 BIN    := $(VENV)/bin
 ZIG    := 0.17.1 # compiles the kernels where there is no C compiler
+# Those that hatch_build.py looks for; without one of them the kernels are compiled by zig.
+HAS_COMPILER := for each in "$${CC%% *}" cc gcc clang; do command -v "$$each" >/dev/null && exit 0; done; false
 PIP    := $(BIN)/python -m pip --disable-pip-version-check install --quiet
 
 .PHONY: demo test native lint unit docs bench mutants fuzz editors designer lock clean help
@@ -66,14 +68,14 @@ $(VENV)/bin/python:
 $(VENV)/.run: requirements/run.lock pyproject.toml | $(VENV)/bin/python
 	$(PIP) --require-hashes -r requirements/run.lock
 	$(PIP) --require-hashes -r requirements/build.lock
-	@command -v cc gcc clang >/dev/null || $(PIP) ziglang==$(ZIG)
+	@( $(HAS_COMPILER) ) || $(PIP) ziglang==$(ZIG)
 	$(PIP) --no-deps --no-build-isolation -e .
 	@$(BIN)/python -m compileall -q src
 	@touch $@
 
 $(VENV)/.dev: requirements/dev.lock pyproject.toml | $(VENV)/bin/python
 	$(PIP) --require-hashes -r requirements/dev.lock
-	@command -v cc gcc clang >/dev/null || $(PIP) ziglang==$(ZIG)
+	@( $(HAS_COMPILER) ) || $(PIP) ziglang==$(ZIG)
 	$(PIP) --no-deps --no-build-isolation -e .
 	@$(BIN)/python -m compileall -q src
 	@touch $@ $(VENV)/.run

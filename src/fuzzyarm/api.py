@@ -106,7 +106,8 @@ def load(path: str | os.PathLike[str]) -> RuleBase | LookupTable | ControllerTex
     ----------
     path : path-like
         A rule base or a controller (``.frb``), a rule base of another program (``.fll``,
-        ``.fcl``, ``.fis``, ``.fml``) or a table (``.lut``, ``.csv``, ``.npz``, ``.json``).
+        ``.fcl``, ``.fis``, ``.t2fis``, ``.fml``, ``.xml``) or a table (``.lut``, ``.csv``,
+        ``.npz``, ``.json``).
 
     Warns
     -----
@@ -123,6 +124,11 @@ def load(path: str | os.PathLike[str]) -> RuleBase | LookupTable | ControllerTex
     UnknownKindError
         If the suffix is none of these.
     """
+    return _load(path)
+
+
+def _load(path: str | os.PathLike[str]) -> RuleBase | LookupTable | ControllerText:
+    """Load a file for a caller of the caller, whom warnings name."""
     name, suffix = _name_and_suffix(path)
     if suffix == ".frb":
         source = read_text(path)
@@ -136,7 +142,7 @@ def load(path: str | os.PathLike[str]) -> RuleBase | LookupTable | ControllerTex
         from fuzzyarm.table import read_table
 
         return read_table(name)
-    return _foreign(path, suffix)
+    return _foreign(path, suffix, stacklevel=4)
 
 
 def load_rulebase(path: str | os.PathLike[str]) -> RuleBase:
@@ -145,8 +151,8 @@ def load_rulebase(path: str | os.PathLike[str]) -> RuleBase:
     Parameters
     ----------
     path : path-like
-        ``.frb``, or that of another program: ``.fll``, ``.fcl``, ``.fis``, ``.fml``. Of a
-        controller with a rule base in the same file, the rule base.
+        ``.frb``, or that of another program: ``.fll``, ``.fcl``, ``.fis``, ``.t2fis``, ``.fml``,
+        ``.xml``. Of a controller with a rule base in the same file, the rule base.
 
     Warns
     -----
@@ -168,7 +174,7 @@ def load_rulebase(path: str | os.PathLike[str]) -> RuleBase:
     if suffix in SUFFIXES:
         message = "a lookup table, not a rule base"
         raise WrongKindError(name, message, "fuzzyarm.read_table reads it")
-    return _foreign(path, suffix)
+    return _foreign(path, suffix, stacklevel=3)
 
 
 def load_controller(path: str | os.PathLike[str]) -> ControllerText:
@@ -188,7 +194,7 @@ def load_controller(path: str | os.PathLike[str]) -> ControllerText:
     """
     from fuzzyarm.controller.text import ControllerText
 
-    model = load(path)
+    model = _load(path)
     if isinstance(model, ControllerText):
         return model
     is_rules = isinstance(model, RuleBase)
@@ -212,8 +218,8 @@ def _controller(model: ControllerModel, source: str, name: str) -> ControllerTex
     return replace(text, source=source)
 
 
-def _foreign(path: str | os.PathLike[str], suffix: str) -> RuleBase:
-    """Return the rule base in a file of another program, for a caller of the caller."""
+def _foreign(path: str | os.PathLike[str], suffix: str, *, stacklevel: int) -> RuleBase:
+    """Return the rule base in a file of another program; `stacklevel` is that of a warning."""
     if suffix not in RULEBASE_SUFFIXES:
         raise UnknownKindError(os.fspath(path))
     from fuzzyarm.formats import read
@@ -223,7 +229,7 @@ def _foreign(path: str | os.PathLike[str], suffix: str) -> RuleBase:
         raise RuleBaseError(imported.diagnostics)
     for diagnostic in imported.diagnostics:
         if diagnostic.severity is Severity.WARNING:
-            warnings.warn(FileWarning(diagnostic), stacklevel=3)
+            warnings.warn(FileWarning(diagnostic), stacklevel=stacklevel)
     return imported.rulebase
 
 

@@ -10,10 +10,14 @@ import json
 import re
 import sys
 from importlib.metadata import PackageNotFoundError, distribution, requires
+from importlib.util import find_spec
 from pathlib import Path
 from shutil import which
 from urllib.parse import urlsplit
 from urllib.request import url2pathname
+
+UV = "uv pip"
+"""What installs where there is no pip: in environments that uv has made."""
 
 
 def installing(extra: str) -> str:
@@ -24,7 +28,8 @@ def installing(extra: str) -> str:
     extra : str
         Its name in ``pyproject.toml``.
     """
-    words = [_pip(), "install"]
+    pip = _pip()
+    words = [pip, "install", *(["--python", _python()] if pip == UV else [])]
     clone, editable = _clone()
     if clone is not None:
         folder = "." if clone == Path.cwd() else clone
@@ -73,7 +78,14 @@ def _pip() -> str:
     by_name = which("pip")
     if by_name is not None and Path(by_name).parent == python.parent:
         return "pip"
+    if find_spec("pip") is None:
+        return UV
+    return f"{_python()} -m pip"
+
+
+def _python() -> str:
+    """Return this Python as the shell takes it."""
+    python = Path(sys.executable)
     if python.parent != Path.cwd() and python.is_relative_to(Path.cwd()):
         python = python.relative_to(Path.cwd())
-    shown = f'"{python}"' if " " in str(python) else str(python)
-    return f"{shown} -m pip"
+    return f'"{python}"' if " " in str(python) else str(python)

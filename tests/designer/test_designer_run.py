@@ -163,6 +163,8 @@ def test_a_page_runs_what_simulate_runs(open_page, folder):
         assert high[k] == pytest.approx(np.maximum.reduceat(values, first), rel=1e-4, abs=1e-9)
     assert len(t) > 100
     metrics = next(each for each in reversed(heard) if each.get("news") == "metrics")["metrics"]
+    units = ready["units"]["shaft"]
+    assert (units["rms_path"], units["iae"], units["variation"]) == ("degrees", "degrees s", "V/s")
     for name, value in run.metrics["shaft"].as_dict().items():
         assert metrics["shaft"][name] == pytest.approx(value, rel=1e-4), name
     assert heard[-1]["how"] == "finished"
@@ -257,6 +259,9 @@ def test_what_cannot_be_run_is_said(open_page, folder):
         ({"duration": "", "until": "9h"}, "up to 2,000,000 set points"),
         ({"duration": "", "until": "2"}, "takes a time with a unit"),
         ({"duration": "", "window": "2"}, "takes a time with a unit"),
+        ({"duration": "", "window": "0s"}, "a run lasts longer than 0s"),
+        ({"duration": "", "until": "0s"}, "a run lasts longer than 0s"),
+        ({"duration": "0 ms"}, "a run lasts longer than 0 ms"),
         ({"noise": ["position"]}, "takes NAME=VALUE"),
         ({"plant": "tanks"}, "the tanks has no reference value 'position'"),
         ({"speed": -1}, "not understood"),
@@ -268,6 +273,22 @@ def test_what_cannot_be_run_is_said(open_page, folder):
         assert words in end["message"], end
     page.start("run", **{**FAST, "reference": ["position=way.csv"]})
     assert page.until("over")[-1]["how"] == "finished"
+    page.stop()
+
+
+def test_a_restart_that_does_not_work_leaves_the_run_as_it_stands(open_page):
+    page = open_page("servo.frb")
+    settings = {**FAST, "duration": "", "until": "100ms"}
+    page.start("run", **settings)
+    page.until("reached")
+    page.say(restart=True, asked={**settings, "until": "nonsense"}, pause=False)
+    note = page.until("note")[-1]
+    assert (note["field"], "not 'nonsense'" in note["text"]) == ("duration", True)
+    page.say(step=1)
+    stepped = page.until("samples")[-1]
+    assert (stepped["paused"], stepped["time"]) == (True, pytest.approx(0.101))
+    page.say(restart=True, asked=settings, pause=False)
+    assert page.until("reached")[-1]["at"] == pytest.approx(0.1)
     page.stop()
 
 

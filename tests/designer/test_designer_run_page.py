@@ -51,7 +51,9 @@ def test_the_motor_runs_is_pushed_and_tuned_and_stops(served, browser):
     page.locator(".run").get_by_role("button", name="Start").click()
     until(lambda: clock(page) > 0.6, "it moves")
     until(lambda: abs(final_error(page)) < 1e-3, "it arrives")
-    page.get_by_text("2 s, as asked for").wait_for()  # the time of the plant; all of it is in view
+    page.get_by_text(
+        "2 s, the time asked for"
+    ).wait_for()  # the time of the plant; all of it is in view
     assert clock(page) == 2
     drawn = page.locator(".run-picture canvas").evaluate("canvas => canvas.toDataURL()")
 
@@ -113,13 +115,13 @@ def test_what_is_changed_at_the_end_is_run_from_the_start(served, browser):
     page = open_run(served, browser, "servo")
     page.locator(".run").get_by_label("Speed").select_option("")  # as fast as possible
     page.locator(".run").get_by_role("button", name="Start").click()
-    page.get_by_text("2 s, as asked for").wait_for()
+    page.get_by_text("2 s, the time asked for").wait_for()
     rms = page.locator(".metrics tr.first td").first
     before = rms.inner_text()
     page.get_by_label("G_u: value").fill("2")
     page.keyboard.press("Enter")
     until(lambda: rms.inner_text() not in {"", before}, "another response")
-    page.get_by_text("2 s, as asked for").wait_for()
+    page.get_by_text("2 s, the time asked for").wait_for()
     page.locator(".run").get_by_label("open end").check()
     page.locator(".run").get_by_role("button", name="Restart").click()
     until(lambda: clock(page) > 3, "it goes on")
@@ -140,7 +142,7 @@ def test_rules_that_are_not_saved_are_said_where_they_run(served, browser):
     until(lambda: page.evaluate("designer.text.settled()"), "sent")
     page.goto(address)
     page.get_by_role("tab", name="Run").click()
-    page.get_by_text("What is saved of used.frb is what runs").wait_for()
+    page.get_by_text("used.frb has unsaved changes; the run uses the saved version.").wait_for()
     page.get_by_role("button", name="Save used.frb").click()
     until(lambda: (served.folder / "used.frb").read_text().startswith("# more\n"), "saved")
     context.close()

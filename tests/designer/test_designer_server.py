@@ -7,6 +7,7 @@ import re
 import shutil
 import socket
 import subprocess
+import threading
 from pathlib import Path
 
 import pytest
@@ -470,6 +471,128 @@ def test_long_work_tells_hears_and_is_stopped(client, monkeypatch):
         assert end(socket, 4)["end"] == "failed"
         socket.send_text(json.dumps({"do": "start", "file": "pd7.frb", "what": "none", "id": 5}))
         assert json.loads(socket.receive_text())["is"] == "failed"
+
+
+def test_work_that_leaves_python_ends_for_the_page_too(client, monkeypatch):
+    from fuzzyarm.designer import server
+
+    def leave(session, asked, job):
+        raise SystemExit(3)
+
+    monkeypatch.setitem(server.WORKS, "leave", leave)
+    with socket_of(client) as socket:
+        socket.send_text(json.dumps({"do": "open", "file": "pd7.frb"}))
+        start = {"do": "start", "file": "pd7.frb", "what": "leave", "id": 1}
+        socket.send_text(json.dumps(start))
+        while "end" not in (news := json.loads(socket.receive_text())):
+            pass
+        assert (news["end"], "SystemExit(3)" in news["message"]) == ("failed", True)
+
+
+def hear(socket, kind):
+    while (news := json.loads(socket.receive_text()))["is"] != kind:
+        pass
+    return news
+
+
+def typed(version, words, length):
+    update = {"clientID": "x", "changes": [[0, *words.split("\n")], length]}
+    return json.dumps({"do": "push", "file": "pd7.frb", "version": version, "updates": [update]})
+
+
+def test_windows_hear_what_is_unsaved_and_a_save_is_answered(client, tmp_path):
+    path = tmp_path / "inside" / "pd7.frb"
+    with socket_of(client) as socket, socket_of(client) as other:
+        for each in (socket, other):
+            each.send_text(json.dumps({"do": "hello"}))
+            assert hear(each, "names")["names"] == ["pd7.frb"]
+            assert hear(each, "unsaved")["names"] == []
+        socket.send_text(json.dumps({"do": "open", "file": "pd7.frb"}))
+        socket.send_text(typed(0, "# mine\n", len(PD7)))
+        assert hear(other, "unsaved")["names"] == ["pd7.frb"]
+        other.send_text(json.dumps({"do": "save", "file": "pd7.frb", "id": 7}))
+        assert "error" not in hear(other, "answer")
+        assert hear(socket, "unsaved")["names"] == ["pd7.frb"]
+        assert hear(socket, "unsaved")["names"] == []
+        assert path.read_text() == "# mine\n" + PD7
+        socket.send_text(typed(1, "# typed ", 7 + len(PD7)))
+        hear(socket, "unsaved")
+        path.write_text("# theirs\n" + PD7)
+        other.send_text(json.dumps({"do": "save", "file": "pd7.frb", "id": 8}))
+        reason = "pd7.frb is not saved: the file has changed on disk: in the same lines"
+        assert hear(other, "answer")["error"] == reason
+        other.send_text(json.dumps({"do": "save", "file": "none.frb", "id": 9}))
+        assert "not a file of this folder" in hear(other, "answer")["error"]
+    assert path.read_text() == "# theirs\n" + PD7
+
+
+def test_what_is_not_saved_is_named_at_the_end(tmp_path):
+    from starlette.testclient import TestClient
+
+    from fuzzyarm.designer.server import Designer, Workspace
+
+    (tmp_path / "pd7.frb").write_text(PD7)
+    told = []
+    app = Designer(Workspace(tmp_path), TOKEN, farewell=told.append).app()
+    with TestClient(app, base_url="http://127.0.0.1:8000") as found, socket_of(found) as socket:
+        socket.send_text(json.dumps({"do": "open", "file": "pd7.frb"}))
+        socket.send_text(typed(0, "# mine\n", len(PD7)))
+        hear(socket, "updates")
+        socket.send_text(json.dumps({"do": "close", "file": "pd7.frb"}))
+    assert told == [["pd7.frb"]]
+
+
+def test_a_rename_during_a_check_loses_no_findings(client, monkeypatch):
+    begun, may_end, look = threading.Event(), threading.Event(), SharedText.findings
+
+    def slowly(self, session):
+        begun.set()
+        assert may_end.wait(60)
+        return look(self, session)
+
+    with socket_of(client) as socket:
+        socket.send_text(json.dumps({"do": "open", "file": "pd7.frb"}))
+        hear(socket, "scene")
+        monkeypatch.setattr(SharedText, "findings", slowly)
+        socket.send_text(typed(0, "# mine\n", len(PD7)))
+        assert begun.wait(60)
+        rename = {"do": "folder", "id": 1, "what": "rename", "file": "pd7.frb", "name": "b.frb"}
+        socket.send_text(json.dumps(rename))
+        assert hear(socket, "moved")["to"] == "b.frb"
+        hear(socket, "answer")
+        may_end.set()
+        socket.send_text(json.dumps({"do": "hello"}))
+        for kind in ("findings", "scene"):
+            news = hear(socket, kind)
+            assert (news["file"], news["version"]) == ("b.frb", 1)
+
+
+def test_what_may_not_be_looked_at_is_left_out_and_the_watch_goes_on(client, tmp_path, monkeypatch):
+    from fuzzyarm.designer.folder import Workspace
+
+    is_file, files = Path.is_file, Workspace.files
+    (tmp_path / "inside" / "closed.frb").write_text(PD7)
+
+    def guarded(self):
+        if self.name == "closed.frb":
+            raise PermissionError(13, "Permission denied", str(self))
+        return is_file(self)
+
+    monkeypatch.setattr(Path, "is_file", guarded)
+    page = client.get(f"/{TOKEN}/")
+    assert (page.status_code, "closed.frb" in page.text) == (200, False)
+    failures = []
+
+    def failing(self):
+        if len(failures) < 2:
+            failures.append(1)
+            raise RuntimeError
+        return files(self)
+
+    monkeypatch.setattr(Workspace, "files", failing)
+    with socket_of(client) as socket:
+        (tmp_path / "inside" / "new.frb").write_text(PD7)  # the first looks at it fail
+        assert "new.frb" in hear(socket, "names")["names"]
 
 
 def test_a_surface_is_computed_beside_and_its_question_is_not_trusted(client, tmp_path):

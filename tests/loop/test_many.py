@@ -17,7 +17,8 @@ from fuzzyarm.controller.catalogue import CATALOGUE
 from fuzzyarm.errors import FuzzyarmError, MissingExtraError
 from fuzzyarm.loop import Options, Sensor, Signal, SweepError, simulate, simulate_many
 from fuzzyarm.loop.blocks import TravelError, in_order, packed, unpacked
-from fuzzyarm.loop.many import METRICS, Bench, experiment_of
+from fuzzyarm.loop.many import Bench, experiment_of
+from fuzzyarm.loop.metrics import METRICS
 from fuzzyarm.plant import LOADED, UNLOADED, find_plant, reach_return
 from fuzzyarm.plant.arm import carrying
 from fuzzyarm.plant.plant import with_parameters

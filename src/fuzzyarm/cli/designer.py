@@ -55,8 +55,15 @@ def _run(arguments: argparse.Namespace) -> int:
 
             webbrowser.open(address)
 
+    def farewell(names: list[str]) -> None:
+        say(
+            f"not saved: {', '.join(names)}. A page that is still open keeps its text, and sends it"
+            " when the designer runs again.",
+            to_errors=True,
+        )
+
     with contextlib.suppress(KeyboardInterrupt):
-        serve(path, arguments.port, announce, arguments.plant)
+        serve(path, arguments.port, announce, arguments.plant, farewell)
     return 0
 
 

@@ -206,7 +206,8 @@ def _files(bench: Bench, arguments: argparse.Namespace) -> dict[str, str]:
 
 def sweep(arguments: argparse.Namespace) -> int:
     """Do what the arguments ask; return the exit status."""
-    from fuzzyarm.loop.many import METRICS, many_of, seeds_of
+    from fuzzyarm.loop.many import many_of, seeds_of
+    from fuzzyarm.loop.metrics import METRICS
     from fuzzyarm.loop.sweep import SweepFile
 
     _require_sensible(arguments, METRICS)
@@ -276,7 +277,8 @@ def _answered(asked: Asked, file: SweepFile | None, arguments: argparse.Namespac
     """Run what is missing. Ctrl-C ends it, and so does a run that fails, with those before it."""
     import numpy as np
 
-    from fuzzyarm.loop.many import METRICS, check_extremes, stream
+    from fuzzyarm.loop.many import check_extremes, stream
+    from fuzzyarm.loop.metrics import METRICS
 
     check_extremes(asked.bench, asked.changes)
     rows = np.empty((asked.count, 1 + len(asked.bench.outputs) * len(METRICS)))

@@ -45,6 +45,7 @@ from fuzzyarm.text.files import stamp_of, write_atomically
 from fuzzyarm.text.names import printable
 
 __all__ = [
+    "IMPORTS",
     "LARGEST_IMPORT",
     "SUFFIXES",
     "Workspace",
@@ -97,9 +98,14 @@ class Workspace:
             found = [each for each in self.folder.iterdir() if each.suffix.lower() in suffixes]
         except OSError:  # it does not exist yet, or may not be read: `trouble` says so
             return []
-        return sorted(
-            each.name for each in found if each.is_file() and is_inside(each, self.folder)
-        )
+        return sorted(each.name for each in found if self._is_own(each))
+
+    def _is_own(self, path: Path) -> bool:
+        """Whether something is a file of the folder; what may not be looked at is not."""
+        try:
+            return path.is_file() and is_inside(path, self.folder)
+        except (OSError, RuntimeError):  # a link into a closed folder, or in a circle
+            return False
 
     def files(self) -> list[str]:
         """Return the names of the files that can be opened."""
@@ -135,6 +141,7 @@ class Workspace:
             return ""
         try:
             next(self.folder.iterdir(), None)
+            os.stat(f"{self.folder}{os.sep}.")  # its names alone are not enough
         except OSError as error:
             return f"The folder {printable(self.folder.name)} cannot be read: {in_words(error)}."
         if not os.access(self.folder, os.W_OK):
@@ -211,6 +218,10 @@ class Workspace:
         shared = self._open.get(name)
         return shared is not None and shared.text != shared.saved
 
+    def unsaved(self) -> list[str]:
+        """Return the names of the files of which a window has, or had, more than is saved."""
+        return sorted(name for name in self._open if self.is_changed(name))
+
     def opened(self, name: str) -> SharedText | None:
         """Return the text of a file that a window shows; None of any other."""
         return self._open.get(name)
@@ -265,7 +276,8 @@ class Workspace:
             kind = TABLE
         elif kind != CONTROLLER:
             kind = RULE_BASE
-        row = {"name": name, "kind": kind, "description": words}
+        stamp = stamp_of(self.folder / name)
+        row = {"name": name, "kind": kind, "description": words, "stamp": str(stamp)}
         return {**row, "changed": self.is_changed(name)}
 
     def findings(self, name: str) -> dict[str, Any]:

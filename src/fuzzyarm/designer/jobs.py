@@ -54,9 +54,6 @@ class Folder(Protocol):
     def session(self, name: str) -> Session:
         """Return a file of the folder as it is now."""
 
-    def is_changed(self, name: str) -> bool:
-        """Whether a window has more of a file than what is saved."""
-
 
 class Downloads:
     """Files that a page may load, each under a key of its own; the oldest go."""
@@ -153,7 +150,7 @@ class Job:
             return {"end": "failed", "message": in_words(error), "field": field}
         except (KeyError, TypeError, ValueError, IndexError):
             return {"end": "failed", "message": "a question that is not understood"}
-        except Exception as error:  # the window must hear that nothing more comes
+        except BaseException as error:  # also SystemExit: the window must hear that it has ended
             return {"end": "failed", "message": fault_words(error)}
         return {"end": "done"}
 

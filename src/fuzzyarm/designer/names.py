@@ -97,6 +97,6 @@ def in_words(error: Exception) -> str:
     return str(error)
 
 
-def fault_words(error: Exception) -> str:
+def fault_words(error: BaseException) -> str:
     """Return an error that nobody has foreseen: a person can pass it on."""
     return f"a fault of the program: {error!r}"

@@ -7,7 +7,7 @@ The page says, in an object each: ``speed`` (simulated for real time; null: as f
 ``pause``, ``step`` (samples), ``restart``, ``pull`` (right and up, -1 to 1), ``gains``, ``text``.
 It hears, under ``news``: ``ready`` (what is drawn), ``samples`` (what came since the last ones,
 with the picture), ``metrics``, ``reached``, ``over``, ``text`` (whether a text was taken up) and
-``note``.
+``note`` (with ``field``, where a field of the page is wrong).
 
 A run with ``until`` stands still at that time, with all of it in view; to go on, or a hand that
 pushes the plant, takes it further. One with ``duration`` is over then.
@@ -34,6 +34,7 @@ from fuzzyarm.controller.program import SourceError
 from fuzzyarm.controller.text import ControllerText, sheet_path
 from fuzzyarm.designer.grounds import at_field, check_words, trajectory_named, words_of
 from fuzzyarm.designer.jobs import Job
+from fuzzyarm.designer.names import in_words
 from fuzzyarm.designer.stage import Painter, Plants, loads_of, short
 from fuzzyarm.errors import FuzzyarmError, WordError
 from fuzzyarm.language import parse
@@ -41,7 +42,7 @@ from fuzzyarm.loop.course import Motion, Options, arm_motion
 from fuzzyarm.loop.open_run import OpenRun, StructureError
 from fuzzyarm.loop.program import scales, shown_units
 from fuzzyarm.loop.reference import read_time
-from fuzzyarm.loop.run import ClosedLoop, text_of
+from fuzzyarm.loop.run import ClosedLoop, metric_units, text_of
 from fuzzyarm.loop.words import PlantWords
 from fuzzyarm.lsp.session import Session
 from fuzzyarm.plant.driven_arm import Arm
@@ -101,7 +102,7 @@ class Running:
                 "a table does not run by itself",
                 hint='a controller looks it up: use NAME from "FILE", u = table NAME(e, ce)',
             )
-        job.tell({"unsaved": _unsaved(text, session.path, job)})
+        job.tell({"uses": _uses(text, session.path)})
         try:
             controller = _controller_of(text, session.path)
         except SourceError:
@@ -136,11 +137,10 @@ def _controller_of(text: str, path: str) -> CompiledController:
         raise FuzzyarmError(f"{whose} has mistakes: {first.message}") from error
 
 
-def _unsaved(text: str, path: str, job: Job) -> list[str]:
-    """Return the files that a controller uses of which a window has more than what is saved."""
+def _uses(text: str, path: str) -> list[str]:
+    """Return the files that a controller uses: what is saved of them is what runs."""
     model = parse(text, path).controller
-    files = {file for use in model.uses for file in use.files} if model is not None else set()
-    return sorted(file for file in files if job.folder.is_changed(file))
+    return sorted({file for use in model.uses for file in use.files}) if model else []
 
 
 def _is_rule_base(text: str, path: str) -> bool:
@@ -229,7 +229,7 @@ class LiveRun:
         word = words.duration or str(self.asked.get("until") or "")
         if word:
             with at_field("duration"):
-                seconds = read_time(word, "the duration")
+                seconds = _seconds(word)
                 if seconds > MOST_POINTS * period:
                     raise WordError(
                         f"the page runs up to {MOST_POINTS:,} set points, here of {period:g} s"
@@ -298,6 +298,7 @@ class LiveRun:
     # --- What the page says ---
 
     def _take(self, said: Mapping[str, Any]) -> None:
+        before = self.__dict__.copy()
         if "speed" in said:
             self.speed = _speed(said)
             self.behind = -math.inf
@@ -321,7 +322,7 @@ class LiveRun:
         if said.get("restart"):
             if isinstance(said.get("asked"), dict):
                 self.asked = dict(said["asked"])
-            self._try_again()
+            self._try_again(before)
 
     def _pull(self, x: float, y: float) -> None:
         """Have a hand push the plant; one that stands at its time goes on."""
@@ -329,14 +330,15 @@ class LiveRun:
         if self.reached and any(self.pull):
             self.paused = self.reached = False
 
-    def _try_again(self) -> None:
-        """Begin anew; what does not work now is said, and the page may change it."""
-        before = self.__dict__.copy()
+    def _try_again(self, before: Mapping[str, Any]) -> None:
+        """Begin anew; where that does not work all is as it was before, and the page says why."""
         try:
             self._begin()
         except (FuzzyarmError, OSError) as error:
             self.__dict__.update(before)
-            self.job.tell({"news": "note", "text": str(error)})
+            self._anchor()
+            field = getattr(error, "field", "")
+            self.job.tell({"news": "note", "text": in_words(error), "field": field})
 
     def _move_gains(self, values: Mapping[str, Sequence[float]]) -> None:
         wanted = {**self.gains, **{str(k): list(map(float, v)) for k, v in values.items()}}
@@ -445,6 +447,7 @@ class LiveRun:
                     }
                     for _, port, each in drives
                 ],
+                "units": metric_units(course),
                 "gains": self._gains(),
             }
         )
@@ -455,7 +458,7 @@ class LiveRun:
         if not word:
             return self.plant.duration or 1000 * period
         with at_field("duration"):
-            return max(period, read_time(word, "the duration"))
+            return max(period, _seconds(word))
 
     def _show(self) -> None:
         """Tell what has happened since the last time, and the picture."""
@@ -557,6 +560,14 @@ def _speed(said: Mapping[str, Any]) -> float:
     if not value > 0.0:
         raise ValueError("a speed is positive")
     return min(value, FASTEST)
+
+
+def _seconds(word: str) -> float:
+    """Read how long a run lasts, s."""
+    seconds = read_time(word, "the duration")
+    if not seconds > 0.0:
+        raise WordError(f"a run lasts longer than {word}", hint="as in 2s")
+    return seconds
 
 
 def _lasting(words: PlantWords, seconds: float) -> PlantWords:

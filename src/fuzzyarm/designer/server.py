@@ -10,10 +10,13 @@ one names it, under ``file``. It sends ``{"do": "open", "file": …}``, then ``p
 version that they are for), ``ask`` (a question with an ``id``), ``save`` and ``settle``, at last
 ``close``; for long work on a file ``start`` (``what``, and an ``id`` of the page's own). Without a
 file it sends ``say`` and ``stop`` with the ``id`` of such work, and ``folder`` (a question with an
-``id`` about the files, or what is to be done with one: `Workspace.answer`). It hears, of its files,
-``opened`` or ``reopened``, ``updates``, ``findings``, ``scene``, ``status`` and ``moved`` (``to``
-another name, or none); besides ``answer``, ``job`` (news of long work; the last has ``end``) and
-``failed``, each under ``is``; and ``names``, those of the folder's files, when some come or go.
+``id`` about the files, or what is to be done with one: `Workspace.answer`), and ``hello`` when it
+has connected. A ``save`` with an ``id`` is a question: its answer says why nothing was saved.
+
+It hears, of its files, ``opened`` or ``reopened``, ``updates``, ``findings``, ``scene``, ``status``
+and ``moved`` (``to`` another name, or none); besides ``answer``, ``job`` (news of long work; the
+last has ``end``) and ``failed``, each under ``is``; ``names``, those of the folder's files, and
+``unsaved``, those with unsaved changes, after its ``hello`` and when they change.
 """
 
 from __future__ import annotations
@@ -45,7 +48,7 @@ from fuzzyarm.designer.compared import compare
 from fuzzyarm.designer.computed import surface
 from fuzzyarm.designer.diagram import sheets
 from fuzzyarm.designer.exports import export
-from fuzzyarm.designer.folder import LARGEST_IMPORT, Workspace, converted_file
+from fuzzyarm.designer.folder import IMPORTS, LARGEST_IMPORT, Workspace, converted_file
 from fuzzyarm.designer.jobs import Downloads, Job, Work
 from fuzzyarm.designer.learning import learn, learnable
 from fuzzyarm.designer.names import OutsideError, fault_words, in_words
@@ -95,6 +98,8 @@ class Window:
         self.files: set[str] = set()
         """Those that it has open."""
         self.jobs: dict[int, Job] = {}
+        self.follows = False
+        """Whether it is told which files have unsaved changes."""
 
     def stop(self) -> None:
         """End all its work."""
@@ -118,10 +123,19 @@ class Designer:
         What an address has to begin with.
     plants : Plants, optional
         What may be run; the shipped ones by default.
+    farewell : callable, optional
+        Takes the names of the files with unsaved changes, if there are any when it ends.
     """
 
-    def __init__(self, workspace: Workspace, token: str, plants: Plants | None = None) -> None:
+    def __init__(
+        self,
+        workspace: Workspace,
+        token: str,
+        plants: Plants | None = None,
+        farewell: Callable[[list[str]], None] | None = None,
+    ) -> None:
         self._plants = plants
+        self._farewell = farewell
         self.works: dict[str, Work] = {"run": self._run, "plants": self._describe}
         self.workspace = workspace
         self.token = token
@@ -129,6 +143,7 @@ class Designer:
         self.windows: list[Window] = []
         self._checks: dict[str, asyncio.Task[None]] = {}
         self._running: set[asyncio.Task[None]] = set()
+        self._unsaved: list[str] = []  # as the windows know them
 
     def app(self) -> ASGIApp:
         """Return the application."""
@@ -148,6 +163,9 @@ class Designer:
         task.cancel()
         for window in self.windows:
             window.stop()
+        unsaved = self.workspace.unsaved()
+        if unsaved and self._farewell is not None:
+            self._farewell(unsaved)
 
     # --- Runs ---
 
@@ -186,6 +204,7 @@ class Designer:
                 "first": await asyncio.to_thread(folder.first),
                 "only": folder.only is not None,
                 "largest": LARGEST_IMPORT,
+                "imports": IMPORTS,
             },
             nonce,
         )
@@ -236,7 +255,7 @@ class Designer:
             wrong = "a message is not understood"
         except Exception as error:
             wrong = fault_words(error)
-        await window.tell({**_of_file(message), "message": wrong})
+        await window.tell(_refusal(message, wrong))
 
     async def _take(self, window: Window, message: dict[str, Any]) -> None:
         """Do what a window says."""
@@ -247,8 +266,9 @@ class Designer:
         if wanted in {"say", "stop"}:
             _passed_on(window, message)
             return
-        if wanted == "folder":
-            self._hold(self._foldered(window, message))
+        if wanted in {"hello", "folder"}:
+            answer = self._welcomed if wanted == "hello" else self._foldered
+            self._hold(answer(window, message))
             return
         name = str(message["file"])
         if wanted == "close":
@@ -261,7 +281,7 @@ class Designer:
             answer = {"is": "answer", "id": message["id"], **shared.answer(message)}
             await window.tell(answer)
         elif wanted == "save":
-            await self._saved(window, name, shared)
+            await self._saved(window, name, shared, message.get("id"))
         elif wanted == "settle":
             before = shared.version
             shared.settle(mine=bool(message["mine"]))
@@ -311,15 +331,27 @@ class Designer:
             found = {"error": "a question that is not understood"}
         except Exception as error:  # the page waits for an answer
             found = {"error": fault_words(error)}
+        await self._moved(found)
+        await window.tell({"is": "answer", "id": asked.get("id"), **found})
+
+    async def _moved(self, found: dict[str, Any]) -> None:
+        """Tell the windows which file has another name now, or none, and go on with its check."""
         moved = [(old, new) for old, new in [found.get("renamed", ("", ""))] if old]
         moved += [(found["deleted"], "")] if "deleted" in found else []
         told = []
         for old, new in moved:
+            check = self._checks.pop(old, None)
+            if check is not None:
+                check.cancel()  # nobody has the old name open any more
             for each in self._on(old):
                 each.files = (each.files - {old}) | ({new} if new else set())
                 told.append(each.tell({"is": "moved", "file": old, "to": new}))
         await asyncio.gather(*told)
-        await window.tell({"is": "answer", "id": asked.get("id"), **found})
+        for _, new in moved:
+            shared = self.workspace.opened(new)
+            if shared is not None:
+                self._check(new, shared)
+        await self._tell_unsaved()
 
     async def _imported(self, name: str, data: bytes) -> dict[str, Any]:
         """Convert a file, and write it; with one file open it is to replace its text."""
@@ -374,14 +406,21 @@ class Designer:
             late = {"is": "updates", "file": name, "version": version, "updates": missed}
             await window.tell(late)
 
-    async def _saved(self, window: Window, name: str, shared: SharedText) -> None:
+    async def _saved(
+        self, window: Window, name: str, shared: SharedText, number: int | None
+    ) -> None:
+        """Save a file; a window that has asked with a number is answered."""
         before, wrong = shared.version, ""
         try:
             shared.save()
         except (FuzzyarmError, OSError) as error:
             wrong = in_words(error)
         await self._changed(name, shared, before, disk=True)
-        if wrong:  # last: the state of the file would take its place
+        wrong = f"{name} is not saved: {wrong}" if wrong and number is not None else wrong
+        if number is not None:
+            answer = {"is": "answer", "id": number}
+            await window.tell({**answer, "error": wrong} if wrong else answer)
+        elif wrong:  # last: the state of the file would take its place
             await window.tell({"is": "failed", "file": name, "message": f"not saved: {wrong}"})
 
     async def _changed(
@@ -400,6 +439,7 @@ class Designer:
                 await window.tell({**each, "file": name})
         if updates:
             self._check(name, shared)
+        await self._tell_unsaved()
 
     def _check(self, name: str, shared: SharedText) -> None:
         """Check a text beside the answering of questions; a newer text takes its turn."""
@@ -427,30 +467,58 @@ class Designer:
 
     async def _watch(self) -> None:
         """Look at the open files now and then, and which there are."""
-        stamp = self.workspace.stamp()
-        names = self.workspace.files()
+        stamp, names = self.workspace.stamp(), self.workspace.files()
         while True:
             await asyncio.sleep(LOOK_EVERY)
-            before, stamp = stamp, self.workspace.stamp()
-            if stamp != before and names != (names := self.workspace.files()):
-                await self._tell_names(names)
+            # Whatever fails may succeed at the next look; without one no window would hear more.
+            with contextlib.suppress(Exception):
+                now = self.workspace.stamp()
+                if now != stamp:
+                    before, names = names, self.workspace.files()
+                    stamp = now
+                    if names != before:
+                        await self._tell_names(names, list(self.windows))
             for name in {name for window in self.windows for name in window.files}:
-                shared = self.workspace.opened(name)
-                before = shared.version if shared else 0
-                if shared and shared.look():
-                    await self._changed(name, shared, before, disk=True)
+                with contextlib.suppress(Exception):
+                    await self._look_at(name)
 
-    async def _tell_names(self, names: list[str]) -> None:
-        """Tell all windows which files there are: some have come or gone."""
+    async def _look_at(self, name: str) -> None:
+        """Tell the windows on a file what another program has written."""
+        shared = self.workspace.opened(name)
+        before = shared.version if shared else 0
+        if shared and shared.look():
+            await self._changed(name, shared, before, disk=True)
+
+    async def _tell_names(self, names: list[str], windows: list[Window]) -> None:
+        """Tell windows which files there are: some have come or gone."""
         first = "" if not names else await asyncio.to_thread(self.workspace.first)
-        for window in self.windows:
+        for window in windows:
             await window.tell({"is": "names", "names": names, "first": first})
 
+    async def _tell_unsaved(self) -> None:
+        """Tell the windows which files have unsaved changes, if they are others than before."""
+        names = self.workspace.unsaved()
+        if names == self._unsaved:
+            return
+        self._unsaved = names
+        for window in [each for each in self.windows if each.follows]:
+            await window.tell({"is": "unsaved", "names": names})
 
-def _of_file(message: Any) -> dict[str, Any]:
-    """Return the beginning of an answer that says what fails, and of which file, if of one."""
-    of_one = isinstance(message, dict) and "file" in message
-    return {"is": "failed", **({"file": message["file"]} if of_one else {})}
+    async def _welcomed(self, window: Window, _said: dict[str, Any]) -> None:
+        """Tell a window what it may have missed: which files there are, and which are unsaved."""
+        window.follows = True
+        await self._tell_names(self.workspace.files(), [window])
+        await window.tell({"is": "unsaved", "names": self.workspace.unsaved()})
+
+
+def _refusal(message: Any, wrong: str) -> dict[str, Any]:
+    """Return the answer that says what is wrong with a message, to whoever waits for it."""
+    if not isinstance(message, dict):
+        return {"is": "failed", "message": wrong}
+    if message.get("do") in ("ask", "save") and "id" in message:
+        return {"is": "answer", "id": message["id"], "error": wrong}
+    of_file = {"file": message["file"]} if "file" in message else {}
+    return {"is": "failed", **of_file, "message": wrong}
 
 
 def _passed_on(window: Window, message: dict[str, Any]) -> None:
@@ -554,7 +622,11 @@ def _bound(listening: socket.socket, port: int | None, token: str) -> None:
 
 
 def serve(
-    path: Path, port: int | None, announce: Callable[[str], None], plants: Sequence[str] = ()
+    path: Path,
+    port: int | None,
+    announce: Callable[[str], None],
+    plants: Sequence[str] = (),
+    farewell: Callable[[list[str]], None] | None = None,
 ) -> None:
     """Serve a folder or a file until it is interrupted.
 
@@ -568,6 +640,8 @@ def serve(
         Takes the address with its token, when it can be opened.
     plants : sequence of str, optional
         What a page may run beside the shipped plants; Python files are executed.
+    farewell : callable, optional
+        Takes the names of the files with unsaved changes, if there are any when it ends.
 
     Raises
     ------
@@ -590,7 +664,7 @@ def serve(
         _bound(listening, port, token)
         address = f"http://127.0.0.1:{listening.getsockname()[1]}/{token}/"
         config = uvicorn.Config(
-            Designer(workspace, token, known).app(),
+            Designer(workspace, token, known, farewell).app(),
             log_level="error",
             ws="websockets-sansio",
             ws_max_size=LARGEST_MESSAGE,

@@ -12,7 +12,7 @@ import time
 from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from contextlib import closing
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Any, NoReturn
 
@@ -32,7 +32,7 @@ from fuzzyarm.loop.blocks import (
     unpacked,
 )
 from fuzzyarm.loop.course import Course, Motion, Options, Sensor, arm_motion, arm_of
-from fuzzyarm.loop.metrics import Metrics, metric_unit
+from fuzzyarm.loop.metrics import METRICS
 from fuzzyarm.loop.program import shown_units
 from fuzzyarm.loop.reference import AnySignal, AnyTime
 from fuzzyarm.loop.run import (
@@ -43,6 +43,7 @@ from fuzzyarm.loop.run import (
     as_controller,
     as_way,
     judged_names,
+    metric_units,
     plant_motion,
 )
 from fuzzyarm.plant.arm import LOADED, UNLOADED, carrying
@@ -61,9 +62,6 @@ Changes = Mapping[str, Any]
 
 Columns = Mapping[str, Vector]
 """Of many runs: an array with an entry, or a row, for each; not a number where nothing differs."""
-
-METRICS = tuple(each.name for each in fields(Metrics))
-"""What is measured of every run."""
 
 MOST_RUNS = 10_000_000
 
@@ -96,7 +94,8 @@ class Many:
     diverged : ndarray, shape (n,)
         When a run diverged, s; not a number where it did not. Its metrics are those until then.
     values : ndarray, shape (n, outputs, metrics)
-        In the order of :data:`METRICS`; not a number where a metric does not exist.
+        In the order of ``fuzzyarm.loop.metrics.METRICS``; not a number where a metric does not
+        exist.
     """
 
     controller: str
@@ -249,12 +248,9 @@ class Bench:
     @property
     def column_units(self) -> dict[str, str]:
         """Units of what differs and of all metrics, by name; without those that have none."""
-        interface = self.loop.site.interface
         units = {"diverged": "s", **{name: self._unit_of(name) for name in self.owners}}
-        tracked = zip(self.motion.tracked, self.outputs, self.units, strict=True)
-        for (axis, _), output, unit in tracked:
-            drives = [port.unit for (home, _), port in interface.inputs.items() if home == axis]
-            units |= {f"{output}.{name}": metric_unit(name, unit, drives) for name in METRICS}
+        for output, own in metric_units(self.loop.course).items():
+            units |= {f"{output}.{name}": unit for name, unit in own.items()}
         return {name: unit for name, unit in units.items() if unit not in ("", "1")}
 
     def _unit_of(self, name: str) -> str:

@@ -78,6 +78,9 @@ class Metrics:
         return found
 
 
+METRICS = tuple(each.name for each in fields(Metrics))
+"""What is measured of every run."""
+
 ERRORS = ("rms", "rms_periods", "rms_path", "max", "final", "overshoot")
 """Metrics in the unit of the error."""
 

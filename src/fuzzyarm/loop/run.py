@@ -38,7 +38,7 @@ from fuzzyarm.loop.course import (
     range_notes,
 )
 from fuzzyarm.loop.loop import HELD, LED, SQUARES, final, rms, signed_maximum
-from fuzzyarm.loop.metrics import Metrics, metrics_of
+from fuzzyarm.loop.metrics import METRICS, Metrics, metric_unit, metrics_of
 from fuzzyarm.loop.open_run import OpenRun
 from fuzzyarm.loop.program import (
     Program,
@@ -79,6 +79,17 @@ def judged_names(axes: Sequence[str], labels: Sequence[str]) -> tuple[str, ...]:
     return tuple(
         axis if axes.count(axis) == 1 else label for axis, label in zip(axes, labels, strict=True)
     )
+
+
+def metric_units(course: Course) -> dict[str, dict[str, str]]:
+    """Return the units of all metrics, by the names of :func:`judged_names` and of the metrics."""
+    interface, tracked = course.site.interface, course.motion.tracked
+    names = judged_names([axis for axis, _ in tracked], list(map(interface.label, tracked)))
+    found = {}
+    for (axis, _), name, unit in zip(tracked, names, shown_units(course), strict=True):
+        drives = [port.unit for (home, _), port in interface.inputs.items() if home == axis]
+        found[name] = {each: metric_unit(each, unit, drives) for each in METRICS}
+    return found
 
 
 @dataclass(frozen=True, repr=False)

@@ -15,7 +15,7 @@ from fuzzyarm.expression.formulas import CONSTANTS, Formula, FormulaError, read_
 from fuzzyarm.inference.arrays import infer_arrays
 from fuzzyarm.inference.errors import InferenceError
 from fuzzyarm.learning.data import Samples
-from fuzzyarm.loop.many import METRICS
+from fuzzyarm.loop.metrics import METRICS
 from fuzzyarm.loop.run import Judged, Run
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.plant.equations import USERS

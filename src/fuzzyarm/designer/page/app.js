@@ -22,10 +22,12 @@ const desks = new Map(); // by file, the one shown last at the end
 const renamed = new Map(); // old names → those of now, for steps back
 const { first } = start; // the file to begin with
 let names = start.files;
+let unsaved = []; // the files of which a window has more than what is saved
 let shown = null;
 
 const connection = connect({
   opened() {
+    connection.send({ do: "hello" }); // files may have come and gone meanwhile
     for (const desk of desks.values()) desk.open();
   },
   closed() {
@@ -34,6 +36,7 @@ const connection = connect({
   take(message) {
     if (message.is === "moved") moved(message);
     else if (message.is === "names") changedFiles(message);
+    else if (message.is === "unsaved") changedTexts(message);
     else (desks.get(message.file) ?? (message.file ? null : shown))?.take(message);
   },
 });
@@ -43,6 +46,8 @@ const page = {
   nonce: start.nonce,
   only: start.only,
   largest: start.largest,
+  imports: start.imports,
+  unsaved: () => unsaved,
   turnTo: (name) => turnTo(name),
   listed,
   marked() {
@@ -61,6 +66,12 @@ function changedFiles({ names: found, first: likeliest }) {
   listed(found);
   if (!shown.file() && likeliest && !document.querySelector("dialog[open]")) turnTo(likeliest);
   else shown.store.emit("files");
+}
+
+/** Other files than before have unsaved changes: one of them has been edited, or saved. */
+function changedTexts({ names: changed }) {
+  unsaved = changed;
+  for (const desk of desks.values()) desk.store.emit("unsaved");
 }
 
 // --- which file is shown ---
@@ -142,9 +153,13 @@ function moved({ file, to }) {
     desks.set(to, desk);
     desk.offer(names);
   }
-  if (desk !== shown) return;
+  if (desk !== shown) {
+    if (!to) desk.close();
+    return;
+  }
   const view = desk.view();
   if (!to) show(names.includes(first) ? first : names[0] ?? "");
+  if (!to) desk.close();
   if (view === FILES.name) shown.turn(view);
   history.replaceState(null, "", address(shown.file()));
 }

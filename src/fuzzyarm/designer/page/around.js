@@ -7,7 +7,7 @@ import { S } from "./strings.js";
 /** Ask for a name, make a controller around the rule base that is open, and turn to it. */
 export async function makeAround(hand) {
   const file = hand.file();
-  await hand.save(); // a controller uses what is saved
+  if (!(await hand.save())) return; // a controller uses what is saved
   const made = await fill(S.aroundTitle(file), [
     { name: "name", label: S.nameOfFile, value: S.aroundName(file) },
   ], S.create, (values) => hand.folder({ what: "new", kind: "controller", around: file, ...values }));
@@ -36,18 +36,32 @@ export function aroundLine(hand) {
   return { line, show };
 }
 
-/** Say which files of a controller have more in their windows than what is saved, which is what runs. */
-export function unsavedLine(hand) {
+/**
+ * Say which files of a controller have more in their windows than what is saved, which is what runs.
+ * `show` takes the files that it uses; the line goes when they are saved.
+ */
+export function unsavedLine(store, hand) {
   const line = el("p", { class: "around", hidden: true });
+  const wrong = el("span", { class: "error", role: "alert" });
+  let uses = [];
+
+  function draw() {
+    const names = hand.unsaved().filter((name) => uses.includes(name));
+    line.hidden = !names.length;
+    wrong.textContent = "";
+    const buttons = names.map((name) => el("button", { textContent: S.saveFile(name), onclick: async () => {
+      const { error } = await hand.saveFile(name);
+      wrong.textContent = error ? ` ${clean(error)}` : "";
+    } }));
+    line.replaceChildren(clean(S.unsavedUsed(names)), " ", ...buttons, wrong);
+  }
+
+  store.on("unsaved", draw);
   return {
     line,
-    show(names) {
-      line.hidden = !names.length;
-      const buttons = names.map((name) => el("button", { textContent: S.saveFile(name), onclick: () => {
-        hand.saveFile(name);
-        line.hidden = true;
-      } }));
-      line.replaceChildren(S.unsavedUsed(names.join(", ")), " ", ...buttons);
+    show(used) {
+      uses = used;
+      draw();
     },
   };
 }

@@ -69,6 +69,8 @@ export function connect({ opened, closed, take }) {
     send,
     /** Ask of the text of a file. */
     ask: (file, asked_for) => question({ ...asked_for, do: "ask", file }),
+    /** Save a file; the answer has an `error` where it has not been saved. */
+    save: (file) => question({ do: "save", file }),
     /** Ask of the folder, or have something done in it. */
     folder: (asked_for) => question({ ...asked_for, do: "folder" }),
     /** Begin long work on a file. `hear` takes its news, the last with `end`; what comes back tells and stops it. */

@@ -31,7 +31,7 @@ export function makeDesk(file, page, views) {
   let dirty = false;
   let lost = false;
   let latest = null; // findings, which come in front of the picture of the same text
-  let working = 0; // long works that go on
+  const working = new Set(); // long works that go on
   let bring = null; // takes files that are dropped
   let left = []; // what was scrolled, and the focus, when another desk was shown
 
@@ -66,11 +66,12 @@ export function makeDesk(file, page, views) {
   }
 
   function start(what, asked_for, hear) {
-    working++;
-    return connection.start(file, what, asked_for, (news) => {
-      if (news.end) working--;
+    const job = connection.start(file, what, asked_for, (news) => {
+      if (news.end) working.delete(job);
       hear(news);
     });
+    working.add(job);
+    return job;
   }
 
   const text = textPane(link, page.nonce);
@@ -87,7 +88,8 @@ export function makeDesk(file, page, views) {
     text: () => text.state().text,
     goTo: (at) => text.goTo(at),
     save: () => saveNow(),
-    saveFile: (name) => connection.send({ do: "save", file: name }),
+    saveFile: connection.save,
+    unsaved: page.unsaved,
     askNow: (what, details) => text.question(what, details), // of the text as it is typed
     settled: () => text.sent(),
     replace: (words) => text.replace(words),
@@ -97,14 +99,16 @@ export function makeDesk(file, page, views) {
       bring = act;
     },
     largest: page.largest,
+    imports: page.imports,
     listed: page.listed,
     turnTo: page.turnTo,
   };
-  /** Save, and wait until the server has. */
+  /** Save, and wait until the server has; whether what is here is saved. */
   async function saveNow() {
-    if (!dirty || !(await text.sent())) return;
-    send({ do: "save" });
-    for (let tries = 0; tries < 100 && dirty; tries++) await new Promise((resolve) => setTimeout(resolve, 20));
+    if (!dirty) return true;
+    const { error } = (await text.sent()) ? await connection.save(file) : { error: S.gone };
+    if (error) link.say(error);
+    return !error;
   }
 
   askServer(store, start);
@@ -209,8 +213,8 @@ export function makeDesk(file, page, views) {
     file: () => file,
     view: () => store.view,
     isDirty: () => dirty,
-    /** Whether nothing is lost with this desk but the steps back. */
-    isIdle: () => text.settled() && !working && banner.hidden,
+    /** Whether nothing is lost with this desk but the steps back: an unsaved text asks before the page is left. */
+    isIdle: () => text.settled() && !dirty && !working.size && banner.hidden,
     focus: (onChooser) => (onChooser || !file ? files : text.view).focus(),
     take: (message) => TAKEN[message.is]?.(message),
     undo: text.undo,
@@ -226,6 +230,7 @@ export function makeDesk(file, page, views) {
     move(to) {
       file = to;
       mark(dirty);
+      if (text.state().epoch) open(); // what was on its way under the old name has not arrived
     },
     lose() {
       if (!lost) tell(S.gone);
@@ -233,6 +238,7 @@ export function makeDesk(file, page, views) {
     },
     close() {
       store.emit("closed");
+      for (const job of working) job.stop();
       text.close();
       send({ do: "close" });
     },

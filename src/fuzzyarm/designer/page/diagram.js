@@ -69,9 +69,10 @@ function sheetCard(sheet, hand, names) {
 function sheetButton({ file, shipped }, hand, names) {
   if (names.includes(file)) return [el("button", { textContent: S.openFile(file), onclick: () => hand.turnTo(file) })];
   if (!shipped) return [];
-  return [el("button", { textContent: S.copyHere(file), title: S.copyHereHint, onclick: async () => {
+  return [el("button", { textContent: S.copyHere(file), title: S.copyHereHint, onclick: async (event) => {
     const made = await hand.folder({ what: "adopt", file });
     if (made.open) hand.turnTo(made.open);
+    else event.target.after(el("span", { class: "error", role: "alert", textContent: made.error }));
   } })];
 }
 
@@ -82,8 +83,8 @@ export function diagramPane(store, hand) {
   const picture = el("div", { class: "canvas" });
   const list = el("div", { class: "sheets", role: "group", "aria-label": S.lookedUp });
   let cards = [];
+  let used = ""; // the names of the files that have been looked at
   let asked = "";
-  let names = [];
   const toRules = el("button", { textContent: S.toRules, onclick: () => store.turnDiagram(false) });
   bar.append(said, el("span", { class: "space" }), toRules);
   body.append(picture, list);
@@ -94,18 +95,24 @@ export function diagramPane(store, hand) {
     if (!diagram) return;
     said.textContent = clean([diagram.name, diagram.description, diagram.period].filter(Boolean).join(", "));
     picture.replaceChildren(diagramPicture(diagram, hand.goTo));
-    look();
+    if (uses() !== used) look();
   }
 
-  /** Ask what is looked up, when other files are used or it has not been shown yet. */
+  const uses = () => JSON.stringify(store.diagram?.uses ?? null);
+
+  /** Ask what is looked up, when other files are used, or they have been written, or it has not been shown yet. */
   async function look() {
-    const key = JSON.stringify(store.diagram?.uses ?? null);
-    if (!store.diagram || store.view !== "design" || key === asked) return;
-    asked = key;
+    if (!store.diagram || store.view !== "design") return;
+    used = uses();
     const listing = await hand.folder({ what: "list" });
-    names = (listing.files ?? []).map((each) => each.name);
+    if (!listing.files || used !== uses()) return;
+    const names = listing.files.map((each) => each.name);
+    const files = store.diagram.uses.flatMap(([, ...each]) => each);
+    const key = JSON.stringify([used, listing.files.filter((each) => files.includes(each.name)).map((each) => [each.name, each.stamp])]);
+    if (key === asked) return;
+    asked = key;
     hand.start("sheets", {}, (news) => {
-      if (news.end === "failed") asked = "";
+      if (news.end === "failed") asked = used = "";
       if (!news.sheets || key !== asked) return;
       cards = news.sheets.map((sheet) => sheetCard({ ...sheet, shipped: sheet.shipped && !listing.only }, hand, names));
       list.replaceChildren(...cards.map(({ card }) => card));
@@ -118,7 +125,7 @@ export function diagramPane(store, hand) {
   });
   store.on("diagram", build);
   store.on("scene", build);
-  store.on("view", look);
+  for (const name of ["view", "shown", "unsaved", "files"]) store.on(name, look);
   store.on("theme", redraw);
   new ResizeObserver(redraw).observe(list);
   return section;

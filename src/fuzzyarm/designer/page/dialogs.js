@@ -1,16 +1,18 @@
 // Small questions to a person: a line of text, one of several.
 
-import { el } from "./draw.js";
+import { el, keepFocus } from "./draw.js";
 import { S } from "./strings.js";
 
-function opened(...content) {
+function opened(name, ...content) {
   const form = el("form", { method: "dialog" }, ...content);
-  const dialog = el("dialog", {}, form);
+  const dialog = el("dialog", { "aria-label": name }, form);
+  const refocus = keepFocus(document.body);
   document.body.append(dialog);
   dialog.showModal();
   return new Promise((resolve) => {
     dialog.addEventListener("close", () => {
       dialog.remove();
+      refocus();
       resolve(dialog.returnValue);
     });
   });
@@ -25,7 +27,7 @@ export async function ask(question, text, button) {
   // The first button of a form is what Enter presses.
   const enter = el("button", { value: "ok", class: "unseen", tabIndex: -1, type: "submit", "aria-hidden": "true" });
   setTimeout(() => field.select());
-  return (await opened(enter, el("label", {}, question), field, row)) === "ok" ? field.value : null;
+  return (await opened(question, enter, el("label", {}, question), field, row)) === "ok" ? field.value : null;
 }
 
 /** The index of one of several texts, or null. */
@@ -33,7 +35,7 @@ export async function choose(title, texts) {
   const choices = el("div", { class: "choices", role: "group", "aria-label": title });
   texts.forEach((text, i) => choices.append(el("button", { value: String(i), textContent: text, type: "submit" })));
   const row = el("div", { class: "row" }, el("button", { value: "", textContent: S.cancel, type: "submit" }));
-  const found = await opened(el("strong", {}, title), choices, row);
+  const found = await opened(title, el("strong", {}, title), choices, row);
   return found === "" ? null : Number(found);
 }
 
@@ -41,7 +43,7 @@ export async function choose(title, texts) {
 export async function tellAll(title, lines) {
   const list = el("ul", { class: "choices" }, ...lines.map((line) => el("li", { textContent: line })));
   const row = el("div", { class: "row" }, el("button", { value: "", textContent: S.close, type: "submit" }));
-  await opened(el("strong", {}, title), list, row);
+  await opened(title, el("strong", {}, title), list, row);
 }
 
 /**
@@ -60,6 +62,7 @@ export function fill(title, fields, button, act, note = "") {
   const form = el("form", {}, el("strong", {}, title), ...(note ? [el("p", { textContent: note })] : []), ...labels, wrong,
     el("div", { class: "row" }, stop, go));
   const dialog = el("dialog", { "aria-label": title }, form);
+  const refocus = keepFocus(document.body);
   let done = null;
   const dim = () => fields.forEach(({ when = {} }, i) => {
     labels[i].hidden = controls[i].disabled = Object.entries(when).some(([name, value]) => (form.elements[name]?.value ?? value) !== value);
@@ -84,6 +87,7 @@ export function fill(title, fields, button, act, note = "") {
   return new Promise((resolve) => {
     dialog.addEventListener("close", () => {
       dialog.remove();
+      refocus(); // what it stood on may have been built anew meanwhile
       resolve(done);
     });
   });
@@ -94,5 +98,5 @@ export async function confirm(question, button) {
   const row = el("div", { class: "row" },
     el("button", { value: "", textContent: S.cancel, type: "submit" }),
     el("button", { value: "ok", textContent: button, type: "submit" }));
-  return (await opened(el("p", {}, question), row)) === "ok";
+  return (await opened(question, el("p", {}, question), row)) === "ok";
 }

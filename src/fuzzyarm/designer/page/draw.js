@@ -34,6 +34,23 @@ export function svg(name, attributes = {}, ...children) {
   return made;
 }
 
+/**
+ * Remember the focus within what is built anew; what comes back puts it where it was: on the same element,
+ * or on the one that has its `data-key` now.
+ */
+export function keepFocus(root) {
+  const held = document.activeElement;
+  if (!held || held === document.body || !root.contains(held)) return () => {};
+  const { key } = held.dataset;
+  const chosen = typeof held.selectionStart === "number" ? [held.selectionStart, held.selectionEnd] : null;
+  return () => {
+    const next = held.isConnected ? held : key && [...root.querySelectorAll("[data-key]")].find((each) => each.dataset.key === key);
+    if (!next || next === document.activeElement) return;
+    next.focus({ preventScroll: true });
+    if (chosen) next.setSelectionRange(...chosen);
+  };
+}
+
 /** A pane with a title bar; returns its parts. */
 export function pane(kind, title) {
   const id = `title-${kind}`;

@@ -1,6 +1,6 @@
 // Files: what stands in the folder, new files, other names, and what is dropped on the page.
 
-import { clean, el, pane } from "./draw.js";
+import { clean, el, keepFocus, pane } from "./draw.js";
 import { choose, fill, tellAll } from "./dialogs.js";
 import { exportPane } from "./exports.js";
 import { invitation, offers } from "./starts.js";
@@ -13,7 +13,7 @@ function folderPane(store, hand) {
   const list = el("tbody");
   const said = el("p", { class: "note", role: "status" });
   const chosen = el("input", {
-    type: "file", class: "unseen", tabIndex: -1, "aria-hidden": "true", accept: S.imported, onchange: () => {
+    type: "file", class: "unseen", tabIndex: -1, "aria-hidden": "true", accept: hand.imports.join(), onchange: () => {
       if (chosen.files.length) bring(chosen.files);
       chosen.value = "";
     },
@@ -44,10 +44,13 @@ function folderPane(store, hand) {
     ({ files, starts } = answer);
     hand.listed(files.map((each) => each.name));
     create.disabled = answer.only;
+    const refocus = keepFocus(list);
     list.replaceChildren(...files.map((each) => row(each, answer.only)));
+    refocus();
     table.hidden = !files.length;
     const act = { begin, convert, choose: () => chosen.click() };
-    below.replaceChildren(...(files.length ? offers(answer.foreign, act) : invitation(answer, act)));
+    const isBegun = answer.only || files.some((each) => each.kind !== "table");
+    below.replaceChildren(...(isBegun ? offers(answer.foreign, act) : invitation(answer, act)));
     standing = [answer.trouble, answer.only ? S.onlyOne : ""].filter(Boolean).join(" ");
     check(++round);
   }
@@ -56,9 +59,10 @@ function folderPane(store, hand) {
     const here = each.name === hand.file();
     const open = el("button", {
       class: "go", textContent: each.name, onclick: () => hand.turnTo(each.name), "aria-current": here ? "true" : "false",
+      "data-key": `open ${each.name}`,
     });
     const act = (words, label, doing) =>
-      el("button", { textContent: words, "aria-label": label(each.name), onclick: doing, disabled: only });
+      el("button", { textContent: words, "aria-label": label(each.name), onclick: doing, disabled: only, "data-key": label(each.name) });
     const findings = el("td", { class: "small", textContent: "…" });
     each.findings = findings;
     const head = el("th", { scope: "row" }, open);
@@ -132,7 +136,13 @@ function folderPane(store, hand) {
     if (/\.py$/i.test(each.name)) return tellAll(each.name, [S.noScripts]);
     if (each.size > hand.largest) return tellAll(each.name, [S.tooLarge(each.size, hand.largest)]);
     said.textContent = S.converting(clean(each.name));
-    const data = await encoded(each);
+    let data;
+    try {
+      data = await encoded(each);
+    } catch (error) { // a folder, or a file that has gone
+      said.textContent = standing;
+      return tellAll(S.notImported(each.name), [S.notRead(error.message)]);
+    }
     return taken(each.name, await ask({ what: "import", name: each.name, data }), alone);
   }
 

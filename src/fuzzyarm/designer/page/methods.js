@@ -1,6 +1,6 @@
 // How rules are evaluated: and, or, implication, aggregation, defuzzifier, each as a list to choose from.
 
-import { clean, el } from "./draw.js";
+import { clean, el, keepFocus } from "./draw.js";
 import { S } from "./strings.js";
 
 /** A line that says them and opens to lists; `change` writes a choice into the text, or is missing. */
@@ -12,7 +12,7 @@ export function methodLines(change) {
   function list(row) {
     const label = row.target ? `${row.target}: ${row.key}` : row.key;
     const select = el("select", {
-      "aria-label": label, disabled: !change, onchange: async () => {
+      "aria-label": label, "data-key": `method ${label}`, disabled: !change, onchange: async () => {
         const taken = await change("setting", { key: row.key, value: select.value, target: row.target });
         if (!taken) select.value = row.value; // the status says why
       },
@@ -24,10 +24,10 @@ export function methodLines(change) {
     element,
     show(rows) {
       const lists = rows.filter((row) => row.key);
-      const focused = body.contains(document.activeElement) ? document.activeElement.getAttribute("aria-label") : null;
+      const refocus = keepFocus(body);
       summary.textContent = clean(`${S.methods}: ${lists.map(({ key, value, target }) => `${target ? `${target} ` : ""}${key} ${value}`).join(", ")}`);
       body.replaceChildren(...lists.map(list), ...rows.filter((row) => row.block).map(({ block }) => el("span", { class: "small", textContent: block })));
-      if (focused) [...body.querySelectorAll("select")].find((each) => each.getAttribute("aria-label") === focused)?.focus();
+      refocus();
     },
   };
 }

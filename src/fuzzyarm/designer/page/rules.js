@@ -1,7 +1,7 @@
 // Rules: grids coloured by what they conclude, cells that fire lit; sentences as a list; findings
 // of the check where they are.
 
-import { el, pane, heat, shortNumber, eachFrame } from "./draw.js";
+import { el, keepFocus, pane, heat, shortNumber, eachFrame } from "./draw.js";
 import { addGrid, addHead, canConclude, composer, headDialog } from "./gridtools.js";
 import { methodLines } from "./methods.js";
 import { rangeOf } from "./store.js";
@@ -22,20 +22,22 @@ export function rulesPane(store, hand) {
   if (attempt) bar.append(el("span", { class: "space" }), grid);
   let lit = []; // for each rule its element
   let shown = []; // and the strength that it shows
+  const fresh = { rule: null, text: "" }; // what stands in the line of a new rule
+  const drafts = new Set(); // sentences that are being changed: which rule, what it said, and what is typed
 
   function build() {
     const { grids, rules, outputs } = store.scene;
     const isReady = canConclude(store.scene);
     grid.disabled = !isReady;
     methods.show(store.scene.methods);
-    const writing = document.activeElement?.closest?.(".rules .write");
-    const draft = writing?.dataset.line === "new" ? writing.value : null;
+    const refocus = keepFocus(section);
+    findAgain(rules);
     lit = [];
     shown = [];
     const seen = body.scrollTop;
     body.replaceChildren(...(outputs.length ? [methods.element] : []));
     const cells = grids.reduce((sum, grid) => sum + grid.rows.length * grid.columns.length, 0);
-    for (const grid of grids) body.append(table(grid, outputs, setCell && cells <= MOST_CELLS));
+    grids.forEach((grid, k) => body.append(table(grid, outputs, setCell && cells <= MOST_CELLS, k)));
     const sentences = rules.map((rule, number) => [rule, number]).filter(([rule]) => !rule.inGrid);
     if (sentences.length) {
       const list = el("ol");
@@ -44,13 +46,27 @@ export function rulesPane(store, hand) {
     }
     if (!rules.length) body.append(el("p", { class: "note", textContent: grids.length || !store.scene.missing.includes("no-rules") ? S.tooManyRules : S.noRulesYet }));
     if (attempt && isReady) body.append(composing());
-    if (change && isReady) {
-      const line = writer(null, draft ?? "", S.newRule);
-      body.append(line);
-      if (draft !== null) line.querySelector("input").focus();
-    }
+    if (change && isReady) body.append(writer(fresh, S.newRule));
     body.scrollTop = seen;
+    refocus();
     light();
+  }
+
+  /**
+   * Find the rules again that are being changed, in a text that may have other lines now: one that says what it
+   * said, the nearest; else the one in its place, where there are as many. What has no rule any more may be a new one.
+   */
+  function findAgain(rules) {
+    for (const draft of drafts) {
+      const same = rules.flatMap((rule, number) => (rule.written === draft.written ? [number] : []));
+      same.sort((a, b) => Math.abs(a - draft.rule) - Math.abs(b - draft.rule));
+      const inPlace = rules.length === draft.of && rules[draft.rule]?.written ? draft.rule : null;
+      const rule = same[0] ?? inPlace;
+      if (rule === null) {
+        fresh.text ||= draft.text;
+        drafts.delete(draft);
+      } else Object.assign(draft, { rule, of: rules.length });
+    }
   }
 
   let composed = { names: "", form: null };
@@ -100,16 +116,21 @@ export function rulesPane(store, hand) {
       li.classList.add("found", found[0].severity);
       li.append(sign(found));
     }
-    if (change && rule.written) {
+    const draft = [...drafts].find((each) => each.rule === number);
+    if (draft) li.replaceChildren(writer(draft, S.ruleAt(rule.place)));
+    else if (change && rule.written) {
       const edit = () => {
-        const line = writer(rule.line, rule.written, S.ruleAt(rule.place), build);
-        li.replaceChildren(line);
-        line.querySelector("input").focus();
+        const line = { rule: number, of: store.scene.rules.length, written: rule.written, text: rule.written };
+        drafts.add(line);
+        build();
+        body.querySelector(`[data-key="write ${number}"]`).focus();
       };
       li.append(
-        el("button", { class: "small", textContent: S.change, "aria-label": `${S.change} ${S.ruleAt(rule.place)}`, onclick: edit }),
         el("button", {
-          class: "small", textContent: "×", title: S.remove, "aria-label": `${S.remove} ${S.ruleAt(rule.place)}`,
+          class: "small", textContent: S.change, "aria-label": `${S.change} ${S.ruleAt(rule.place)}`, "data-key": `edit ${number}`, onclick: edit,
+        }),
+        el("button", {
+          class: "small", textContent: "×", title: S.remove, "aria-label": `${S.remove} ${S.ruleAt(rule.place)}`, "data-key": `remove ${number}`,
           onclick: () => change("rule", { line: rule.line, sentence: "" }),
         }),
       );
@@ -119,47 +140,63 @@ export function rulesPane(store, hand) {
   }
 
   /** A line to write a rule in; one that is changed may be left with Escape. */
-  function writer(line, text, label, leave) {
+  function writer(draft, label) {
+    const isNew = draft === fresh;
+    const key = `write ${isNew ? "new" : draft.rule}`;
     const field = el("input", {
-      type: "text", class: "write", value: text, "aria-label": label, placeholder: S.ifThen,
-      "data-line": line ?? "new", spellcheck: false,
+      type: "text", class: "write", value: draft.text, "aria-label": label, placeholder: S.ifThen, "data-key": key, spellcheck: false,
     });
+    /** Be done with it; of a rule that has been changed the way to change it gets the focus. */
+    const leave = () => {
+      drafts.delete(draft);
+      const isHeld = body.querySelector(`[data-key="${key}"]`)?.closest("form").contains(document.activeElement);
+      build();
+      if (isHeld) body.querySelector(`[data-key="edit ${draft.rule}"]`)?.focus();
+    };
     const send = async (event) => {
       event.preventDefault();
-      if (!field.value.trim()) return;
-      const sentence = field.value;
-      if (await change("rule", { line, sentence })) {
-        if (line === null) field.value = "";
-        leave?.();
-      } else field.setAttribute("aria-invalid", "true");
+      const sentence = draft.text;
+      if (!sentence.trim()) return;
+      const line = isNew ? null : store.scene.rules[draft.rule].line;
+      const taken = await change("rule", { line, sentence });
+      if (!taken) field.setAttribute("aria-invalid", "true");
+      else if (!isNew) leave();
+      else if (fresh.text === sentence) {
+        fresh.text = field.value = "";
+        if (!field.isConnected) build(); // a scene has come meanwhile
+      }
     };
-    field.addEventListener("input", () => field.removeAttribute("aria-invalid"));
+    field.addEventListener("input", () => {
+      draft.text = field.value;
+      field.removeAttribute("aria-invalid");
+    });
     field.addEventListener("keydown", (event) => {
-      if (event.key === "Escape") leave?.();
+      if (event.key === "Escape" && !isNew) leave();
     });
     return el("form", { class: "sentence", onsubmit: send }, field,
-      el("button", { class: "small", type: "submit", textContent: line === null ? S.add : S.ok }));
+      el("button", { class: "small", type: "submit", textContent: isNew ? S.add : S.ok, "data-key": `done ${key}` }));
   }
 
   // --- grids ---
 
-  function table(grid, outputs, editable) {
+  function table(grid, outputs, editable, k) {
     const output = outputs.find((each) => each.name === grid.output);
     const when = grid.condition ? ` when ${grid.condition}` : "";
     const corner = grid.row ? `${grid.row} \\ ${grid.column}` : grid.column;
     const head = el("tr", {}, el("th", { scope: "col", textContent: corner }));
-    for (const name of grid.columns) head.append(el("th", { scope: "col" }, label(grid, name, false)));
-    const caption = el("caption", {}, el("span", { textContent: `${grid.output}${when}` }), ...tools(grid));
+    for (const name of grid.columns) head.append(el("th", { scope: "col" }, label(grid, name, false, k)));
+    const caption = el("caption", {}, el("span", { textContent: `${grid.output}${when}` }), ...tools(grid, k));
     const found = findingsOf(grid.range);
     if (found.length) caption.append(" ", sign(found));
     const made = el("table", {}, caption, el("thead", {}, head));
     const rows = el("tbody");
     for (const row of grid.rows) {
-      const line = el("tr", {}, el("th", { scope: "row" }, grid.row ? label(grid, row.label, true) : row.label));
+      const line = el("tr", {}, el("th", { scope: "row" }, grid.row ? label(grid, row.label, true, k) : row.label));
       row.cells.forEach((cell, i) => {
         const label = S.ruleOf(row.label, grid.columns[i]);
         const change = editable && !(grid.joined && cell.term === null);
         const content = change ? picker(cell, output, label, grid.joined) : plain(cell);
+        content.dataset.key = `cell ${k} ${row.label}, ${grid.columns[i]}`;
         paint(content, cell.term, output);
         const td = el("td", {}, content);
         mark(td, content, findingsOf(cell.range));
@@ -173,22 +210,22 @@ export function rulesPane(store, hand) {
   }
 
   /** What names a row or a column, and leads to what is done with it. */
-  function label(grid, term, row) {
+  function label(grid, term, row, k) {
     if (!attempt) return el("span", { textContent: term, title: term });
     const variable = row ? grid.row : grid.column;
     return el("button", {
-      textContent: term, title: row ? S.rowOf(variable, term) : S.columnOf(variable, term),
+      textContent: term, "data-key": `head ${k} ${row} ${term}`, title: row ? S.rowOf(variable, term) : S.columnOf(variable, term),
       onclick: () => headDialog(hand, store.scene, { line: grid.line, row, variable, term, present: present(grid, row) }),
     });
   }
 
   const present = (grid, row) => (row ? grid.rows.map((each) => each.label) : grid.columns);
 
-  /** Buttons of a grid: a row, a column, away with it. */
-  function tools(grid) {
+  /** Buttons of a grid: another row or column, and its removal. */
+  function tools(grid, k) {
     if (!attempt) return [];
     const adding = (words, title, row) => el("button", {
-      class: "small", textContent: words, title,
+      class: "small", textContent: words, title, "data-key": `add ${k} ${row}`,
       onclick: () => addHead(hand, store.scene, { line: grid.line, row, variable: row ? grid.row : grid.column, present: present(grid, row) }),
     });
     return [

@@ -22,7 +22,7 @@ const quoted = (word) => (/^[\w./:=,+-]+$/.test(word) ? word : `'${word.replaceA
 
 function runView(store, hand) {
   const calm = matchMedia("(prefers-reduced-motion: reduce)");
-  const state = { job: null, ready: null, paused: false, over: false, sent: "", described: "" };
+  const state = { job: null, ready: null, paused: false, over: false, sent: "", described: "", reached: "" };
   const picture = picturePane(store, (pull) => state.job?.say({ pull }));
   const curves = curvePane(store);
   const gains = gainPane(hand, (values, done) => {
@@ -30,7 +30,7 @@ function runView(store, hand) {
     if (done && state.over) say({ restart: true, asked: asked(), pause: false });
   });
   const metrics = metricPane();
-  const form = formPane(hand, changed);
+  const form = formPane(store, hand, changed);
   const view = el("div", { class: "run" }, form.section, picture.section, curves.section, gains.section, metrics.section,
     splitter({ key: "run-columns", vertical: true, at: 1, usual: 0.4 }),
     splitter({ key: "run-rows", vertical: false, at: 2, usual: 0.6 }));
@@ -59,7 +59,7 @@ function runView(store, hand) {
     if (store.view !== RUN.name || !store.sound || text === state.described) return;
     state.described = text;
     hand.start("plants", { text }, (news) => {
-      if (news.unsaved) form.unsaved(news.unsaved);
+      if (news.uses) form.uses(news.uses);
       if (news.plants) form.offer(news);
       if (news.end !== "failed") return;
       form.note(news.message);
@@ -98,6 +98,7 @@ function runView(store, hand) {
     ready(news) {
       Object.assign(state, { ready: news, over: false });
       form.note("");
+      form.mark("");
       curves.open(news);
       picture.open(news);
       gains.open(news.gains);
@@ -112,14 +113,15 @@ function runView(store, hand) {
       if (before === state.paused) return;
       if (!state.paused) {
         state.over = false;
-        form.note("");
+        form.unsay(state.reached); // it goes on; what else is said stays
       }
       form.running(state);
     },
     metrics: (news) => metrics.show(news.metrics),
     reached(news) {
       state.over = true; // what is changed now is seen from the start
-      form.note(S.runReached(news));
+      state.reached = S.runReached(news);
+      form.note(state.reached);
     },
     over(news) {
       state.over = true;
@@ -130,7 +132,10 @@ function runView(store, hand) {
       form.note(news.taken ? S.runTaken : S.runRestart);
       if (news.taken) gains.open(news.gains);
     },
-    note: (news) => form.note(news.text),
+    note(news) {
+      form.note(news.text, Boolean(news.field));
+      form.mark(news.field ?? "", news.text);
+    },
   };
 
   function hear(news) {
@@ -180,7 +185,7 @@ export const RUN = { name: "run", title: S.run, drawn: false, panes: [runView] }
 
 // --- What is to be run, and the buttons ---
 
-function formPane(hand, changed) {
+function formPane(store, hand, changed) {
   const { section, bar, body } = pane("run-form", S.run);
   let plants = [];
   let direct = ""; // the controller that asks the text, where it is a rule base
@@ -211,7 +216,7 @@ function formPane(hand, changed) {
   const elsewhere = el("span", { class: "fields" }, reference.shown, suggestions, duration.shown,
     el("label", { class: "small", title: S.runOpenEndedHint }, endless, S.runOpenEnded));
   const around = aroundLine(hand);
-  const unsaved = unsavedLine(hand);
+  const unsaved = unsavedLine(store, hand);
   const more = experimentFields(changed);
   const seed = text(S.runSeed, S.runSeedHint, 5);
   const line = el("code", { class: "command", tabIndex: 0 });
@@ -302,6 +307,11 @@ function formPane(hand, changed) {
     said.hidden = !words;
   }
 
+  /** Take back a note, where it is still there. */
+  function unsay(words) {
+    if (said.textContent === words) note("");
+  }
+
   /** Show which buttons do something. */
   function running({ job, paused, over }) {
     start.hidden = Boolean(job);
@@ -317,7 +327,7 @@ function formPane(hand, changed) {
 
   note("");
   const mark = (name, message) => markField({ reference: reference.field, duration: duration.field, ...more.inputs }, name, message);
-  return { section, start, pause, step, again, stop, speed, offer, unsaved: unsaved.show, asked, note, mark, running, time };
+  return { section, start, pause, step, again, stop, speed, offer, uses: unsaved.show, asked, note, unsay, mark, running, time };
 }
 
 // --- Gains ---
@@ -397,14 +407,12 @@ function gainPane(hand, move) {
 function metricPane() {
   const { section, body } = pane("run-metrics", S.runMetrics);
   const table = el("table", { class: "metrics" });
-  let units = {};
-  let drive = "";
+  let units = {}; // by output and metric
   body.tabIndex = 0; // it scrolls
   body.append(table);
 
   function open(ready) {
-    units = ready.tracked.map((each) => each.unit);
-    drive = ready.drives[0]?.unit ?? "";
+    units = ready.units;
     table.replaceChildren();
   }
 
@@ -413,11 +421,9 @@ function metricPane() {
     if (!outputs.length) return;
     const names = Object.keys(metrics[outputs[0]]);
     const sorted = [...FIRST, ...names.filter((name) => !FIRST.includes(name))];
-    const unit = (name, i) => ({ rms: units[i], max: units[i], final: units[i], overshoot: units[i],
-      rise: "s", settling: "s", chatter: drive, effort: drive })[name] ?? "";
-    const cell = (name, output, i) => {
+    const cell = (name, output) => {
       const value = metrics[output][name];
-      return el("td", { textContent: value === null ? "–" : `${shortNumber(value)} ${unit(name, i)}`.trim() });
+      return el("td", { textContent: value === null ? "–" : `${shortNumber(value)} ${units[output]?.[name] ?? ""}`.trim() });
     };
     table.replaceChildren(
       el("caption", { class: "unseen", textContent: S.runMetrics }),
@@ -425,7 +431,7 @@ function metricPane() {
         ...outputs.map((output) => el("th", { scope: "col", textContent: output })))),
       el("tbody", {}, ...sorted.map((name) => el("tr", { class: FIRST.includes(name) ? "first" : "" },
         el("th", { scope: "row", textContent: S.runMetric[name] ?? name, title: S.runMetricHint[name] ?? "" }),
-        ...outputs.map((output, i) => cell(name, output, i))))),
+        ...outputs.map((output) => cell(name, output))))),
     );
   }
 

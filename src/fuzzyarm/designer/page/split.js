@@ -51,7 +51,9 @@ const kept = {
  */
 export function splitter({ key, vertical, at, usual }) {
   const root = document.documentElement;
-  let share = kept.read(key) ?? usual;
+  // Of several files each has a handle: what one says counts for all, remembered or not.
+  const now = () => parseFloat(root.style.getPropertyValue(`--${key}-a`)) || null;
+  let share = now() ?? kept.read(key) ?? usual;
   const handle = el("div", {
     class: `split ${vertical ? "columns" : "rows"}`, role: "separator", tabIndex: 0, title: S.split,
     "aria-label": S.splitOf(vertical), "aria-orientation": vertical ? "vertical" : "horizontal",
@@ -93,14 +95,13 @@ export function splitter({ key, vertical, at, usual }) {
   });
   handle.addEventListener("dblclick", () => put(usual));
   handle.addEventListener("keydown", (event) => {
-    const next = shareBy(event.key, Number(kept.read(key) ?? usual), usual, vertical);
+    const next = shareBy(event.key, now(), usual, vertical);
     if (next === null || event.ctrlKey || event.metaKey || event.altKey) return;
     event.preventDefault();
     event.stopPropagation();
     put(next);
   });
-  // Of several files each has a handle: what one says counts for all.
-  handle.addEventListener("focus", () => put(Number(kept.read(key) ?? share)));
+  handle.addEventListener("focus", () => put(now(), false));
   put(share, false);
   return handle;
 }

@@ -74,6 +74,9 @@ export function piecesOf(corners, low, high) {
   return pieces;
 }
 
+/** A number as JSON can have it, which has no infinite ones. */
+export const sendable = (x) => (Number.isFinite(x) ? x : x > 0 ? "inf" : "-inf");
+
 export function rangeOf(variable) {
   const known = variable.terms.flatMap((term) => term.parameters).filter(Number.isFinite);
   const low = variable.low ?? Math.min(0, ...known) - 1;

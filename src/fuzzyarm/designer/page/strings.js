@@ -46,7 +46,6 @@ export const S = {
   newFile: "New file …",
   importFile: "Import …",
   importHint: "Rule bases and tables of other programs: drop them anywhere on this page",
-  imported: ".frb,.fis,.fll,.fcl,.fml,.xml,.lut,.csv,.json,.npz",
   onlyOne: "The designer has one file open; open its folder to write others. What is dropped takes the place of the text.",
   emptyFolder: "This folder has no rule base yet",
   emptyHint: "Begin with one of these; everything in it can be changed, by hand or in its text.",
@@ -78,6 +77,7 @@ export const S = {
   noScripts: "A script is not run from a page. fuzzyarm convert SCRIPT.py -o FOLDER runs it; the page shows what it makes.",
   tooLarge: (bytes, most) => `The file has ${bytes} bytes; at most ${most} are taken here. fuzzyarm convert has no such limit.`,
   converting: (name) => `${name} is converted …`,
+  notRead: (why) => `It cannot be read; a folder cannot be imported. (${why})`,
   notImported: (name) => `${name} is not imported`,
   importedAs: (name, made) => `${name} is now ${made}`,
   otherKind: (name) => `${name} is of another kind: a rule base is not a table.`,
@@ -178,7 +178,7 @@ export const S = {
     {
       title: "Design: terms", view: "design",
       words: ["Drag a circle to move a corner, a diamond to change a width, the name to move a whole term. A term that is chosen shows "
-        + "its kind and its numbers below, to be typed. Above each plot: another term, the range, another name, away with it."],
+        + "its kind and its numbers below, to be typed. Above each plot: another term, the range, another name, remove it."],
       rows: [
         ["Tab", "from handle to handle"],
         ["← →", "move the handle; with Ctrl ten steps"],
@@ -326,7 +326,9 @@ export const S = {
   makeAround: "Make a controller …",
   aroundTitle: (name) => `A controller around ${name}`,
   aroundName: (name) => name.replace(/(\.[^.]*)?$/, "-controller.frb"),
-  unsavedUsed: (names) => `What is saved of ${names} is what runs: its window has more.`,
+  unsavedUsed: (names) => (names.length === 1
+    ? `${names[0]} has unsaved changes; the run uses the saved version.`
+    : `${names.join(", ")} have unsaved changes; the run uses the saved versions.`),
   saveFile: (name) => `Save ${name}`,
   copyHere: (name) => `Copy ${name} here`,
   copyHereHint: "It comes with fuzzyarm; a copy in this folder can be changed",
@@ -364,7 +366,7 @@ export const S = {
   runNextTime: "This counts from the next start on.",
   runTaken: "The text of now runs.",
   runRestart: "The text has another structure now: Restart runs it.",
-  runReached: ({ at }) => `${at} s, as asked for. Go on runs further, and so does a push of the plant; what is changed now is run from the start.`,
+  runReached: ({ at }) => `${at} s, the time asked for. 'Go on' continues, and so does a push of the plant; what is changed now is run from the start.`,
   runOver: {
     finished: ({ at }) => `Finished at ${at} s.`,
     ended: ({ at }) => `The plant ended the run at ${at} s.`,

@@ -1,7 +1,7 @@
 // Terms: the membership functions of every variable, with handles that a hand can move.
 
 import { el, svg, pane, hue, shortNumber, ticks, eachFrame } from "./draw.js";
-import { rangeOf, cornersOf, sidesOf, shapeKey, WIDTHS } from "./store.js";
+import { rangeOf, cornersOf, sendable, sidesOf, shapeKey, WIDTHS } from "./store.js";
 import { S } from "./strings.js";
 import { addVariable, variableHead } from "./variables.js";
 
@@ -596,7 +596,7 @@ export function termsPane(store, hand) {
     };
     const said = (shape) => {
       const { parameters, height } = store.now(variable, shape);
-      return { kind: shape.kind, parameters: parameters.map(finite), height };
+      return { kind: shape.kind, parameters: parameters.map(sendable), height };
     };
     const shapes = variable.terms.flatMap((term) => (sidesOf(term).every(isSame) ? [] : [{
       variable: variable.name, term: term.name, ...said(term), lower: term.lower ? said(term.lower) : null,
@@ -606,8 +606,6 @@ export function termsPane(store, hand) {
       if (taken === false) store.forget();
     });
   }
-
-  const finite = (x) => (Number.isFinite(x) ? x : x > 0 ? "inf" : "-inf"); // JSON has no infinite ones
 
   const redraw = eachFrame(draw);
   store.on("scene", build);

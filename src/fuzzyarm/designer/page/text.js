@@ -143,7 +143,7 @@ export function textPane(link, nonce) {
     send();
   }
 
-  /** Start from the server's text. It comes as the change of somebody else, which is no step of this hand. */
+  /** Start from the server's text. It comes as the change of somebody else, so that undo does not take it back. */
   function open(message) {
     epoch = message.epoch;
     sending = false;

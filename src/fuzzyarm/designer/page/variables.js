@@ -1,10 +1,10 @@
 // Variables: the line above the plot of each, and the dialogs that add, stretch, rename and remove them.
 
 import { el, shortNumber } from "./draw.js";
-import { rangeOf } from "./store.js";
+import { rangeOf, sendable } from "./store.js";
 import { S } from "./strings.js";
 
-/** Numbers of a range as a person types them; null where they are none. */
+/** Numbers of a range as a person types them; null where they are not numbers. */
 export function readEnds(low, high) {
   const ends = [low, high].map((text) => Number(String(text).trim().replace("inf", "Infinity") || NaN));
   return ends.some(Number.isNaN) ? null : ends;
@@ -30,7 +30,7 @@ export function addVariable({ fill, attempt }, role) {
   ], S.add, ({ variable, low, high, terms }) => {
     const ends = readEnds(low, high);
     if (!ends) return { error: S.notARange };
-    return attempt("variable", { role, variable: variable.trim(), low: ends[0], high: ends[1], terms: readNames(terms) });
+    return attempt("variable", { role, variable: variable.trim(), low: sendable(ends[0]), high: sendable(ends[1]), terms: readNames(terms) });
   }, S.addVariableNote);
 }
 
@@ -40,7 +40,7 @@ function stretch({ fill, attempt }, variable) {
     { name: "low", label: S.lowEnd, value: low }, { name: "high", label: S.highEnd, value: high },
   ], S.ok, (values) => {
     const ends = readEnds(values.low, values.high);
-    return ends ? attempt("range", { variable: variable.name, low: ends[0], high: ends[1] }) : { error: S.notARange };
+    return ends ? attempt("range", { variable: variable.name, low: sendable(ends[0]), high: sendable(ends[1]) }) : { error: S.notARange };
   });
 }
 
