@@ -267,8 +267,8 @@ class Designer:
             _passed_on(window, message)
             return
         if wanted in {"hello", "folder"}:
-            answer = self._welcomed if wanted == "hello" else self._foldered
-            self._hold(answer(window, message))
+            reply = self._welcomed if wanted == "hello" else self._foldered
+            self._hold(reply(window, message))
             return
         name = str(message["file"])
         if wanted == "close":
