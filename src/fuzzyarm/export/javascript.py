@@ -1,8 +1,8 @@
 """A rule base in JavaScript: an ES module that infers in a page or in node.
 
-Three things make it: the kernel, translated from its own source (:mod:`fuzzyarm.native`); shapes,
-norms and hedges, printed from their expressions by the table of operations; and the rule base
-as the flat list of numbers that the kernel reads (:mod:`fuzzyarm.inference.layout`). So a page
+Three things make it: the kernel, translated from its own source (:mod:`fuzzyarm.translation`);
+shapes, norms and hedges, printed from their expressions by the table of operations; and the rule
+base as the flat list of numbers that the kernel reads (:mod:`fuzzyarm.inference.layout`). So a page
 that changes a rule base gets other numbers, not another program: nothing is compiled, no text
 is run, and a strict content policy holds. Where only + − × ÷, min and max occur the bits are
 those of Python; functions such as ``exp`` may differ in their last bits between engines.

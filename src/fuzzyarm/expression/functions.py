@@ -102,9 +102,9 @@ def row_source(root: Node, rows: Sequence[str], numbers: Sequence[str], name: st
 
 
 def row_function(source: str, name: str) -> Callable[..., None]:
-    """Return the function of some text from :func:`row_source`, for numba or the interpreter.
+    """Return the function of some text from :func:`row_source`, for the interpreter.
 
-    Its names are bound to what numba compiles: the roundings of NumPy return floats.
+    Roundings are those of NumPy, which return floats.
     """
     import numpy as np
 

@@ -334,7 +334,7 @@ PYTHON = Language(
     "  # {}",
     {},
 )
-"""Python over floats, for the interpreter and for numba."""
+"""Python over floats, for the interpreter."""
 
 
 def c_language(real: str = "double") -> Language:

@@ -32,7 +32,7 @@ A program is a stretch of whole numbers::
                       then what its defuzzifier reads
 
 What a program does with a row beside min, max, product and sum (other norms, curved terms,
-the defuzzifiers) it calls by address: it is compiled when a rule base needs it first.
+the defuzzifiers) it calls by address.
 
 A closed loop asks for one point at a time, millions of times. There half of the work would be to
 find rows that are one number long, so :func:`evaluate` walks a program by itself, number by
@@ -214,7 +214,7 @@ def sweep(block: Any) -> None:
             k[INPUT_ROWS] = k[ORDERED] + begin
             k[PROGRAM] = k[k[PROGRAMS_AT] + program]
             k[FIRST], k[COUNT] = begin, end - begin
-            call(k[RUN], block)  # one body of code for `evaluate` and `sweep`, compiled once
+            call(k[RUN], block)  # one body of code for `evaluate` and `sweep`
             begin = end
 
 

@@ -171,7 +171,7 @@ def lay_out(
         evaluate, and its last bits differ.
     alone : bool
         For :func:`fuzzyarm.inference.kernel.evaluate` only: the address of what it does by itself
-        is 0, and is not compiled.
+        is 0.
 
     Returns
     -------
