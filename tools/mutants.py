@@ -34,10 +34,14 @@ _FORMATS = [
     "orders_of_numbers", "format_readers", "fis_of_others", "format_references",
     "format_roundtrips",
 ]  # fmt: skip
-_KERNELS = ["tests/project/test_kernels.py", "tests/project/test_compilers.py"]
+_PLANTS = ["any_plant", "own_controllers"]
 TESTS = {
-    "machine_code.py": _KERNELS,
-    "kernels.py": _KERNELS,
+    "kernels.py": ["tests/project/test_kernels.py", "tests/native"],
+    "plant/equations.py": ["tests/plant/test_equations.py", "tests/loop/test_any_plant.py"],
+    "plant/own.py": [f"tests/loop/test_{name}.py" for name in _PLANTS],
+    "plant/tried.py": ["tests/plant/test_own_mistakes.py", "tests/loop/test_any_plant.py"],
+    "loop/program.py": [f"tests/loop/test_{name}.py" for name in _PLANTS],
+    "expression/sources.py": ["tests/controller/test_sources.py"],
     "expression/norms.py": [f"tests/expression/test_{each}.py" for each in _DEFINITIONS],
     "expression/formulas.py": ["tests/expression/test_formulas.py"],
     "expression/": ["tests/expression"],
@@ -226,7 +230,6 @@ class Copy:
             **os.environ,
             "PYTHONPATH": str(self.home / "src"),
             "PYTHONDONTWRITEBYTECODE": "1",
-            "NUMBA_CACHE_DIR": str(self.home / "machine-code"),
         }
         words = [sys.executable, "-m", "pytest", "-x", "-q", "-n0", "-m", marks, *tests]
         try:
