@@ -345,7 +345,7 @@ def test_what_cannot_be_tuned_is_said(page):
         ("heater.frb", {"cost": "x.py:f"}, "on the command line alone"),
         ("heater.frb", {"plant": "x.fmu"}, "runs no plant 'x.fmu'"),
         ("heater.frb", {"reference": "20"}, "--reference takes NAME=VALUE, not '20'"),
-        ("heater.frb", {"reference": "temperature=x"}, "'x' is not a reference"),
+        ("heater.frb", {"reference": "temperature=x"}, "'x' is not a signal"),
         ("heater.frb", {"evals": 1.5}, "out of range"),
         ("heater.frb", {"lines": "peaks"}, "expected the name of a variable"),
     ):

@@ -168,7 +168,7 @@ def test_loads_and_sensors_take_words_too():
         ({"duration": "300"}, WordError, "duration takes a time with a unit (us, ms, s, min, h)"),
         ({"duration": "soon"}, WordError, "not 'soon'"),
         ({"references": {"position": "stp:1"}}, PlantError, "did you mean 'step'?"),
-        ({"references": {"position": "step:x"}}, PlantError, "'step:x' is not a reference"),
+        ({"references": {"position": "step:x"}}, PlantError, "'step:x' is not a signal"),
         ({"references": {"postion": "step:1"}}, PlantError, "no port 'postion'"),
     ],
 )

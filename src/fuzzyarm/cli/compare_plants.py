@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from fuzzyarm.cli.command import WordError, print_json, progress_bar
 from fuzzyarm.cli.experiment import DIVERGED
 from fuzzyarm.cli.plants import (
+    OF_COMPARED,
     OF_OTHERS,
     connections,
     motion_of,
@@ -44,7 +45,7 @@ def other_plant(
             message = f"{option} is for other plants; the arm runs along its trajectories"
             raise WordError(message)
         return None
-    require_plain(arguments, payload=True)
+    require_plain(arguments, payload=True, others=OF_COMPARED)
     return controllers, plant
 
 

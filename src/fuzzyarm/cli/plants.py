@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.cli.command import WordError, argument, flag, group
@@ -117,8 +118,7 @@ def motion_of(arguments: argparse.Namespace, controller: Controller, plant: Plan
 OF_THE_ARM: dict[str, Any] = {
     "payload": False, "loaded": None, "angles": None, "way_points": None, "segment": None,
     "hold": None, "limits": None, "supply": None, "inductance": None, "conventions": "plain",
-    "precision": None, "pi": None, "load_in_hold": True, "cost": False, "operations": False,
-    "errors": None,
+    "precision": None, "pi": None, "load_in_hold": True,
 }  # fmt: skip
 """Options that only the arm understands, and what they are where nobody gives them."""
 
@@ -137,9 +137,18 @@ def option_given(arguments: argparse.Namespace, names: Iterable[str]) -> str | N
     return None
 
 
-def require_plain(arguments: argparse.Namespace, *, payload: bool | None = False) -> None:
+OF_COMPARED: dict[str, Any] = {"cost": False, "operations": False, "errors": None}
+"""Options of ``compare`` that are for the arm, too."""
+
+
+def require_plain(
+    arguments: argparse.Namespace,
+    *,
+    payload: bool | None = False,
+    others: Mapping[str, Any] = MappingProxyType({}),
+) -> None:
     """Refuse what only the arm understands; `payload` is what a command has by itself."""
-    for name, usual in (OF_THE_ARM | {"payload": payload}).items():
+    for name, usual in (OF_THE_ARM | {"payload": payload} | dict(others)).items():
         value = getattr(arguments, name, usual)
         if value is not None and value != usual:
             option = f"--{'no-' if value is False else ''}{name.replace('_', '-')}"
