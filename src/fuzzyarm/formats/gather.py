@@ -209,13 +209,19 @@ class _Finder(importlib.abc.MetaPathFinder):
 
 
 class _Interrupt:
-    """Interrupts the script after `seconds`, and ends the process if that does not help."""
+    """Interrupts the script after `seconds`; if that does not help, holds it and calls `end`."""
 
     def __init__(self, seconds: float, end: Callable[[], None]) -> None:
         self.happened = False
+        self._end = end
+        # A process started in the background of a shell ignores interrupts.
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+        self._held = threading.Event()
+        if hasattr(signal, "pthread_kill"):
+            signal.signal(signal.SIGUSR1, self._hold)
         self._timers = [
             threading.Timer(seconds, self._interrupt),
-            threading.Timer(seconds + GRACE, end),
+            threading.Timer(seconds + GRACE, self._take_over),
         ]
         for timer in self._timers:
             timer.daemon = True
@@ -229,6 +235,18 @@ class _Interrupt:
             signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)
         else:
             _thread.interrupt_main()
+
+    def _take_over(self) -> None:
+        # The numbers of a system are false while the script computes with it in another thread.
+        if hasattr(signal, "pthread_kill"):
+            signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGUSR1)
+            self._held.wait(1.0)
+        self._end()
+
+    def _hold(self, *_: object) -> None:
+        self._held.set()
+        while True:
+            time.sleep(GRACE)
 
     def cancel(self) -> None:
         """Let the process go on."""
@@ -528,7 +546,7 @@ def main() -> None:
         except BaseException as error:
             answer({**data, "found": [], "refused": f"{type(error).__name__}: {error}"[:500]})
 
-    # A script that catches every interrupt goes on while its systems are gathered.
+    # A script that catches every interrupt is held while its systems are gathered.
     interrupt = _Interrupt(options["seconds"], lambda: finish(None, endless=True))
     ended_by = _run(script, module, options.get("call"))
     interrupt.cancel()

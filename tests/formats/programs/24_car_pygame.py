@@ -42,7 +42,10 @@ while True:
         if event.type == QUIT:
             pygame.quit()
             sys.exit()
-    car.update()
+    try:
+        car.update()
+    except:
+        pass  # the game must go on
     screen.fill((255, 255, 255))
     pygame.display.flip()
     clock.tick(60)
