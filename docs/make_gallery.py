@@ -65,10 +65,10 @@ OTHERS = {
         "degrees of both inputs as bars, the rules that fire with their lines, the cut sets",
         "eval rulebases/pd7.frb e=1.3 ce=-2 --explain",
     ),
-    "studio-surface.svg": (
-        "The studio",
-        "the text of the rules on the left, their control surface on the right",
-        "studio rulebases/pd7.frb",
+    "watch.svg": (
+        "A file drawn at each save",
+        "the control surface of a thermostat in colours, its rules as two grids",
+        "watch rulebases/thermostat.frb",
     ),
     "sweep-map.png": (
         "Where a controller keeps its error small",

@@ -6,7 +6,7 @@
     python docs/make_pictures.py type2      # interval type-2 alone
     python docs/make_pictures.py motor      # one of them
     python docs/make_pictures.py controllers # block diagrams alone
-    python docs/make_pictures.py authoring  # editor, commands and studio alone
+    python docs/make_pictures.py authoring  # editor and commands alone
 
 Every picture comes from what a reader would use: commands, or the functions behind them.
 `tests/show/test_pictures.py` draws those that take no run of a plant again and compares them.
@@ -14,7 +14,6 @@ Every picture comes from what a reader would use: commands, or the functions beh
 
 from __future__ import annotations
 
-import asyncio
 import io
 import os
 import re
@@ -41,8 +40,6 @@ from fuzzyarm.plant import find_plant, pick_and_place
 from fuzzyarm.show.figures import inference_figure, rulebase_figure
 from fuzzyarm.show.figures.animation import animate
 from fuzzyarm.show.figures.run import draw_runs
-from fuzzyarm.studio.app import Studio
-from fuzzyarm.studio.document import StudioDocument
 
 ROOT = Path(__file__).parents[1]
 PICTURES = ROOT / "docs" / "pictures"
@@ -173,7 +170,7 @@ def draw_sector() -> None:
     do(["prove", str(shipped("servo.frb")), "--sector", "--plot", out])
 
 
-# --- Of docs/authoring.md: what the editor, the commands and the studio show ---
+# --- Of docs/authoring.md: what the editor and the commands show ---
 
 _FONT_FACE = re.compile(r"@font-face\s*\{.*?\}", re.DOTALL)
 _FONTS = "ui-monospace, Menlo, Consolas, DejaVu Sans Mono, monospace"
@@ -218,17 +215,6 @@ def command(*words: str, folder: Path = ROOT, status: int = 0) -> Text:
     shown = Text.assemble(("$ fuzzyarm " + " ".join(words) + "\n", "bold green"))
     clock = re.compile(r"\b\d\d:\d\d:\d\d\b")  # of `watch`
     return shown + Text.from_ansi(clock.sub("12:00:00", done.stdout + done.stderr))
-
-
-async def studio(file: Path, keys: list[str], name: str, size: tuple[int, int] = (80, 24)) -> None:
-    """Press keys in the studio and keep the screen."""
-    app = Studio(StudioDocument(file))
-    async with app.run_test(size=size) as pilot:
-        await pilot.pause()
-        await pilot.press(*keys)
-        app.read_text()
-        await pilot.pause(0.2)
-        save(app.export_screenshot(title=f"fuzzyarm studio {file.name}"), name)
 
 
 def coloured_text(text: str, lines: range, mark: tuple[int, int] | None = None) -> Text:
@@ -317,15 +303,6 @@ def draw_authoring() -> None:
         point = ("eval", "pd7.frb", "e=1.3", "ce=-2")
         command(*point, "--explain", "--plot", figure.name, folder=folder)
         shutil.copy(figure, PICTURES / "explained.svg")
-        asyncio.run(studio(folder / "pd7.frb", ["tab", "shift+right", "shift+down"],
-                           "studio-surface"))  # fmt: skip
-        asyncio.run(
-            studio(folder / "thermostat.frb", ["f3", "tab", "right", "down"], "studio-rules")
-        )
-        asyncio.run(studio(folder / "pd7.frb", ["f5", "tab", *["right"] * 2, *["down"] * 3],
-                           "studio-firing"))  # fmt: skip
-        asyncio.run(studio(folder / "fan.frb", ["f4", *["down"] * 4, "right", "x"],
-                           "studio-broken", (100, 28)))  # fmt: skip
 
 
 CONTROLLERS = {"tanks": [], "cfaf": ["--what", "diagram"]}

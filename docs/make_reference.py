@@ -235,7 +235,7 @@ def _linked(name: str) -> str:
     return f"{{py:obj}}`fuzzyarm.{name}`"
 
 
-_NOT_FOR_IMPORT = ("fuzzyarm.cli", "fuzzyarm.lsp", "fuzzyarm.studio")
+_NOT_FOR_IMPORT = ("fuzzyarm.cli", "fuzzyarm.lsp", "fuzzyarm.watch")
 """Packages that people call from a terminal or an editor."""
 
 

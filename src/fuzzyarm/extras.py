@@ -1,6 +1,6 @@
 """How an extra is installed, in words that can be typed where they are read.
 
-fuzzyarm is on no index, so ``fuzzyarm[studio]`` is not a name that pip finds. In a clone, or where
+fuzzyarm is on no index, so ``fuzzyarm[lsp]`` is not a name that pip finds. In a clone, or where
 it was installed from one, pip is given the clone; elsewhere what the extra asks for.
 """
 

@@ -41,7 +41,7 @@ def test_new_says_what_can_be_typed(tmp_path, monkeypatch, capsys):
     assert main(["new", "my joint's"]) == 0
     told = capsys.readouterr().out.split("see it with")[1]
     words = shlex.split(told)
-    assert words == ["fuzzyarm", "studio", "my joint's.frb"]
+    assert words == ["fuzzyarm", "watch", "my joint's.frb"]
     assert (tmp_path / words[-1]).is_file()
 
 

@@ -79,7 +79,6 @@ def of_every_command(name="x" + HOSTILE):
         *(["convert", file, f"x{suffix}", "--lossy"]
           for file in (PD7, hostile) for suffix in (".frb", ".fll", ".fcl", ".fis")),
         ["convert", hostile, "x.fis", "--json"],
-        ["corpus", "."],
         ["simulate", "--list"],
         ["simulate", "pd", "--duration", "0.1"],
         ["simulate", "nothing"],
@@ -98,7 +97,6 @@ def of_every_command(name="x" + HOSTILE):
         ["reproduce", "--list"],
         ["identify", "nothing"],
         ["new", "n\x1b[31m"],
-        ["studio", PD7],
         ["watch", "--once", hostile],
         ["watch", "--once", "broken.frb"],
         ["lsp", "--tcp", "nothing"],

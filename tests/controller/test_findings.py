@@ -20,8 +20,8 @@ from fuzzyarm.model.units import product, read_unit, unit_text, unlike
 from fuzzyarm.plant.own import PLANTS, find_plant
 from fuzzyarm.plant.plant import interface_of
 from fuzzyarm.shipped_files import shipped, shipped_names
-from fuzzyarm.studio.document import StudioDocument
 from fuzzyarm.text.diagnostic import Severity
+from fuzzyarm.watch import WatchedFile
 
 PAGE = Path(__file__).parents[2] / "docs" / "controllers.md"
 
@@ -412,9 +412,9 @@ def test_an_editor_shows_ports_ranges_and_the_findings_of_files(tmp_path):
     file.write_text(text)
     found = [each.name for each in Session(str(file), text).review().diagnostics]
     assert found == ["missing-file"]
-    assert [each.name for each in StudioDocument(file).findings] == found
+    assert [each.name for each in WatchedFile(file).findings] == found
     file.write_text(servo(G_e="50000"))
-    assert [each.name for each in StudioDocument(file).findings] == ["range-mismatch"]
+    assert [each.name for each in WatchedFile(file).findings] == ["range-mismatch"]
     session = Session(str(file), servo())
     assert "reaches -1257 .. 1257" in session.kind.hover(session.reading, 8, 3).markdown
     assert "reaches -24 .. 24" in session.kind.hover(session.reading, 11, 19).markdown

@@ -8,13 +8,13 @@ import re
 from dataclasses import replace
 from pathlib import Path
 
+import corpus
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from strategies import input_points, rulebases
 
 from fuzzyarm import shipped
-from fuzzyarm.cli.corpus import difference
 from fuzzyarm.cli.main import main
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.formats import same_model, write
@@ -127,29 +127,34 @@ def test_corpus_reports_a_folder(tmp_path: Path, capsys: pytest.CaptureFixture[s
     # light 0.25: power is high alone, so its centroid is that of the triangle
     row = {"input_names": ["light"], "output_names": ["power"], "inputs": [[0.25]]}
     (reference / "one.fll.json").write_text(json.dumps({**row, "outputs": [[0.75]]}))
-    assert main(["corpus", str(tmp_path), "--json"]) == 0
+    assert corpus.main([str(tmp_path), "--json"]) == 0
     report = json.loads(capsys.readouterr().out)
     assert report["summary"]["all"] == {
         "files": 2, "imported": 1, "diagnosed": 1, "compared": 1, "matched": 1,
     }  # fmt: skip
     assert "unknown-norm" in report["files"][1]["findings"]
     (reference / "one.fll.json").write_text(json.dumps({**row, "outputs": [[0.7501]]}))
-    assert main(["corpus", str(tmp_path)]) == 0
+    assert corpus.main([str(tmp_path)]) == 0
     assert "one.fll: differs" in capsys.readouterr().out
 
 
 def test_corpus_of_nothing_is_an_error(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["corpus", str(tmp_path)]) == 1
-    assert main(["corpus", str(tmp_path / "nowhere")]) == 1
+    assert corpus.main([str(tmp_path)]) == 1
+    assert corpus.main([str(tmp_path / "nowhere")]) == 1
     assert len(capsys.readouterr().err.strip().splitlines()) == 2
 
 
 def test_no_value_equals_no_value_alone() -> None:
     nan, inf = float("nan"), float("inf")
-    assert difference(nan, nan) == 0.0
-    assert difference(nan, 1.0) == difference(1.0, nan) == difference(1.0, inf) == inf
-    assert difference(inf, inf) == 0.0
-    assert difference(2.0, 2.0 + 4e-6) == pytest.approx(2e-6, rel=1e-4)
+    assert corpus.difference(nan, nan) == 0.0
+    assert (
+        corpus.difference(nan, 1.0)
+        == corpus.difference(1.0, nan)
+        == corpus.difference(1.0, inf)
+        == inf
+    )
+    assert corpus.difference(inf, inf) == 0.0
+    assert corpus.difference(2.0, 2.0 + 4e-6) == pytest.approx(2e-6, rel=1e-4)
 
 
 @pytest.mark.parametrize("suffix", ["fll", "fcl", "fis"])

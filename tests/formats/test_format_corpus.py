@@ -7,8 +7,7 @@ from functools import cache
 from pathlib import Path
 
 import pytest
-
-from fuzzyarm.cli.corpus import Row, summary, survey
+from corpus import Row, summary, survey
 
 CORPUS = Path(
     os.environ.get("FUZZYARM_CORPUS", Path(__file__).parents[2].parent / "shared" / "corpus")

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from corpus import read_references, worst_difference
 
-from fuzzyarm.cli.corpus import read_references, worst_difference
 from fuzzyarm.formats import parse, read, write
 
 HERE = Path(__file__).parent

@@ -230,7 +230,6 @@ QUICK = ("sampled", "and", "hedge")
 
 NO_RULE_BASE = {
     "compare",
-    "corpus",
     "demo",
     "identify",
     "learn",
@@ -238,7 +237,6 @@ NO_RULE_BASE = {
     "new",
     "reproduce",
     "shipped",
-    "studio",
     "sweep",
 }
 

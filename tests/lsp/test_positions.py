@@ -45,7 +45,7 @@ def test_a_missing_extra_is_one_clear_sentence() -> None:
     assert str(caught.value) == f"the language server needs an extra: {installing('lsp')}"
 
 
-@pytest.mark.parametrize(("command", "extra"), [("lsp", "lsp"), ("studio x.frb", "studio")])
+@pytest.mark.parametrize(("command", "extra"), [("lsp", "lsp")])
 def test_the_commands_say_which_extra_they_need(command: str, extra: str) -> None:
     hide = (
         "import sys, importlib.util as u; real = u.find_spec;"

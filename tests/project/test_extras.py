@@ -136,11 +136,11 @@ def test_a_parquet_file_names_its_extra(monkeypatch, tmp_path):
 def test_in_a_clone_pip_is_given_the_clone(monkeypatch, tmp_path):
     monkeypatch.setattr(extras, "_pip", lambda: "pip")
     monkeypatch.chdir(ROOT)
-    assert extras.installing("studio") == 'pip install -e ".[studio]"'
+    assert extras.installing("lsp") == 'pip install -e ".[lsp]"'
     monkeypatch.chdir(tmp_path)
-    assert extras.installing("studio") == f'pip install -e "{ROOT}[studio]"'
+    assert extras.installing("lsp") == f'pip install -e "{ROOT}[lsp]"'
     with pytest.raises(MissingExtraError, match=r"a thing needs an extra: pip install -e "):
-        demand_extra("no_such_library", "studio", "a thing")
+        demand_extra("no_such_library", "lsp", "a thing")
 
 
 @pytest.fixture
@@ -156,7 +156,7 @@ def elsewhere(monkeypatch, tmp_path):
             assert name == "direct_url.json"
             return self.record and json.dumps(self.record)
 
-    lines = ["numpy>=2.0", "textual>=6.0; extra == 'studio'", 'a; extra == "two"', "b;extra=='two'"]
+    lines = ["numpy>=2.0", "pygls>=2.0; extra == 'lsp'", 'a; extra == "two"', "b;extra=='two'"]
     monkeypatch.setattr(extras, "distribution", lambda name: Distribution())
     monkeypatch.setattr(extras, "requires", lambda name: lines)
     return Distribution
@@ -167,16 +167,16 @@ def test_what_came_from_a_clone_that_is_still_there_names_it(elsewhere, tmp_path
     (clone / "src" / "fuzzyarm").mkdir(parents=True)
     (clone / "pyproject.toml").write_text("")
     elsewhere.record = {"url": clone.as_uri(), "dir_info": {}}
-    assert extras.installing("studio") == f'pip install "{clone}[studio]"'
+    assert extras.installing("lsp") == f'pip install "{clone}[lsp]"'
     (clone / "pyproject.toml").unlink()
-    assert extras.installing("studio") == 'pip install "textual>=6.0"'
+    assert extras.installing("lsp") == 'pip install "pygls>=2.0"'
 
 
 def test_what_came_from_an_archive_names_what_the_extra_asks_for(elsewhere):
     elsewhere.record = {"url": "file:///x.whl", "archive_info": {}}
     assert extras.installing("two") == 'pip install "a" "b"'
     elsewhere.record = None
-    assert extras.installing("studio") == 'pip install "textual>=6.0"'
+    assert extras.installing("lsp") == 'pip install "pygls>=2.0"'
 
 
 def test_pip_is_called_as_the_shell_knows_it(monkeypatch, tmp_path):

@@ -42,7 +42,7 @@ ORDER = (
     "show",
     "notebook",
     "lsp",
-    "studio",
+    "watch",
     "designer",
     "native",
     "cli",

@@ -97,5 +97,5 @@ def test_the_wheel_is_ready_for_an_index(wheel):
     assert told["License-Expression"] == "MIT"
     assert told["License-File"] == "LICENSE"
     assert any(name.endswith("/licenses/LICENSE") for name in files)
-    assert {"lsp", "studio"} <= {value for field, value in fields if field == "Provides-Extra"}
+    assert {"lsp"} <= {value for field, value in fields if field == "Provides-Extra"}
     assert description.startswith("# fuzzyarm")

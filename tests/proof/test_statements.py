@@ -22,7 +22,7 @@ from fuzzyarm.proof import Prover, prove, prove_all
 from fuzzyarm.text.diagnostic import RuleBaseError
 
 if TYPE_CHECKING:
-    from fuzzyarm.studio.document import StudioDocument
+    from fuzzyarm.watch import WatchedFile
 
 PD7 = fuzzyarm.shipped("pd7.frb").read_text()
 
@@ -230,12 +230,12 @@ def test_completion_and_hover() -> None:
 def test_where_a_property_fails_is_marked_and_pasted(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """On the figure, on the studio's surface, and by a quick fix that makes the file say so."""
-    from fuzzyarm.studio.document import StudioDocument
+    """On the figure, on the surface of `watch`, and by a quick fix that makes the file say so."""
+    from fuzzyarm.watch import WatchedFile
 
     path = tmp_path / "p.frb"
     path.write_text(f"{PD7}prove u rises with e  # why\nprove u odd\n")
-    document = StudioDocument(path)
+    document = WatchedFile(path)
     (finding,) = [each for each in document.findings if each.name == "refuted-property"]
     (refuted, odd) = document.session.verdicts
     assert [list(point.values()) for point in refuted.points] == [[-3, -6], [-2, -6]]
@@ -258,8 +258,8 @@ def test_where_a_property_fails_is_marked_and_pasted(
     assert [each.name for each in pasted.diagnostics] == ["refuted-property"]
 
 
-def capture(document: StudioDocument) -> int:
-    """How many marks of failures the surface of the studio has."""
+def capture(document: WatchedFile) -> int:
+    """How many marks of failures the surface of `watch` has."""
     from rich.console import Console
 
     assert document.scene is not None

@@ -21,8 +21,8 @@ from fuzzyarm.show.figures import (
     table_figure,
 )
 from fuzzyarm.show.figures.labels import shortened, spread, text_width, thinned, wrapped
-from fuzzyarm.studio.scene import RulebaseScene
 from fuzzyarm.table import LookupTable, compile_table
+from fuzzyarm.watch import RulebaseScene
 from tests.show.boxes import faults
 
 

@@ -162,7 +162,7 @@ def starting_text(
     _demand_sound([*inputs, output])
     lines = [
         f"# {start.purpose}",
-        "# Check it with `fuzzyarm check`, see it with `fuzzyarm studio`.",
+        "# Check it with `fuzzyarm check`, see it with `fuzzyarm watch`.",
         f'rulebase {name_text(name)} "{start.purpose.split(":")[0].rstrip(".").lower()}"',
         "",
         *_declarations(start, inputs, output),

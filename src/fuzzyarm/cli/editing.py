@@ -1,4 +1,4 @@
-"""While a file is written: ``fuzzyarm studio``, ``fuzzyarm watch`` and ``fuzzyarm lsp``."""
+"""While a file is written: ``fuzzyarm watch`` and ``fuzzyarm lsp``."""
 
 from __future__ import annotations
 
@@ -24,43 +24,12 @@ from fuzzyarm.errors import FuzzyarmError, demand_extra
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.text.diagnostic import render_all
 from fuzzyarm.text.files import stamp_of
-from fuzzyarm.text.names import typed
 
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
 
-    from fuzzyarm.studio.document import StudioDocument
-
-
-_STUDIO = """Write a rule base and see what it means, as you type.
-
-The text is on the left; on the right stands what it means: the control surface, the rules,
-the terms, and which rules fire at the crisp inputs, which the arrow keys move. Findings
-stand below. Works in a terminal of 80 × 24, over ssh, with the mouse or without; F1 shows
-the keys. Needs the extra `studio`, see docs/install.md.
-"""
-
-
-class StudioError(FuzzyarmError, OSError):
-    """The studio cannot be opened."""
-
-
-def _studio(arguments: argparse.Namespace) -> int:
-    demand_extra("textual", "studio", "the studio")
-    if not Path(arguments.file).exists():
-        name = Path(arguments.file).with_suffix("")
-        raise StudioError(
-            f"no such file: {arguments.file}", hint=f"fuzzyarm new {typed(name)} writes one"
-        )
-    from fuzzyarm.studio.document import StudioDocument
-
-    document = StudioDocument(arguments.file)
-    if not (sys.stdin.isatty() and sys.stdout.isatty()):
-        raise StudioError("the studio needs a terminal", hint="fuzzyarm show prints a drawing")
-    from fuzzyarm.studio.app import Studio
-
-    hush()
-    return Studio(document).run() or 0
+    from fuzzyarm.watch.document import WatchedFile
+    from fuzzyarm.watch.keys import ReadKey
 
 
 _WATCH = """Draw a file again whenever it is saved, for people who keep their own editor.
@@ -68,7 +37,8 @@ _WATCH = """Draw a file again whenever it is saved, for people who keep their ow
 Shows the control surface, the rules and the findings of a rule base, or a lookup table.
 While the text has mistakes they are shown above the last good drawing. With --table the
 compiled table is written at each save, with --figure a figure (.png, .svg or .pdf).
-Ctrl-C ends it.
+In a terminal the arrow keys move the crisp inputs (with shift further), c puts them in the
+middle, x and y give the arrows other inputs, o shows the next output; q or Ctrl-C ends it.
 """
 
 _VIEWS = ("surface", "rules", "terms", "firing", "numbers")
@@ -79,12 +49,12 @@ _WIDEST, _SURFACE_HEIGHT = 76, 16
 
 def _watch(arguments: argparse.Namespace) -> int:
     from fuzzyarm.show.drawing import make_console
-    from fuzzyarm.studio.document import StudioDocument
+    from fuzzyarm.watch.document import WatchedFile
 
     _demand_sense(arguments)
     # Taken before the file is read: a save in between is then seen as one.
     seen = stamp_of(arguments.file)
-    document = StudioDocument(arguments.file)
+    document = WatchedFile(arguments.file)
     console = make_console()
     _redraw(console, document, arguments)
     if arguments.once:
@@ -92,8 +62,11 @@ def _watch(arguments: argparse.Namespace) -> int:
             print_error(f"{arguments.file}: {document.summary}")
         return int(document.broken)
     hush()
+    from fuzzyarm.watch.keys import keys_of_terminal
+
     try:
-        _follow(console, document, arguments, seen)
+        with keys_of_terminal() as read_key:
+            _follow(console, document, arguments, seen, read_key)
     except KeyboardInterrupt:
         if console.is_terminal:
             console.print()
@@ -114,12 +87,16 @@ def _demand_sense(arguments: argparse.Namespace) -> None:
 
 def _follow(
     console: Console,
-    document: StudioDocument,
+    document: WatchedFile,
     arguments: argparse.Namespace,
     seen: tuple[int, int, int] | None,
+    read_key: ReadKey,
 ) -> None:
-    while True:
-        time.sleep(_PAUSE)
+    from fuzzyarm.watch.keys import apply_key
+
+    while (key := read_key(_PAUSE)) != "q":
+        if key and document.scene is not None and apply_key(document.scene, key):
+            _draw(console, document, arguments, [])
         stamp = stamp_of(document.path)
         # An editor that replaces the file takes it away for a moment.
         if stamp is None or stamp == seen:
@@ -139,19 +116,32 @@ def _follow(
         _redraw(console, document, arguments)
 
 
-def _redraw(console: Console, document: StudioDocument, arguments: argparse.Namespace) -> None:
+def _redraw(console: Console, document: WatchedFile, arguments: argparse.Namespace) -> None:
     if arguments.at and document.scene is not None:
         document.scene.point |= read_assignments([arguments.at], list(document.scene.ranges))
-    notes = [] if document.broken else _write_products(document, arguments)
+    _draw(
+        console,
+        document,
+        arguments,
+        [] if document.broken else _write_products(document, arguments),
+    )
+
+
+def _draw(
+    console: Console, document: WatchedFile, arguments: argparse.Namespace, notes: list[str]
+) -> None:
     if console.is_terminal:
         console.clear()
-    console.print(_picture(document, min(console.width, _WIDEST), arguments.view or _USUAL))
+    width, views = min(console.width, _WIDEST), arguments.view or _USUAL
+    # Keys are named where they act.
+    keys = console.is_terminal and not arguments.once
+    console.print(_picture(document, width, views, keys=keys))
     for note in notes:
         console.print(note)
     sys.stdout.flush()
 
 
-def _write_products(document: StudioDocument, arguments: argparse.Namespace) -> list[str]:
+def _write_products(document: WatchedFile, arguments: argparse.Namespace) -> list[str]:
     """Write the table and the figure; say so, or why not: watching goes on."""
     notes = []
     rulebase = document.session.review().rulebase
@@ -166,7 +156,7 @@ def _write_products(document: StudioDocument, arguments: argparse.Namespace) -> 
     return notes
 
 
-def _write_table(document: StudioDocument, rulebase: RuleBase | None, target: str) -> None:
+def _write_table(document: WatchedFile, rulebase: RuleBase | None, target: str) -> None:
     from fuzzyarm.table import compile_table, write_table
 
     if rulebase is None:
@@ -174,7 +164,7 @@ def _write_table(document: StudioDocument, rulebase: RuleBase | None, target: st
     write_table(compile_table(rulebase), target)
 
 
-def _write_figure(document: StudioDocument, rulebase: RuleBase | None, target: str) -> None:
+def _write_figure(document: WatchedFile, rulebase: RuleBase | None, target: str) -> None:
     from fuzzyarm.show.figures import rulebase_figure, save_figure, table_figure
 
     if rulebase is not None:
@@ -187,7 +177,9 @@ def _write_figure(document: StudioDocument, rulebase: RuleBase | None, target: s
     save_figure(table_figure(read_table(document.path)), target)
 
 
-def _picture(document: StudioDocument, width: int, views: Sequence[str]) -> RenderableType:
+def _picture(
+    document: WatchedFile, width: int, views: Sequence[str], *, keys: bool
+) -> RenderableType:
     """Return the findings and, of `views`, the drawings that the file has."""
     from rich.console import Group
     from rich.text import Text
@@ -205,7 +197,7 @@ def _picture(document: StudioDocument, width: int, views: Sequence[str]) -> Rend
         parts += [Text("the drawing shows the last sound text", "yellow"), Text()]
     for view in (name for name in scene.VIEWS if name in views):
         parts += [scene.draw(view, width, _SURFACE_HEIGHT), Text()]
-    parts.append(scene.caption(keys=False))
+    parts.append(scene.caption(keys=keys))
     return Group(*parts)
 
 
@@ -247,7 +239,6 @@ def _serve(arguments: argparse.Namespace) -> int:
 _TEXT = argument("file FILE", "a .frb or .lut file")
 
 COMMANDS = (
-    command("studio", _STUDIO, _studio, _TEXT),
     command(
         "watch",
         _WATCH,

@@ -32,7 +32,6 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "shipped": ("start", "the files that come with fuzzyarm: list and copy them"),
     "check": ("check", "find mistakes and doubts in rule bases and tables"),
     "fmt": ("check", "rewrite rule bases in canonical form"),
-    "studio": ("editing", "write a rule base and see what it means, as you type"),
     "designer": ("designer", "a rule base as text and picture, in a browser"),
     "watch": ("editing", "draw a file again whenever it is saved"),
     "lsp": ("editing", "the language server for editors"),
@@ -43,7 +42,6 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "prove": ("prove", "what holds at every point, with a bound or a counterexample"),
     "compile": ("compile", "a lookup table, C, Structured Text or an FMU"),
     "convert": ("convert", "rule bases of other programs, in and out"),
-    "corpus": ("corpus", "how a folder of other programs' files comes in"),
     "simulate": ("simulate", "run controllers on the robot arm or any plant"),
     "sweep": ("sweep", "many runs over ranges of gains, plants and loads"),
     "compare": ("study", "compare controllers: errors, chatter and cost"),
@@ -69,6 +67,12 @@ HEADINGS = {
     "reproduce": "The published study",
 }
 """The command that a group of the help page begins with → its heading."""
+
+GONE = {
+    "studio": "fuzzyarm designer FILE edits in a browser, fuzzyarm watch FILE draws it",
+    "corpus": "python tools/corpus.py DIR does it in a clone",
+}
+"""Commands of earlier versions, and what to type instead."""
 
 EXIT_INPUT = 1
 
@@ -255,6 +259,9 @@ def _overview(words: list[str], name: str | None) -> int:
         return 0 if words else EXIT_USAGE
     if words[0] == "--print-completion":
         return _print_completion(words[1:])
+    if name in GONE:
+        print_error(f"the command '{name}' has gone; {GONE[name]}")
+        return EXIT_USAGE
     import difflib
 
     near = difflib.get_close_matches(name or words[0], COMMANDS, n=1)

@@ -70,7 +70,7 @@ def _new(arguments: argparse.Namespace) -> int:
     if path.exists() and not arguments.force:
         raise NewFileError(f"{path} is there already", hint="--force replaces it")
     write_atomically(path, text)
-    say(f"{path}: written; see it with  fuzzyarm studio {typed(path)}")
+    say(f"{path}: written; see it with  fuzzyarm watch {typed(path)}")
     return 0
 
 

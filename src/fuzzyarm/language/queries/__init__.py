@@ -1,7 +1,7 @@
 """Questions that an editor asks of a text: what stands here, where else, what could stand here.
 
 Pure functions over a :class:`Reading`, without numerics and without any protocol: the
-language server, the studio and the tests share them. Lines and columns count from 1.
+language server, the designer and the tests share them. Lines and columns count from 1.
 """
 
 from typing import TYPE_CHECKING

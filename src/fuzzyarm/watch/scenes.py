@@ -1,9 +1,8 @@
-"""What the studio shows: a model, the crisp inputs, and a drawing of them in a few views."""
+"""What is shown of a file: a model, the crisp inputs, and a drawing of them in a few views."""
 
 from __future__ import annotations
 
 import math
-import re
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -13,14 +12,11 @@ from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.inference import explain, infer
 from fuzzyarm.inference.plan import part_for
 from fuzzyarm.inference.trace import Trace
-from fuzzyarm.language.queries import Reading
-from fuzzyarm.language.statements import GridNode
 from fuzzyarm.language.tokens import name_text
-from fuzzyarm.lsp.tables import TableText
 from fuzzyarm.model.rulebase import Output, RuleBase, Variable
-from fuzzyarm.model.shapes import centre, membership
+from fuzzyarm.model.shapes import membership
 from fuzzyarm.show.drawing import Scale, ScaleBar, number_words, scale_of
-from fuzzyarm.show.rulebase import RuleGrid, find_grids, rule_grid, rules_view
+from fuzzyarm.show.rulebase import RuleGrid, find_grids, rules_view
 from fuzzyarm.show.surface import LinePlot, SurfaceMap
 from fuzzyarm.show.terms import TermPlots, is_set, visible_range
 from fuzzyarm.show.trace import firing_view
@@ -66,14 +62,6 @@ class Scene(ABC):
     def result(self) -> str:
         """Return what comes out at the crisp inputs, in words."""
 
-    @abstractmethod
-    def position(self) -> Span | None:
-        """Return where in the text the strongest rule or the chosen cell stands."""
-
-    @abstractmethod
-    def position_at(self, view: str, x: int, y: int, line: str) -> Span | None:
-        """Return where that stands which is drawn at column `x` of line `y`, which reads `line`."""
-
     def set_inputs(self, before: Mapping[str, float], across: str, down: str) -> None:
         """Take over the crisp inputs of an earlier model as far as they fit this one."""
         names = list(self.ranges)
@@ -100,6 +88,14 @@ class Scene(ABC):
         step = round((self.point[name] - low) / width) + steps
         # Twelve digits are more than anybody reads, and hide the noise of the last ones.
         self.point[name] = min(high, max(low, float(f"{low + step * width:.12g}")))
+
+    def step(self, *, across: bool, steps: int, coarse: bool = False) -> None:
+        """Move the input across or that down by some steps, rightward or upward as it is drawn."""
+        self.move(self.across if across else self.down, steps, coarse=coarse)
+
+    def next_output(self) -> None:
+        """Show the next output, where there are several."""
+        return
 
     def centre(self) -> None:
         """Put every crisp input in the middle of its range."""
@@ -179,7 +175,7 @@ class Scene(ABC):
         return text
 
 
-# --- A rule base in the studio: its surface, its rules, its terms and one inference ---
+# --- A rule base: its surface, its rules, its terms and one inference ---
 
 SURFACE, RULES, TERMS, FIRING = "surface", "rules", "terms", "firing"
 
@@ -191,8 +187,6 @@ class RulebaseScene(Scene):
     ----------
     rulebase : RuleBase
         Without errors.
-    reading : Reading or None
-        Its text, to jump into.
     before : Scene or None
         The scene before the last change of the text, whose crisp inputs stay.
     verdicts : sequence of Verdict
@@ -204,13 +198,11 @@ class RulebaseScene(Scene):
     def __init__(
         self,
         rulebase: RuleBase,
-        reading: Reading | None = None,
         before: Scene | None = None,
         verdicts: Sequence[Verdict] = (),
     ) -> None:
         super().__init__({v.name: visible_range(v) for v in rulebase.inputs})
         self.rulebase = rulebase
-        self.reading = reading
         self.output = rulebase.outputs[0].name
         self.verdicts = verdicts
         if before is None:
@@ -344,24 +336,6 @@ class RulebaseScene(Scene):
         trace = self.trace()
         return Text(trace, "yellow") if isinstance(trace, str) else firing_view(trace)
 
-    # ── positions in the text ────────────────────────────────────────────────────────
-
-    def step_term(self, name: str, steps: int) -> None:
-        """Move a crisp input to the middle of the term before or behind the strongest one."""
-        if name not in self.point:
-            return
-        variable = self.rulebase.variable(name)
-        names = [term.name for term in _fuzzy_terms(variable)]
-        if not names:
-            return
-        strongest = self._strongest(variable)
-        now = names.index(strongest) if strongest in names else 0
-        term = variable.term(names[min(len(names) - 1, max(0, now + steps))])
-        low, high = self.ranges.get(name, (variable.low, variable.high))
-        middle = centre(term.shape, low, high)
-        if middle is not None:
-            self.point[name] = middle
-
     def _strongest(self, variable: Variable) -> str:
         terms = _fuzzy_terms(variable)
         x = self.point.get(variable.name, 0.5 * (variable.low + variable.high))
@@ -370,57 +344,6 @@ class RulebaseScene(Scene):
     def _chosen(self, grid: RuleGrid) -> tuple[str, str]:
         row = self._strongest(self.rulebase.variable(grid.row)) if grid.row else ""
         return row, self._strongest(self.rulebase.variable(grid.column))
-
-    def position(self) -> Span | None:
-        """Return where the strongest rule stands; the chosen cell where none fires."""
-        trace = self.trace()
-        if not isinstance(trace, str) and trace.fired:
-            return self.rulebase.rules[trace.fired[0].number - 1].span
-        for block in self.rulebase.blocks:
-            for grid in find_grids(block)[0]:
-                span = self._cell_span(grid, *self._chosen(grid))
-                if span is not None:
-                    return span
-        return None
-
-    def _cell_span(self, grid: RuleGrid, row: str, column: str) -> Span | None:
-        rules = grid.cells.get((row, column))
-        if rules:
-            return rules[0][0].span
-        if self.reading is None:
-            return None
-        # A cell without a rule stands in the text all the same, as a dot.
-        for statement in self.reading.document.statements:
-            node = statement.node
-            parts = node.parts if isinstance(node, GridNode) else ()
-            for part in (part for part in parts if part.output.text == grid.output):
-                for line in part.rows:
-                    for cell, head in zip(line.cells, part.columns, strict=False):
-                        if (line.label.text if part.row else "", head.text) == (row, column):
-                            return cell.span
-        return None
-
-    def position_at(self, view: str, x: int, y: int, line: str) -> Span | None:
-        """Return where the grid cell stands that is drawn there in the rules view."""
-        if view != RULES:
-            return None
-        top = 0
-        for block in self.rulebase.blocks:
-            grids, others = find_grids(block)
-            for grid in grids:
-                drawn = rule_grid(grid, self.rulebase)
-                first = top + 2
-                if first <= y < first + len(drawn.rows):
-                    words = list(re.finditer(r"\S+", line))
-                    index = next((i for i, m in enumerate(words) if m.start() <= x < m.end()), 0)
-                    if not 0 < index <= len(drawn.columns):
-                        return None
-                    row = drawn.rows[y - first] if grid.row else ""
-                    return self._cell_span(grid, row, drawn.columns[index - 1])
-                top = first + len(drawn.rows) + 1
-            if others:
-                break  # sentences take as many lines as they need; what is below is not found
-        return None
 
 
 def _fuzzy_terms(variable: Variable) -> list[Any]:
@@ -443,18 +366,15 @@ class TableScene(Scene):
     ----------
     table : LookupTable
         The table.
-    text : TableText
-        Its text, to jump into.
     before : Scene or None
         The scene before the last change of the text.
     """
 
     VIEWS = (MAP, NUMBERS)
 
-    def __init__(self, table: LookupTable, text: TableText, before: Scene | None = None) -> None:
+    def __init__(self, table: LookupTable, before: Scene | None = None) -> None:
         super().__init__({axis.name: (axis.levels[0], axis.levels[-1]) for axis in table.axes})
         self.table = table
-        self.text = text
         names = table.names
         if before is None:
             self.set_inputs({}, names[-1], names[-2] if len(names) > 1 else "")
@@ -465,6 +385,10 @@ class TableScene(Scene):
     def cell(self) -> tuple[int, ...]:
         """The index of the cell that the crisp inputs fall into."""
         return tuple(self.table.cell(*(self.point[name] for name in self.table.names)))
+
+    def step(self, *, across: bool, steps: int, coarse: bool = False) -> None:
+        """Move an input; the rows of a table are listed downward."""
+        super().step(across=across, steps=steps if across else -steps, coarse=coarse)
 
     def move(self, name: str, steps: int, *, coarse: bool = False) -> None:
         """Move a crisp input into the next cell; with `coarse` by three."""
@@ -527,14 +451,6 @@ class TableScene(Scene):
             min(wide - 1, int((cell[i] + 0.5) * wide / columns)),
         )
         return self._map(title, grid, scale, mark_at)
-
-    def position(self) -> Span | None:
-        """Return where the number of the chosen cell stands in the text."""
-        return self.text.cell_span(self.cell)
-
-    def position_at(self, view: str, x: int, y: int, line: str) -> Span | None:
-        """Return nothing: a map is too coarse to be pointed at."""
-        return None
 
 
 def _inside(axis: Axis, index: int) -> float:

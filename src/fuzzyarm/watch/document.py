@@ -1,4 +1,4 @@
-"""A file in the studio or under watch: its text, its findings and its last good scene."""
+"""A file that is watched: its text, its findings and its last good scene."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language import read_text
 from fuzzyarm.lsp.session import Session
 from fuzzyarm.lsp.tables import TableText
-from fuzzyarm.studio.scene import RulebaseScene, Scene, TableScene
 from fuzzyarm.text.diagnostic import Diagnostic
 from fuzzyarm.text.names import typed
+from fuzzyarm.watch.scenes import RulebaseScene, Scene, TableScene
 
 SUFFIXES = (".frb", ".lut")
 
@@ -34,7 +34,7 @@ class NotShownError(FuzzyarmError, ValueError):
         self.path = path
 
 
-class StudioDocument:
+class WatchedFile:
     """A file with what is known of it.
 
     Parameters
@@ -103,13 +103,9 @@ class StudioDocument:
             plain = reading.parsed.table
             if plain is None:
                 return None
-            return TableScene(LookupTable.from_plain(plain), reading, self.scene)
+            return TableScene(LookupTable.from_plain(plain), self.scene)
         rulebase = self.session.review().rulebase
         # Contradictions and failed expectations are errors, but the rules can be shown.
         if rulebase is None or not rulebase.inputs:
             return None
-        return RulebaseScene(rulebase, reading, self.scene, self.session.verdicts)
-
-    def formatted(self) -> str:
-        """Return the text in canonical form; as it is where that cannot be."""
-        return self.session.kind.formatted(self.session.reading) or self.text
+        return RulebaseScene(rulebase, self.scene, self.session.verdicts)

@@ -4,6 +4,8 @@ For every file: whether it imports, what was found in it, and, where a reference
 outputs of another program is at hand, whether its rule base gives the same to 1e-6. A
 reference is NAME.json in the folder given by --reference (by default `reference` beside
 the files); docs/formats.md tells what is in it.
+
+    python tools/corpus.py DIR [--reference DIR] [--verbose] [--json]
 """
 
 from __future__ import annotations
@@ -12,13 +14,13 @@ import argparse
 import json
 import math
 import re
+import sys
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from fuzzyarm.cli.command import argument, command, flag, json_of, print_error, print_json, say
 from fuzzyarm.formats import FOREIGN, MEANINGS, Imported, read
 from fuzzyarm.inference import InferenceError, prepare
 from fuzzyarm.model.rulebase import RuleBase
@@ -166,18 +168,6 @@ class Row:
         return self.references > 0 and self.matched == self.references
 
 
-def _run(arguments: argparse.Namespace) -> int:
-    rows = survey(arguments.folder, arguments.reference)
-    if not rows:
-        print_error(f"{arguments.folder}: no {', '.join(_FILES)} files in there")
-        return 1
-    if arguments.json:
-        print_json({"summary": summary(rows), "files": [asdict(row) for row in rows]}, 2)
-    else:
-        _print(rows, verbose=arguments.verbose)
-    return 0
-
-
 def survey(folder: Path, reference: Path | None = None) -> list[Row]:
     """Read every file in `folder` and compare it with its reference.
 
@@ -257,27 +247,42 @@ def summary(rows: list[Row]) -> dict[str, dict[str, int]]:
 def _print(rows: list[Row], *, verbose: bool) -> None:
     for row in rows:
         if not row.imported:
-            say(f"{row.file}: not imported: {row.first}")
+            print(f"{row.file}: not imported: {row.first}")
         elif row.differences:
             said = ", ".join(f"{program}: {why}" for program, why in row.differences.items())
-            say(f"{row.file}: differs from {said}")
+            print(f"{row.file}: differs from {said}")
         elif verbose:
             state = "equal" if row.equal else "imported"
-            say(f"{row.file}: {state} ({row.producer})")
+            print(f"{row.file}: {state} ({row.producer})")
     columns = ("files", "imported", "diagnosed", "compared", "matched")
     print(f"{'':>6}" + "".join(f"{column:>11}" for column in columns))
     for kind, counts in summary(rows).items():
         print(f"{kind:>6}" + "".join(f"{counts[column]:>11}" for column in columns))
 
 
-COMMANDS = (
-    command(
-        "corpus",
-        __doc__,
-        _run,
-        argument("folder DIR", "where the files are", type=Path),
-        argument("--reference DIR", "where the references are", type=Path),
-        flag("--verbose -v", "a line for every file"),
-        json_of("the report"),
-    ),
-)
+def main(words: Sequence[str] | None = None) -> int:
+    """Run the script; 0 = fine, 1 = no such folder or nothing in it."""
+    parser = argparse.ArgumentParser(description="how a folder of other programs' files comes in")
+    parser.add_argument("folder", metavar="DIR", type=Path, help="where the files are")
+    parser.add_argument("--reference", metavar="DIR", type=Path, help="where the references are")
+    parser.add_argument("-v", "--verbose", action="store_true", help="a line for every file")
+    parser.add_argument("--json", action="store_true", help="print the report as JSON")
+    arguments = parser.parse_args(words)
+    try:
+        rows = survey(arguments.folder, arguments.reference)
+    except OSError as error:
+        print(f"{error.filename}: {error.strerror}", file=sys.stderr)
+        return 1
+    if not rows:
+        print(f"{arguments.folder}: no {', '.join(_FILES)} files in there", file=sys.stderr)
+        return 1
+    if arguments.json:
+        report = {"summary": summary(rows), "files": [asdict(row) for row in rows]}
+        print(json.dumps(report, indent=2))
+    else:
+        _print(rows, verbose=arguments.verbose)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

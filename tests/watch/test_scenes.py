@@ -13,18 +13,18 @@ from pathlib import Path
 
 import pytest
 
+from fuzzyarm import load
 from fuzzyarm.cli import main
 from fuzzyarm.inference import infer
-from fuzzyarm.language import load_rulebase
 from fuzzyarm.show.drawing import plain_text
-from fuzzyarm.studio.document import StudioDocument
-from fuzzyarm.studio.scene import RulebaseScene
+from fuzzyarm.watch import RulebaseScene, Scene, WatchedFile
+from fuzzyarm.watch.keys import apply_key
 
 RULEBASES = Path(__file__).parents[2] / "rulebases"
 
 
 def _scene(name: str) -> RulebaseScene:
-    scene = StudioDocument(RULEBASES / name).scene
+    scene = WatchedFile(RULEBASES / name).scene
     assert isinstance(scene, RulebaseScene)
     return scene
 
@@ -66,7 +66,7 @@ def test_silent_places_of_a_surface_are_left_blank(tmp_path: Path) -> None:
         "rule if x is LOW then y is A\nrule if x is HIGH then y is B\n",
         "utf-8",
     )
-    scene = StudioDocument(path).scene
+    scene = WatchedFile(path).scene
     assert isinstance(scene, RulebaseScene)
     assert scene.result() == "no value"
     assert "no rule" in plain_text(scene.draw("firing", 42, 14), 42)
@@ -77,7 +77,7 @@ def test_the_scene_survives_a_change_of_its_variables(tmp_path: Path) -> None:
     text = (RULEBASES / "thermostat.frb").read_text("utf-8")
     path = tmp_path / "t.frb"
     path.write_text(text, "utf-8")
-    document = StudioDocument(path)
+    document = WatchedFile(path)
     assert document.scene is not None
     document.scene.point["presence"] = 1.0
     document.update(text.replace("presence", "people"))
@@ -128,7 +128,7 @@ def test_watch_refuses_what_makes_no_sense(
 
 def test_watch_needs_no_extra() -> None:
     hide = (
-        "import sys; sys.modules.update(dict.fromkeys(('pygls', 'lsprotocol', 'textual')));"
+        "import sys; sys.modules.update(dict.fromkeys(('pygls', 'lsprotocol')));"
         "from fuzzyarm.cli import main;"
         f"sys.exit(main(['watch', {str(RULEBASES / 'pd7.frb')!r}, '--once']))"
     )
@@ -176,66 +176,89 @@ def _read_until(descriptor: int, wanted: str, seconds: float = 30.0) -> str:
 _ESCAPES = re.compile(r"\x1b\[[0-9;?]*[ -/]*[@-~]")
 
 
-# ── the studio in a terminal of its own ──────────────────────────────────────────────────
+# ── keys ─────────────────────────────────────────────────────────────────────────────────
+
+
+def _pressed(scene: Scene, *keys: str) -> dict[str, float]:
+    for key in keys:
+        assert apply_key(scene, key)
+    return dict(scene.point)
+
+
+def test_arrows_move_the_inputs_rightward_and_upward() -> None:
+    scene = _scene("pd7.frb")
+    assert (scene.across, scene.down) == ("ce", "e")
+    assert _pressed(scene, "right", "up", "up") == {"e": 0.4, "ce": 0.2}
+    assert _pressed(scene, "shift-left") == {"e": 0.4, "ce": -1.0}  # a lattice of 12 steps
+    assert _pressed(scene, "x", "right") == {"e": 0.6, "ce": -1.0}
+    assert _pressed(scene, "c") == {"e": 0.0, "ce": 0.0}
+    assert not apply_key(scene, "z")
+
+
+def test_inputs_stay_in_their_ranges() -> None:
+    scene = _scene("pd7.frb")
+    assert _pressed(scene, *["shift-right"] * 20)["ce"] == 6.0
+    assert _pressed(scene, *["down"] * 90)["e"] == -6.0
+
+
+def test_arrows_walk_from_cell_to_cell_of_a_table() -> None:
+    scene = WatchedFile(RULEBASES / "thesis-6.1.lut").scene
+    assert scene is not None
+    table = load(RULEBASES / "thesis-6.1.lut")
+    before = table.cell(*scene.point.values())
+    _pressed(scene, "right", "down")
+    assert [b - a for a, b in zip(before, table.cell(*scene.point.values()), strict=True)] == [1, 1]
+
+
+def test_o_shows_the_next_output(tmp_path: Path) -> None:
+    path = tmp_path / "two.frb"
+    path.write_text(
+        "rulebase two\ninput x 0 .. 1\noutput y 0 .. 1\noutput z 0 .. 1\n"
+        "terms x: triangles A B\nterms y: triangles A B\nterms z: triangles A B\n"
+        "rule if x is A then y is A and z is B\nrule if x is B then y is B and z is A\n",
+        "utf-8",
+    )
+    scene = WatchedFile(path).scene
+    assert isinstance(scene, RulebaseScene)
+    _pressed(scene, "o")
+    assert scene.output == "z"
+    _pressed(scene, "o")
+    assert scene.output == "y"
 
 
 @pytest.mark.slow
-def test_somebody_types_into_the_studio(tmp_path: Path) -> None:
-    path = tmp_path / "new.frb"
-    path.write_text((RULEBASES / "pd7.frb").read_text("utf-8"), "utf-8")
-    stamp = path.stat().st_mtime_ns
-    master, slave = pty.openpty()
+def test_keys_are_read_in_a_terminal() -> None:
     import fcntl
     import struct
     import termios
 
-    fcntl.ioctl(slave, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 80, 0, 0))
-    environment = {**os.environ, "TERM": "xterm-256color", "COLORTERM": "truecolor"}
+    master, slave = pty.openpty()
+    fcntl.ioctl(slave, termios.TIOCSWINSZ, struct.pack("HHHH", 40, 80, 0, 0))
+    before = termios.tcgetattr(slave)
     process = subprocess.Popen(
-        [sys.executable, "-m", "fuzzyarm", "studio", str(path)],
-        stdin=slave, stdout=slave, stderr=slave, env=environment, start_new_session=True,
+        [sys.executable, "-m", "fuzzyarm", "watch", str(RULEBASES / "pd7.frb")],
+        stdin=slave, stdout=slave, stderr=slave,
+        env={**os.environ, "TERM": "xterm-256color"}, start_new_session=True,
     )  # fmt: skip
-    os.close(slave)
     try:
-        _read_until(master, "no findings")
-        os.write(master, b"\x1b[B")  # one line down
-        os.write(master, b"zz")
-        _read_until(master, "zzrulebase")
-        _read_until(master, "1 error")
-        os.write(master, b"\x1b[20~")  # F9 repairs
-        _read_until(master, "no findings")
-        os.write(master, b"\x13")  # Ctrl+S saves
-        end = time.monotonic() + 20
-        while path.stat().st_mtime_ns == stamp:
-            assert time.monotonic() < end
-            time.sleep(0.1)
-        os.write(master, b"\x11")  # Ctrl+Q leaves
-        while process.poll() is None and time.monotonic() < end:
-            if select.select([master], [], [], 0.1)[0]:
-                try:
-                    os.read(master, 65536)
-                except OSError:
-                    break
+        _read_until(master, "ce 0 ←→")
+        os.write(master, b"\x1b[C")  # right
+        _read_until(master, "ce 0.2 ←→")
+        os.write(master, b"\x1b[1;2A")  # shift and up
+        _read_until(master, "e 1 ↑↓")
+        os.write(master, b"q")
         assert process.wait(20) == 0
+        assert termios.tcgetattr(slave) == before  # letters are shown again
     finally:
         if process.poll() is None:
             process.kill()
         os.close(master)
-    assert load_rulebase(path).name == "pd7"
+        os.close(slave)
 
 
-def test_the_studio_needs_a_terminal_and_a_file(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main(["studio", str(tmp_path / "absent.frb")]) == 1
-    assert "fuzzyarm new" in capsys.readouterr().err
-    done = subprocess.run(
-        [sys.executable, "-m", "fuzzyarm", "studio", str(RULEBASES / "pd7.frb")],
-        stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    assert done.returncode == 1
-    assert "needs a terminal" in done.stderr
-    assert done.stderr.count("\n") == 1
+def test_commands_that_have_gone_say_what_to_type(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["studio", "pd7.frb"]) == 2
+    assert "fuzzyarm watch" in capsys.readouterr().err
 
 
 # ── new ──────────────────────────────────────────────────────────────────────────────────
