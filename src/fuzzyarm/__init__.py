@@ -99,6 +99,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from fuzzyarm.lazy import lazily
+from fuzzyarm.text import above
 from fuzzyarm.version import __version__ as __version__
 
 if TYPE_CHECKING:
@@ -205,6 +206,22 @@ PACKAGES = (
     "tuning",
 )
 """Packages and modules with public names of their own: those of their ``__all__``."""
+
+above.register(
+    {
+        "RuleBaseBuilder": "fuzzyarm.builder",
+        "check_text": "fuzzyarm.api",
+        "compile_table": "fuzzyarm.table",
+        "explain": "fuzzyarm.inference",
+        "figure_of": "fuzzyarm.notebook",
+        "html_of": "fuzzyarm.notebook",
+        "infer": "fuzzyarm.inference",
+        "rulebase_figure": "fuzzyarm.show.figures",
+        "text_in": "fuzzyarm.formats",
+        "text_of": "fuzzyarm.notebook",
+        "write": "fuzzyarm.language",
+    }
+)  # what values are asked, and who answers: this package knows both
 
 if not TYPE_CHECKING:
     __getattr__, __dir__ = lazily(

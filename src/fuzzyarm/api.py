@@ -17,6 +17,7 @@ from fuzzyarm.language.check import CHECKS, check, judged
 from fuzzyarm.language.reading import text_to_show
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.table import SUFFIXES
+from fuzzyarm.text import above
 from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Severity, render_all
 from fuzzyarm.text.shown import one_line
 
@@ -267,9 +268,7 @@ class Review(NamedTuple):
 
     def _repr_html_(self) -> str:
         # A tuple has no other base: what Shown has for the others.
-        from importlib import import_module
-
-        drawing: str = import_module("fuzzyarm.notebook").html_of(self)
+        drawing: str = above.function("html_of")(self)
         return drawing
 
     def __repr__(self) -> str:

@@ -1,6 +1,7 @@
 """The architecture: every import goes down, and the bottom is light."""
 
 import ast
+import re
 import subprocess
 import sys
 from functools import cache
@@ -106,6 +107,21 @@ def test_imports_go_down(path):
         if parts[0] != "fuzzyarm" or len(parts) == 1 or parts[1] not in FLOOR:
             continue
         assert parts[1] == home or FLOOR[parts[1]] < FLOOR[home], f"{path} imports {module}"
+
+
+def test_nothing_names_what_stands_above_it_by_string():
+    """A name in a string, for an import at run time, goes down as well."""
+    offenders = []
+    for path in MODULES:
+        home = package_of(path)
+        if home in ("__init__", "__main__"):
+            continue
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.Constant) and isinstance(node.value, str):
+                name = re.fullmatch(r"fuzzyarm\.(\w+)(\.\w+)*", node.value)
+                if name and name[1] in FLOOR and FLOOR[name[1]] > FLOOR[home]:
+                    offenders.append((str(path.relative_to(SOURCE)), node.lineno, node.value))
+    assert offenders == []
 
 
 def module_name(path):

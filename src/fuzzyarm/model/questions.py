@@ -1,7 +1,7 @@
 """What one asks of a rule base in a call, be it a value or still being written.
 
-Each method is a function of the packages above, which are loaded when they are asked. This is
-the one place that names what stands above it: by name, so that a model needs none of it.
+Each method is a function of a package above, which is loaded when it is asked for
+(:mod:`fuzzyarm.text.above`): a model needs none of them.
 """
 
 from __future__ import annotations
@@ -10,15 +10,12 @@ import os
 import warnings
 from abc import abstractmethod
 from collections.abc import Iterable, Mapping
-from importlib import import_module
 from typing import Any
 
+from fuzzyarm.text import above
+from fuzzyarm.text.files import write_atomically
 from fuzzyarm.text.mistaken import RULE_BASE, OfKind
 from fuzzyarm.text.shown import Shown
-
-
-def _function(module: str, name: str) -> Any:
-    return getattr(import_module(f"fuzzyarm.{module}"), name)
 
 
 class Questions(Shown, OfKind):
@@ -72,9 +69,7 @@ class Questions(Shown, OfKind):
         >>> pd7(e=1.3, ce=-2.2)
         {'u': -1.0677966101694918}
         """
-        return _function("inference", "infer")(
-            self.model, inputs, held=held, outputs=outputs, **named
-        )
+        return above.function("infer")(self.model, inputs, held=held, outputs=outputs, **named)
 
     def explain(
         self,
@@ -91,7 +86,7 @@ class Questions(Shown, OfKind):
         Trace
             In a notebook it is drawn; ``print`` writes it.
         """
-        return _function("inference", "explain")(self.model, inputs, held=held, **named)
+        return above.function("explain")(self.model, inputs, held=held, **named)
 
     def check(self) -> Any:
         """Return what `fuzzyarm check` says of the text: mistakes, else doubts.
@@ -101,7 +96,7 @@ class Questions(Shown, OfKind):
         fuzzyarm.api.Review
             With its `diagnostics`; ``print`` shows them. Never raises for what is wrong.
         """
-        return _function("api", "check_text")(str(self), f"<{self.model.name}>")
+        return above.function("check_text")(str(self), f"<{self.model.name}>")
 
     def table(self, output: str | None = None, **options: Any) -> Any:
         """Return the lookup table of an output.
@@ -118,7 +113,7 @@ class Questions(Shown, OfKind):
         LookupTable
             In a notebook its cells are drawn.
         """
-        return _function("table", "compile_table")(self.model, output, **options)
+        return above.function("compile_table")(self.model, output, **options)
 
     def plot(self, output: str | None = None, at: Mapping[str, float] | None = None) -> Any:
         """Return a figure of all terms and of the surface of each output.
@@ -135,7 +130,7 @@ class Questions(Shown, OfKind):
         matplotlib.figure.Figure
             Notebooks show it; ``savefig`` writes it.
         """
-        return _function("show.figures", "rulebase_figure")(self.model, output, at)
+        return above.function("rulebase_figure")(self.model, output, at)
 
     def to_file(self, path: str | os.PathLike[str], *, lossy: bool = False) -> None:
         """Write it to a file; what was there is replaced whole.
@@ -160,14 +155,14 @@ class Questions(Shown, OfKind):
         """
         text = str(self.model)
         if os.path.splitext(path)[1].lower() != ".frb":
-            text = _function("formats", "text_in")(self.model, path, lossy=lossy)
+            text = above.function("text_in")(self.model, path, lossy=lossy)
         elif type(self) is not type(self.model):
             text = str(self)
-        _function("text.files", "write_atomically")(os.fspath(path), text)
+        write_atomically(os.fspath(path), text)
 
     def __str__(self) -> str:
         """Return the text of its file, in canonical form."""
-        text: str = _function("language", "write")(self.model)
+        text: str = above.function("write")(self.model)
         return text
 
 
@@ -190,4 +185,4 @@ def of_builder(name: str) -> Any:
 def _builder() -> Any:
     message = "fuzzyarm.RuleBase is what load returns; what writes one is fuzzyarm.RuleBaseBuilder"
     warnings.warn(message, DeprecationWarning, stacklevel=3)
-    return _function("builder", "RuleBaseBuilder")
+    return above.function("RuleBaseBuilder")

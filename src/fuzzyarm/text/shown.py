@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from fuzzyarm.text import above
 from fuzzyarm.text.names import shortened
 
 
@@ -15,17 +16,14 @@ def one_line(value: object, words: str) -> str:
 class Shown:
     """A value that notebooks draw.
 
-    The drawings are written in :mod:`fuzzyarm.notebook`, above everything that is drawn;
-    a value asks for it by name, and only when it is shown.
+    The drawings stand above everything that is drawn; a value asks for its own when it is shown.
     """
 
     __slots__ = ()
 
     def _repr_html_(self) -> str:
         """Return what IPython shows: HTML without scripts, the names in it escaped."""
-        from importlib import import_module
-
-        drawing: str = import_module("fuzzyarm.notebook").html_of(self)
+        drawing: str = above.function("html_of")(self)
         return drawing
 
 
@@ -42,9 +40,7 @@ class Plotted(Shown):
         matplotlib.figure.Figure
             Notebooks show it; ``savefig`` writes it.
         """
-        from importlib import import_module
-
-        return import_module("fuzzyarm.notebook").figure_of(self)
+        return above.function("figure_of")(self)
 
 
 class Drawn(Shown):
@@ -54,7 +50,5 @@ class Drawn(Shown):
 
     def __str__(self) -> str:
         """Return the drawing as text, without colours."""
-        from importlib import import_module
-
-        drawing: str = import_module("fuzzyarm.notebook").text_of(self)
+        drawing: str = above.function("text_of")(self)
         return drawing
