@@ -1,0 +1,578 @@
+"""Make docs/schemas/*.json and docs/json.md: `python docs/make_schemas.py`.
+
+What ``--json`` prints is written here once, property by property; the JSON Schemas (draft
+2020-12) and the page are two readings of it. `tests/cli/test_json_schemas.py` holds what commands
+print to them, and them to what commands print: a property that is never printed is found.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from fuzzyarm.text.files import write_atomically
+
+HERE = Path(__file__).parent
+Schema = dict[str, Any]
+
+# --- Words for schemas ---
+
+
+def text(about: str, *words: str) -> Schema:
+    """Return the schema of a text, maybe one of some words."""
+    return {"type": "string", "description": about} | ({"enum": list(words)} if words else {})
+
+
+def number(about: str, *, null: str = "") -> Schema:
+    """Return the schema of a number; `null` says when it is none."""
+    return {"type": "number", "description": about} | _or_null("number", about, null)
+
+
+def whole(about: str, *, null: str = "") -> Schema:
+    """Return the schema of a whole number."""
+    return {"type": "integer", "description": about} | _or_null("integer", about, null)
+
+
+def _or_null(kind: str, about: str, null: str) -> Schema:
+    return {"type": [kind, "null"], "description": f"{about}; null {null}"} if null else {}
+
+
+def truth(about: str) -> Schema:
+    """Return the schema of true or false."""
+    return {"type": "boolean", "description": about}
+
+
+def rows(item: Schema, about: str, *, length: int | None = None) -> Schema:
+    """Return the schema of a list."""
+    fixed = {} if length is None else {"minItems": length, "maxItems": length}
+    return {"type": "array", "items": item, "description": about} | fixed
+
+
+def numbers(about: str, *, null: str = "") -> Schema:
+    """Return the schema of a list of numbers."""
+    return rows({"type": ["number", "null"] if null else "number"}, about)
+
+
+def names(about: str) -> Schema:
+    """Return the schema of a list of texts."""
+    return rows({"type": "string"}, about)
+
+
+def by_name(item: Schema, about: str) -> Schema:
+    """Return the schema of an object whose keys are somebody's names."""
+    return {"type": "object", "additionalProperties": item, "description": about}
+
+
+def record(about: str, optional: str = "", **properties: Schema) -> Schema:
+    """Return the schema of an object; `optional` names what may be missing."""
+    maybe = set(optional.split())
+    assert maybe <= set(properties), maybe
+    return {
+        "type": "object",
+        "description": about,
+        "properties": {name.rstrip("_"): schema for name, schema in properties.items()},
+        "required": [name.rstrip("_") for name in properties if name not in maybe],
+        "additionalProperties": False,
+    }
+
+
+POINT = by_name({"type": "number"}, "values by the names of the inputs")
+
+# --- Findings ---
+
+_FINDING = {
+    "name": text("what sort of finding it is; docs/checks.md has a line for each"),
+    "severity": text("how bad it is", "error", "warning", "info"),
+    "message": text("what is wrong, in a sentence"),
+    "hint": text("what to do, or empty"),
+    "line": whole("from 1; 0 where the finding is about the whole file"),
+    "column": whole("from 1"),
+}
+FINDING = record(
+    "a finding",
+    **_FINDING,
+    path=text("the file"),
+    end_line=whole("where what is meant ends"),
+    end_column=whole("the column behind its last character"),
+    related=rows(
+        record(
+            "another place",
+            message=text("what is there"), line=whole("from 1"), column=whole("from 1"),
+        ),
+        "other places that it is about",
+    ),
+)  # fmt: skip
+SHORT_FINDING = record("a finding", **_FINDING)
+
+# --- Proofs ---
+
+_BOUND = {
+    "pieces": whole("into how many pieces the inputs were cut"),
+    "way": text("widened: in floats, rounded outward", "exact", "widened", "boxes"),
+}
+BOUNDS = record(
+    "proved bounds",
+    low=number("the lower bound", null="where it has none"),
+    high=number("the upper bound", null="where it has none"),
+    at_low=by_name({"type": "number"}, "a point near the lowest value"),
+    at_high=by_name({"type": "number"}, "a point near the highest value"),
+    **_BOUND,
+)
+WORST = record(
+    "the proved error of a table",
+    worst=number("no error is larger"),
+    reached=number("an error that is reached"),
+    at=POINT, **_BOUND,
+)  # fmt: skip
+VERDICT = record(
+    "the verdict on a `prove` line",
+    "file",
+    file=text("where several files were given: whose"),
+    property=text("the line, without `prove`"),
+    verdict=text("what came out", "proved", "refuted", "undecided"),
+    bound={"description": "what was proved all the same: one number, two, or null"},
+    evidence=names("lines that can be pasted: `expect` of where it fails"),
+    pieces=_BOUND["pieces"],
+    seconds=number("how long it took"),
+    way=_BOUND["way"],
+    reason=text("why it is undecided, or empty"),
+    line=whole("of the file"),
+)
+
+# --- Tables and source text ---
+
+_TABLE = {
+    "file": text("what was written"),
+    "output": text("whose table it is"),
+    "index": names("its inputs, in the order of its indices"),
+    "shape": rows({"type": "integer"}, "how many levels each input has"),
+    "cells": whole("how many values"),
+}
+_MODE = text("how values between levels are looked up", "bins", "nearest", "linear")
+TABLE_REPORT = record(
+    "a table",
+    **_TABLE,
+    default_levels=truth("whether nobody chose its levels"),
+    tolerance=number("what was asked for", null="where nothing was"),
+    mode=_MODE,
+    errors=rows(
+        record(
+            "the error against the rules",
+            mode=_MODE,
+            worst=number("the largest error: proved, or of the samples"),
+            proved=truth("whether `worst` is a proved bound"),
+            sampled=number("the largest error at the samples"),
+            rms=number("the root mean square at the samples"),
+            at=POINT,
+            points=rows({"type": "integer"}, "samples along each input"),
+        ),
+        "one for each way of look-up",
+    ),
+)
+FUNCTION = record(
+    "a function of the source text",
+    call=text("its declaration"),
+    output=text("what it returns"),
+    arguments=names("what it takes"),
+    type=text("its type"),
+    worst=number("the largest difference from `against` at the points that were tried"),
+    points=whole("how many points were tried"),
+    against=text("with what it was compared"),
+    proved=number("the proved error against the rules", null="where there is none"),
+    operations=by_name({"type": "integer"}, "how many operations a call takes at most, by kind"),
+    stack=whole("bytes of local variables"),
+)
+SOURCE_REPORT = record(
+    "rules or a table as source text",
+    files=names("what was written"),
+    functions=rows(FUNCTION, "in the order of the outputs"),
+    tables=rows(TABLE_REPORT, "that were made for it"),
+)
+CONTROLLER_REPORT = record(
+    "a controller as source text",
+    files=names("what was written"),
+    controller=text("its name"),
+    period=number("s"),
+    references=names("set points that it reads"),
+    measured=names("measured values that it reads"),
+    drives=names("what it drives"),
+    gains=names("gains that can be set"),
+    calls=names("its functions"),
+    precision=text("of its numbers"),
+    worst=number("the largest difference from the model in a run"),
+    largest=number("the largest drive in that run"),
+    periods=whole("how long that run was"),
+    tables=rows(TABLE_REPORT, "that were made for it"),
+)
+
+# --- Runs ---
+
+_METRIC = by_name(
+    {"type": ["number", "null"]}, "metrics by name (docs/metrics.md); null where one has no value"
+)
+RUN = record(
+    "a run of a closed loop; errors in the order of `outputs`, in their units",
+    controller=text("its name"),
+    trajectory=text("what was followed"),
+    rms=numbers("root mean square of the error", null="of an output without set point"),
+    max=numbers("largest error", null="as above"),
+    final=numbers("error at the end", null="as above"),
+    rms_periods=numbers("rms over all control periods", null="as above"),
+    rms_path=numbers("rms against the path itself", null="as above"),
+    samples=whole("control periods that count"),
+    conventions=text("how the study is read", "plain", "study"),
+    precision=text("of the numbers", "float32", "float64"),
+    pi=number("the π that was used"),
+    load_in_hold=truth("of the arm: whether a load stays in the hand during the hold"),
+    diverged=number("at what time the run left its bounds, s", null="where it did not"),
+    ended=text("why it ended early") | {"type": ["string", "null"]},
+    compiled=truth("whether it ran as machine code"),
+    plant=text("its name"),
+    outputs=by_name({"type": "string"}, "units by output"),
+    metrics=by_name(_METRIC, "by output"),
+    seed=whole("of what is random"),
+)
+EXTREME = {
+    "type": "object",
+    "description": "a run of a sweep: its number, the value, and what was swept",
+    "properties": {
+        "run": whole("its number, from 0"),
+        "value": number("of the metric", null="if lost"),
+    },
+    "required": ["run", "value"],
+    "additionalProperties": {"type": ["number", "string", "boolean", "null"]},
+}
+SWEEP = record(
+    "many runs",
+    "columns rows",
+    controller=text("its name"),
+    plant=text("its name"),
+    trajectory=text("what was followed"),
+    runs=whole("how many"),
+    diverged=whole("how many of them diverged"),
+    sweep=rows(
+        record(
+            "a range",
+            name=text("what is swept"), low=number("from"), high=number("to"),
+            count=whole("how many values"), log=truth("whether evenly spaced as logarithms"),
+        ),
+        "in the order of the runs, the last one fastest",
+    ),
+    outputs=by_name({"type": "string"}, "units by output"),
+    metric=text("whose extremes are shown"),
+    extremes=by_name(record("the extremes", least=EXTREME, most=EXTREME), "by output"),
+    file=text("what was written") | {"type": ["string", "null"]},
+    columns=names("of `rows`; without -o"),
+    rows=rows(rows({}, "a run"), "all runs; without -o"),
+)  # fmt: skip
+COMPARED = record(
+    "a controller of the arm over both moves, each with its two links: four errors, degrees",
+    "operations exported_operations seconds",
+    controller=text("its name"),
+    rms=numbers("root mean square at the set points", null="where it diverged"),
+    rms_periods=numbers("over all control periods", null="as above"),
+    rms_path=numbers("against the path", null="as above"),
+    variation=numbers("of the torque, a measure of chatter", null="as above"),
+    diverged=numbers("when, of each move, s", null="where it did not"),
+    operations=by_name({"type": "number"}, "of a control period, by kind, with --operations"),
+    exported_operations={
+        "description": "of the exported C, with --operations; null where there is none"
+    },
+    seconds=number("of a control period, with --time"),
+)
+
+# --- Learning from samples ---
+
+FIT = record(
+    "a rule base learned from samples",
+    "fidelity test",
+    file=text("what was written"),
+    samples=whole("how many"),
+    inputs=names("columns that it reads"),
+    target=text("the column that it tells"),
+    classes=names("of the target, where it is not a number"),
+    rules=whole("how many"),
+    structure=text("terms of each input, in words"),
+    shrinkage=number("λ of the ridge that the consequents were fitted with"),
+    digits=whole("significant digits of the numbers in the file"),
+    training=record(
+        "on the samples that it was fitted to",
+        error=number("root mean square, of the text as written"),
+        error_of_numbers=number("the same before the numbers were rounded"),
+        linear=number("of a linear model"),
+    ),
+    cross_validation={"description": "errors on samples that were held back; null without"},
+    support=numbers("of each rule: the sum of its firing strengths over the samples"),
+    interrupted=truth("whether Ctrl-C ended it"),
+    fidelity={"description": "where the samples are a model: how far the rules are from it"},
+    test={"description": "errors on the file of --test"},
+)
+VALIDATED = record(
+    "a judgement by samples",
+    samples=whole("how many"),
+    silent=whole("at how many of them no rule fires"),
+    outside=whole("how many lie outside the ranges"),
+    error=number("root mean square", null="for classes"),
+    bias=number("mean error", null="for classes"),
+    worst=number("largest error", null="for classes"),
+    worst_sample=whole("where, from 0", null="for classes"),
+    explained=number("share of the variance", null="for classes"),
+    slope=number("of the line of predicted over observed", null="for classes"),
+    intercept=number("of that line", null="for classes"),
+    calibration=rows(
+        record(
+            "a tenth",
+            samples=whole("how many"), predicted=number("mean"), observed=number("mean"),
+        ),
+        "in the order of the predicted value",
+    ),
+    regions=rows(
+        record(
+            "a region", input=text("of which"), term=text("which is strongest there"),
+            samples=whole("how many"), error=number("root mean square", null="without samples"),
+            bias=number("mean error", null="without samples"),
+        ),
+        "by input and term",
+    ),
+    rules=rows(
+        record(
+            "a rule",
+            number=whole("from 1"), text=text("as a sentence"), line=whole("of the file"),
+            column=whole("of the file"), often=number("share of the samples at which it fires"),
+            mean=number("firing strength, over these"), strongest=number("its largest strength"),
+            leads=whole("at how many samples it is the strongest"),
+            error=number("root mean square where it leads", null="where it never does"),
+        ),
+        "in the order of the file",
+    ),
+    confusion={"type": "array", "description": "of classes: observed by predicted"},
+    classes=names("in the order of `confusion`"),
+    never_fired=rows({"type": "integer"}, "numbers of rules that no sample fires"),
+)  # fmt: skip
+
+
+REPRODUCED = record(
+    "a published row, run again",
+    "runs median band_low band_high lowest highest published_inside",
+    row=text("its name"),
+    table=text("of the study"),
+    controller=text("which was run"),
+    condition=text("of the load"),
+    variant=text("as-printed, or which gap is filled"),
+    trajectories=names("that were followed"),
+    published=numbers("the printed figures"),
+    reproduced=numbers("ours", null="where a run diverged"),
+    difference=numbers("relative", null="where zero was printed"),
+    within={"type": ["boolean", "null"], "description": "whether within its bound"},
+    verdict=text("in a sentence"),
+    note=text("what else there is to say"),
+    diverged=numbers("when, of each trajectory, s", null="where it did not"),
+    runs=whole("of a chaotic row: how many"),
+    median=numbers("of the runs"),
+    band_low=numbers("below which 5 % of them are"),
+    band_high=numbers("above which 5 % of them are"),
+    lowest=numbers("of the runs"),
+    highest=numbers("of the runs"),
+    published_inside=rows({"type": "boolean"}, "whether the printed figures lie in the band"),
+)
+
+EVALUATED = by_name(
+    {"type": ["number", "null", "array"]},
+    "values; of interval type 2 with both ends; null where there is none",
+)
+
+
+class Output(NamedTuple):
+    """What a command prints with ``--json``."""
+
+    name: str  # of the file, without .json
+    command: str
+    about: str
+    schema: Schema
+
+
+OUTPUTS = (
+    Output(
+        "check", "check FILE…", "findings of all files", rows(FINDING, "in the order of the files")
+    ),
+    Output("eval", "eval FILE NAME=VALUE…", "every output by its name", EVALUATED),
+    Output(
+        "prove",
+        "prove FILE…",
+        "verdicts on the lines of the files",
+        rows(VERDICT, "in the order of the lines"),
+    ),
+    Output("prove-range", "prove FILE --range", "bounds of an output", BOUNDS),
+    Output(
+        "prove-slope",
+        "prove FILE --slope",
+        "bounds of its slopes",
+        record(
+            "the slopes of an output",
+            low=number("the lowest along any input"),
+            high=number("the highest"),
+            inputs=by_name(BOUNDS, "by input"),
+        ),
+    ),
+    Output("prove-table", "prove FILE --table WHAT", "the error of a table", WORST),
+    Output("compile", "compile FILE -o OUT.lut", "a table that was made", TABLE_REPORT),
+    Output(
+        "compile-source", "compile FILE -o OUT.c", "source text of rules and tables", SOURCE_REPORT
+    ),
+    Output(
+        "compile-controller",
+        "compile CONTROLLER -o OUT.c",
+        "source text of a controller",
+        CONTROLLER_REPORT,
+    ),
+    Output(
+        "convert",
+        "convert IN OUT",
+        "what was found and written",
+        record(
+            "a conversion",
+            "rules residual",
+            source=text("IN"),
+            target=text("OUT"),
+            producer=text("the program IN was read as one of"),
+            written=truth("whether OUT was"),
+            diagnostics=rows(SHORT_FINDING, "what differs"),
+            rules=whole("of a table: how many"),
+            residual={"description": "of a table: how far the rules are from it"},
+        ),
+    ),
+    Output(
+        "diff-tables",
+        "diff A.lut B.lut",
+        "what differs between two tables",
+        record(
+            "a difference",
+            same=truth("whether nothing differs"),
+            comparable=truth("whether they have the same cells"),
+            transposed=truth("whether one is the other with its inputs exchanged"),
+            header={"type": "array", "description": "what differs beside the values"},
+            cells={"type": "array", "description": "cells that differ"},
+        ),
+    ),
+    Output(
+        "diff-rules",
+        "diff A.frb B.frb",
+        "what differs between two rule bases",
+        record(
+            "a difference",
+            same=truth("whether nothing differs"),
+            **{
+                word: rows(
+                    record(
+                        "a change",
+                        kind=text("what happened", "added", "removed", "changed"),
+                        what=text("to what"),
+                        before=text("as it was"),
+                        after=text("as it is"),
+                    ),
+                    f"changes of {word}",
+                )
+                for word in ("rules", "terms", "settings")
+            },
+        ),
+    ),
+    Output(
+        "simulate", "simulate CONTROLLER", "a run; several controllers give a list of them", RUN
+    ),
+    Output("sweep", "sweep CONTROLLER --sweep NAME=A..B:N", "many runs", SWEEP),
+    Output(
+        "compare",
+        "compare CONTROLLER…",
+        "controllers on the arm",
+        rows(COMPARED, "in the order in which they were named"),
+    ),
+    Output("fit", "fit SAMPLES -o OUT.frb", "a rule base learned from samples", FIT),
+    Output("validate", "validate FILE SAMPLES", "a rule base judged by samples", VALIDATED),
+    Output(
+        "reproduce",
+        "reproduce ROW…",
+        "published rows, run again",
+        rows(REPRODUCED, "in the order of the study"),
+    ),
+    Output(
+        "shipped",
+        "shipped",
+        "the files that come with fuzzyarm",
+        rows(
+            record(
+                "a file",
+                name=text("its name"),
+                kind=text("what it is"),
+                description=text("its own words"),
+            ),
+            "by name",
+        ),
+    ),
+)
+
+
+def schema_of(output: Output) -> Schema:
+    """Return the whole schema of what a command prints."""
+    head = {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": f"fuzzyarm {output.command} --json",
+    }
+    return head | output.schema
+
+
+def schema_text(output: Output) -> str:
+    """Return a schema as it stands in its file."""
+    return json.dumps(schema_of(output), indent=1, ensure_ascii=False) + "\n"
+
+
+PAGE_HEAD = """# JSON
+
+What commands print with `--json`, property by property; the links are JSON Schemas (draft 2020-12).
+Results go to the standard output, and nothing else does: messages and progress go to the standard
+error, so that a pipe reads JSON or nothing. What is not a finite number is `null`. The exit status
+is that of the command without `--json`.
+
+A property may be added in a minor version; none changes its meaning or goes without a major one.
+"""
+
+
+def page() -> str:
+    """Return docs/json.md."""
+    parts = [PAGE_HEAD]
+    for output in OUTPUTS:
+        parts.append(f"## {output.command}\n")
+        parts.append(
+            f"{output.about[0].upper()}{output.about[1:]} ([schema](schemas/{output.name}.json)).\n"
+        )
+        lines = list(_table(output.schema, ""))
+        if lines:
+            parts.append("\n".join(["| property | |", "|---|---|", *lines]) + "\n")
+    return "\n".join(parts)
+
+
+def _table(schema: Schema, path: str) -> list[str]:
+    """Return a line for each property of a record, those inside others behind their path."""
+    if schema.get("type") == "array" and "items" in schema:
+        return _table(schema["items"], f"{path}[]" if path else "")
+    if "additionalProperties" in schema and isinstance(schema["additionalProperties"], dict):
+        return _table(schema["additionalProperties"], f"{path}.NAME" if path else "NAME")
+    lines = []
+    for name, inner in schema.get("properties", {}).items():
+        inside = f"{path}.{name}" if path else name
+        lines.append(f"| `{inside}` | {inner.get('description', '')} |")
+        lines += _table(inner, inside)
+    return lines
+
+
+def main() -> None:
+    """Write the schemas and the page."""
+    folder = HERE / "schemas"
+    folder.mkdir(exist_ok=True)
+    for output in OUTPUTS:
+        write_atomically(folder / f"{output.name}.json", schema_text(output))
+    write_atomically(HERE / "json.md", page())
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,153 @@
+"""What commands print with --json is what docs/schemas says, and the page is made of the same."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from jsonschema import Draft202012Validator
+
+from fuzzyarm.cli import main
+
+ROOT = Path(__file__).parents[2]
+PD7 = str(ROOT / "rulebases" / "pd7.frb")
+THERMOSTAT = str(ROOT / "rulebases" / "thermostat.frb")
+SERVO = str(ROOT / "rulebases" / "servo.frb")
+
+
+@pytest.fixture(scope="module")
+def maker() -> Any:
+    spec = importlib.util.spec_from_file_location("make_schemas", ROOT / "docs" / "make_schemas.py")
+    assert spec is not None and spec.loader is not None  # noqa: PT018
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Some files: a faulty rule base, one with claims, tables, samples."""
+    folder = tmp_path_factory.mktemp("json")
+    (folder / "faulty.frb").write_text(
+        "rulebase x\ninput e 0 .. 1\noutput u 0 .. 1\nterms e: triangles A B\n"
+        "terms u: triangles A B\nrule if e is A then u is C\n"
+        "rule if e is B then u is A\nrule if e is B then u is B\n"
+    )
+    (folder / "claims.frb").write_text(
+        Path(PD7).read_text() + "prove u odd\nprove u rises with e\n"
+    )
+    rows = [f"{x / 12},{y / 12},{(x * y + x) / 144}" for x in range(12) for y in range(12)]
+    (folder / "samples.csv").write_text("\n".join(["x,y,z", *rows, ""]))
+    (folder / "flowers.csv").write_text(
+        "\n".join(["w,kind", *(f"{x / 40},{'rose' if x < 20 else 'lily'}" for x in range(40)), ""])
+    )
+    return folder
+
+
+CALLS = {
+    "check": [["check", "faulty.frb"], ["check", PD7]],
+    "eval": [["eval", PD7, "e=1", "ce=2"]],
+    "prove": [["prove", "claims.frb"], ["prove", "claims.frb", PD7]],
+    "prove-range": [["prove", PD7, "--range"]],
+    "prove-slope": [["prove", PD7, "--slope"]],
+    "prove-table": [["prove", PD7, "--table", "linear"]],
+    "compile": [
+        ["compile", PD7, "-o", "a.lut"],
+        ["compile", PD7, "--tolerance", "1", "-o", "b.lut"],
+    ],
+    "compile-source": [["compile", PD7, "-o", "a.c"], ["compile", PD7, "--direct", "-o", "b.st"]],
+    "compile-controller": [["compile", SERVO, "--table", "-o", "servo.c"]],
+    "convert": [
+        ["convert", PD7, "a.fll"],
+        ["convert", "a.lut", "c.frb", "--terms", "5", "--lossy"],
+    ],
+    "diff-tables": [["diff", "a.lut", "b.lut"], ["diff", "a.lut", "a.lut"]],
+    "diff-rules": [["diff", PD7, THERMOSTAT]],
+    "simulate": [["simulate", "pd"], ["simulate", SERVO, "--plant", "motor"]],
+    "sweep": [["sweep", SERVO, "--plant", "motor", "--sweep", "J=0.01..0.02:2"]],
+    "compare": [["compare", "pd", "fuzzy-lut", "--operations"]],
+    "fit": [["fit", "samples.csv", "-o", "f.frb"], ["fit", "flowers.csv", "-o", "g.frb"]],
+    "validate": [["validate", "f.frb", "samples.csv"], ["validate", "g.frb", "flowers.csv"]],
+    "reproduce": [["reproduce", "7.1.1/pd"]],
+    "shipped": [["shipped"]],
+}
+"""Calls of each output, in this order: later ones read what earlier ones have written."""
+
+RARE = {
+    "compare": {"seconds"},  # with --time, which measures for seconds
+    "fit": {"fidelity", "test"},
+    "reproduce": {
+        "runs", "median", "band_low", "band_high", "lowest", "highest", "published_inside",
+    },
+    "diff-tables": set(),
+}  # fmt: skip
+"""Properties that no call here prints."""
+
+
+def test_every_output_has_a_call(maker: Any) -> None:
+    assert list(CALLS) == [output.name for output in maker.OUTPUTS]
+
+
+@pytest.mark.slow
+def test_what_commands_print_is_what_the_schemas_say(
+    maker: Any, folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(folder)
+    faults, never = [], {}
+    for output in maker.OUTPUTS:
+        validator = Draft202012Validator(maker.schema_of(output))
+        validator.check_schema(maker.schema_of(output))
+        printed: set[str] = set()
+        for words in CALLS[output.name]:
+            main([*words, "--json"])
+            told = capsys.readouterr()
+            assert told.out, (words, told.err)
+            data = json.loads(told.out)
+            faults += [
+                (*words, error.json_path, error.message[:200])
+                for error in validator.iter_errors(data)
+            ]
+            printed |= set(_names_in(data))
+        missing = set(_properties(output.schema)) - printed - RARE.get(output.name, set())
+        if missing:
+            never[output.name] = missing
+    assert faults == []
+    assert never == {}
+
+
+def test_the_schemas_and_the_page_are_as_they_are_made(maker: Any) -> None:
+    stale = [
+        output.name
+        for output in maker.OUTPUTS
+        if (ROOT / "docs" / "schemas" / f"{output.name}.json").read_text("utf-8")
+        != maker.schema_text(output)
+    ]
+    assert stale == [], "run python docs/make_schemas.py"
+    assert (ROOT / "docs" / "json.md").read_text("utf-8") == maker.page()
+    assert len(list((ROOT / "docs" / "schemas").iterdir())) == len(maker.OUTPUTS)
+
+
+def _names_in(data: object) -> Iterator[str]:
+    if isinstance(data, dict):
+        yield from data
+        for each in data.values():
+            yield from _names_in(each)
+    elif isinstance(data, list):
+        for each in data:
+            yield from _names_in(each)
+
+
+def _properties(schema: dict[str, Any]) -> Iterator[str]:
+    yield from schema.get("properties", {})
+    inner = [
+        *schema.get("properties", {}).values(),
+        schema.get("items"),
+        schema.get("additionalProperties"),
+    ]
+    for each in inner:
+        if isinstance(each, dict):
+            yield from _properties(each)
