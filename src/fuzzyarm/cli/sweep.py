@@ -174,14 +174,14 @@ def _files(bench: Bench, arguments: argparse.Namespace) -> dict[str, str]:
     """Return digests of the files that runs depend on, by name."""
     from hashlib import sha256
 
-    from fuzzyarm.controller.controller import CompiledController
-    from fuzzyarm.controller.on_plant import TextLaw
+    from fuzzyarm.controller.on_plant import text_law_of
     from fuzzyarm.controller.text import sheet_path
 
     paths: dict[str, Path] = {}
     for part in bench.loop.controller.parts():
-        if isinstance(part, CompiledController) and isinstance(part.law, TextLaw):
-            text = part.law.text
+        law = text_law_of(part)
+        if law is not None:
+            text = law.text
             if not text.path:
                 continue
             paths[Path(text.path).name] = Path(text.path)

@@ -7,8 +7,8 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 
-from fuzzyarm.controller.controller import CompiledController, Controller
-from fuzzyarm.controller.on_plant import ARM, Site, TextLaw, lacking, site_of
+from fuzzyarm.controller.controller import Controller
+from fuzzyarm.controller.on_plant import ARM, Site, lacking, site_of, text_law_of
 from fuzzyarm.controller.program import SourceError
 from fuzzyarm.controller.reach import (
     FED_BACK,
@@ -74,11 +74,7 @@ def site_for(controller: Controller, connect: Mapping[str, str] | None = None) -
         If no shipped plant has its axes and some of its ports.
     """
     parts = list(controller.parts())
-    texts = [
-        part.law.text.model
-        for part in parts
-        if isinstance(part, CompiledController) and isinstance(part.law, TextLaw)
-    ]
+    texts = [law.text.model for law in map(text_law_of, parts) if law is not None]
     if len(texts) < len(parts):
         return ARM
     site = site_by_axes(texts[0], connect)

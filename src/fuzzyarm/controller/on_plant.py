@@ -247,6 +247,12 @@ class TextLaw(Law):
         return make_law(self.text, self.find_law, site)
 
 
+def text_law_of(controller: Controller) -> TextLaw | None:
+    """Return the law of a controller as text; None of any other controller, sums among them."""
+    law = controller.law if isinstance(controller, CompiledController) else None
+    return law if isinstance(law, TextLaw) else None
+
+
 def make_law(text: ControllerText, find_law: FindLaw, site: Site = ARM) -> TextLaw:
     """Make the law that runs a controller on a plant.
 
@@ -328,8 +334,8 @@ def controller_on(controller: Controller, site: Site) -> Controller:
     """
     if isinstance(controller, Sum):
         return Sum([controller_on(each, site) for each in controller.addends], controller.name)
-    if isinstance(controller, CompiledController) and isinstance(controller.law, TextLaw):
-        law = controller.law
+    law = text_law_of(controller)
+    if law is not None:
         site.wiring(law.text.model)  # tells what is missing
         if site != law.site:
             made = CompiledController(law.on(site), controller.gains)
@@ -357,11 +363,12 @@ def require_arm(what: str, site: Site) -> None:
         raise SourceError(f"{what} {why}", hint=hint)
 
 
-def connectable(controller: CompiledController) -> set[str]:
+def connectable(controller: Controller) -> set[str]:
     """Return what of a controller as text may be joined to a plant: axes and ports."""
-    if not isinstance(controller.law, TextLaw):
+    law = text_law_of(controller)
+    if law is None:
         return set()
-    model = controller.law.text.model
+    model = law.text.model
     ports = [port for kind in PORT_KINDS for port in ports_of(model, kind)]
     return {*model.axis_names, *(name for _, name in ports), *map(".".join, ports)}
 
@@ -370,8 +377,9 @@ def driven_by(controller: Controller, site: Site) -> frozenset[Address]:
     """Return the inputs of a plant that a controller drives."""
     found: set[Address] = set()
     for part in controller.parts():
-        if isinstance(part, CompiledController) and isinstance(part.law, TextLaw):
-            found |= site.driven(part.law.text.model)
+        law = text_law_of(part)
+        if law is not None:
+            found |= site.driven(law.text.model)
         else:
             found |= driven_plainly(site)
     return frozenset(found)
@@ -429,8 +437,9 @@ class Timed(Protocol):
 
 def timed(part: Controller) -> Timed | None:
     """Return what says how often an addend runs; None of a law, which runs as the study does."""
-    if isinstance(part, CompiledController) and isinstance(part.law, TextLaw):
-        return part.law.text.model
+    law = text_law_of(part)
+    if law is not None:
+        return law.text.model
     if not part.takes_ports or part.period is None:
         return None
     for name, value, least in (("period", part.period, 1e-9), ("every", part.every, 1)):
@@ -469,8 +478,9 @@ def drive_limits(controller: Controller, site: Site) -> dict[Address, Limits]:
     """
     total: dict[Address, Limits] = {}
     for part in controller.parts():
-        if isinstance(part, CompiledController) and isinstance(part.law, TextLaw):
-            own = _limits_of_text(part, part.law.text.model, site)
+        law = text_law_of(part)
+        if law is not None:
+            own = _limits_of_text(part.gains, law.text.model, site)
         else:
             own = dict.fromkeys(driven_plainly(site), UNLIMITED)
         for port, limits in own.items():
@@ -486,7 +496,7 @@ def _added(first: Limits, second: Limits) -> Limits:
 
 
 def _limits_of_text(
-    controller: CompiledController, model: ControllerModel, site: Site
+    chosen: Mapping[str, Gain], model: ControllerModel, site: Site
 ) -> dict[Address, Limits]:
     total: dict[Address, Limits] = {}
     for axes in model.axes:
@@ -494,7 +504,7 @@ def _limits_of_text(
             index = model.axis_names.index(axis)
             gains = {
                 name: gain.value[index if len(gain.value) > 1 else 0]
-                for name, gain in controller.gains.items()
+                for name, gain in chosen.items()
             }
             for line in axes.lines:
                 if isinstance(line, Drive):

@@ -29,7 +29,7 @@ from fuzzyarm.controller.catalogue import controller_in
 from fuzzyarm.controller.controller import CompiledController
 from fuzzyarm.controller.findings import site_by_axes
 from fuzzyarm.controller.law import Gain
-from fuzzyarm.controller.on_plant import TextLaw, driven_by, site_of, timing_of
+from fuzzyarm.controller.on_plant import driven_by, site_of, text_law_of, timing_of
 from fuzzyarm.controller.program import SourceError
 from fuzzyarm.controller.text import ControllerText, sheet_path
 from fuzzyarm.designer.grounds import at_field, check_words, trajectory_named, words_of
@@ -155,8 +155,9 @@ def _is_in(controller: CompiledController, text: str) -> bool:
 
 
 def _text(controller: CompiledController) -> ControllerText:
-    assert isinstance(controller.law, TextLaw)
-    return controller.law.text
+    law = text_law_of(controller)
+    assert law is not None
+    return law.text
 
 
 class LiveRun:

@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 from fuzzyarm.controller.controller import CompiledController
 from fuzzyarm.controller.on_plant import (
     Learned,
-    TextLaw,
     controller_on,
     driven_by,
     learned,
     site_of,
+    text_law_of,
     timing_of,
 )
 from fuzzyarm.controller.text import ControllerText
@@ -122,9 +122,8 @@ def train(
     site = site_of(motion.plants[0], connect)
     chosen = controller_on(controller, site)
     require_timing(chosen, motion)
-    assert isinstance(chosen, CompiledController)
-    law = chosen.law
-    assert isinstance(law, TextLaw)
+    law = text_law_of(chosen)
+    assert law is not None
     arithmetic = options.arithmetic(conventions)
     program = Program(chosen, arithmetic)
     rings = law.program(arithmetic).rings
@@ -212,19 +211,19 @@ class Trainee:
         connect: Mapping[str, str] | None = None,
         name: str = "",
     ) -> None:
-        assert isinstance(controller.law, TextLaw)
+        law = text_law_of(controller)
+        assert law is not None
         self.controller, self.plant, self.connect = controller, plant, connect
-        self.text: ControllerText = controller.law.text
+        self.text: ControllerText = law.text
         learners = list(self.text.learners())
         if not learners:
             raise NoTableError(f"{name or self.text.model.name} has no table that learns")
         self.learner: Learn = learners[0]
         sheet = self.text.sheets[self.learner.table][0]
         assert isinstance(sheet, LookupTable)
-        bound = controller_on(controller, site_of(plant, connect))
-        assert isinstance(bound, CompiledController)
-        assert isinstance(bound.law, TextLaw)
-        self.start = learned(bound.law, Arithmetic())
+        bound = text_law_of(controller_on(controller, site_of(plant, connect)))
+        assert bound is not None
+        self.start = learned(bound, Arithmetic())
         self.like = replace(
             sheet,
             output="u",

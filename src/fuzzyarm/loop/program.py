@@ -352,8 +352,8 @@ def plain_control(program: Program, course: Course) -> Callable[..., None]:
 def _asked(part: Controller, arithmetic: Arithmetic, course: Course) -> Asked:
     if part.takes_ports:
         return _asked_by_ports(part, course)
-    law = part.law if isinstance(part, CompiledController) else None
-    if isinstance(law, on_plant.TextLaw) and course.site.extra == 0:
+    law = on_plant.text_law_of(part)
+    if law is not None and course.site.extra == 0:
         return _asked_of_text(part, law, arithmetic, course)
     return _asked_for_torques(part)
 

@@ -11,10 +11,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzyarm.controller.controller import CompiledController, Controller
+from fuzzyarm.controller.controller import Controller
 from fuzzyarm.controller.on_plant import (
     Site,
-    TextLaw,
     connectable,
     controller_on,
     drive_limits,
@@ -22,6 +21,7 @@ from fuzzyarm.controller.on_plant import (
     driven_plainly,
     own_timing,
     site_of,
+    text_law_of,
     timed,
     timing_of,
 )
@@ -415,8 +415,9 @@ def plant_motion(
 def followed_by(controller: Controller, site: Site) -> Address:
     """Return the output that a controller follows: as its text asks, or the first of the plant."""
     for part in controller.parts():
-        if isinstance(part, CompiledController) and isinstance(part.law, TextLaw):
-            return first_error(part.law.text, site)
+        law = text_law_of(part)
+        if law is not None:
+            return first_error(law.text, site)
     return next(iter(site.interface.outputs))
 
 
@@ -429,9 +430,10 @@ def text_of(controller: Controller, site: Site) -> ControllerText:
         If the plant does not have what it asks for, or it is in Python.
     """
     found = next(iter(controller_on(controller, site).parts()))
-    if not (isinstance(found, CompiledController) and isinstance(found.law, TextLaw)):
+    law = text_law_of(found)
+    if law is None:
         raise SourceError(f"{found.name} is not a controller as text")
-    return found.law.text
+    return law.text
 
 
 def first_error(text: ControllerText, site: Site) -> Address:
@@ -671,7 +673,7 @@ class ClosedLoop:
         notes += range_notes(course.motion, site)
         names: set[str] = set()
         for part in self.controller.parts():
-            names |= connectable(part) if isinstance(part, CompiledController) else set()
+            names |= connectable(part)
             names |= set(site.connect) if part.takes_ports else set()
         for name, port in site.connect.items():
             if name not in names:

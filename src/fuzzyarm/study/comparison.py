@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzyarm.controller.controller import CompiledController, Controller
-from fuzzyarm.controller.on_plant import TextLaw, driven_by, site_of, timing_of
+from fuzzyarm.controller.controller import Controller
+from fuzzyarm.controller.on_plant import driven_by, site_of, text_law_of, timing_of
 from fuzzyarm.controller.own import find_controller, find_controllers
 from fuzzyarm.export.cost import step_cost
 from fuzzyarm.export.numbers import ExportError
@@ -256,9 +256,10 @@ def cost_of(name: str, *, conventions: Conventions = PLAIN, timed: bool = True) 
 
 def exported_operations(controller: Controller) -> int | None:
     """Return what a step of the program exported from a text takes at most, None of others."""
-    if not isinstance(controller, CompiledController) or not isinstance(controller.law, TextLaw):
+    law = text_law_of(controller)
+    if law is None:
         return None
     try:
-        return step_cost(controller.law.text).exported.total()
+        return step_cost(law.text).exported.total()
     except ExportError:
         return None
