@@ -48,7 +48,7 @@ from fuzzyarm.loop.run import (
 )
 from fuzzyarm.plant.arm import LOADED, UNLOADED, carrying
 from fuzzyarm.plant.driven_arm import Arm
-from fuzzyarm.plant.own import begins_by_itself
+from fuzzyarm.plant.equations import begins_by_itself
 from fuzzyarm.plant.plant import Plant, parameter, with_parameters
 from fuzzyarm.plant.setting import PLAIN, Conventions
 from fuzzyarm.plant.trajectory import Trajectory, schedule

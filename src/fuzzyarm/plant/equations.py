@@ -37,9 +37,11 @@ __all__ = [
     "USERS",
     "Equations",
     "apart",
+    "begins_by_itself",
     "compiled_by_numba",
     "fill",
     "has_numba",
+    "is_of_package",
     "keep_traced",
     "traced",
 ]
@@ -47,6 +49,19 @@ __all__ = [
 
 USERS = (Exception, SystemExit)
 """What a user's code may raise: one that calls ``sys.exit`` does not end the command."""
+
+
+def is_of_package(kind: type) -> bool:
+    """Whether a class, of a plant or of what it is derived from, comes with the package.
+
+    The others are a user's, or another package's.
+    """
+    return kind.__module__.startswith("fuzzyarm.")
+
+
+def begins_by_itself(plant: Any) -> bool:
+    """Whether the start of a plant is a user's code, which knows nothing of threads."""
+    return not type(plant).start.__module__.startswith("fuzzyarm.")
 
 
 class Equations(NamedTuple):
@@ -123,9 +138,9 @@ def _is_same(before: object, after: object) -> bool:
 
 def _traced(plant: Any) -> Equations | None:
     # Those of the package are kernels already, or run the code of others (a unit, a system).
-    if plant.derivative is None or type(plant).__module__.startswith("fuzzyarm."):
+    if plant.derivative is None or is_of_package(type(plant)):
         return None
-    seeds = (0, 1) if type(plant).start.__module__ != "fuzzyarm.plant.plant" else (0,)
+    seeds = (0, 1) if begins_by_itself(plant) else (0,)
     first, *again = (_begun_roots(apart(plant), seed) for seed in seeds)
     if first is None or any(first != other for other in again):  # its start draws what they read
         return None
@@ -158,12 +173,12 @@ def _agrees(plant: Any, roots: Roots) -> bool:
     if len(known) >= MOST_AGREED:
         known.clear()
     names = _names_of(plant)
-    for point in _points(plant):
-        asked = apart(plant)
-        try:
-            asked.start(np.random.default_rng(0))
-        except USERS:
-            return False
+    asked = apart(plant)
+    try:
+        start = [float(value) for value in asked.start(np.random.default_rng(0))]
+    except USERS:
+        return False
+    for point in _points(plant, start):
         (t,), *groups = point
         values = dict(zip((n for row in names for n in row), (t, *chain(*groups)), strict=True))
         for method, expected in ((asked.derivative, rates), (asked.measure, outputs)):
@@ -191,10 +206,8 @@ def _is_answer(
     )
 
 
-def _points(plant: Any) -> Iterator[tuple[Sequence[float], ...]]:
+def _points(plant: Any, start: list[float]) -> Iterator[tuple[Sequence[float], ...]]:
     """Yield times, states, inputs and parameters: at rest, at limits, at whole numbers, drawn."""
-    begun = apart(plant)
-    start = [float(value) for value in begun.start(np.random.default_rng(0))]
     parameters = [float(getattr(each, "value", each)) for each in plant.parameters.values()]
     ports = plant.inputs.values()
     low = [port.low if math.isfinite(port.low) else -1.0 for port in ports]
@@ -236,7 +249,7 @@ def _class_attributes(plant: Any) -> dict[tuple[type, str], bytes]:
     """Return what the classes of a user's plant share that may change, as it is now."""
     contents = {}
     for kind in type(plant).__mro__:
-        if not kind.__module__.startswith("fuzzyarm."):
+        if not is_of_package(kind):
             for name, value in vars(kind).items():
                 if isinstance(value, int | float | list | dict | set) and name not in PORTS:
                     with contextlib.suppress(Exception):

@@ -25,7 +25,15 @@ from fuzzyarm.plant.adapters import (
     is_control_system,
 )
 from fuzzyarm.plant.driven_arm import Arm
-from fuzzyarm.plant.equations import TRACED, USERS, apart, fill, keep_traced
+from fuzzyarm.plant.equations import (
+    TRACED,
+    USERS,
+    apart,
+    begins_by_itself,
+    fill,
+    is_of_package,
+    keep_traced,
+)
 from fuzzyarm.plant.library import LIBRARY
 from fuzzyarm.plant.plant import Plant, PlantError, is_compiled
 from fuzzyarm.plant.tried import HOME, Home, lacks, require_sound
@@ -258,18 +266,13 @@ def for_runs(plant: Plant) -> Plant:
     So a run changes neither the plant of its user nor the next run, whatever it keeps beside its
     states. A plant of the package begins anew by itself.
     """
-    if type(plant).__module__.startswith("fuzzyarm."):
+    if is_of_package(type(plant)):
         return plant
     other: Plant = apart(plant)
     if begins_by_itself(other) or not is_compiled(other):  # else nothing is kept beside its states
         vars(other)[BEGUN] = apart(plant)
     keep_traced(other)
     return other
-
-
-def begins_by_itself(plant: Plant) -> bool:
-    """Whether the start of a plant is a user's code, which knows nothing of threads."""
-    return not type(plant).start.__module__.startswith("fuzzyarm.")
 
 
 def starting_at(plant: Plant, states: Sequence[float]) -> Plant:

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fuzzyarm.kernels import with_names
-from fuzzyarm.plant.equations import USERS, apart
+from fuzzyarm.plant.equations import USERS, apart, is_of_package
 from fuzzyarm.plant.plant import (
     Parameter,
     Plant,
@@ -124,7 +124,7 @@ def require_sound(plant: Plant) -> None:
     plant : Plant
         Any.
     """
-    if not type(plant).__module__.startswith("fuzzyarm."):
+    if not is_of_package(type(plant)):
         require_ports(plant)
         interface_of(plant)
         try_equations(plant)
@@ -283,7 +283,7 @@ def _fault(plant: Plant, what: str, message: str, hint: str = "", place: str = "
 
 def place_of(plant: Plant, what: str) -> str:
     """Return ``FILE:LINE: `` of an attribute of a plant in its text; empty where it has none."""
-    classes = [each for each in type(plant).__mro__ if not each.__module__.startswith("fuzzyarm.")]
+    classes = [kind for kind in type(plant).__mro__ if not is_of_package(kind)]
     kind = next((each for each in classes if what in vars(each)), type(plant))
     try:
         method = inspect.unwrap(vars(kind)[what])
