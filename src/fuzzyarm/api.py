@@ -19,6 +19,7 @@ from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.table import SUFFIXES
 from fuzzyarm.text import above
 from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Severity, render_all
+from fuzzyarm.text.folders import READABLE
 from fuzzyarm.text.shown import one_line
 
 if TYPE_CHECKING:
@@ -44,9 +45,6 @@ __all__ = [
     "load_controller",
     "load_rulebase",
 ]
-
-RULEBASE_SUFFIXES = (".frb", ".fll", ".fcl", ".fis", ".t2fis", ".fml", ".xml")
-"""Those of :data:`fuzzyarm.formats.READABLE`; that module would load every reader."""
 
 
 class FileWarning(UserWarning):
@@ -75,7 +73,7 @@ class UnknownKindError(FuzzyarmError, ValueError):
     def __init__(self, path: str) -> None:
         from fuzzyarm.formats.not_texts import called
 
-        known = ", ".join((*RULEBASE_SUFFIXES, *SUFFIXES))
+        known = ", ".join((*READABLE, *SUFFIXES))
         message, hint = f"{path}: cannot tell what kind of file this is", f"known: {known}"
         if known_as := called(path):
             message, hint = f"{path}: this is {known_as[0]}, not a text", known_as[1]
@@ -221,7 +219,7 @@ def _controller(model: ControllerModel, source: str, name: str) -> ControllerTex
 
 def _foreign(path: str | os.PathLike[str], suffix: str, *, stacklevel: int) -> RuleBase:
     """Return the rule base in a file of another program; `stacklevel` is that of a warning."""
-    if suffix not in RULEBASE_SUFFIXES:
+    if suffix not in READABLE:
         raise UnknownKindError(os.fspath(path))
     from fuzzyarm.formats import read
 
@@ -401,7 +399,7 @@ def check_file(path: str | os.PathLike[str], on: PlantOf | None = None) -> Revie
 
             text = read_text(path)
             return Review(text, tuple(parse_lut(text, name).diagnostics))
-        if suffix in RULEBASE_SUFFIXES:
+        if suffix in READABLE:
             return _check_foreign(path, name)
         load(path)
     except RuleBaseError as error:

@@ -163,12 +163,34 @@ def test_shipped_files_go_out_and_come_back_with_their_numbers(
     name: str, suffix: str, tmp_path: Path
 ) -> None:
     out = tmp_path / f"{name}.{suffix}"
-    assert main(["convert", str(shipped(f"{name}.frb")), str(out), "-q"]) == 0
+    # Of the programs that read a .fis fuzzylite takes the most samples.
+    reader = ["--for", "fuzzylite"] if suffix == "fis" else []
+    assert main(["convert", str(shipped(f"{name}.frb")), str(out), "-q", *reader]) == 0
     before, after = load_rulebase(shipped(f"{name}.frb")), read(out).rulebase
     assert after is not None
     point = {v.name: v.low + 0.3 * (v.high - v.low) for v in before.inputs}
     for output, value in infer(before, point).items():
         assert infer(after, point)[output] == pytest.approx(value, rel=1e-4)
+
+
+@pytest.mark.parametrize("name", ["pd7", "tipper", "thermostat", "slide7"])
+def test_a_fis_is_written_for_matlab_where_nothing_else_is_said(name: str, tmp_path: Path) -> None:
+    out, matlab = tmp_path / "x.fis", tmp_path / "matlab.fis"
+    source = str(shipped(f"{name}.frb"))
+    assert main(["convert", source, str(out), "-q"]) == 0
+    assert main(["convert", source, str(matlab), "-q", "--for", "matlab"]) == 0
+    assert out.read_text() == matlab.read_text()
+    assert "rampmf" not in out.read_text()  # which fuzzylite alone has: of thermostat
+    assert read(out).producer == "matlab"
+
+
+@pytest.mark.parametrize("producer", ["matlab", "octave", "fuzzylite"])
+def test_a_fis_of_some_program_goes_out_for_the_same(producer: str, tmp_path: Path) -> None:
+    first, again = tmp_path / "first.fis", tmp_path / "again.fis"
+    source = str(shipped("tipper.frb"))
+    assert main(["convert", source, str(first), "-q", "--for", producer]) == 0
+    assert main(["convert", str(first), str(again), "-q"]) == 0
+    assert again.read_text() == first.read_text()
 
 
 # ── Nothing lost ─────────────────────────────────────────────────────────────────────

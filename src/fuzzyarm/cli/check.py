@@ -8,7 +8,6 @@ import sys
 from collections.abc import Iterable, Iterator
 
 from fuzzyarm.api import (
-    RULEBASE_SUFFIXES,
     PlantOf,
     Review,
     check_file,
@@ -35,9 +34,9 @@ from fuzzyarm.language import format_text, read_text
 from fuzzyarm.language.reading import decoded
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Severity
-from fuzzyarm.text.folders import own_files
+from fuzzyarm.text.folders import READABLE, own_files
 
-_IN_FOLDERS = (*RULEBASE_SUFFIXES, ".lut")
+_IN_FOLDERS = (*READABLE, ".lut")
 """Files of a folder that are checked: other tables are any program's."""
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from fuzzyarm.language.reading import Parsed
 from fuzzyarm.table import SUFFIXES
 from fuzzyarm.text.diagnostic import RuleBaseError
+from fuzzyarm.text.folders import READABLE
 from fuzzyarm.text.mistaken import CONTROLLER, RULE_BASE, TABLE, WrongKindError
 from fuzzyarm.text.names import quote, typed
 
@@ -21,8 +22,6 @@ def kind_by_suffix(path: str | os.PathLike[str]) -> str:
         return ""
     if suffix in SUFFIXES:
         return TABLE
-    from fuzzyarm.formats.registry import READABLE
-
     return RULE_BASE if suffix in READABLE else ""
 
 

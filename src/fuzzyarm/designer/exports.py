@@ -18,7 +18,6 @@ from fuzzyarm.designer.names import clean_name, in_words
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.formats.conversion import converted, findings_of
 from fuzzyarm.formats.findings import Imported
-from fuzzyarm.formats.registry import FOREIGN
 from fuzzyarm.inference.block import NotCoveredError
 from fuzzyarm.language.queries import Reading
 from fuzzyarm.lsp.session import Session
@@ -30,6 +29,7 @@ from fuzzyarm.table import LookupTable
 from fuzzyarm.table.files import LATEX, table_as
 from fuzzyarm.table.levels import read_levels
 from fuzzyarm.text.diagnostic import RuleBaseError
+from fuzzyarm.text.folders import FOREIGN
 
 if TYPE_CHECKING:
     from fuzzyarm.controller.text import ControllerText

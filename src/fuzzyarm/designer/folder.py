@@ -33,7 +33,6 @@ from fuzzyarm.designer.shared import SharedText
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.formats import read as read_foreign
 from fuzzyarm.formats.conversion import converted, findings_of
-from fuzzyarm.formats.registry import READABLE
 from fuzzyarm.language import load_rulebase, read_text
 from fuzzyarm.lsp.session import Session
 from fuzzyarm.shipped_files import shipped, what_it_is
@@ -42,6 +41,7 @@ from fuzzyarm.table import read_table
 from fuzzyarm.table.files import table_as
 from fuzzyarm.text.diagnostic import RuleBaseError
 from fuzzyarm.text.files import stamp_of, write_atomically
+from fuzzyarm.text.folders import READABLE
 from fuzzyarm.text.names import printable
 
 __all__ = [

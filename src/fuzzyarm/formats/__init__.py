@@ -17,9 +17,6 @@ from fuzzyarm.formats.fis_writer import write_fis
 from fuzzyarm.formats.fll import parse_fll, write_fll
 from fuzzyarm.formats.fml import parse_fml
 from fuzzyarm.formats.registry import (
-    FOREIGN,
-    READABLE,
-    SUFFIXES,
     parse,
     read,
     same_model,
@@ -28,6 +25,7 @@ from fuzzyarm.formats.registry import (
     write,
 )
 from fuzzyarm.lazy import lazily
+from fuzzyarm.text.folders import FOREIGN, READABLE, SUFFIXES
 
 if TYPE_CHECKING:
     from fuzzyarm.formats.skfuzzy import from_skfuzzy, to_skfuzzy

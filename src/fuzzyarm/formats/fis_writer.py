@@ -15,7 +15,7 @@ from fuzzyarm.formats.writing import (
     Sentence,
     Writer,
     as_sentences,
-    best,
+    likeliest,
     weight_before,
 )
 from fuzzyarm.model.rulebase import (
@@ -64,7 +64,9 @@ def write_fis(
     """
     producers = (producer,) if producer is not None else tuple(FIS)
     dialects = [FIS[each] for each in producers]
-    return best([_Writer(rulebase, each, lossy=lossy, strict=strict).export() for each in dialects])
+    return likeliest(
+        [_Writer(rulebase, each, lossy=lossy, strict=strict).export() for each in dialects]
+    )
 
 
 class _Writer(Writer):

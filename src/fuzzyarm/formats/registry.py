@@ -28,15 +28,7 @@ from fuzzyarm.formats.writing import note_threshold
 from fuzzyarm.model.rulebase import AnyRuleBase, RuleBase
 from fuzzyarm.text.diagnostic import MAX_CHARACTERS as MAX_OWN_CHARACTERS
 from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Span
-
-FOREIGN = (".fll", ".fcl", ".fis")
-"""Suffixes of other programs' files."""
-
-SUFFIXES = (".frb", *FOREIGN)
-"""Every suffix that :func:`parse` and :func:`write` know."""
-
-READABLE = (*SUFFIXES, ".t2fis", ".fml", ".xml")
-"""Every suffix that :func:`parse` knows."""
+from fuzzyarm.text.folders import FOREIGN, READABLE, SUFFIXES
 
 
 def suffix_of(path: str | os.PathLike[str], known: tuple[str, ...] = SUFFIXES) -> str:
@@ -209,7 +201,8 @@ def write(
         One of :data:`SUFFIXES`.
     producer : str, optional
         The program to write for, one of :data:`PRODUCERS` for the suffix; by default the
-        one whose sampling the outputs have.
+        one to which least is lost: of a ``.fis`` MATLAB, unless another has the sampling of
+        the outputs, or what MATLAB does not have.
     lossy : bool
         Whether to write even where that program would give other numbers.
     strict : bool

@@ -222,12 +222,26 @@ def best(attempts: list[Exported]) -> Exported:
     """Return the first attempt with the fewest errors, then warnings, then remarks."""
 
     def cost(attempt: Exported) -> tuple[int, int, int]:
-        found = attempt.diagnostics
-        # fuzzylite's threshold moves less than the coarser samples of another program.
-        warned = [d for d in found if d.severity is Severity.WARNING and d.name != "threshold"]
-        return len(attempt.errors), len(warned), len(found)
+        return (*_lost(attempt, ("threshold",)), len(attempt.diagnostics))
 
     return min(attempts, key=cost)
+
+
+def likeliest(attempts: list[Exported]) -> Exported:
+    """Return the first attempt, or the best one if that loses less of the numbers inside ranges.
+
+    The first is for the program whose format it is, as a reader takes it where nothing tells.
+    """
+    edges = ("threshold", "outside-range", "no-rule")
+    first, other = attempts[0], best(attempts)
+    return first if _lost(first, edges) <= _lost(other, edges) else other
+
+
+def _lost(attempt: Exported, slight: tuple[str, ...]) -> tuple[int, int]:
+    """Return the numbers of errors, and of warnings but for some."""
+    # fuzzylite's threshold moves less than the coarser samples of another program.
+    warned = [d for d in attempt.diagnostics if d.severity is Severity.WARNING]
+    return len(attempt.errors), sum(d.name not in slight for d in warned)
 
 
 # --- Names that a format allows ---

@@ -1,4 +1,4 @@
-"""The files of a folder that are somebody's own: nothing hidden, nothing that git leaves out."""
+"""Files by suffix, and those of a folder that are somebody's own: nothing that git leaves out."""
 
 from __future__ import annotations
 
@@ -8,6 +8,15 @@ from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
+
+FOREIGN = (".fll", ".fcl", ".fis")
+"""Suffixes of rule bases of other programs that are written as well."""
+
+SUFFIXES = (".frb", *FOREIGN)
+"""Suffixes of rule bases that are read and written."""
+
+READABLE = (*SUFFIXES, ".t2fis", ".fml", ".xml")
+"""Suffixes of all rule bases that are read. They stand here for who does not load the readers."""
 
 PACKAGES = ("node_modules", "__pycache__", "site-packages")
 """Folders of packages, whoever made them."""

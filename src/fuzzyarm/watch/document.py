@@ -5,12 +5,12 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from fuzzyarm.api import RULEBASE_SUFFIXES
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language import read_text
 from fuzzyarm.lsp.session import Session
 from fuzzyarm.lsp.tables import TableText
 from fuzzyarm.text.diagnostic import Diagnostic
+from fuzzyarm.text.folders import READABLE
 from fuzzyarm.text.names import typed
 from fuzzyarm.watch.scenes import RulebaseScene, Scene, TableScene
 
@@ -27,7 +27,7 @@ class NotShownError(FuzzyarmError, ValueError):
     """
 
     def __init__(self, path: str) -> None:
-        foreign = Path(path).suffix.lower() in RULEBASE_SUFFIXES
+        foreign = Path(path).suffix.lower() in READABLE
         own = f"{Path(path).stem}.frb"
         hint = f"fuzzyarm convert {typed(path)} {typed(own)} brings it in" if foreign else ""
         super().__init__(f"{path} is neither a .frb nor a .lut file", hint=hint)
