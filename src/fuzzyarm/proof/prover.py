@@ -298,13 +298,6 @@ class Prover:
         self._demand_no_jumps(question, axis)
         return self.at_most(question, bound, negated=negated)
 
-    def oddness(self, region: Mapping[str, tuple[float, float]]) -> Bounds:
-        """Return bounds of u(x) + u(−x)."""
-        self.demand_pieces("symmetry")
-        self._demand_value_everywhere("symmetry")
-        self.demand_inside_range("symmetry")
-        return self.bounds_of(Question(self.box(region), Surface.odd, mirrored=True))
-
     def odd_within(self, region: Mapping[str, tuple[float, float]], bound: float) -> Claim:
         """Tell whether u(x) + u(−x) is nowhere further from 0 than `bound`."""
         self.demand_pieces("symmetry")

@@ -157,10 +157,6 @@ class Diagram:
     tracks: tuple[int, ...]
     height: float
 
-    def layer_blocks(self, layer: int) -> list[DiagramBlock]:
-        """Return the blocks of a layer."""
-        return [block for block in self.blocks if block.layer == layer]
-
 
 def block_diagram(controller: ControllerText | ControllerModel) -> Diagram:
     """Return the block diagram of a controller.

@@ -236,15 +236,6 @@ class Examiner:
         errors = errors_of(rulebase, self.problem.samples)
         return Score(self.problem.cost.of(errors), (), errors["rmse"])
 
-    # --- Runs as they are ---
-
-    def runs_of(self, candidate: Candidate) -> Iterator[Run]:
-        """Yield the runs of a candidate, for reports."""
-        ready = self.ready(candidate)
-        for stand in self.stands:
-            assert ready is not None
-            yield stand.run(ready)
-
 
 def failed(error: FuzzyarmError) -> Score:
     """Return the score of a candidate that cannot be examined."""
