@@ -363,9 +363,14 @@ REDRAWN_EVERY = 0.2
 
 
 def _own_seconds(arguments: argparse.Namespace) -> float:
-    """Return the seconds of the first search: half of them where the line is tuned, too."""
-    seconds = _seconds(arguments)
-    return seconds if arguments.no_linear else 0.5 * seconds
+    """Return the seconds of the first search: its share where others follow."""
+    from fuzzyarm.tuning.search import Budget
+    from fuzzyarm.tuning.tuned import Plan
+
+    plan = Plan(budget=Budget(seconds=_seconds(arguments)))
+    on_samples = bool(arguments.data)  # which are judged by others, and beside a regression
+    judged, linear = on_samples or arguments.unseen > 0, not (on_samples or arguments.no_linear)
+    return plan.shared(judged=judged, linear=linear).seconds
 
 
 def _most(arguments: argparse.Namespace) -> str:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from functools import cache
@@ -33,7 +32,7 @@ from fuzzyarm.loop.loop import (
     within,
 )
 from fuzzyarm.plant.equations import USERS
-from fuzzyarm.plant.own import failure
+from fuzzyarm.plant.own import failure_of
 from fuzzyarm.plant.plant import (
     ADVANCE,
     CLOCK_SIZE,
@@ -465,9 +464,7 @@ def _named(part: Controller) -> Iterator[None]:
     except FuzzyarmError:
         raise
     except USERS as error:
-        module = sys.modules.get(type(part).__module__)
-        path = getattr(module, "__file__", None) or ""
-        message = f"controller {part.name} failed: {failure(path, error)}"
+        message = f"controller {part.name} failed: {failure_of(part, error)}"
         raise SourceError(message) from error
 
 

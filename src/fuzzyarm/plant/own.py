@@ -239,6 +239,12 @@ def failure(path: str, error: BaseException) -> str:
     return f"{place}: {type(error).__name__}: {error}"
 
 
+def failure_of(thing: object, error: BaseException) -> str:
+    """Say what the class of a thing raised, and where in the file that defines it."""
+    path = getattr(sys.modules.get(type(thing).__module__), "__file__", None) or ""
+    return failure(path, error)
+
+
 @contextmanager
 def plain_errors(plant: Plant) -> Iterator[None]:
     """Make one clear sentence of what a plant in plain Python raises."""
@@ -249,8 +255,7 @@ def plain_errors(plant: Plant) -> Iterator[None]:
     except USERS as error:
         if is_compiled(plant):
             raise
-        path = getattr(sys.modules.get(type(plant).__module__), "__file__", None) or ""
-        raise PlantError(f"plant {plant.name} failed: {failure(path, error)}") from error
+        raise PlantError(f"plant {plant.name} failed: {failure_of(plant, error)}") from error
 
 
 BEGUN = "_fuzzyarm_begun"

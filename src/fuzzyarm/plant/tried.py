@@ -93,7 +93,8 @@ def require_ports(plant: Plant) -> None:
 
 def _require_no_slip(plant: Plant) -> None:
     """Raise PlantError for an attribute that is a misspelt one of those that need not be there."""
-    for name in [name for kind in type(plant).__mro__ for name in vars(kind)]:
+    own = [kind for kind in type(plant).__mro__ if not is_of_package(kind)]
+    for name in [name for kind in own for name in vars(kind)]:
         if name != "longest_step" and nearest(name, ("longest_step",)):
             raise _fault(plant, name, f"'{name}' is not read", hint="did you mean 'longest_step'?")
 
