@@ -10,6 +10,7 @@ import re
 import shutil
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
@@ -211,22 +212,41 @@ def mentioned(page):
         yield re.split(r" +#| {3,}", line)[0].split()
 
 
-@pytest.mark.parametrize("page", PAGES, ids=page_id)
-def test_every_command_that_is_mentioned_has_its_options(page):
-    for _, name, *words in mentioned(page):
-        assert name in COMMANDS, name
-        parser = argparse.ArgumentParser()
-        find_command(name).add_to(parser)
-        known = set(parser._option_string_actions)
-        options = {word.partition("=")[0] for word in words if re.match("--[a-z]", word)}
-        assert options <= known, (name, options - known)
+@cache
+def options_of(command):
+    parser = argparse.ArgumentParser()
+    find_command(command).add_to(parser)
+    return set(parser._option_string_actions)
 
 
-@pytest.mark.parametrize("page", PAGES, ids=page_id)
-def test_every_link_and_picture_exists(page):
-    for target in re.findall(r"\]\(([^)#]+?)(?:#[^)]*)?\)", page.read_text("utf-8")):
-        if "://" not in target:
-            assert (page.parent / target).exists(), target
+def unknown(words):
+    """Return what of a command line is neither a command nor one of its options."""
+    _, command, *others = words
+    if command not in COMMANDS:
+        return {command}
+    options = {word.partition("=")[0] for word in others if re.match("--[a-z]", word)}
+    return options - options_of(command)
+
+
+def test_every_command_that_is_mentioned_has_its_options():
+    lines = [(page_id(page), words) for page in PAGES for words in mentioned(page)]
+    assert len(lines) > 2 * len(PAGES)
+    assert [(page, words, unknown(words)) for page, words in lines if unknown(words)] == []
+    assert unknown(["fuzzyarm", "chek"]) == {"chek"}
+    assert unknown(["fuzzyarm", "check", "--loud"]) == {"--loud"}
+
+
+def test_every_link_and_picture_exists():
+    links = [
+        (page, target)
+        for page in PAGES
+        for target in re.findall(r"\]\(([^)#]+?)(?:#[^)]*)?\)", page.read_text("utf-8"))
+        if "://" not in target
+    ]
+    assert len(links) > len(PAGES)
+    assert [
+        (page_id(page), target) for page, target in links if not (page.parent / target).exists()
+    ] == []
 
 
 @pytest.fixture(scope="module")

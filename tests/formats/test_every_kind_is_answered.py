@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 import pytest
+from budget import crossed
 
 from fuzzyarm.expression import kinds, op
 from fuzzyarm.expression.records import Kind
@@ -44,6 +45,10 @@ NUMBERS = {
 
 def built_in(registry: Mapping[str, Kind]) -> list[str]:
     return [name for name, kind in registry.items() if not kind.own]
+
+
+def words(registry: Mapping[str, Kind]) -> list[str]:
+    return [*built_in(registry), OWN]
 
 
 @pytest.fixture(autouse=True)
@@ -96,9 +101,9 @@ def answers(model: RuleBase, suffix: str, producer: str | None, word: str) -> No
         assert sum(OWN in d.message for d in lossy.diagnostics) >= 1
 
 
-@pytest.mark.parametrize("word", [*built_in(kinds.SHAPES), OWN])
-@pytest.mark.parametrize(("suffix", "producer"), PROGRAMS)
-def test_every_shape(word: str, suffix: str, producer: str | None) -> None:
+@pytest.mark.parametrize(("word", "program"), crossed(words(kinds.SHAPES), PROGRAMS), ids=str)
+def test_every_shape(word: str, program: tuple[str, str | None]) -> None:
+    suffix, producer = program
     shape = Shape(word, NUMBERS[word], 1.0, "2 * x + exp(z)" if word == "formula" else "")
     if kinds.SHAPES[word].fuzzy:
         answers(rulebase(of_input=shape), suffix, producer, word)
@@ -106,23 +111,23 @@ def test_every_shape(word: str, suffix: str, producer: str | None) -> None:
     answers(rulebase(of_output=shape, defuzzifier="weighted-average"), suffix, producer, word)
 
 
-@pytest.mark.parametrize("word", [*built_in(kinds.TNORMS), OWN])
-@pytest.mark.parametrize(("suffix", "producer"), PROGRAMS)
-def test_every_tnorm(word: str, suffix: str, producer: str | None) -> None:
+@pytest.mark.parametrize(("word", "program"), crossed(words(kinds.TNORMS), PROGRAMS), ids=str)
+def test_every_tnorm(word: str, program: tuple[str, str | None]) -> None:
+    suffix, producer = program
     answers(rulebase(conjunction=word), suffix, producer, word)
     answers(rulebase(implication=word), suffix, producer, word)
 
 
-@pytest.mark.parametrize("word", [*built_in(kinds.SNORMS), OWN])
-@pytest.mark.parametrize(("suffix", "producer"), PROGRAMS)
-def test_every_snorm(word: str, suffix: str, producer: str | None) -> None:
+@pytest.mark.parametrize(("word", "program"), crossed(words(kinds.SNORMS), PROGRAMS), ids=str)
+def test_every_snorm(word: str, program: tuple[str, str | None]) -> None:
+    suffix, producer = program
     answers(rulebase(disjunction=word), suffix, producer, word)
     answers(rulebase(aggregation=word), suffix, producer, word)
 
 
-@pytest.mark.parametrize("word", [*built_in(kinds.HEDGES), OWN])
-@pytest.mark.parametrize(("suffix", "producer"), PROGRAMS)
-def test_every_hedge(word: str, suffix: str, producer: str | None) -> None:
+@pytest.mark.parametrize(("word", "program"), crossed(words(kinds.HEDGES), PROGRAMS), ids=str)
+def test_every_hedge(word: str, program: tuple[str, str | None]) -> None:
+    suffix, producer = program
     hedge = (Hedge(word, 1.5 if word == "power" else None),)
     answers(rulebase(hedges=hedge), suffix, producer, word)
     for model in (rulebase(around=hedge), rulebase(on_set=hedge)):

@@ -11,7 +11,7 @@ from functools import cache
 from pathlib import Path
 
 import pytest
-from budget import cases
+from budget import cases, crossed
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from strategies import odd_text, rulebases
@@ -114,16 +114,19 @@ def check_written(path: Path, suffix: str, program: str | None) -> None:
             assert not found, found[:3]
 
 
+def named(side: Path | tuple[str, str | None]) -> str:
+    return side.name if isinstance(side, Path) else " ".join(map(str, side))
+
+
 def is_warning(finding: Diagnostic) -> bool:
     return finding.severity is Severity.WARNING
 
 
-@pytest.mark.parametrize(("suffix", "program"), TARGETS)
-@pytest.mark.parametrize("path", SOURCES, ids=lambda path: path.name)
+@pytest.mark.parametrize(("path", "target"), crossed(SOURCES, TARGETS), ids=named)
 def test_what_is_written_without_a_warning_keeps_its_numbers(
-    path: Path, suffix: str, program: str | None
+    path: Path, target: tuple[str, str | None]
 ) -> None:
-    check_written(path, suffix, program)
+    check_written(path, *target)
 
 
 @pytest.mark.slow

@@ -260,13 +260,14 @@ def positions(rulebase: RuleBase, region: dict, draw: random.Random, count: int)
 
 def values_of(rulebase: RuleBase, points: Points) -> np.ndarray:
     """Return the output; NaN where there is none, or an error."""
+    judge = silent(rulebase)  # one object: what inference plans of it is remembered
     try:
-        return np.asarray(infer(silent(rulebase), points)["u"], dtype=float)
+        return np.asarray(infer(judge, points)["u"], dtype=float)
     except FuzzyarmError:
         found = []
         for row in zip(*points.values(), strict=True):
             try:
-                found.append(infer(silent(rulebase), dict(zip(points, map(float, row))))["u"])  # noqa: B905
+                found.append(infer(judge, dict(zip(points, map(float, row))))["u"])  # noqa: B905
             except FuzzyarmError:
                 found.append(math.nan)
         return np.array(found)

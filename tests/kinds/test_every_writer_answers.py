@@ -10,6 +10,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from budget import crossed
 
 import fuzzyarm
 from fuzzyarm.errors import FuzzyarmError
@@ -194,9 +195,12 @@ WRITERS = [
 ]
 
 
-@pytest.mark.parametrize("case", CASES, ids=IDS)
-@pytest.mark.parametrize("writer", WRITERS, ids=lambda w: f"{w[0]}-{w[1]}")
-def test_other_formats(writer, case):
+def named(side: tuple[str, str | None]) -> str:
+    return " ".join(map(str, side))
+
+
+@pytest.mark.parametrize(("case", "writer"), crossed(CASES, WRITERS), ids=named)
+def test_other_formats(case, writer):
     suffix, producer = writer
     rulebase = sampled_for(model(case), producer, case)
     for lossy in (False, True):

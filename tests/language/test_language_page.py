@@ -43,12 +43,9 @@ def test_there_are_examples_of_every_kind():
     assert len(BLOCKS) >= 9
 
 
-@pytest.mark.parametrize(
-    "word",
-    [*STATEMENTS, *SHAPES, *EVEN_SHAPES, *HEDGES.words, *DEFUZZIFIERS, *SNORMS],
-)
-def test_every_word_of_the_language_is_on_the_page(word):
-    assert re.search(rf"\b{re.escape(word)}\b", PAGE)
+def test_every_word_of_the_language_is_on_the_page():
+    words = [*STATEMENTS, *SHAPES, *EVEN_SHAPES, *HEDGES.words, *DEFUZZIFIERS, *SNORMS]
+    assert [word for word in words if not re.search(rf"\b{re.escape(word)}\b", PAGE)] == []
 
 
 def test_the_stated_limits_are_the_real_ones():

@@ -2,12 +2,8 @@
 
 import ast
 import re
-from pathlib import Path
 
-import pytest
-
-SOURCE = Path(__file__).parents[2] / "src" / "fuzzyarm"
-MODULES = sorted(SOURCE.rglob("*.py"))
+from sources import MODULES, SOURCE, tree
 
 
 def public_functions(tree):
@@ -28,17 +24,34 @@ def section(docstring, title):
     return match.group(1) if match else None
 
 
-@pytest.mark.parametrize("path", MODULES, ids=lambda p: str(p.relative_to(SOURCE)))
-def test_documented_parameters_exist(path):
-    for function in public_functions(ast.parse(path.read_text())):
-        text = ast.get_docstring(function)
-        assert text, f"{path.name}: {function.name} has no docstring"
-        described = section(text, "Parameters")
-        if described is None:
-            continue
-        names = re.findall(r"(?m)^([*\w][*\w, ]*) : ", described)
-        documented = {name.strip("* ") for group in names for name in group.split(",")}
-        arguments = function.args
-        real = {a.arg for a in (*arguments.posonlyargs, *arguments.args, *arguments.kwonlyargs)}
-        real |= {a.arg for a in (arguments.vararg, arguments.kwarg) if a}
-        assert documented <= real, f"{path.name}: {function.name} documents {documented - real}"
+def mistake(function):
+    """Return what is wrong with the docstring of a function, or nothing."""
+    text = ast.get_docstring(function)
+    if not text:
+        return "has no docstring"
+    names = re.findall(r"(?m)^([*\w][*\w, ]*) : ", section(text, "Parameters") or "")
+    documented = {name.strip("* ") for group in names for name in group.split(",")}
+    arguments = function.args
+    real = {a.arg for a in (*arguments.posonlyargs, *arguments.args, *arguments.kwonlyargs)}
+    real |= {a.arg for a in (arguments.vararg, arguments.kwarg) if a}
+    return f"documents {documented - real}" if documented - real else ""
+
+
+def test_documented_parameters_exist():
+    functions = [(path, function) for path in MODULES for function in public_functions(tree(path))]
+    assert len(functions) > len(MODULES)
+    assert [
+        f"{path.relative_to(SOURCE)}: {function.name} {mistake(function)}"
+        for path, function in functions
+        if mistake(function)
+    ] == []
+
+
+def test_a_mistake_is_seen():
+    def of(text):
+        return mistake(ast.parse(text).body[0])
+
+    text = 'def f(x, *rest):\n    """Do.\n\n    Parameters\n    ----------\n    {} : int\n    """'
+    assert not of(text.format("x, *rest"))
+    assert of(text.format("x, *y")) == "documents {'y'}"
+    assert of("def f(x):\n    return x") == "has no docstring"
