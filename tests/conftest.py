@@ -17,9 +17,6 @@ from hypothesis import settings
 from fuzzyarm.kernels import digest_of_sources
 from fuzzyarm.model.rulebase import RuleBase
 
-settings.register_profile("fuzzyarm", deadline=None, derandomize=True, print_blob=True)
-settings.load_profile("fuzzyarm")
-
 ROOT = Path(__file__).resolve().parent.parent
 
 
@@ -37,6 +34,11 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def pytest_configure(config: pytest.Config) -> None:
     """Say how many cases are wanted, before modules with settings are imported."""
     budget.take_all(bool(config.getoption("--thorough")))
+    examples = budget.cases(33, 100)
+    settings.register_profile(
+        "fuzzyarm", deadline=None, derandomize=True, print_blob=True, max_examples=examples
+    )
+    settings.load_profile("fuzzyarm")
     if not hasattr(config, "workerinput"):  # before there are several processes
         build_kernels()
 

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from budget import cases
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from own_source import WORD, controller, example, register, whole
@@ -144,7 +145,7 @@ def test_a_closed_loop_gives_the_same_bits(word, monkeypatch):
 
 @pytest.mark.parametrize("word", WORDS)
 @given(values=VALUES)
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=cases(8, 20), deadline=None)
 def test_it_stays_where_it_is_said_to_reach(word, values):
     text = of(word)
     reach = reaches_of(text, site_of(find_plant("motor"))).signals["shaft", "y"]
@@ -297,7 +298,7 @@ def response(word, width, values, how=False):
 
 
 @given(VALUES, WIDTHS)
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=cases(20, 60), deadline=None)
 def test_a_dead_band_is_what_leaves_the_zone(values, width):
     found = response("deadband", width, values)
     half = 0.5 * width
@@ -309,7 +310,7 @@ def test_a_dead_band_is_what_leaves_the_zone(values, width):
 
 
 @given(VALUES, WIDTHS)
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=cases(20, 60), deadline=None)
 def test_a_play_follows_only_what_leaves_its_band(values, width):
     found = response("hysteresis", width, values)
     half, before = 0.5 * width, 0.0

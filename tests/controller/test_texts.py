@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from budget import cases
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -119,7 +120,7 @@ ORACLES = {
 
 @pytest.mark.parametrize("line", ORACLES)
 @given(values=VALUES)
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=cases(8, 25), deadline=None)
 def test_each_source_is_what_the_page_says(line, values):
     text = text_of("e = measured x", line, "drive u = u")
     assert outputs(text, values) == pytest.approx(list(ORACLES[line](values)), abs=1e-12)
@@ -146,7 +147,7 @@ def test_each_source_is_what_the_page_says(line, values):
     ],
 )  # fmt: skip
 @given(values=VALUES)
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=cases(8, 25), deadline=None)
 def test_limits_and_drives_that_add_up(lines, oracle, values):
     text = text_of("e = measured x", *lines)
     assert outputs(text, values) == pytest.approx(list(oracle(values)), abs=1e-12)

@@ -637,7 +637,7 @@ def test_no_page_is_made_of_what_is_not_a_rule_base():
             page_of(shipped(name))
 
 
-@settings(max_examples=cases(10, 200), suppress_health_check=list(HealthCheck))
+@settings(max_examples=cases(6, 200), suppress_health_check=list(HealthCheck))
 @given(rulebases(odd_names=True, decorated=True))
 def test_a_page_is_made_of_any_rule_base(rulebase):
     text = write(rulebase)

@@ -76,14 +76,16 @@ def opened(context, served, file):
 @pytest.mark.parametrize("width", [390, 1024, 1440, 3840])
 def test_no_view_is_wider_than_the_window_and_no_field_is_cut(served, browser, width):
     context = browser.new_context(viewport={"width": width, "height": max(768, width * 9 // 16)})
+    pages = {file: opened(context, served, file) for file in ("pd7.frb", "servo.frb")}
     for view in VIEWS:
-        page = opened(context, served, FILES.get(view, "pd7.frb"))
+        page = pages[FILES.get(view, "pd7.frb")]
+        page.bring_to_front()
         page.get_by_role("tab", name=view).click()
         page.wait_for_timeout(500)
         assert page.evaluate("document.documentElement.scrollWidth") <= width, view
         assert page.evaluate(CUT) == [], view
-        page.close()
-    page = opened(context, served, "pd7.frb")
+    page = pages["pd7.frb"]
+    page.bring_to_front()
     page.get_by_role("button", name="Help and keys").click()
     box = page.locator("dialog.help").bounding_box()
     assert box["x"] >= 0

@@ -71,7 +71,14 @@ def _loop(name: str, kind: str, arguments: int, count: int) -> str:
 """
 
 
-def run_c(routines, columns, folder: Path, target: str = HOST, suffix: str = ".h"):
+def run_c(
+    routines,
+    columns,
+    folder: Path,
+    target: str = HOST,
+    suffix: str = ".h",
+    flags: Sequence[str] = (),
+):
     """Return what the exported functions give, one array for each routine.
 
     `columns` has, for each routine, one array of points for each argument.
@@ -79,12 +86,11 @@ def run_c(routines, columns, folder: Path, target: str = HOST, suffix: str = ".h
     exported = export_files(routines, folder / f"made{suffix}")
     for path, text in exported.files:
         path.write_text(text, "utf-8")
-    header = exported.files[-1][1]
+    names = function_names(exported.files[-1][1])
     data, loops = b"", ""
-    for routine, arrays in zip(routines, columns, strict=True):
+    for routine, name, arrays in zip(routines, names, columns, strict=True):
         rows = np.stack([np.asarray(x).astype(routine.kind) for x in arrays], axis=1)
         data += rows.tobytes()
-        name = function_name(header, routines.index(routine))
         loops += _loop(name, C_TYPES[routine.kind], rows.shape[1], rows.shape[0])
     (folder / "points.bin").write_bytes(data)
     driver = folder / "driver.c"
@@ -98,7 +104,7 @@ def run_c(routines, columns, folder: Path, target: str = HOST, suffix: str = ".h
         f"{loops}    fclose(points);\n    return fclose(results);\n}}\n"
     )
     sources = [driver, *([folder / "made.c"] if suffix == ".c" else [])]
-    compile_c(sources, folder / "program", target)
+    compile_c(sources, folder / "program", target, *flags)
     files = (str(folder / "points.bin"), str(folder / "results.bin"))
     assert execute(folder / "program", target, *files) == 0
     found, data = [], (folder / "results.bin").read_bytes()
@@ -109,11 +115,11 @@ def run_c(routines, columns, folder: Path, target: str = HOST, suffix: str = ".h
     return found
 
 
-def function_name(header: str, number: int) -> str:
-    """Return the name of a function as the comment at the head states it."""
+def function_names(header: str) -> list[str]:
+    """Return the names of the functions as the comment at the head states them."""
     kinds = tuple(f" * {kind} " for kind in ("float", "double", "int16_t", "int8_t"))
     lines = [line for line in header.splitlines() if line.startswith(kinds) and "(" in line]
-    return lines[number].split("(")[0].split()[-1]
+    return [line.split("(")[0].split()[-1] for line in lines]
 
 
 def ulps(a, b):

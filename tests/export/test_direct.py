@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from budget import cases
 from c_programs import ARM, HOST, run_c, spread, ulps
 from hypothesis import HealthCheck, Phase, assume, given, settings
 from hypothesis import strategies as st
@@ -218,7 +219,7 @@ def test_nan_counts_as_the_lower_border(tmp_path, pd7):
     np.testing.assert_array_equal(found, expected)
 
 
-@settings(max_examples=60, suppress_health_check=[HealthCheck.filter_too_much])
+@settings(max_examples=cases(20, 60), suppress_health_check=[HealthCheck.filter_too_much])
 @given(
     st.data(),
     plain_mamdani(kinds=STRAIGHT, aggregations=("max", "sum"), implications=("min", "product")),
@@ -264,7 +265,9 @@ def systems(draw):
     return RuleBase("made", inputs, (output,), (block,))
 
 
-@settings(max_examples=80, suppress_health_check=list(HealthCheck), phases=(Phase.generate,))
+@settings(
+    max_examples=cases(26, 80), suppress_health_check=list(HealthCheck), phases=(Phase.generate,)
+)
 @given(st.data(), systems())
 def test_what_is_exported_of_any_rule_base_agrees(data, model):
     routines = []
@@ -527,18 +530,24 @@ def test_rules_and_inputs_that_do_not_count_leave_no_trace(tmp_path):
 @pytest.mark.slow
 def test_long_rules_and_many_terms_are_no_trouble(tmp_path):
     places = " ".join(f"({k / 30 - 1:.4f}, {k % 2})" for k in range(61))
-    terms = "".join(f"term u X{k}: singleton {k / 60}\n" for k in range(300))
-    rules = "".join(f"rule if b is Z then u is X{k} with {k / 300}\n" for k in range(300))
+    many = "".join(f"term u X{k}: singleton {k / 60}\n" for k in range(300))
+    many += "".join(f"rule if b is Z then u is X{k} with {k / 300}\n" for k in range(300))
     long = " or ".join(["a is L", "b is P"] * 600)
-    model = made(
-        f"term b Z: points {places}\n{terms}{rules}rule if {long} then u is X7\n",
-        defuzzifier="weighted-average",
-    )
-    (routine,) = routines_of(model)
-    points = points_for(model, 500)
-    (found,) = run_c([routine], [points], tmp_path)
-    np.testing.assert_array_equal(found, routine.evaluate(*points))
-    assert_close(found, routine.model(*points), 10.0)
+    # Apart: every rule of the kernel's numbers has room for the parts of the longest one.
+    models = [
+        made(f"term b Z: points {places}\n{more}", defuzzifier="weighted-average")
+        for more in (
+            many,
+            f"term u X: singleton 1\nterm u Y: singleton -1\n"
+            f"rule if {long} then u is X\nrule if b is Z then u is Y with 0.3\n",
+        )
+    ]
+    routines = [routine for model in models for routine in routines_of(model)]
+    columns = [points_for(model, 500) for model in models]
+    results = run_c(routines, columns, tmp_path)
+    for routine, points, found in zip(routines, columns, results, strict=True):
+        np.testing.assert_array_equal(found, routine.evaluate(*points))
+        assert_close(found, routine.model(*points), 10.0)
     many = " ".join(f"({k / 100 - 1}, {k % 2})" for k in range(150))
     with pytest.raises(ExportError, match="term 'Z' of 'b' has 150 corners"):
         routines_of(made(f"term b Z: points {many}\nrule if b is Z then u is D"))

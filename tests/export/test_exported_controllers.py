@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from budget import cases
 from c_programs import compile_c, execute, need
 from controller_programs import (
     EVERYTHING,
@@ -155,7 +156,7 @@ def controllers(draw):
 
 
 @given(controllers(), st.booleans())
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=cases(8, 25), deadline=None)
 def test_the_steps_are_the_instructions_of_any_controller(text, single):
     whole = text_of(text)
     steps = steps_of(whole, "mixed" if single else "float64")

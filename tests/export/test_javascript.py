@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from budget import cases
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from strategies import SMOOTH, STRAIGHT, plain_mamdani
@@ -228,7 +229,7 @@ KERNEL = st.one_of(
 )
 
 
-@settings(max_examples=15)
+@settings(max_examples=cases(8, 15))
 @given(KERNEL)
 def test_any_rule_base_has_the_values_of_the_kernel(tmp_path_factory, rulebase):
     folder = tmp_path_factory.mktemp("node")

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import corpus
 import pytest
+from budget import cases
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from strategies import input_points, rulebases
@@ -298,7 +299,7 @@ def test_tables_of_other_programs_become_grids(tmp_path: Path) -> None:
         assert infer(one, a=a, b=b) == infer(other, a=a, b=b)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=cases(20, 60), deadline=None)
 @given(st.data())
 def test_tables_mean_what_the_rules_meant(data: st.DataObject) -> None:
     rulebase = data.draw(rulebases())

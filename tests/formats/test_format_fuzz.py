@@ -68,13 +68,13 @@ def test_damage_to_other_peoples_files() -> None:
         check(mutated(texts[path], others, random_), path.suffix)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=cases(50, 150), deadline=None)
 @given(st.text(max_size=200), st.sampled_from((*FOREIGN, ".fml")))
 def test_any_text(text: str, suffix: str) -> None:
     check(text, suffix)
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=cases(33, 100), deadline=None)
 @given(st.binary(max_size=200), st.sampled_from((*FOREIGN, ".fml")))
 def test_any_bytes(data: bytes, suffix: str) -> None:
     check(data.decode("latin-1"), suffix)

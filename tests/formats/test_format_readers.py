@@ -7,6 +7,7 @@ import re
 from pathlib import Path
 
 import pytest
+from budget import cases
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -399,7 +400,7 @@ def test_fcl_of_jfuzzylogic_says_where_one_norm_overrides_the_other(norms: str, 
     assert ("paired-norms" in names(parse_fcl(text))) is said
 
 
-@settings(max_examples=25)
+@settings(max_examples=cases(8, 25))
 @given(
     st.sampled_from([(0.0, 1.0), (-1.0, 11.0), (-0.3, 0.4), (2.5, 102.5), (-6.0, 4.0)]),
     st.lists(st.integers(0, 100), min_size=2, max_size=2, unique=True).map(sorted),

@@ -43,7 +43,7 @@ FILES = sorted(DATA.glob("*.f??"))
 VALUES = ("singleton", "linear", "formula")
 
 slow_draws = settings(
-    max_examples=cases(25, 60),
+    max_examples=cases(12, 60),
     deadline=None,
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much],
 )

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 import skfuzzy
+from budget import cases
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
@@ -64,7 +65,7 @@ SHAPES = st.one_of(
 )
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=cases(16, 50), deadline=None)
 @given(shape=SHAPES, count=st.integers(2, 90), low=st.integers(-4, 0), width=st.integers(1, 8))
 def test_what_is_recovered_has_every_sample(shape: Shape, count: int, low: int, width: int) -> None:
     """Whatever it is called; with few samples a plainer shape may have them too."""
@@ -75,7 +76,7 @@ def test_what_is_recovered_has_every_sample(shape: Shape, count: int, low: int, 
         assert all(abs(membership(found, x) - y) <= TOLERANCE for x, y in zip(xs, ys, strict=True))
 
 
-@settings(max_examples=30, deadline=None, phases=[Phase.generate])
+@settings(max_examples=cases(10, 30), deadline=None, phases=[Phase.generate])
 @given(shape=SHAPES)
 def test_a_shape_that_is_seen_whole_comes_back_as_it_was(shape: Shape) -> None:
     xs = [-6.0 + 12.0 * i / 600 for i in range(601)]

@@ -10,6 +10,7 @@ import patience
 import pytest
 import random_commands
 import random_rule_bases
+from budget import cases
 from drawn_commands import OFTEN
 from fuzzing import search
 from workers import HUNG, Outcome, Worker
@@ -23,7 +24,8 @@ LONG = {"plot", "sweep", "tune", "demo", "compare", "reproduce", "watch", "learn
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("fuzzer", "count"), [(damaged_texts, 300), (damaged_tables, 300), (random_rule_bases, 30)],
+    ("fuzzer", "count"), [(damaged_texts, cases(150, 300)), (damaged_tables, cases(150, 300)),
+                        (random_rule_bases, cases(15, 30))],
     ids=["damaged texts", "damaged tables", "random rule bases"],
 )  # fmt: skip
 def test_nothing_is_found(fuzzer, count):
@@ -55,7 +57,7 @@ def test_random_commands_answer():
     def told(_number: int, outcome: Outcome) -> None:
         statuses.add(outcome.status)
 
-    found = list(random_commands.search(4, 150, limit=60.0, told=told, often=often))
+    found = list(random_commands.search(4, cases(100, 150), limit=60.0, told=told, often=often))
     assert not found, f"{found[0].sort}: {found[0].outcome}"
     assert statuses >= {0, 1, 2}
 

@@ -91,7 +91,7 @@ def assert_equal_engines(rulebase: RuleBase, points: dict[str, list[float]]) -> 
 
 
 @pytest.mark.slow
-@settings(slow_draws, max_examples=cases(30, 60))
+@settings(slow_draws, max_examples=cases(15, 60))
 @given(st.data())
 def test_any_rule_base(data: st.DataObject) -> None:
     rulebase = data.draw(rulebases())
@@ -99,7 +99,7 @@ def test_any_rule_base(data: st.DataObject) -> None:
 
 
 @pytest.mark.slow
-@settings(slow_draws, max_examples=cases(80, 200))
+@settings(slow_draws, max_examples=cases(40, 200))
 @given(st.data())
 def test_mamdani_rule_bases_are_covered(data: st.DataObject) -> None:
     sampled = Defuzzifier("centroid", 51, data.draw(st.sampled_from(["endpoints", "trapezoid"])))
@@ -116,7 +116,7 @@ def test_mamdani_rule_bases_are_covered(data: st.DataObject) -> None:
 
 
 @pytest.mark.slow
-@settings(slow_draws, max_examples=cases(30, 60))
+@settings(slow_draws, max_examples=cases(15, 60))
 @given(st.data())
 def test_a_point_by_itself_has_the_bits_that_it_has_among_others(data: st.DataObject) -> None:
     """Both walk the same programs, one number by number, one row by row."""
@@ -152,7 +152,7 @@ def test_a_point_by_itself_has_the_bits_that_it_has_among_others(data: st.DataOb
 
 
 @pytest.mark.slow
-@settings(slow_draws, max_examples=cases(40, 80))
+@settings(slow_draws, max_examples=cases(20, 80))
 @given(st.data())
 def test_integrals_and_samples_have_the_bits_of_plain_python(data: st.DataObject) -> None:
     """So `infer` may go from one to the other while a program runs."""

@@ -157,7 +157,7 @@ def test_a_nilpotent_cut_begins_where_the_degrees_pass_one(aggregation: str) -> 
 
 
 @pytest.mark.slow
-@settings(deadline=None, max_examples=cases(100, 300))
+@settings(deadline=None, max_examples=cases(50, 300))
 @given(st.data())
 def test_nothing_is_above_the_maxima(data: st.DataObject) -> None:
     """Any norms: no position of a dense grid is higher, or as high and further out."""

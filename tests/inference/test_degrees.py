@@ -133,7 +133,7 @@ def test_every_norm_and_hedge_gives_degrees_in_c(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@settings(slow_draws, max_examples=300)
+@settings(slow_draws, max_examples=cases(100, 300))
 @given(st.data())
 def test_terms_give_degrees_next_to_their_corners(data: st.DataObject) -> None:
     kind = data.draw(st.sampled_from(STRAIGHT + SMOOTH))
@@ -163,7 +163,7 @@ def test_a_hyperbola_ends_at_one() -> None:
 
 
 @pytest.mark.slow
-@settings(slow_draws, max_examples=cases(40, 100))
+@settings(slow_draws, max_examples=cases(20, 100))
 @given(st.data())
 def test_a_value_does_not_depend_on_the_other_points(data: st.DataObject) -> None:
     rulebase = data.draw(st.one_of(rulebases(), plain_mamdani(kinds=STRAIGHT + SMOOTH)))

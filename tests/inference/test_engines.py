@@ -35,7 +35,7 @@ def tolerance(output: Output) -> float:
 
 
 @pytest.mark.slow
-@settings(slow_draws, max_examples=cases(40, 120))
+@settings(slow_draws, max_examples=cases(20, 120))
 @given(st.data())
 def test_one_point_at_a_time_equals_arrays(data: st.DataObject) -> None:
     rulebase = data.draw(rulebases())
@@ -62,7 +62,7 @@ def test_one_point_at_a_time_equals_arrays(data: st.DataObject) -> None:
 
 
 @pytest.mark.slow
-@settings(slow_draws, max_examples=cases(25, 60))
+@settings(slow_draws, max_examples=cases(12, 60))
 @given(st.data())
 def test_outputs_of_sets_stay_in_their_range(data: st.DataObject) -> None:
     rulebase = data.draw(rulebases())
@@ -80,7 +80,7 @@ def test_outputs_of_sets_stay_in_their_range(data: st.DataObject) -> None:
         assert (values <= output.high).all()
 
 
-@settings(slow_draws, max_examples=cases(25, 60))
+@settings(slow_draws, max_examples=cases(12, 60))
 @given(st.data())
 def test_the_order_of_rules_changes_nothing(data: st.DataObject) -> None:
     rulebase = data.draw(
@@ -102,7 +102,7 @@ def test_the_order_of_rules_changes_nothing(data: st.DataObject) -> None:
     )
 
 
-@settings(max_examples=30)
+@settings(max_examples=cases(10, 30))
 @given(st.data())
 def test_rules_with_one_consequent_never_overwrite_each_other(data: st.DataObject) -> None:
     """Under max, several rules of one consequent are one rule with their disjunction."""
@@ -300,7 +300,7 @@ rule if a is not S and a is G then u is L
 
 
 @pytest.mark.slow
-@settings(slow_draws, max_examples=cases(25, 60))
+@settings(slow_draws, max_examples=cases(12, 60))
 @given(st.data())
 def test_an_open_mesh_equals_its_full_grid(data: st.DataObject) -> None:
     """Rules on some of the inputs have strengths of smaller shapes than the mesh."""

@@ -8,6 +8,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from budget import cases
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad
@@ -70,7 +71,7 @@ def _stride(shape: Shape) -> int:
 
 
 @given(plain_mamdani(), st.integers(0, 1000))
-@settings(max_examples=60)
+@settings(max_examples=cases(20, 60))
 def test_closed_form_equals_brute_force(rulebase: RuleBase, seed: int) -> None:
     output = plan(rulebase).outputs["u"]
     fired = fired_somehow(output, seed)
@@ -87,7 +88,7 @@ def test_closed_form_equals_brute_force(rulebase: RuleBase, seed: int) -> None:
     plain_mamdani(aggregations=("max", "sum")),
     st.integers(0, 1000),
 )
-@settings(max_examples=60)
+@settings(max_examples=cases(20, 60))
 def test_closed_form_equals_adaptive_quadrature(rulebase: RuleBase, seed: int) -> None:
     output = plan(rulebase).outputs["u"]
     fired = fired_somehow(output, seed)
@@ -126,7 +127,7 @@ def fine_sum(output: OutputPlan, fired: list[tuple[int, float]], count: int) -> 
     ids=["continuous", "jumps"],
 )
 @given(st.data())
-@settings(max_examples=25)
+@settings(max_examples=cases(8, 25))
 def test_quadrature_equals_very_many_samples(
     kinds: tuple[str, ...], implications: tuple[str, ...], share: float, data: st.DataObject
 ) -> None:

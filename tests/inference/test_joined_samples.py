@@ -9,6 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from budget import cases
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from skfuzzy import defuzz
@@ -67,7 +68,7 @@ def union(rulebase, strengths: list[float]) -> tuple[np.ndarray, np.ndarray]:
 
 
 @pytest.mark.parametrize("method", JOINED)
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=cases(20, 60), deadline=None)
 @given(strengths=st.tuples(DEGREES, DEGREES, DEGREES).filter(lambda s: max(s) > 1e-6))
 def test_the_numbers_of_scikit_fuzzy(method, strengths):
     """The bisector by its meaning: scikit-fuzzy loses digits where a plateau slopes by a bit."""
@@ -86,7 +87,7 @@ def test_the_numbers_of_scikit_fuzzy(method, strengths):
         assert np.trapezoid(left_ys, left_xs) == pytest.approx(total / 2, rel=1e-10)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=cases(13, 40), deadline=None)
 @given(data=st.data())
 def test_both_programs_agree_whatever_the_norms(data):
     way = Defuzzifier(data.draw(st.sampled_from(JOINED)), data.draw(st.integers(2, 30)), "joined")

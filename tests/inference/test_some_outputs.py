@@ -69,7 +69,7 @@ def test_what_is_missing_or_unknown_is_named() -> None:
 
 
 @pytest.mark.slow
-@settings(deadline=None, max_examples=cases(30, 80), suppress_health_check=list(HealthCheck))
+@settings(deadline=None, max_examples=cases(15, 80), suppress_health_check=list(HealthCheck))
 @given(st.data())
 def test_any_part_gives_the_numbers_of_the_whole(data: st.DataObject) -> None:
     rulebase = data.draw(rulebases())

@@ -4,6 +4,7 @@ import dataclasses
 import json
 
 import pytest
+from budget import cases
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -52,7 +53,10 @@ def test_a_trace_without_a_rule() -> None:
     assert trace.outputs[0].consequents == ()
 
 
-@settings(max_examples=40, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
+@settings(
+    max_examples=cases(13, 40),
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],
+)
 @given(st.data())
 def test_a_trace_agrees_with_infer_and_is_json(data: st.DataObject) -> None:
     rulebase = data.draw(rulebases())

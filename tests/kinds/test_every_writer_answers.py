@@ -10,7 +10,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from budget import crossed
+from budget import cases, crossed
 
 import fuzzyarm
 from fuzzyarm.errors import FuzzyarmError
@@ -267,7 +267,11 @@ def test_tables(case, tmp_path):
 
 @pytest.mark.slow
 def test_direct_inference_in_c(tmp_path):
-    """All that is written goes through one compiler run; the rest is refused by name."""
+    """All that is written goes through one compiler run; the rest is refused by name.
+
+    In the suite every third of it goes through the compiler, a part of each role; the programs
+    themselves are evaluated for all.
+    """
     routines, columns, wanted, refused = [], [], [], {}
     points = np.array(POINTS).T
     for case in CASES:
@@ -288,6 +292,8 @@ def test_direct_inference_in_c(tmp_path):
         wanted.append(truth)
     assert not {k: v for k, v in refused.items() if not names_it(k, v) and "'S'" not in v}
     assert len(routines) > len(CASES) // 4
+    some = slice(None, None, cases(3, 1))
+    routines, columns, wanted = routines[some], columns[some], wanted[some]
     results = run_c(routines, columns, tmp_path)
     for routine, found, truth in zip(routines, results, wanted, strict=True):
         np.testing.assert_allclose(found, truth, rtol=0, atol=1e-9, err_msg=str(routine.rulebase))

@@ -369,7 +369,7 @@ def test_a_search_that_gives_up_says_so():
     assert not {"no-rule-fires", "missing-rule"} & {d.name for d in found}
 
 
-@settings(max_examples=cases(20, 40))
+@settings(max_examples=cases(10, 40))
 @given(rulebases())
 def test_a_point_without_a_rule_is_one(rulebase):
     # The check takes what is faint for nothing; roots and the drastic "or" make much of it.

@@ -4,6 +4,7 @@ import random
 import string
 
 import pytest
+from budget import cases
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -111,13 +112,13 @@ def test_there_are_at_least_two_thousand_ways():
     assert PER_FILE * len(FILES) >= 2000
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=cases(50, 150), deadline=None)
 @given(st.text(max_size=300))
 def test_any_text_is_diagnosed_or_valid(text):
     assert_sound(text)
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=cases(33, 100), deadline=None)
 @given(st.binary(max_size=400))
 def test_binary_noise_is_diagnosed_or_valid(noise):
     assert_sound(noise.decode("latin-1"))
@@ -183,13 +184,13 @@ WORDS = [
 ]
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=cases(100, 300), deadline=None)
 @given(st.lists(st.sampled_from(WORDS), max_size=60))
 def test_any_order_of_the_words_of_the_language_is_diagnosed_or_valid(words):
     assert_sound(" ".join(words))
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=cases(20, 60), deadline=None)
 @given(st.sampled_from(FILES), st.data())
 def test_cutting_a_file_off_anywhere_is_diagnosed_or_valid(name, data):
     whole = shipped(name).read_text()

@@ -21,7 +21,7 @@ from fuzzyarm.text.names import is_plain_name
 from fuzzyarm.text.numbers import number_text
 
 
-@settings(max_examples=cases(20, 50), deadline=None)
+@settings(max_examples=cases(10, 50), deadline=None)
 @given(rulebases(odd_names=True, decorated=True))
 def test_what_is_written_reads_back_to_the_same_model(rulebase):
     text = write(rulebase)
@@ -30,7 +30,7 @@ def test_what_is_written_reads_back_to_the_same_model(rulebase):
     assert parsed.rulebase == rulebase
 
 
-@settings(max_examples=cases(20, 40), deadline=None)
+@settings(max_examples=cases(10, 40), deadline=None)
 @given(rulebases(odd_names=True, decorated=True))
 def test_formatting_changes_no_meaning_and_settles_at_once(rulebase):
     text = write(rulebase)
@@ -39,7 +39,7 @@ def test_formatting_changes_no_meaning_and_settles_at_once(rulebase):
     assert parse(formatted).rulebase == rulebase
 
 
-@settings(max_examples=cases(40, 100), deadline=None)
+@settings(max_examples=cases(20, 100), deadline=None)
 @given(plain_mamdani(), st.randoms(use_true_random=False))
 def test_spacing_means_nothing(rulebase, random):
     text = write(rulebase)
@@ -51,7 +51,7 @@ def test_spacing_means_nothing(rulebase, random):
     assert format_text(loose) == text
 
 
-@settings(max_examples=cases(30, 60), deadline=None)
+@settings(max_examples=cases(15, 60), deadline=None)
 @given(plain_mamdani())
 def test_checks_never_fail_on_a_sound_model(rulebase):
     parsed = parse(write(rulebase))
@@ -75,7 +75,7 @@ def test_every_name_reads_back(name):
         assert is_plain_name(name)
 
 
-@settings(max_examples=cases(20, 40), deadline=None)
+@settings(max_examples=cases(10, 40), deadline=None)
 @given(rulebases(), st.sampled_from(["clamp", "extend", "error"]))
 def test_settings_that_all_variables_share_are_one_line(rulebase, outside):
     first = rulebase.outputs[0]

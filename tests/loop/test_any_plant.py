@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 import pytest
+from budget import cases
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -287,7 +288,7 @@ def test_a_diverged_run_says_when():
 # --- References ---
 
 
-@settings(max_examples=60)
+@settings(max_examples=cases(20, 60))
 @given(
     st.sampled_from(["sine:0.7,1.3,0.2", "quintic:2,0.8,-1", "ramp:0.5,0.3,1", "step:2,0.5,1"]),
     st.floats(0.01, 1.0),

@@ -12,7 +12,7 @@ from fuzzyarm.api import check_text
 from fuzzyarm.language.queries import coloured, complete, hover
 from fuzzyarm.lsp.session import Session
 
-STEPS = cases(2_000, 10_000)
+STEPS = cases(800, 10_000)
 
 
 @pytest.mark.slow

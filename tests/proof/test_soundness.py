@@ -52,7 +52,7 @@ def test_a_million_points_of_pd7_are_inside() -> None:
     assert values.max() <= bounds.high
 
 
-@pytest.mark.parametrize("seed", range(24))
+@pytest.mark.parametrize("seed", range(cases(8, 24)))
 def test_random_rule_bases_stay_inside(seed: int) -> None:
     """Bounds, slopes, tables, sectors and planted falsehoods, on one input."""
     draw = random.Random(seed)
@@ -69,7 +69,7 @@ def test_random_rule_bases_of_other_defuzzifiers_stay_inside(
         judged(irregular(draw, 1 + seed % 2, way), draw, Told(), 1_000)
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", range(cases(6, 12)))
 def test_bounds_over_two_inputs_are_tight(seed: int) -> None:
     draw = random.Random(seed)
     rulebase = irregular(draw)
@@ -185,7 +185,7 @@ def test_halves_and_values_of_polynomials_are_exact() -> None:
 
 
 @given(st.integers(0, 10**6))
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=cases(8, 15), deadline=None)
 def test_centroids_between_two_curves(seed: int) -> None:
     """Memberships drawn between two curves have no centroid outside, and some come close."""
     draw = np.random.default_rng(seed)
@@ -209,7 +209,7 @@ def test_centroids_between_two_curves(seed: int) -> None:
 
 
 @given(st.integers(0, 10**6))
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=cases(10, 30), deadline=None)
 def test_averages_between_two_weights(seed: int) -> None:
     """The exact bounds are those over all choices of the ends of the weights."""
     draw = np.random.default_rng(seed)
@@ -297,7 +297,7 @@ def _weights(draw: np.random.Generator, count: int) -> tuple[np.ndarray, np.ndar
 
 
 @given(st.integers(0, 10**6))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=cases(13, 40), deadline=None)
 def test_bisectors_between_two_curves(seed: int) -> None:
     """Of memberships that are level on each panel, between two such curves."""
     draw = np.random.default_rng(seed)
@@ -320,7 +320,7 @@ def test_bisectors_between_two_curves(seed: int) -> None:
 
 
 @given(st.integers(0, 10**6))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=cases(20, 60), deadline=None)
 def test_halves_of_running_sums_between_two(seed: int) -> None:
     draw = np.random.default_rng(seed)
     count = int(draw.integers(1, 9))
@@ -340,7 +340,7 @@ def test_halves_of_running_sums_between_two(seed: int) -> None:
 
 
 @given(st.integers(0, 10**6))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=cases(20, 60), deadline=None)
 def test_ends_of_averages_whose_weights_lie_between_uncertain_ends(seed: int) -> None:
     draw = np.random.default_rng(seed)
     count = int(draw.integers(1, 7))
@@ -365,7 +365,7 @@ def test_ends_of_averages_whose_weights_lie_between_uncertain_ends(seed: int) ->
 
 
 @given(st.integers(0, 10**6))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=cases(13, 40), deadline=None)
 def test_ends_of_centroids_between_four_curves(seed: int) -> None:
     """Between certain curves they are the centroids between two; others lie in between."""
     draw = np.random.default_rng(seed)

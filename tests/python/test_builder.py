@@ -8,6 +8,7 @@ import sys
 
 import pandas as pd
 import pytest
+from budget import cases
 from hypothesis import given, settings
 
 import fuzzyarm
@@ -104,7 +105,7 @@ def rebuilt(rulebase):
     return made
 
 
-@settings(max_examples=25)
+@settings(max_examples=cases(8, 25))
 @given(rulebases(odd_names=True, decorated=True))
 def test_every_rule_base_can_be_written_with_it(rulebase):
     made = rebuilt(rulebase)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from itertools import pairwise
 
 import pytest
+from budget import cases
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -122,7 +123,7 @@ def test_a_narrow_set_is_not_missed_by_the_map():
 widths = st.lists(st.floats(0.01, 0.5), min_size=1, max_size=12)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=cases(20, 60), deadline=None)
 @given(st.data(), widths)
 def test_labels_in_a_row_stand_apart_and_near(data, widths):
     wanted = sorted(
@@ -167,7 +168,7 @@ def same(shown, name):
     return shown == name or (bool(dots) and name.startswith(start) and name.endswith(end))
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=cases(20, 60), deadline=None)
 @given(
     st.lists(words, min_size=1, max_size=30),
     st.lists(words, min_size=1, max_size=4),
@@ -185,7 +186,7 @@ def test_the_columns_of_a_grid_in_the_terminal_stay_apart(columns, rows, width):
         assert [cell for each in found for cell in each[1:]] == [text for text, _ in cells[i]]
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=cases(66, 200), deadline=None)
 @given(
     st.floats(-1e6, 1e6), st.floats(1e-6, 1e6), st.integers(8, 80), st.one_of(st.just(""), words)
 )

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from budget import cases
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from table_strategies import tables
@@ -44,7 +45,7 @@ def same_as_the_reference(table, mode, columns, *, machine):
     return evaluate is not None
 
 
-@settings(max_examples=60)
+@settings(max_examples=cases(20, 60))
 @given(tables(max_axes=3), st.sampled_from(["bins", "nearest", "linear"]), st.integers(0, 2**32))
 def test_the_kernels_find_what_bisection_finds(table, mode, seed):
     if mode == "linear" and np.abs(table.values).max() > 1e300:

@@ -6,6 +6,7 @@ import pickle
 
 import numpy as np
 import pytest
+from budget import cases
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.interpolate import RegularGridInterpolator
@@ -203,7 +204,7 @@ def test_a_table_cannot_be_changed_behind_its_back():
 
 
 @given(tables())
-@settings(max_examples=30)
+@settings(max_examples=cases(10, 30))
 def test_equality_hash_and_pickle(table):
     copy = pickle.loads(pickle.dumps(table))
     assert copy == table

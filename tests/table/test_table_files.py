@@ -10,6 +10,7 @@ import zipfile
 
 import numpy as np
 import pytest
+from budget import cases
 from hypothesis import HealthCheck, given, settings
 from table_strategies import tables
 
@@ -36,7 +37,7 @@ ASYMMETRIC = LookupTable(
 @settings(
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
     deadline=None,
-    max_examples=120,
+    max_examples=cases(40, 120),
 )
 def test_every_format_reads_back_an_identical_table(tmp_path_factory, suffix, table):
     path = tmp_path_factory.mktemp("t") / f"table{suffix}"

@@ -3,6 +3,7 @@
 from itertools import pairwise
 
 import pytest
+from budget import cases
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -28,7 +29,7 @@ def movement(variable, peaks=EVEN, kept=()):
 
 @pytest.mark.parametrize("variable", [v for _, v in VARIABLES], ids=[n for n, _ in VARIABLES])
 @given(shares, st.sampled_from([None, 4, 3]))
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=cases(8, 15), deadline=None)
 def test_order_images_and_partitions_hold_by_construction(variable, shares, digits):
     moving = movement(variable)
     found = moving.at(shares[: len(moving.names)], digits)

@@ -6,6 +6,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
+from budget import cases
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -20,7 +21,6 @@ from fuzzyarm.tuning.linear import straightened
 from fuzzyarm.tuning.movement import significant
 from fuzzyarm.tuning.optimisers import OPTIMISERS
 from fuzzyarm.tuning.tune import read_tuning
-from tests.budget import cases
 
 HEATER = load(shipped("heater.frb"))
 ROOM = {"references": {"temperature": Signal("step", (20.0,))}, "duration": 900.0}
