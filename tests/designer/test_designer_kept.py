@@ -69,6 +69,12 @@ def server(folder):
     found.stop()
 
 
+BLANK = """() => [...document.querySelectorAll(".sheet canvas")].some((canvas) => {
+  const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+  return data.every((byte) => byte === 0);
+})"""
+
+
 def still(page, pictures):
     """Wait until two pictures are drawn, in the place that the other panes leave them."""
     seen = [[]]
@@ -76,9 +82,7 @@ def still(page, pictures):
     def stays():
         seen.append(page.evaluate(pictures))
         page.wait_for_timeout(300)
-        blank = page.evaluate("""[...document.querySelectorAll('.sheet canvas')].some((each) =>
-          each.getContext('2d').getImageData(0, 0, each.width, each.height).data.every((c) => !c))""")
-        return not blank and len(seen[-1]) == 2 and seen[-1] == seen[-2]
+        return not page.evaluate(BLANK) and len(seen[-1]) == 2 and seen[-1] == seen[-2]
 
     until(stays, "pictures that stay")
     return seen[-1]

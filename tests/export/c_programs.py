@@ -71,14 +71,7 @@ def _loop(name: str, kind: str, arguments: int, count: int) -> str:
 """
 
 
-def run_c(
-    routines,
-    columns,
-    folder: Path,
-    target: str = HOST,
-    suffix: str = ".h",
-    flags: Sequence[str] = (),
-):
+def run_c(routines, columns, folder: Path, target: str = HOST, suffix: str = ".h"):
     """Return what the exported functions give, one array for each routine.
 
     `columns` has, for each routine, one array of points for each argument.
@@ -104,7 +97,7 @@ def run_c(
         f"{loops}    fclose(points);\n    return fclose(results);\n}}\n"
     )
     sources = [driver, *([folder / "made.c"] if suffix == ".c" else [])]
-    compile_c(sources, folder / "program", target, *flags)
+    compile_c(sources, folder / "program", target)
     files = (str(folder / "points.bin"), str(folder / "results.bin"))
     assert execute(folder / "program", target, *files) == 0
     found, data = [], (folder / "results.bin").read_bytes()
