@@ -7,11 +7,12 @@ ZIG    := 0.17.1 # compiles the kernels where there is no C compiler
 HAS_COMPILER := for each in "$${CC%% *}" cc gcc clang; do command -v "$$each" >/dev/null && exit 0; done; false
 PIP    := $(BIN)/python -m pip --disable-pip-version-check install --quiet
 
-.PHONY: demo test native lint unit docs bench mutants fuzz editors designer lock clean help
+.PHONY: demo test native lint unit quick docs bench mutants fuzz editors designer lock clean help
 
 help:
 	@echo "make demo   set up and run the whole story on rulebases/pd7.frb"
 	@echo "make test   set up and run linters, types and the whole test suite"
+	@echo "make quick  the tests without browser, compilers and pages: two minutes"
 	@echo "make native build the machine code of the kernels anew"
 	@echo "make docs   set up and build the pages as a site, in build/docs"
 	@echo "make bench  set up and measure against C and the peers that are installed"
@@ -38,6 +39,9 @@ lint: $(VENV)/.dev
 
 unit: $(VENV)/.dev
 	$(BIN)/python -m pytest -n 2 --dist worksteal
+
+quick: $(VENV)/.dev
+	$(BIN)/python -m pytest -n 2 --dist worksteal --quick
 
 docs: $(VENV)/.dev
 	$(BIN)/python -m sphinx -W --keep-going -q -b html docs build/docs

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import importlib.util
+import inspect
 import os
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 os.environ["FUZZYARM_PROGRESS"] = "0"  # a machine under load must not say more than another
@@ -27,7 +29,14 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         help="rewrite golden files with what the code prints now",
     )
     parser.addoption(
-        "--thorough", action="store_true", help="take all random cases, not the first ones"
+        "--thorough",
+        action="store_true",
+        help="take all random cases and all cells of a matrix, not some of them",
+    )
+    parser.addoption(
+        "--quick",
+        action="store_true",
+        help="leave out what takes over a second, a browser, a compiler or the pages",
     )
 
 
@@ -54,9 +63,40 @@ def build_kernels() -> None:
     subprocess.run(command, env={**os.environ, "FUZZYARM_NATIVE": "0"}, check=False)
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Run what is marked slow last."""
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Run what is marked slow last; with ``--quick`` leave that out, and more."""
     items.sort(key=lambda item: item.get_closest_marker("slow") is not None)
+    if config.getoption("--quick"):
+        left = [item for item in items if not is_long(item)]
+        config.hook.pytest_deselected(items=[item for item in items if is_long(item)])
+        items[:] = left
+
+
+COMPILING = {"run_c", "compile_c", "need", "COMPILER", "NODE"}
+"""What a test uses that compiles C or starts node: by itself or by a function beside it."""
+
+
+def is_long(item: pytest.Item) -> bool:
+    """Whether a test is slow, or of a browser, a compiler or a page of the documentation."""
+    assert isinstance(item, pytest.Function)
+    return (
+        item.get_closest_marker("slow") is not None
+        or bool({"browser", "runner"} & set(item.fixturenames))
+        or item.path.parent.name == "docs"
+        or item.path.stem.endswith("_page")
+        or uses(item.function, COMPILING, set())
+    )
+
+
+def uses(function: Callable[..., object], names: set[str], seen: set[str]) -> bool:
+    """Whether a function, or one of its module that it calls, reads one of some names."""
+    code = inspect.unwrap(function).__code__
+    if names & {*code.co_names, *code.co_varnames[: code.co_argcount]}:
+        return True
+    beside = [name for name in code.co_names if name not in seen]
+    seen.update(beside)
+    functions = [function.__globals__.get(name) for name in beside]
+    return any(uses(each, names, seen) for each in functions if inspect.isfunction(each))
 
 
 @pytest.fixture

@@ -1,5 +1,6 @@
 """What type checkers know of fuzzyarm: a slip is a mistake, README and pages have none."""
 
+import os
 import re
 import shutil
 import subprocess
@@ -148,7 +149,8 @@ def test_the_python_of_pages_has_no_mistake_of_types(cache, tmp_path):
 
 @pytest.mark.slow
 def test_the_readme_and_slips_are_the_same_to_pyright(tmp_path):
-    pyright = shutil.which("pyright")
+    beside = Path(sys.executable).parent
+    pyright = shutil.which("pyright", path=f"{beside}{os.pathsep}{os.environ['PATH']}")
     if pyright is None:
         pytest.skip("pyright is not installed")
     files = {"slips.py": SLIPS, "sound.py": SOUND, "readme.py": blocks_of_pages()["README_0.py"]}
