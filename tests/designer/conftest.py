@@ -1,6 +1,34 @@
 """A server, a browser and a page for tests of the designer."""
 
+import logging
+
 import pytest
+
+from fuzzyarm.shipped_files import shipped
+
+TOKEN = "a" * 32
+
+
+class Faults(logging.Handler):
+    """Keeps what is said of faults of the program."""
+
+    def __init__(self):
+        super().__init__(logging.ERROR)
+        self.records = []
+
+    def emit(self, record):
+        self.records.append(record)
+
+
+@pytest.fixture(autouse=True)
+def faults(request):
+    """Fail a test that meets a fault of the program, if it is not marked to have one."""
+    log, handler = logging.getLogger("fuzzyarm.designer"), Faults()
+    log.addHandler(handler)
+    yield handler.records
+    log.removeHandler(handler)
+    if request.node.get_closest_marker("faults") is None:
+        assert [logging.Formatter().format(each) for each in handler.records] == []
 
 
 @pytest.fixture(scope="module")
@@ -33,3 +61,19 @@ def page(browser):
     yield found
     context.close()
     assert faults == []
+
+
+@pytest.fixture
+def client(tmp_path):
+    from starlette.testclient import TestClient
+
+    from fuzzyarm.designer.server import Designer, Workspace
+
+    text = shipped("pd7.frb").read_text()
+    (tmp_path / "inside").mkdir()
+    (tmp_path / "inside" / "pd7.frb").write_text(text)
+    (tmp_path / "outside.frb").write_text(text)
+    (tmp_path / "inside" / "link.frb").symlink_to(tmp_path / "outside.frb")
+    app = Designer(Workspace(tmp_path / "inside"), TOKEN).app()
+    with TestClient(app, base_url="http://127.0.0.1:8000") as found:
+        yield found

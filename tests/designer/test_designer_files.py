@@ -19,6 +19,8 @@ from fuzzyarm.designer.exports import files_of, kinds_of
 from fuzzyarm.designer.folder import LARGEST_IMPORT, Workspace, converted_file
 from fuzzyarm.designer.jobs import Downloads, Job
 from fuzzyarm.designer.names import OutsideError, clean_name, demand_name
+from fuzzyarm.designer.records import read_record
+from fuzzyarm.designer.requests import CompareWork, TableErrorWork
 from fuzzyarm.designer.tables import cell_place, table_error, table_page
 from fuzzyarm.inference import infer
 from fuzzyarm.lsp.session import Session
@@ -331,13 +333,14 @@ def test_what_is_dropped_gets_a_free_name(folder):
 def told(work, of, asked, folder):
     """Run a work to its end; everything that it has told, as one record."""
     heard = []
+    record = {compare: CompareWork, table_error: TableErrorWork}[work]
 
     async def take(news):
         heard.append(news)
 
     async def run():
         job = Job(1, take, Workspace(folder), Downloads())
-        await job.run(work, of, asked)
+        await job.run(work, of, read_record(record, asked))
 
     asyncio.run(run())
     found = {"cells": []}

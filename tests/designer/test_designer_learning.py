@@ -9,8 +9,10 @@ import numpy as np
 import pytest
 
 from fuzzyarm.cli import main
+from fuzzyarm.designer import requests
 from fuzzyarm.designer.changes import applied
 from fuzzyarm.designer.jobs import Job
+from fuzzyarm.designer.records import read_record
 from fuzzyarm.designer.server import WORKS, Workspace
 from fuzzyarm.designer.shared import SharedText
 from fuzzyarm.designer.stage import Plants
@@ -76,7 +78,8 @@ class Page:
 
         async def run():
             session = Session(str(path), path.read_text(), 0)
-            await asyncio.wait_for(job.run(WORKS[what], session, asked), 60)
+            record = read_record(requests.WORKS[what], asked)
+            await asyncio.wait_for(job.run(WORKS[what], session, record), 60)
 
         async def begin():
             nonlocal job
@@ -189,7 +192,7 @@ def test_what_cannot_learn_is_said(page):
         ("servo-soc.frb", {"rate": 11}, "out of range"),
         ("servo-soc.frb", {"start": "../x.lut"}, "is not a table of this folder"),
         ("servo-soc.frb", {"controller": "ct"}, "is not a shipped controller"),
-        ("servo-soc.frb", {"passes": [1]}, "passes: '[1]' is not a number"),
+        ("servo-soc.frb", {"passes": "[1]"}, "passes: '[1]' is not a number"),
         ("servo-soc.frb", {"rate": "<b>"}, "the rate: '<b>' is not a number"),
     ):
         assert words in page.message("learn", file, **asked), (file, asked)

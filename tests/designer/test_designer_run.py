@@ -422,10 +422,10 @@ def test_a_pull_in_the_wind_is_no_load():
 
 def test_signals_of_a_page_are_those_of_simulate():
     from fuzzyarm.designer.grounds import words_of
+    from fuzzyarm.designer.requests import RunWork
 
-    words = words_of(
-        {"reference": ["position=step:2"], "duration": "1s", "seed": 3, "plant": "x"}, Path()
-    )
+    asked = RunWork(reference=("position=step:2",), duration="1s", seed=3, plant="x")
+    words = words_of(asked, Path())
     motion = words.motion(find_controller(str(shipped("servo.frb"))), find_plant("motor"))
     assert motion.references[0][0] == 2.0
     assert words.options(find_plant("motor")).seed == 3

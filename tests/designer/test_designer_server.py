@@ -8,6 +8,7 @@ import shutil
 import socket
 import subprocess
 import threading
+from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
@@ -15,6 +16,7 @@ from budget import cases
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from fuzzyarm.designer import requests
 from fuzzyarm.designer.assets import PAGE, asset
 from fuzzyarm.designer.changes import ChangeError, applied, difference, merged
 from fuzzyarm.designer.shared import ConflictError, SharedText
@@ -307,21 +309,6 @@ def test_a_question_that_is_not_understood_is_answered(shared):
 # --- the server ---
 
 
-@pytest.fixture
-def client(tmp_path):
-    from starlette.testclient import TestClient
-
-    from fuzzyarm.designer.server import Designer, Workspace
-
-    (tmp_path / "inside").mkdir()
-    (tmp_path / "inside" / "pd7.frb").write_text(PD7)
-    (tmp_path / "outside.frb").write_text(PD7)
-    (tmp_path / "inside" / "link.frb").symlink_to(tmp_path / "outside.frb")
-    app = Designer(Workspace(tmp_path / "inside"), TOKEN).app()
-    with TestClient(app, base_url="http://127.0.0.1:8000") as found:
-        yield found
-
-
 def socket_of(client, path=f"/{TOKEN}/socket", origin="http://127.0.0.1:8000"):
     return client.websocket_connect(
         f"ws://127.0.0.1:8000{path}", headers={"origin": origin} if origin else {}
@@ -425,20 +412,36 @@ def test_a_text_is_checked_and_drawn(client):
         assert heard[3]["scene"] is None
 
 
+@dataclass(frozen=True)
+class Count:
+    from_: int
+    bad: bool = False
+
+
 def count(session, asked, job):
     """Work that tells numbers until it hears enough."""
-    if asked.get("bad"):
+    if asked.bad:
         raise ConflictError("a sentence")
-    for number in range(asked["from"], 10**6):
+    for number in range(asked.from_, 10**6):
         job.tell({"n": number, "length": len(session.text)})
-        if any(said["enough"] for said in job.heard()):
+        if any(said.enough for said in job.heard(requests.TuneWord)):
             return
 
 
-def test_long_work_tells_hears_and_is_stopped(client, monkeypatch):
+@pytest.fixture
+def work(monkeypatch):
+    """Put work beside that of the server."""
     from fuzzyarm.designer import server
 
-    monkeypatch.setitem(server.WORKS, "count", count)
+    def put(name, record, act):
+        monkeypatch.setitem(server.WORKS, name, act)
+        monkeypatch.setitem(requests.WORKS, name, record)
+
+    return put
+
+
+def test_long_work_tells_hears_and_is_stopped(client, work):
+    work("count", Count, count)
 
     def end(socket, number):
         while "end" not in (news := json.loads(socket.receive_text())) or news["id"] != number:
@@ -463,31 +466,35 @@ def test_long_work_tells_hears_and_is_stopped(client, monkeypatch):
         assert end(socket, 1)["end"] == "done"
         socket.send_text(json.dumps({"do": "stop", "id": 2}))
         assert end(socket, 2)["end"] == "stopped"
-        socket.send_text(
-            json.dumps({"do": "start", "file": "pd7.frb", "what": "count", "id": 3, "bad": 1})
-        )
+        start = {"do": "start", "file": "pd7.frb", "what": "count"}
+        socket.send_text(json.dumps({**start, "id": 3, "from": 1, "bad": True}))
         assert end(socket, 3)["message"] == "a sentence"
-        socket.send_text(json.dumps({"do": "start", "file": "pd7.frb", "what": "count", "id": 4}))
-        assert end(socket, 4)["end"] == "failed"
+        socket.send_text(json.dumps({**start, "id": 4}))
+        assert end(socket, 4)["message"] == "a message is not understood: from is missing"
         socket.send_text(json.dumps({"do": "start", "file": "pd7.frb", "what": "none", "id": 5}))
         kinds = iter(lambda: json.loads(socket.receive_text())["is"], "failed")
         assert set(kinds) <= {"findings", "scene", "unsaved"}  # and then it is said
 
 
-def test_work_that_leaves_python_ends_for_the_page_too(client, monkeypatch):
-    from fuzzyarm.designer import server
-
+@pytest.mark.faults
+def test_work_that_leaves_python_ends_for_the_page_too(client, work, caplog):
     def leave(session, asked, job):
         raise SystemExit(3)
 
-    monkeypatch.setitem(server.WORKS, "leave", leave)
+    work("leave", requests.Nothing, leave)
     with socket_of(client) as socket:
         socket.send_text(json.dumps({"do": "open", "file": "pd7.frb"}))
         start = {"do": "start", "file": "pd7.frb", "what": "leave", "id": 1}
         socket.send_text(json.dumps(start))
         while "end" not in (news := json.loads(socket.receive_text())):
             pass
-        assert (news["end"], "SystemExit(3)" in news["message"]) == ("failed", True)
+        assert (news["end"], news["internal"]) == ("failed", True)
+        assert "internal error: SystemExit(3)" in news["message"]
+    (entry,) = caplog.records
+    assert (entry.getMessage(), entry.exc_info[0]) == (
+        "internal error: the work 'leave'",
+        SystemExit,
+    )
 
 
 def hear(socket, kind):
@@ -568,6 +575,7 @@ def test_a_rename_during_a_check_loses_no_findings(client, monkeypatch):
             assert (news["file"], news["version"]) == ("b.frb", 1)
 
 
+@pytest.mark.faults
 def test_what_may_not_be_looked_at_is_left_out_and_the_watch_goes_on(client, tmp_path, monkeypatch):
     from fuzzyarm.designer.folder import Workspace
 

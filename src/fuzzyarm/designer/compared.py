@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.designer.exports import ExportRefusedError, model_of
+from fuzzyarm.designer.requests import Axes, CompareWork
 from fuzzyarm.lsp.session import Session
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.show.diff import compare_rulebases, table_change_words, table_summary
@@ -42,29 +43,27 @@ class Surface:
     at: Callable[[Mapping[str, Array]], Array]
 
 
-def compare(session: Session, asked: dict[str, Any], job: Job) -> None:
+def compare(session: Session, asked: CompareWork, job: Job) -> None:
     """Tell how the surfaces of two files differ, where most, and what differs in meaning."""
-    other = job.folder.session(str(asked["other"]))
+    other = job.folder.session(asked.other)
     one, two = model_of(session), model_of(other)
     for model in (one, two):
         if not isinstance(model, RuleBase | LookupTable):
             raise ExportRefusedError("surfaces are those of rule bases and tables")
     shared = [name for name in outputs_of(one) if name in outputs_of(two)]
-    wanted = str(asked.get("output") or "")
-    output = wanted if wanted in shared else shared[0] if shared else ""
+    output = asked.output if asked.output in shared else shared[0] if shared else ""
     first = surface_of(one, output or outputs_of(one)[0])
     second = surface_of(two, output or outputs_of(two)[0])
     names = [name for name in first.ranges if name in second.ranges]
     if not names:
         raise ExportRefusedError("the two files have no input of the same name")
     ranges = {**second.ranges, **first.ranges, **_overlap(first, second, names)}
-    axes = asked.get("axes") or {}
     job.tell({
         "outputs": shared,
         "output": output or f"{outputs_of(one)[0]}, {outputs_of(two)[0]}",
         "names": list(ranges),
         "shared": names,
-        **_slice(first, second, names, ranges, axes),
+        **_slice(first, second, names, ranges, asked.axes),
     })  # fmt: skip
     job.tell({"changes": _changes(one, two)})
     job.progress("looking for the largest difference")
@@ -121,16 +120,16 @@ def _slice(
     second: Surface,
     names: list[str],
     ranges: Mapping[str, tuple[float, float]],
-    axes: Mapping[str, Any],
+    axes: Axes,
 ) -> dict[str, Any]:
     """Return both surfaces over two of the inputs that both have; the others are held."""
-    x = str(axes.get("x")) if axes.get("x") in names else names[0]
+    x = axes.x if axes.x in names else names[0]
     rest = [name for name in names if name != x]
-    y = str(axes.get("y")) if axes.get("y") in rest else rest[0] if rest else ""
-    wanted = axes.get("at") or {}
+    y = axes.y if axes.y in rest else rest[0] if rest else ""
     at: dict[str, Array] = {}
     for name, (low, high) in ranges.items():
-        value = float(wanted.get(name, 0.5 * (low + high)))
+        wanted = axes.at.get(name)
+        value = 0.5 * (low + high) if wanted is None else wanted
         at[name] = np.array(min(max(value, low), high))
     held = {name: float(value) for name, value in at.items() if name not in (x, y)}
     xs = np.linspace(*ranges[x], ACROSS)

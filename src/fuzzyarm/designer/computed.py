@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
+from typing import TypeVar
 
 from fuzzyarm.designer.jobs import Job
+from fuzzyarm.designer.records import MessageError
+from fuzzyarm.designer.requests import SurfaceWork
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.inference.arrays import firing_strengths
 from fuzzyarm.inference.engine import compiled
 from fuzzyarm.lsp.session import Session
-from fuzzyarm.model.rulebase import Input, RuleBase
+from fuzzyarm.model.rulebase import Input, Output, RuleBase
 from fuzzyarm.text.jsonable import jsonable
 
 __all__ = ["surface"]
+
+Variable = TypeVar("Variable", Input, Output)
 
 MOST_ACROSS = 201
 """Points of a surface along one axis."""
@@ -24,49 +29,47 @@ class NothingToComputeError(FuzzyarmError, ValueError):
     """The text is no sound rule base now."""
 
 
-def surface(session: Session, asked: dict[str, Any], job: Job) -> None:
+def surface(session: Session, asked: SurfaceWork, job: Job) -> None:
     """Tell what fires at a point, then an output over two inputs through it.
 
     Parameters
     ----------
     session : Session
         The text.
-    asked : dict
-        ``point`` (the inputs in their order), ``x`` and ``y`` (which inputs vary; equal for a
-        line), ``ends`` (of both axes), ``output``, ``across`` (points along an axis) and ``fired``
-        (whether the point is wanted).
+    asked : SurfaceWork
+        Which point, and which surface through it.
     job : Job
         Hears ``strengths`` and ``outputs``, then ``z`` row by row from the lowest; None where
         there is no value.
     """
-    rulebase = session.reading.parsed.rulebase
+    rulebase = getattr(session.reading.parsed, "rulebase", None)  # a table has none
     if not isinstance(rulebase, RuleBase):
         raise NothingToComputeError("the text is not a sound rule base")
     # Without a value there is a gap, whatever the file says for that case but a number.
     gaps = (replace(o, no_rule=math.nan) if isinstance(o.no_rule, str) else o
             for o in rulebase.outputs)  # fmt: skip
     model = replace(rulebase, outputs=tuple(gaps))
-    point = [float(value) for value in asked["point"]]
+    point = list(asked.point)
     names = [each.name for each in model.inputs]
     if len(point) != len(names):
-        raise ValueError("a number for each input")
-    if asked.get("fired"):
+        raise MessageError(f"must have {len(names)} values, as the inputs", "point")
+    if asked.fired:
         strengths, _ = firing_strengths(model, dict(zip(names, point, strict=True)))
         values = compiled(model).at(*point)
         job.tell({"strengths": strengths.tolist(), "outputs": jsonable(values)})
     _tell_surface(model, point, asked, job)
 
 
-def _tell_surface(model: RuleBase, point: list[float], asked: dict[str, Any], job: Job) -> None:
+def _tell_surface(model: RuleBase, point: list[float], asked: SurfaceWork, job: Job) -> None:
     import numpy as np
 
-    x, y = (model.inputs[int(asked[axis])] for axis in ("x", "y"))
-    output = model.outputs[int(asked["output"])]
-    across = min(MOST_ACROSS, max(2, int(asked["across"])))
+    x, y = (_at(model.inputs, getattr(asked, axis), axis) for axis in ("x", "y"))
+    output = _at(model.outputs, asked.output, "output")
+    across = min(MOST_ACROSS, max(2, asked.across))
     run = compiled(model)
     held = {each.name: value for each, value in zip(model.inputs, point, strict=True)}
-    columns = {**held, x.name: np.linspace(*_ends(x, asked["ends"][0]), across)}
-    rows = [None] if x is y else np.linspace(*_ends(y, asked["ends"][1]), across)
+    columns = {**held, x.name: np.linspace(*_ends(x, asked.ends[0]), across)}
+    rows = [None] if x is y else np.linspace(*_ends(y, asked.ends[1]), across)
     z: list[float | None] = []
     for row in rows:
         job.check()
@@ -76,9 +79,16 @@ def _tell_surface(model: RuleBase, point: list[float], asked: dict[str, Any], jo
     job.tell({"z": z, "across": across})
 
 
-def _ends(variable: Input, asked: list[float]) -> tuple[float, float]:
+def _at(variables: Sequence[Variable], index: int, field: str) -> Variable:
+    """Return a variable by its index, which may be that of an older text."""
+    if not 0 <= index < len(variables):
+        raise MessageError(f"is {index}, of {len(variables)} variables", field)
+    return variables[index]
+
+
+def _ends(variable: Input, ends: tuple[float, float]) -> tuple[float, float]:
     """Return the ends of an axis: of an unbounded input those that the page draws."""
-    low, high = (float(end) for end in asked)
+    low, high = ends
     if not (math.isfinite(low) and math.isfinite(high) and low < high):
-        raise ValueError("the ends of an axis")
+        raise MessageError("must be a lower and an upper end", "ends")
     return max(low, variable.low), min(high, variable.high)

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.controller.text import ControllerText, with_files
+from fuzzyarm.designer.requests import Nothing
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language.queries import Reading
 from fuzzyarm.lsp.session import UTF16, Session, to_position
@@ -102,7 +103,7 @@ def _short(value: float) -> float:
 # --- What it looks up ---
 
 
-def sheets(session: Session, asked: dict[str, Any], job: Job) -> None:
+def sheets(session: Session, asked: Nothing, job: Job) -> None:
     """Tell what the rule bases and tables of a controller do: each over its first two inputs."""
     from fuzzyarm.designer.compared import outputs_of, surface_of
 

@@ -9,12 +9,13 @@ from __future__ import annotations
 import contextlib
 import tempfile
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.designer.names import clean_name, in_words
+from fuzzyarm.designer.requests import ExportWork, Field
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.formats.conversion import converted, findings_of
 from fuzzyarm.formats.findings import Imported
@@ -101,10 +102,9 @@ def kinds_of(session: Session) -> list[str]:
     return [*SOURCES, *tables, ".mjs", ".html", ".png", ".svg", *FOREIGN]
 
 
-def export(session: Session, asked: dict[str, Any], job: Job) -> None:
+def export(session: Session, asked: ExportWork, job: Job) -> None:
     """Make files, and tell what is said of them; a page loads them by their addresses."""
-    suffix = str(asked["suffix"])
-    made, lines = files_of(session, suffix, asked.get("options") or {}, job.progress)
+    made, lines = files_of(session, asked.suffix, asked.options, job.progress)
     job.check()
     offered = [
         {"name": each.name, "bytes": len(each.content), "href": job.offer(each.name, each.content)}
@@ -114,7 +114,7 @@ def export(session: Session, asked: dict[str, Any], job: Job) -> None:
 
 
 def files_of(
-    session: Session, suffix: str, options: dict[str, Any], progress: Callable[[str], None]
+    session: Session, suffix: str, options: Mapping[str, Field], progress: Callable[[str], None]
 ) -> tuple[list[Offered], list[str]]:
     """Return the files of an export and what is said of them.
 
@@ -160,7 +160,7 @@ def _content(session: Session) -> bytes:
     return session.text.encode()
 
 
-def making_of(session: Session, options: dict[str, Any]) -> Making:
+def making_of(session: Session, options: Mapping[str, Field]) -> Making:
     """Return what the fields of a dialog say; an empty field is as without the option."""
 
     def number(word: str) -> float | None:
@@ -203,7 +203,7 @@ def _sheet(
     model: Sheet,
     out: str,
     how: Making,
-    options: dict[str, Any],
+    options: Mapping[str, Field],
     progress: Callable[[str], None],
 ) -> tuple[list[Offered], list[str]]:
     suffix = Path(out).suffix
@@ -236,7 +236,7 @@ def _table(
     return [_offered(out, table_as(report.table, suffix))], report_lines(report, out)
 
 
-def _picture(model: Sheet, suffix: str, how: Making, options: dict[str, Any]) -> bytes:
+def _picture(model: Sheet, suffix: str, how: Making, options: Mapping[str, Field]) -> bytes:
     from fuzzyarm.show.figures.style import figure_bytes
     from fuzzyarm.show.figures.whole import model_figure
 

@@ -10,7 +10,7 @@ import contextlib
 import os
 import re
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +20,8 @@ from fuzzyarm.builder.starting import (
     controller_text,
     starting_text,
 )
+from fuzzyarm.designer import requests
+from fuzzyarm.designer.faults import error_of
 from fuzzyarm.designer.names import (
     OutsideError,
     clean_name,
@@ -29,6 +31,7 @@ from fuzzyarm.designer.names import (
     is_inside,
     with_suffix,
 )
+from fuzzyarm.designer.records import MessageError, read_record
 from fuzzyarm.designer.shared import SharedText
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.formats import read as read_foreign
@@ -247,15 +250,14 @@ class Workspace:
 
     def answer(self, asked: Mapping[str, Any]) -> dict[str, Any]:
         """Answer a question about the folder, or do what it wants; an error is said in words."""
-        act = _ACTS.get(str(asked.get("what")))
-        if act is None:
+        what = str(asked.get("what"))
+        if what not in _ACTS:
             return {"error": "unknown question"}
         try:
-            return {**act(self, asked), **self.listing()}
-        except (FuzzyarmError, OSError) as error:
-            return {"error": in_words(error), **self.listing()}
-        except (KeyError, TypeError, ValueError):
-            return {"error": "a question that is not understood"}
+            found = _ACTS[what](self, read_record(requests.FOLDER_QUESTIONS[what], asked))
+        except Exception as error:  # the page waits for an answer
+            found = error_of(error, f"the question {what!r} about the folder")
+        return {**found, **self.listing()}
 
     def listing(self) -> dict[str, Any]:
         """Return the files with what is quickly known of them."""
@@ -296,16 +298,16 @@ class Workspace:
 
     # --- What a hand does ---
 
-    def _list(self, _asked: Mapping[str, Any]) -> dict[str, Any]:
+    def _list(self, _asked: requests.Nothing) -> dict[str, Any]:
         return {}
 
-    def _new(self, asked: Mapping[str, Any]) -> dict[str, Any]:
-        name, kind = with_suffix(str(asked["name"]), ".frb"), str(asked["kind"])
+    def _new(self, asked: requests.NewFile) -> dict[str, Any]:
+        name, kind = with_suffix(asked.name, ".frb"), asked.kind
         if kind not in PURPOSES:
-            raise KeyError(kind)
+            raise MessageError(f"must be one of {', '.join(PURPOSES)}", "kind")
         if kind != CONTROLLER:
             return self._written(name, starting_text(Path(name).stem, kind))
-        return self._written(name, self._around(name, str(asked.get("around", ""))))
+        return self._written(name, self._around(name, asked.around))
 
     def _around(self, name: str, file: str) -> str:
         """Return the text of a controller around a rule base of the folder, or a shipped one."""
@@ -318,20 +320,19 @@ class Workspace:
             raise OutsideError(f"'{printable(file)}' has mistakes, or is not a rule base")
         return controller_text(Path(name).stem, file, rulebase)
 
-    def _adopt(self, asked: Mapping[str, Any]) -> dict[str, Any]:
+    def _adopt(self, asked: requests.OfFile) -> dict[str, Any]:
         """Copy a file that comes with fuzzyarm into the folder, to be changed there."""
-        name = demand_name(str(asked["file"]))
+        name = demand_name(asked.file)
         return self._written(name, shipped(name).read_text(encoding="utf-8"))
 
-    def _duplicate(self, asked: Mapping[str, Any]) -> dict[str, Any]:
-        old = str(asked["file"])
-        name = with_suffix(str(asked["name"]), Path(old).suffix)
-        return self._written(name, self.session(old).text)
+    def _duplicate(self, asked: requests.Naming) -> dict[str, Any]:
+        name = with_suffix(asked.name, Path(asked.file).suffix)
+        return self._written(name, self.session(asked.file).text)
 
-    def _rename(self, asked: Mapping[str, Any]) -> dict[str, Any]:
-        old = str(asked["file"])
+    def _rename(self, asked: requests.Naming) -> dict[str, Any]:
+        old = asked.file
         path = self._path(old)
-        name = with_suffix(str(asked["name"]), path.suffix)
+        name = with_suffix(asked.name, path.suffix)
         target = self._reserved(name)
         try:
             path.replace(target)
@@ -344,16 +345,16 @@ class Workspace:
             self._open[name] = shared
         return {"renamed": [old, name], "open": name}
 
-    def _delete(self, asked: Mapping[str, Any]) -> dict[str, Any]:
-        name = str(asked["file"])
+    def _delete(self, asked: requests.OfFile) -> dict[str, Any]:
+        name = asked.file
         self._demand_folder()
         self._path(name).unlink()
         self._open.pop(name, None)
         return {"deleted": name}
 
-    def _users(self, asked: Mapping[str, Any]) -> dict[str, Any]:
+    def _users(self, asked: requests.OfFile) -> dict[str, Any]:
         """Name the controllers that use a file: they would miss it."""
-        use = re.compile(rf'^use\s[^#\n]*"{re.escape(str(asked["file"]))}"', re.MULTILINE)
+        use = re.compile(rf'^use\s[^#\n]*"{re.escape(asked.file)}"', re.MULTILINE)
         found = []
         for name in self.files():
             with contextlib.suppress(OSError, FuzzyarmError):
@@ -406,7 +407,7 @@ class Workspace:
             raise OutsideError("the designer has one file open; open its folder to write others")
 
 
-_ACTS = {
+_ACTS: Mapping[str, Callable[[Workspace, Any], dict[str, Any]]] = {
     "list": Workspace._list,
     "new": Workspace._new,
     "adopt": Workspace._adopt,

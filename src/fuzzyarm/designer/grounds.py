@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import contextlib
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.designer.names import is_inside
+from fuzzyarm.designer.requests import Experiment, Field, Words
 from fuzzyarm.errors import FuzzyarmError, WordError
 from fuzzyarm.plant.trajectory import TRAJECTORIES
 
@@ -118,13 +119,13 @@ MANY = (
 """Words that may be given several times: a list, or one text with blanks between."""
 
 
-def words_of(asked: Mapping[str, Any], folder: Path) -> PlantWords:
-    """Return the words of an experiment that a page asks for; what it does not know is left out.
+def words_of(asked: Experiment, folder: Path) -> PlantWords:
+    """Return the words of an experiment that a page asks for.
 
     Parameters
     ----------
-    asked : mapping
-        By the names of the options of ``fuzzyarm simulate``.
+    asked : Experiment
+        What the page says.
     folder : Path
         Where files of references and disturbances must stand.
 
@@ -135,19 +136,19 @@ def words_of(asked: Mapping[str, Any], folder: Path) -> PlantWords:
     """
     from fuzzyarm.loop.words import PlantWords
 
-    given: dict[str, Any] = {name: list_of(asked.get(name)) for name in MANY}
+    given: dict[str, Any] = {name: list_of(getattr(asked, name)) for name in MANY}
     for name in ("reference", "disturb"):
         with at_field(name):
             given[name] = [_signal_of(folder, word) for word in given[name]]
-    if asked.get("duration"):
-        given["duration"] = str(asked["duration"])
-    given["seed"] = whole_of(asked, "seed", PlantWords.seed, MOST_SEED)
-    return PlantWords(interpolate=bool(asked.get("interpolate")), **given)
+    if asked.duration:
+        given["duration"] = asked.duration
+    given["seed"] = whole_of(asked.seed, "seed", PlantWords.seed, MOST_SEED)
+    return PlantWords(interpolate=asked.interpolate, **given)
 
 
-def list_of(value: Any) -> list[str]:
+def list_of(value: Words) -> list[str]:
     """Return the words of a field."""
-    return value.split() if isinstance(value, str) else [str(word) for word in value or ()]
+    return value.split() if isinstance(value, str) else list(value)
 
 
 def _signal_of(folder: Path, word: str) -> str:
@@ -187,7 +188,7 @@ def check_words(words: PlantWords, plant: Plant) -> None:
 # --- Numbers, trajectories ---
 
 
-def seconds_of(value: Any, what: str = "the time") -> float | None:
+def seconds_of(value: Field, what: str = "the time") -> float | None:
     """Return a time of a page, s; None where it says nothing."""
     seconds = number_of(value, what)
     if seconds is None:
@@ -197,7 +198,7 @@ def seconds_of(value: Any, what: str = "the time") -> float | None:
     return seconds
 
 
-def whole_of(asked: Mapping[str, Any], name: str, default: int, most: int) -> int:
+def whole_of(value: Field, name: str, default: int, most: int) -> int:
     """Return a whole number that a page asks for, from 0 on.
 
     Raises
@@ -205,7 +206,6 @@ def whole_of(asked: Mapping[str, Any], name: str, default: int, most: int) -> in
     GroundsError
         If it is out of range.
     """
-    value = asked.get(name)
     number = number_of(value, name)
     if number is None:
         return default
@@ -216,7 +216,7 @@ def whole_of(asked: Mapping[str, Any], name: str, default: int, most: int) -> in
     return int(number)
 
 
-def number_of(value: Any, what: str) -> float | None:
+def number_of(value: Field, what: str) -> float | None:
     """Return a number of a page; None where it says nothing.
 
     Raises
@@ -228,7 +228,7 @@ def number_of(value: Any, what: str) -> float | None:
         return None
     try:
         return float(value)
-    except (TypeError, ValueError):
+    except ValueError:
         raise GroundsError(f"{what}: '{str(value)[:40]}' is not a number") from None
 
 

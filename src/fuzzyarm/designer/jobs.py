@@ -18,15 +18,19 @@ from collections.abc import Awaitable, Callable
 from concurrent.futures import Future
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 from urllib.parse import quote
 
-from fuzzyarm.designer.names import fault_words, in_words
+from fuzzyarm.designer.faults import internal_words
+from fuzzyarm.designer.names import in_words
+from fuzzyarm.designer.records import read_record
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.lsp.session import Session
 
 if TYPE_CHECKING:
     from fuzzyarm.designer.stage import Plants
+
+Word = TypeVar("Word")
 
 Tell = Callable[[dict[str, Any]], Awaitable[None]]
 
@@ -81,8 +85,8 @@ def _size(kept: tuple[str, bytes]) -> int:
 class Work(Protocol):
     """What runs as a job."""
 
-    def __call__(self, session: Session, asked: dict[str, Any], job: Job) -> None:
-        """Do it; `asked` comes from the page, and is not to be trusted."""
+    def __call__(self, session: Session, asked: Any, job: Job) -> None:
+        """Do it; `asked` is a record of `fuzzyarm.designer.requests.WORKS`."""
 
 
 class Job:
@@ -130,7 +134,11 @@ class Job:
 
     # --- From the server ---
 
-    async def run(self, work: Work, session: Session, asked: dict[str, Any]) -> None:
+    async def refuse(self, error: FuzzyarmError) -> None:
+        """Tell that it does not begin."""
+        await self._send({"end": "failed", "message": str(error), "field": ""})
+
+    async def run(self, work: Work, session: Session, asked: Any) -> None:
         """Do the work, and tell how it ended: done, stopped, or failed with a sentence."""
         ended: Future[dict[str, Any]] = Future()
 
@@ -140,7 +148,7 @@ class Job:
         threading.Thread(target=run, name="fuzzyarm-job", daemon=True).start()
         await self._send(await asyncio.wrap_future(ended))
 
-    def _end(self, work: Work, session: Session, asked: dict[str, Any]) -> dict[str, Any]:
+    def _end(self, work: Work, session: Session, asked: Any) -> dict[str, Any]:
         try:
             work(session, asked, self)
         except StoppedError:
@@ -148,10 +156,9 @@ class Job:
         except (FuzzyarmError, OSError) as error:
             field = getattr(error, "field", "")  # of the page, in which the mistake stands
             return {"end": "failed", "message": in_words(error), "field": field}
-        except (KeyError, TypeError, ValueError, IndexError):
-            return {"end": "failed", "message": "a question that is not understood"}
         except BaseException as error:  # also SystemExit: the window must hear that it has ended
-            return {"end": "failed", "message": fault_words(error)}
+            words = internal_words(error, f"the work {getattr(work, '__name__', work)!r}")
+            return {"end": "failed", "message": words, "internal": True}
         return {"end": "done"}
 
     def hear(self, said: dict[str, Any]) -> None:
@@ -177,11 +184,13 @@ class Job:
         sent.result()
         self.check()
 
-    def heard(self, wait: float = 0.0) -> list[dict[str, Any]]:
+    def heard(self, kind: type[Word], wait: float = 0.0) -> list[Word]:
         """Return what the page has said since the last look, the oldest first.
 
         Parameters
         ----------
+        kind : type
+            The record of a word, one of `fuzzyarm.designer.requests.WORDS`.
         wait : float, optional
             How long to wait for a word where there is none, s.
         """
@@ -191,20 +200,22 @@ class Job:
                 found.append(self._said.get(timeout=wait))
         while not self._said.empty():
             found.append(self._said.get())
-        return found
+        return [read_record(kind, said) for said in found]
 
-    def word(self) -> dict[str, Any]:
-        """Wait for what the page says next.
+    def word(self, kind: type[Word]) -> Word:
+        """Wait for what the page says next; as `heard`.
 
         Raises
         ------
+        MessageError
+            If it is not such a word.
         StoppedError
             If the page wants no more.
         """
         while True:
             self.check()
             try:
-                return self._said.get(timeout=LOOK_EVERY)
+                return read_record(kind, self._said.get(timeout=LOOK_EVERY))
             except queue.Empty:
                 continue
 

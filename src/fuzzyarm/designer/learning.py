@@ -25,6 +25,7 @@ from fuzzyarm.designer.grounds import (
     words_of,
 )
 from fuzzyarm.designer.jobs import Job
+from fuzzyarm.designer.requests import Experiment, LearnWord, LearnWork, Nothing
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language import parse
 from fuzzyarm.lsp.session import Session
@@ -54,7 +55,7 @@ def controller_model(session: Session) -> ControllerModel | None:
     return parse(session.text, session.path).controller
 
 
-def learnable(session: Session, asked: dict[str, Any], job: Job) -> None:
+def learnable(session: Session, asked: Nothing, job: Job) -> None:
     """Tell which controllers can be trained, where, and with what they may begin."""
     from fuzzyarm.controller.catalogue import TEXTS
     from fuzzyarm.language.reading import read_text
@@ -83,7 +84,7 @@ def learnable(session: Session, asked: dict[str, Any], job: Job) -> None:
     })  # fmt: skip
 
 
-def learn(session: Session, asked: dict[str, Any], job: Job) -> None:
+def learn(session: Session, asked: LearnWork, job: Job) -> None:
     """Train, and tell; goes on until the page wants no more."""
     Training(session, asked, job).run()
 
@@ -95,24 +96,22 @@ class Training:
     ----------
     session : Session
         The text that is open.
-    asked : dict
-        ``controller`` (a shipped one; empty for the text), ``plant``, ``trajectory``, ``payload``,
-        ``reference``, ``seconds``, ``passes``, ``step`` (to wait behind the first), ``rate``,
-        ``start``, ``speed``.
+    asked : LearnWork
+        What is trained, on what, how.
     job : Job
         Who is told, and says what is to be done.
     """
 
-    def __init__(self, session: Session, asked: dict[str, Any], job: Job) -> None:
+    def __init__(self, session: Session, asked: LearnWork, job: Job) -> None:
         from fuzzyarm.learning.self_organizing import MOST_PASSES
 
         self.asked, self.job, self.folder = asked, job, Path(session.path).parent
-        self.passes = max(1, whole_of(asked, "passes", DEFAULT_PASSES, MOST_PASSES))
+        self.passes = max(1, whole_of(asked.passes, "passes", DEFAULT_PASSES, MOST_PASSES))
         self.limit = self.passes
         self.name, self.trainee = self._trainee(session)
         self.motion, self.along = self._motion()
-        self.mode = "step" if asked.get("step") else "run"
-        self.hold = SPEEDS[str(asked.get("speed") or "watch")]
+        self.mode: str = "step" if asked.step else "run"
+        self.hold = SPEEDS[asked.speed]
         self.errors: list[list[float]] = []
         self.told_errors = 0
         self.last: Snapshot | None = None
@@ -133,10 +132,10 @@ class Training:
         from fuzzyarm.learning.self_organizing import Trainee
 
         asked = self.asked
-        rate = number_of(asked.get("rate"), "the rate")
+        rate = number_of(asked.rate, "the rate")
         if rate is not None and not 0.0 <= rate <= LARGEST_RATE:
             raise GroundsError(f"a rate of {rate:g} is out of range", hint=f"0 to {LARGEST_RATE:g}")
-        name = str(asked.get("controller") or "")
+        name = asked.controller
         path, source = session.path, str(session.text)
         if name:
             entry = CATALOGUE.get(name)
@@ -150,14 +149,14 @@ class Training:
         title = name or Path(path).name
         model = parse(source, path).controller
         assert model is not None
-        plant = plant_named(str(asked.get("plant") or ""), model, self.job.plants)
+        plant = plant_named(asked.plant, model, self.job.plants)
         return title, Trainee(made, plant, name=title)
 
     def _start(self) -> Any:
         """Return the table to begin with; None for that of the text."""
         from fuzzyarm.table import read_table
 
-        name = str(self.asked.get("start") or "")
+        name = self.asked.start
         if not name:
             return None
         if name not in self.job.folder.listed(".lut"):
@@ -174,18 +173,17 @@ class Training:
 
         asked, plant = self.asked, self.trainee.plant
         if isinstance(plant, Arm):
-            way = trajectory_named(str(asked.get("trajectory") or ""))
-            payload = bool(asked.get("payload"))
-            arms = schedule(way, payload=payload, conventions=PLAIN)
+            way = trajectory_named(asked.trajectory)
+            arms = schedule(way, payload=asked.payload, conventions=PLAIN)
             timing = timing_of(self.trainee.controller)
             motion = arm_motion(way, arms, PLAIN, Options(), timing)
-            return motion, trajectory_words(way.name, payload=payload)
-        words = words_of({"reference": asked.get("reference")}, self.folder)
+            return motion, trajectory_words(way.name, payload=asked.payload)
+        words = words_of(Experiment(reference=asked.reference), self.folder)
         check_words(words, plant)
-        seconds = seconds_of(asked.get("seconds"))
+        seconds = seconds_of(asked.seconds)
         motion = plant_motion(self.trainee.controller, plant, words.signals() or None, seconds)
-        named = Path(str(asked.get("plant") or plant.name)).name  # as the command says it
-        return motion, reference_words(named, list_of(asked.get("reference")))
+        named = Path(asked.plant or plant.name).name  # as the command says it
+        return motion, reference_words(named, list_of(asked.reference))
 
     # --- The training ---
 
@@ -196,13 +194,13 @@ class Training:
             self.last = snapshot
             if snapshot.complete:
                 self.errors.append([float(each) for each in snapshot.rms])
-            for word in self.job.heard():
+            for word in self.job.heard(LearnWord):
                 self._take(word)
             if self._is_due(snapshot):
                 self.mode = "pause"
             self._show(snapshot)
             while self.mode == "pause":
-                self._take(self.job.word())
+                self._take(self.job.word(LearnWord))
             if self.mode == "stop":
                 break
             if snapshot.complete and snapshot.passage >= self.limit:  # it is to go on
@@ -211,7 +209,7 @@ class Training:
         if self.last is not None:
             self._show(self.last)
         while True:  # what was learned can still be saved
-            self._take(self.job.word())
+            self._take(self.job.word(LearnWord))
 
     def _is_due(self, snapshot: Snapshot) -> bool:
         """Whether it rests here: behind one pass, or behind as many as were asked for."""
@@ -225,14 +223,14 @@ class Training:
         every = max(1, math.ceil(len(self.motion.time) / FRAMES))
         return self.trainee.snapshots(self.motion, MOST_PASSES, every)
 
-    def _take(self, word: dict[str, Any]) -> None:
+    def _take(self, word: LearnWord) -> None:
         """Do what the page says."""
-        if word.get("go") in ("run", "pause", "step", "stop") and self.mode != "stop":
-            self.mode = word["go"]
-        if word.get("speed") in SPEEDS:
-            self.hold = SPEEDS[word["speed"]]
-        if "save" in word:
-            self._save(str(word["save"]), replace=bool(word.get("replace")))
+        if word.go is not None and self.mode != "stop":
+            self.mode = word.go
+        if word.speed is not None:
+            self.hold = SPEEDS[word.speed]
+        if word.save is not None:
+            self._save(word.save, replace=word.replace)
 
     @property
     def goes_on(self) -> bool:
@@ -317,6 +315,5 @@ class Training:
     def _provenance(self, snapshot: Snapshot) -> dict[str, str]:
         whole = snapshot.passage if snapshot.complete else snapshot.passage - 1
         rest = "" if snapshot.complete else f" and {snapshot.time:.3f} s of the next"
-        start = str(self.asked.get("start") or "")
-        pairs = self.trainee.provenance(self.along, f"{whole}{rest}", start)
+        pairs = self.trainee.provenance(self.along, f"{whole}{rest}", self.asked.start)
         return {**pairs, "controller": self.name}

@@ -14,7 +14,6 @@ __all__ = [
     "OutsideError",
     "clean_name",
     "demand_name",
-    "fault_words",
     "finding_words",
     "in_words",
     "is_inside",
@@ -95,8 +94,3 @@ def in_words(error: Exception) -> str:
         name = Path(str(error.filename)).name if error.filename else ""
         return f"{name}: {error.strerror}" if name else error.strerror
     return str(error)
-
-
-def fault_words(error: BaseException) -> str:
-    """Return an error that nobody has foreseen: a person can pass it on."""
-    return f"a fault of the program: {error!r}"

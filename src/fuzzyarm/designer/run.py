@@ -3,11 +3,10 @@
 A run is stepped by the loop of ``fuzzyarm simulate`` in parts that last as long as a picture is
 shown; between two parts a hand may pause it, push the plant, move a gain, or change the text.
 
-The page says, in an object each: ``speed`` (simulated for real time; null: as fast as possible),
-``pause``, ``step`` (samples), ``restart``, ``pull`` (right and up, -1 to 1), ``gains``, ``text``.
-It hears, under ``news``: ``ready`` (what is drawn), ``samples`` (what came since the last ones,
-with the picture), ``metrics``, ``reached``, ``over``, ``text`` (whether a text was taken up) and
-``note`` (with ``field``, where a field of the page is wrong).
+What a hand does meanwhile is a `RunWord`. The page hears, under ``news``: ``ready`` (what is
+drawn), ``samples`` (what came since the last ones, with the picture), ``metrics``, ``reached``,
+``over``, ``text`` (whether a text was taken up) and ``note`` (with ``field``, where a field of the
+page is wrong).
 
 A run with ``until`` stands still at that time, with all of it in view; to go on, or a hand that
 pushes the plant, takes it further. One with ``duration`` is over then.
@@ -35,6 +34,8 @@ from fuzzyarm.controller.text import ControllerText, sheet_path
 from fuzzyarm.designer.grounds import at_field, check_words, trajectory_named, words_of
 from fuzzyarm.designer.jobs import Job
 from fuzzyarm.designer.names import in_words
+from fuzzyarm.designer.records import Absent, MessageError
+from fuzzyarm.designer.requests import PlantsWork, RunWord, RunWork
 from fuzzyarm.designer.stage import Painter, Plants, loads_of, short
 from fuzzyarm.errors import FuzzyarmError, WordError
 from fuzzyarm.language import parse
@@ -90,13 +91,13 @@ class Running:
     def __init__(self, plants: Plants) -> None:
         self.plants = plants
 
-    def __call__(self, session: Session, asked: dict[str, Any], job: Job) -> None:
+    def __call__(self, session: Session, asked: RunWork, job: Job) -> None:
         """Run until the page wants no more."""
         LiveRun(self.plants, session, asked, job).go_on()
 
-    def describe(self, session: Session, asked: dict[str, Any], job: Job) -> None:
+    def describe(self, session: Session, asked: PlantsWork, job: Job) -> None:
         """Tell which plants there are, and which of them the text fits."""
-        text = str(asked.get("text", session.text))
+        text = session.text if asked.text is None else asked.text
         if session.path.lower().endswith(".lut"):
             raise FuzzyarmError(
                 "a table does not run by itself",
@@ -169,23 +170,21 @@ class LiveRun:
         What may be run.
     session : Session
         The text when it was started.
-    asked : dict
+    asked : RunWork
         What is to be run, in the words of ``fuzzyarm simulate``.
     job : Job
         The connection with the page.
     """
 
-    def __init__(
-        self, plants: Plants, session: Session, asked: Mapping[str, Any], job: Job
-    ) -> None:
+    def __init__(self, plants: Plants, session: Session, asked: RunWork, job: Job) -> None:
         self.plants, self.path, self.job = plants, session.path, job
-        self.asked = dict(asked)
+        self.asked = asked
         self.text = session.text
         self.gains: dict[str, list[float]] = {}  # moved by hand, and not in the text (yet)
-        self.speed = _speed(asked)
-        self.paused = bool(asked.get("paused"))
+        self.speed = _speed(asked.speed)
+        self.paused = asked.paused
         self.pull = (0.0, 0.0)
-        self.rate = CALM if asked.get("calm") else PICTURES
+        self.rate = CALM if asked.calm else PICTURES
         self._begin()
 
     # --- What runs ---
@@ -197,8 +196,8 @@ class LiveRun:
         self._forget_written()
         self.until: int | None = None  # the set point to stand at
         words = words_of(self.asked, Path(self.path).parent)
-        check_words(words, self.plants.new(str(self.asked["plant"])))
-        plant = words.driven(self.plants.new(str(self.asked["plant"])))
+        check_words(words, self.plants.new(self.asked.plant))
+        plant = words.driven(self.plants.new(self.asked.plant))
         motion, options = self._experiment(words, plant)
         chosen = self.controller.with_gains(self.gains)
         self.loop = ClosedLoop(chosen, motion, PLAIN, options, words.connections())
@@ -212,7 +211,7 @@ class LiveRun:
         self.rate_of_loop = 20_000.0 if self.loop.compiled else 500.0
         self.behind = -math.inf
         self.told: tuple[Any, ...] = ()
-        self._tell_ready(str(self.asked["plant"]))
+        self._tell_ready(self.asked.plant)
         self.run.advance(1)  # so that there is something to be seen
         self._show()
         self._anchor()
@@ -220,14 +219,14 @@ class LiveRun:
     def _experiment(self, words: PlantWords, plant: Plant) -> tuple[Motion, Options]:
         options = words.options(plant)
         if isinstance(plant, Arm):
-            way = trajectory_named(str(self.asked.get("trajectory") or ""))
-            arms = schedule(way, payload=bool(self.asked.get("payload")), conventions=PLAIN)
+            way = trajectory_named(self.asked.trajectory)
+            arms = schedule(way, payload=bool(self.asked.payload), conventions=PLAIN)
             timing = timing_of(self.controller)
             return arm_motion(way, arms, PLAIN, options, timing), options
         site = site_of(plant, words.connections())
         model = text_of(self.controller, site).model
         period = model.period * model.every
-        word = words.duration or str(self.asked.get("until") or "")
+        word = words.duration or self.asked.until
         if word:
             with at_field("duration"):
                 seconds = _seconds(word)
@@ -253,7 +252,7 @@ class LiveRun:
             idle = self.paused or self.run.over
             # A run that stands still waits for a word, and looks after the files it uses.
             pause = 0.2 if idle else max(0.001, every - (time.perf_counter() - started))
-            for said in self.job.heard(pause):
+            for said in self.job.heard(RunWord, pause):
                 self._take(said)
             self.job.check()
             self._look_at_files()
@@ -298,36 +297,36 @@ class LiveRun:
 
     # --- What the page says ---
 
-    def _take(self, said: Mapping[str, Any]) -> None:
+    def _take(self, said: RunWord) -> None:
         before = self.__dict__.copy()
-        if "speed" in said:
-            self.speed = _speed(said)
+        if not isinstance(said.speed, Absent):
+            self.speed = _speed(said.speed)
             self.behind = -math.inf
-        if "pause" in said:
-            self.paused = bool(said["pause"])
+        if said.pause is not None:
+            self.paused = said.pause
             self.reached = False
-        if "calm" in said:
-            self.rate = CALM if said["calm"] else PICTURES
-        if "pull" in said:
-            self._pull(*(said["pull"] or (0.0, 0.0)))
+        if said.calm is not None:
+            self.rate = CALM if said.calm else PICTURES
+        if not isinstance(said.pull, Absent):
+            self._pull(*(said.pull or (0.0, 0.0)))
         self._anchor()
-        if "gains" in said:
-            self._move_gains(said["gains"])
-        if "text" in said:
-            self.text = str(said["text"])
+        if said.gains is not None:
+            self._move_gains(said.gains)
+        if said.text is not None:
+            self.text = said.text
             self._take_text()
-        if "step" in said:
+        if said.step is not None:
             self.paused = True
             self._hold()
-            self.run.advance(self.run.next + max(1, min(int(said["step"]), 10_000)))
-        if said.get("restart"):
-            if isinstance(said.get("asked"), dict):
-                self.asked = dict(said["asked"])
+            self.run.advance(self.run.next + max(1, min(said.step, 10_000)))
+        if said.restart:
+            if said.asked is not None:
+                self.asked = said.asked
             self._try_again(before)
 
     def _pull(self, x: float, y: float) -> None:
         """Have a hand push the plant; one that stands at its time goes on."""
-        self.pull = (float(x), float(y))
+        self.pull = (x, y)
         if self.reached and any(self.pull):
             self.paused = self.reached = False
 
@@ -342,7 +341,7 @@ class LiveRun:
             self.job.tell({"news": "note", "text": in_words(error), "field": field})
 
     def _move_gains(self, values: Mapping[str, Sequence[float]]) -> None:
-        wanted = {**self.gains, **{str(k): list(map(float, v)) for k, v in values.items()}}
+        wanted = {**self.gains, **{name: list(each) for name, each in values.items()}}
         try:
             self.run.take_over(self.controller.with_gains(wanted))
         except FuzzyarmError as error:
@@ -414,7 +413,7 @@ class LiveRun:
     def _tell_ready(self, name: str) -> None:
         course, motion, interface = self.loop.course, self.motion, self.loop.site.interface
         period = motion.period * motion.every
-        ends = isinstance(self.plant, Arm) or bool(self.asked.get("duration"))
+        ends = isinstance(self.plant, Arm) or bool(self.asked.duration)
         whole = self.run.count * period
         # A run that is to stand somewhere is in view from its start to there.
         far = self.until * period if self.until is not None else self._window(period)
@@ -455,7 +454,7 @@ class LiveRun:
 
     def _window(self, period: float) -> float:
         """Return how much of a run without an end stays in view, s."""
-        word = str(self.asked.get("window") or "")
+        word = self.asked.window
         if not word:
             return self.plant.duration or 1000 * period
         with at_field("duration"):
@@ -555,12 +554,11 @@ def _columns(values: NDArray[np.float64]) -> list[list[float | None]]:
     return [[short(each) for each in column] for column in values.T.tolist()]
 
 
-def _speed(said: Mapping[str, Any]) -> float:
-    speed = said.get("speed")
-    value = FASTEST if speed is None else float(speed)
-    if not value > 0.0:
-        raise ValueError("a speed is positive")
-    return min(value, FASTEST)
+def _speed(speed: float | None) -> float:
+    """Return how fast it runs, simulated for real time; None is as fast as possible."""
+    if speed is not None and not speed > 0.0:
+        raise MessageError("must be positive", "speed")
+    return FASTEST if speed is None else min(speed, FASTEST)
 
 
 def _seconds(word: str) -> float:

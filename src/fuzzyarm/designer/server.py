@@ -6,17 +6,10 @@ that reach this machine through the browser. The content policy lets nothing be 
 elsewhere and runs no text.
 
 The socket speaks JSON, an object each way. A window may have several files open: what is said of
-one names it, under ``file``. It sends ``{"do": "open", "file": …}``, then ``push`` (changes and the
-version that they are for), ``ask`` (a question with an ``id``), ``save`` and ``settle``, at last
-``close``; for long work on a file ``start`` (``what``, and an ``id`` of the page's own). Without a
-file it sends ``say`` and ``stop`` with the ``id`` of such work, and ``folder`` (a question with an
-``id`` about the files, or what is to be done with one: `Workspace.answer`), and ``hello`` when it
-has connected. A ``save`` with an ``id`` is a question: its answer says why nothing was saved.
-
-It hears, of its files, ``opened`` or ``reopened``, ``updates``, ``findings``, ``scene``, ``status``
-and ``moved`` (``to`` another name, or none); besides ``answer``, ``job`` (news of long work; the
-last has ``end``) and ``failed``, each under ``is``; ``names``, those of the folder's files, and
-``unsaved``, those with unsaved changes, after its ``hello`` and when they change.
+one names it, under ``file``. What a window may say are the records of `fuzzyarm.designer.requests`,
+each read by `fuzzyarm.designer.records`: what does not fit is refused, and what a handler fails at
+after that is an internal error (`fuzzyarm.designer.faults`). What a window hears are the records of
+`fuzzyarm.designer.messages`.
 """
 
 from __future__ import annotations
@@ -30,7 +23,7 @@ import json
 import os
 import secrets
 import socket
-from collections.abc import Callable, Coroutine, Sequence
+from collections.abc import Awaitable, Callable, Coroutine, Iterator, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -43,15 +36,18 @@ from starlette.routing import Route, WebSocketRoute
 from starlette.types import ASGIApp, Receive, Scope, Send
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
+from fuzzyarm.designer import requests
 from fuzzyarm.designer.assets import asset, index_page
 from fuzzyarm.designer.compared import compare
 from fuzzyarm.designer.computed import surface
 from fuzzyarm.designer.diagram import sheets
 from fuzzyarm.designer.exports import export
+from fuzzyarm.designer.faults import LOG, error_of, internal_words
 from fuzzyarm.designer.folder import IMPORTS, LARGEST_IMPORT, Workspace, converted_file
 from fuzzyarm.designer.jobs import Downloads, Job, Work
 from fuzzyarm.designer.learning import learn, learnable
-from fuzzyarm.designer.names import OutsideError, fault_words, in_words
+from fuzzyarm.designer.names import OutsideError, in_words
+from fuzzyarm.designer.records import MessageError, read_record
 from fuzzyarm.designer.shared import SharedText
 from fuzzyarm.designer.tables import table_error
 from fuzzyarm.designer.tuning import tunable, tune
@@ -143,6 +139,7 @@ class Designer:
         self.windows: list[Window] = []
         self._checks: dict[str, asyncio.Task[None]] = {}
         self._running: set[asyncio.Task[None]] = set()
+        self._logged_faults: set[tuple[str, str]] = set()  # of what is done again and again
         self._unsaved: list[str] = []  # as the windows know them
 
     def app(self) -> ASGIApp:
@@ -182,10 +179,10 @@ class Designer:
 
         return Running(self.plants)
 
-    def _run(self, session: Session, asked: dict[str, Any], job: Job) -> None:
+    def _run(self, session: Session, asked: requests.RunWork, job: Job) -> None:
         self._runs(session, asked, job)
 
-    def _describe(self, session: Session, asked: dict[str, Any], job: Job) -> None:
+    def _describe(self, session: Session, asked: requests.PlantsWork, job: Job) -> None:
         self._runs.describe(session, asked, job)
 
     # --- Pages ---
@@ -244,60 +241,58 @@ class Designer:
 
     async def _hear(self, window: Window, said: str | None) -> None:
         """Do what a window says; whatever is wrong with it is answered, and ends nothing."""
-        message: Any = None
+        message: dict[str, Any] = {}
         try:
-            message = json.loads(said or "")
-            await self._take(window, message)
-            return
-        except (FuzzyarmError, OSError) as error:
-            wrong = in_words(error)
-        except (KeyError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError):
-            wrong = "a message is not understood"
+            message = _object_of(said)
+            do = str(message.get("do"))
+            if do not in _COMMANDS:
+                raise MessageError(f"must be one of {', '.join(_COMMANDS)}", "do")
+            await _COMMANDS[do](self, window, read_record(requests.COMMANDS[do], message), message)
         except Exception as error:
-            wrong = fault_words(error)
-        await window.tell(_refusal(message, wrong))
+            wrong = error_of(error, f"the message {message.get('do')!r}")
+            await window.tell(_refusal(message, wrong))
 
-    async def _take(self, window: Window, message: dict[str, Any]) -> None:
-        """Do what a window says."""
-        wanted = message["do"]
-        if wanted == "open":
-            await self._opened(window, message)
-            return
-        if wanted in {"say", "stop"}:
-            _passed_on(window, message)
-            return
-        if wanted in {"hello", "folder"}:
-            reply = self._welcomed if wanted == "hello" else self._foldered
-            self._hold(reply(window, message))
-            return
-        name = str(message["file"])
-        if wanted == "close":
-            window.files.discard(name)
-            return
-        shared = self.workspace.text(name)
-        if wanted == "push":
-            await self._pushed(window, shared, message)
-        elif wanted == "ask":
-            answer = {"is": "answer", "id": message["id"], **shared.answer(message)}
-            await window.tell(answer)
-        elif wanted == "save":
-            await self._saved(window, name, shared, message.get("id"))
-        elif wanted == "settle":
-            before = shared.version
-            shared.settle(mine=bool(message["mine"]))
-            await self._changed(name, shared, before, disk=True)
-        elif wanted == "start":
-            self._started(window, shared, message)
+    # What follows does what a window says: a record, and the message itself, of which the record of
+    # a question or of work is one more reading.
 
-    def _started(self, window: Window, shared: SharedText, message: dict[str, Any]) -> None:
+    async def _close(self, window: Window, said: requests.OfFile, _: dict[str, Any]) -> None:
+        window.files.discard(said.file)
+
+    async def _ask(self, window: Window, said: requests.Question, message: dict[str, Any]) -> None:
+        shared = self.workspace.text(said.file)
+        await window.tell({"is": "answer", "id": said.id, **shared.answer(message)})
+
+    async def _settle(self, _window: Window, said: requests.Settle, _: dict[str, Any]) -> None:
+        shared = self.workspace.text(said.file)
+        before = shared.version
+        shared.settle(mine=said.mine)
+        await self._changed(said.file, shared, before, disk=True)
+
+    async def _say(self, window: Window, said: requests.OfJob, message: dict[str, Any]) -> None:
+        """Give words to work that still runs; what has ended hears nothing."""
+        if said.id in window.jobs:
+            window.jobs[said.id].hear(message)
+
+    async def _stop(self, window: Window, said: requests.OfJob, _: dict[str, Any]) -> None:
+        if said.id in window.jobs:
+            window.jobs[said.id].stop()
+
+    async def _start(self, window: Window, said: requests.Start, message: dict[str, Any]) -> None:
         """Begin long work beside the answering; the text is the one of now."""
-        work, number = {**WORKS, **self.works}[message["what"]], int(message["id"])
-        job = Job(number, window.tell, self.workspace, self.downloads, lambda: self.plants)
-        window.jobs[number] = job
+        shared, works = self.workspace.text(said.file), {**WORKS, **self.works}
+        if said.what not in works:
+            raise MessageError("is not a kind of work", "what")
+        job = Job(said.id, window.tell, self.workspace, self.downloads, lambda: self.plants)
+        try:
+            asked: Any = read_record(requests.WORKS[said.what], message)
+        except MessageError as error:
+            await job.refuse(error)
+            return
+        window.jobs[said.id] = job
 
         async def run() -> None:
-            await job.run(work, shared.session.copy(), message)
-            window.jobs.pop(number, None)
+            await job.run(works[said.what], shared.session.copy(), asked)
+            window.jobs.pop(said.id, None)
 
         self._hold(run())
 
@@ -311,28 +306,34 @@ class Designer:
         self._running.add(task)
         task.add_done_callback(self._running.discard)
 
-    async def _foldered(self, window: Window, asked: dict[str, Any]) -> None:
+    async def _folder(
+        self, window: Window, said: requests.FolderQuestion, message: dict[str, Any]
+    ) -> None:
+        self._hold(self._answered(window, said, message))
+
+    async def _answered(
+        self, window: Window, said: requests.FolderQuestion, message: dict[str, Any]
+    ) -> None:
         """Answer a question about the folder."""
-        what, found = str(asked.get("what")), {}
         try:
-            if what == "findings":
-                found = await asyncio.to_thread(self.workspace.findings, str(asked["file"]))
-            elif what == "import":
-                data = base64.b64decode(asked["data"], validate=True)
-                found = await self._imported(str(asked["name"]), data)
-            elif what == "convert":  # a file of another program that stands in the folder
-                name = str(asked["name"])
-                found = await self._imported(name, self.workspace.foreign_data(name))
-            else:
-                found = self.workspace.answer(asked)
-        except (FuzzyarmError, OSError) as error:
-            found = {"error": in_words(error)}
-        except (KeyError, TypeError, ValueError, ArithmeticError):
-            found = {"error": "a question that is not understood"}
+            found = await self._act(said.what, message)
         except Exception as error:  # the page waits for an answer
-            found = {"error": fault_words(error)}
+            found = error_of(error, f"the question {said.what!r} about the folder")
         await self._moved(found)
-        await window.tell({"is": "answer", "id": asked.get("id"), **found})
+        await window.tell({"is": "answer", "id": said.id, **found})
+
+    async def _act(self, what: str, message: dict[str, Any]) -> dict[str, Any]:
+        """Do what a page wants of the folder: what takes its time does so beside the answering."""
+        if what == "findings":
+            file = read_record(requests.OfFile, message).file
+            return await asyncio.to_thread(self.workspace.findings, file)
+        if what == "import":
+            dropped = read_record(requests.Import, message)
+            return await self._imported(dropped.name, _decoded(dropped.data))
+        if what == "convert":  # a file of another program that stands in the folder
+            name = read_record(requests.Convert, message).name
+            return await self._imported(name, self.workspace.foreign_data(name))
+        return self.workspace.answer(message)
 
     async def _moved(self, found: dict[str, Any]) -> None:
         """Tell the windows which file has another name now, or none, and go on with its check."""
@@ -361,26 +362,26 @@ class Designer:
         put = self.workspace.put(found["name"], found["text"])
         return {"findings": found["findings"], **put, **self.workspace.listing()}
 
-    async def _opened(self, window: Window, message: dict[str, Any]) -> None:
-        name = str(message["file"])
+    async def _open(self, window: Window, said: requests.Open, _: dict[str, Any]) -> None:
+        name = said.file
         try:
             shared = self.workspace.text(name)
         except OutsideError:
-            if "text" not in message:
+            if said.text is None:
                 raise
-            shared = self.workspace.revived(name, str(message["text"]))
+            shared = self.workspace.revived(name, said.text)
         window.files.add(name)
         before = shared.version
-        if message.get("epoch") == shared.epoch:  # the connection was lost, not the server
-            missed = shared.since(int(message["version"]))
+        if said.epoch == shared.epoch:  # the connection was lost, not the server
+            missed = shared.since(said.version)
             if missed is not None:
-                again = {"is": "reopened", "file": name, "version": message["version"]}
+                again = {"is": "reopened", "file": name, "version": said.version}
                 await window.tell({**again, "updates": missed, "saved": shared.saved})
                 await window.tell({"is": "status", "file": name, **shared.status})
                 self._check(name, shared)
                 return
-        elif "text" in message:
-            shared.resume(str(message["text"]), str(message["saved"]), "resumed")
+        elif said.text is not None:
+            shared.resume(said.text, said.saved, "resumed")
         await window.tell(
             {
                 "is": "opened",
@@ -394,22 +395,23 @@ class Designer:
         await self._changed(name, shared, before)
         self._check(name, shared)
 
-    async def _pushed(self, window: Window, shared: SharedText, message: dict[str, Any]) -> None:
-        version, name = int(message["version"]), str(message["file"])
-        if shared.push(version, message["updates"]):
+    async def _push(self, window: Window, said: requests.Push, nothing: dict[str, Any]) -> None:
+        version, name = said.version, said.file
+        shared = self.workspace.text(name)
+        if shared.push(version, said.updates):
             await self._changed(name, shared, version)
             return
         missed = shared.since(version)
         if missed is None:
-            await self._opened(window, {"file": name})
+            await self._open(window, requests.Open(name), nothing)
         else:
             late = {"is": "updates", "file": name, "version": version, "updates": missed}
             await window.tell(late)
 
-    async def _saved(
-        self, window: Window, name: str, shared: SharedText, number: int | None
-    ) -> None:
+    async def _save(self, window: Window, said: requests.Save, _: dict[str, Any]) -> None:
         """Save a file; a window that has asked with a number is answered."""
+        name, number = said.file, said.id
+        shared = self.workspace.text(name)
         before, wrong = shared.version, ""
         try:
             shared.save()
@@ -456,7 +458,8 @@ class Designer:
                 try:
                     message = await asyncio.to_thread(question, copy)
                 except Exception as error:  # nobody else would say why nothing is drawn
-                    message = {"is": "failed", "message": fault_words(error)}
+                    words = internal_words(error, f"checking {name}")
+                    message = {"is": "failed", "message": words, "internal": True}
                 if copy.version != shared.version:
                     break
                 shared.session.adopt(copy)
@@ -471,7 +474,7 @@ class Designer:
         while True:
             await asyncio.sleep(LOOK_EVERY)
             # Whatever fails may succeed at the next look; without one no window would hear more.
-            with contextlib.suppress(Exception):
+            with self._logged("looking at the folder"):
                 now = self.workspace.stamp()
                 if now != stamp:
                     before, names = names, self.workspace.files()
@@ -479,8 +482,20 @@ class Designer:
                     if names != before:
                         await self._tell_names(names, list(self.windows))
             for name in {name for window in self.windows for name in window.files}:
-                with contextlib.suppress(Exception):
+                with self._logged(f"looking at {name}"):
                     await self._look_at(name)
+
+    @contextlib.contextmanager
+    def _logged(self, doing: str) -> Iterator[None]:
+        """Go on whatever fails; a fault of the program is in the log, once."""
+        try:
+            yield
+        except (FuzzyarmError, OSError):
+            LOG.debug("failed: %s", doing, exc_info=True)
+        except Exception as error:
+            if (doing, repr(error)) not in self._logged_faults:
+                self._logged_faults.add((doing, repr(error)))
+                internal_words(error, doing)
 
     async def _look_at(self, name: str) -> None:
         """Tell the windows on a file what another program has written."""
@@ -504,32 +519,57 @@ class Designer:
         for window in [each for each in self.windows if each.follows]:
             await window.tell({"is": "unsaved", "names": names})
 
-    async def _welcomed(self, window: Window, _said: dict[str, Any]) -> None:
+    async def _hello(self, window: Window, _said: requests.Nothing, _: dict[str, Any]) -> None:
+        self._hold(self._welcome(window))
+
+    async def _welcome(self, window: Window) -> None:
         """Tell a window what it may have missed: which files there are, and which are unsaved."""
         window.follows = True
         await self._tell_names(self.workspace.files(), [window])
         await window.tell({"is": "unsaved", "names": self.workspace.unsaved()})
 
 
-def _refusal(message: Any, wrong: str) -> dict[str, Any]:
-    """Return the answer that says what is wrong with a message, to whoever waits for it."""
+_COMMANDS: Mapping[str, Callable[[Designer, Window, Any, dict[str, Any]], Awaitable[None]]] = {
+    "hello": Designer._hello,
+    "open": Designer._open,
+    "close": Designer._close,
+    "push": Designer._push,
+    "ask": Designer._ask,
+    "save": Designer._save,
+    "settle": Designer._settle,
+    "start": Designer._start,
+    "say": Designer._say,
+    "stop": Designer._stop,
+    "folder": Designer._folder,
+}
+"""What a window may say → what does it."""
+
+
+def _object_of(said: str | None) -> dict[str, Any]:
+    """Return what a window says."""
+    try:
+        message = json.loads(said or "")
+    except (ValueError, RecursionError):
+        raise MessageError("is not JSON") from None
     if not isinstance(message, dict):
-        return {"is": "failed", "message": wrong}
-    if message.get("do") in ("ask", "save") and "id" in message:
-        return {"is": "answer", "id": message["id"], "error": wrong}
+        raise MessageError("must be an object")
+    return message
+
+
+def _decoded(data: str) -> bytes:
+    try:
+        return base64.b64decode(data, validate=True)
+    except ValueError:
+        raise MessageError("must be base 64", "data") from None
+
+
+def _refusal(message: dict[str, Any], wrong: dict[str, Any]) -> dict[str, Any]:
+    """Return what is wrong with a message, for whoever waits for its answer."""
+    if message.get("do") in ("ask", "save", "folder") and "id" in message:
+        return {"is": "answer", "id": message["id"], **wrong}
     of_file = {"file": message["file"]} if "file" in message else {}
-    return {"is": "failed", **of_file, "message": wrong}
-
-
-def _passed_on(window: Window, message: dict[str, Any]) -> None:
-    """Give a word to work that still runs; what has ended hears nothing."""
-    job = window.jobs.get(int(message["id"]))
-    if job is None:
-        return
-    if message["do"] == "stop":
-        job.stop()
-    else:
-        job.hear(message)
+    words = wrong.pop("error")
+    return {"is": "failed", **of_file, "message": words, **wrong}
 
 
 class Guarded:

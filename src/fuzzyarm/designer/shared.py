@@ -12,13 +12,16 @@ from __future__ import annotations
 import math
 import secrets
 from codecs import BOM_UTF8
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from fuzzyarm.designer import requests
 from fuzzyarm.designer.changes import ChangeError, applied, difference, merged
-from fuzzyarm.designer.names import OutsideError, fault_words, in_words, is_inside
+from fuzzyarm.designer.faults import error_of
+from fuzzyarm.designer.names import OutsideError, in_words, is_inside
+from fuzzyarm.designer.records import MessageError, read_record
 from fuzzyarm.designer.scene import Positions, held_numbers, scene_of
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.expression.kinds import SHAPES
@@ -29,6 +32,7 @@ from fuzzyarm.language.queries import (
     Edit,
     Reading,
     Reshaped,
+    ReshapeError,
     add_column,
     add_grid,
     add_row,
@@ -151,7 +155,7 @@ class SharedText:
 
     # --- Changes ---
 
-    def push(self, version: int, updates: Sequence[dict[str, Any]]) -> bool:
+    def push(self, version: int, updates: Sequence[Mapping[str, Any]]) -> bool:
         """Take changes of a window; False where they are made for another version."""
         if version != self.version:
             return False
@@ -340,30 +344,33 @@ class SharedText:
 
     def answer(self, asked: dict[str, Any]) -> dict[str, Any]:
         """Answer a question about the text; an error is said in words."""
-        question = _QUESTIONS.get(str(asked.get("what")))
-        if question is None:
+        what = str(asked.get("what"))
+        if what not in _QUESTIONS:
             return {"error": "unknown question"}
         try:
-            return question(self, asked)
-        except FuzzyarmError as error:
-            return {"error": str(error)}
-        except (KeyError, TypeError, ValueError, IndexError, ArithmeticError):
-            return {"error": "a question that is not understood"}
+            return _QUESTIONS[what](self, read_record(requests.TEXT_QUESTIONS[what], asked))
         except Exception as error:  # the page waits for an answer
-            return {"error": fault_words(error)}
+            return error_of(error, f"the question {what!r} about {self.path.name}")
 
-    def _at(self, asked: dict[str, Any]) -> tuple[int, int]:
-        line, unit = asked["at"]
-        return to_place(self.session.lines, int(line), int(unit), UTF16)
+    def _place(self, at: tuple[int, int]) -> tuple[int, int]:
+        """Return line and column of a position of a page."""
+        return to_place(self.session.lines, *at, UTF16)
+
+    @property
+    def _rules(self) -> Reading:
+        """The text of a rule base or a controller, which a hand may edit."""
+        if not isinstance(self.session.reading, Reading):
+            raise ReshapeError("a table is not edited in a picture")
+        return self.session.reading
 
     def _edits(self, edits: Sequence[Edit]) -> dict[str, Any]:
         positions = Positions(self.session.lines)
         changes = [{"range": positions.of(edit.span), "text": edit.text} for edit in edits]
         return {"version": self.version, "edits": changes}
 
-    def _complete(self, asked: dict[str, Any]) -> dict[str, Any]:
+    def _complete(self, asked: requests.At) -> dict[str, Any]:
         kind, positions = self.session.kind, Positions(self.session.lines)
-        found = kind.complete(self.session.quick_reading, *self._at(asked))
+        found = kind.complete(self.session.quick_reading, *self._place(asked.at))
         return {
             "options": [
                 {
@@ -377,8 +384,8 @@ class SharedText:
             ]
         }
 
-    def _hover(self, asked: dict[str, Any]) -> dict[str, Any]:
-        found = self.session.hover(*self._at(asked))
+    def _hover(self, asked: requests.At) -> dict[str, Any]:
+        found = self.session.hover(*self._place(asked.at))
         if found is None:
             return {"markdown": ""}
         return {
@@ -386,16 +393,16 @@ class SharedText:
             "range": Positions(self.session.lines).of(found.span),
         }
 
-    def _rename(self, asked: dict[str, Any]) -> dict[str, Any]:
-        reading, place = self.session.reading, self._at(asked)
-        if "name" not in asked:
+    def _rename(self, asked: requests.Rename) -> dict[str, Any]:
+        reading, place = self.session.reading, self._place(asked.at)
+        if asked.name is None:
             found = self.session.kind.name_at(reading, *place)
             return {"name": None if found is None else found[0]}
-        return self._edits(self.session.kind.rename(reading, *place, str(asked["name"])))
+        return self._edits(self.session.kind.rename(reading, *place, asked.name))
 
-    def _fixes(self, asked: dict[str, Any]) -> dict[str, Any]:
+    def _fixes(self, asked: requests.Fixes) -> dict[str, Any]:
         """Return the repairs of a finding, or of all in a line."""
-        line, name = self._at(asked)[0], asked.get("name")
+        line, name = self._place(asked.at)[0], asked.name
         found = self.session.review().diagnostics if self.session.reviewed else ()
         return {
             "fixes": [
@@ -406,105 +413,90 @@ class SharedText:
             ]
         }
 
-    def _format(self, _asked: dict[str, Any]) -> dict[str, Any]:
+    def _format(self, _asked: requests.Nothing) -> dict[str, Any]:
         text = self.session.kind.formatted(self.session.reading)
         if text is None:
             return {"error": "a text with mistakes is not formatted"}
         return {"version": self.version, "changes": difference(self.text, text)}
 
-    def _shapes(self, asked: dict[str, Any]) -> dict[str, Any]:
+    def _shapes(self, asked: requests.Shapes) -> dict[str, Any]:
         shapes = [
             Reshaped(
-                str(each["variable"]),
-                str(each["term"]),
-                _shape(each),
-                _shape(each["lower"]) if each.get("lower") else None,
+                each.variable, each.term, _shape(each), _shape(each.lower) if each.lower else None
             )
-            for each in asked["shapes"]
+            for each in asked.shapes
         ]
-        return self._edits(set_shapes(self.session.reading, shapes))
+        return self._edits(set_shapes(self._rules, shapes))
 
-    def _term(self, asked: dict[str, Any]) -> dict[str, Any]:
+    def _term(self, asked: requests.TermEdit) -> dict[str, Any]:
         """Add a term, remove one, or give it another name or kind."""
-        reading, variable, term = self.session.reading, str(asked["variable"]), str(asked["term"])
-        if "kind" in asked:
-            return self._edits(set_kind(reading, variable, term, str(asked["kind"])))
-        if "shape" in asked:
-            return self._edits(add_term(reading, variable, term, _shape(asked["shape"])))
-        if "name" in asked:
-            return self._edits(rename_term(reading, variable, term, str(asked["name"])))
-        return self._edits(remove_term(reading, variable, term))
+        place = self._rules, asked.variable, asked.term
+        if asked.kind is not None:
+            return self._edits(set_kind(*place, asked.kind))
+        if asked.shape is not None:
+            return self._edits(add_term(*place, _shape(asked.shape)))
+        if asked.name is not None:
+            return self._edits(rename_term(*place, asked.name))
+        return self._edits(remove_term(*place))
 
-    def _variable(self, asked: dict[str, Any]) -> dict[str, Any]:
+    def _variable(self, asked: requests.VariableEdit) -> dict[str, Any]:
         """Add a variable, remove one, or give it another name."""
-        reading, variable = self.session.reading, str(asked["variable"])
-        if "role" in asked:
-            ends = float(asked["low"]), float(asked["high"])
-            terms = [str(name) for name in asked.get("terms", ())]
-            return self._edits(add_variable(reading, str(asked["role"]), variable, ends, terms))
-        if "name" in asked:
-            return self._edits(rename_variable(reading, variable, str(asked["name"])))
+        reading, variable = self._rules, asked.variable
+        if asked.role is not None:
+            ends = asked.low, asked.high
+            return self._edits(add_variable(reading, asked.role, variable, ends, asked.terms))
+        if asked.name is not None:
+            return self._edits(rename_variable(reading, variable, asked.name))
         return self._edits(remove_variable(reading, variable))
 
-    def _setting(self, asked: dict[str, Any]) -> dict[str, Any]:
-        words = (str(asked[name]) for name in ("key", "value", "target"))
-        return self._edits(set_setting(self.session.reading, *words))
+    def _setting(self, asked: requests.Setting) -> dict[str, Any]:
+        return self._edits(set_setting(self._rules, asked.key, asked.value, asked.target))
 
-    def _grid(self, asked: dict[str, Any]) -> dict[str, Any]:
+    def _grid(self, asked: requests.GridEdit) -> dict[str, Any]:
         """Add a grid, or remove one."""
-        reading = self.session.reading
-        if "line" in asked:
-            return self._edits(remove_grid(reading, int(asked["line"])))
-        row = str(asked["row"]) or None
-        names = str(asked["output"]), str(asked["column"])
-        return self._edits(add_grid(reading, *names, row, str(asked["fill"])))
+        reading = self._rules
+        if asked.line is not None:
+            return self._edits(remove_grid(reading, asked.line))
+        row = asked.row or None
+        return self._edits(add_grid(reading, asked.output, asked.column, row, asked.fill))
 
-    def _head(self, asked: dict[str, Any]) -> dict[str, Any]:
+    def _head(self, asked: requests.HeadEdit) -> dict[str, Any]:
         """Add a row or a column to a grid, maybe of a new term, or remove one."""
-        reading, line, term = self.session.reading, int(asked["line"]), str(asked["term"])
-        row = bool(asked["row"])
-        if asked.get("remove"):
-            return self._edits((remove_row if row else remove_column)(reading, line, term))
-        shape = _shape(asked["shape"]) if asked.get("shape") else None
-        return self._edits((add_row if row else add_column)(reading, line, term, shape))
+        place = self._rules, asked.line, asked.term
+        if asked.remove:
+            return self._edits((remove_row if asked.row else remove_column)(*place))
+        shape = None if asked.shape is None else _shape(asked.shape)
+        return self._edits((add_row if asked.row else add_column)(*place, shape))
 
-    def _compose(self, asked: dict[str, Any]) -> dict[str, Any]:
-        parts = _pairs(asked["if"]), _pairs(asked["then"])
-        return self._edits(add_rule(self.session.reading, *parts, str(asked.get("join", "and"))))
+    def _compose(self, asked: requests.Compose) -> dict[str, Any]:
+        return self._edits(add_rule(self._rules, asked.if_, asked.then, asked.join))
 
-    def _range(self, asked: dict[str, Any]) -> dict[str, Any]:
-        low, high = float(asked["low"]), float(asked["high"])
-        return self._edits(
-            set_variable_range(self.session.reading, str(asked["variable"]), low, high)
-        )
+    def _range(self, asked: requests.RangeEdit) -> dict[str, Any]:
+        return self._edits(set_variable_range(self._rules, asked.variable, asked.low, asked.high))
 
-    def _rule(self, asked: dict[str, Any]) -> dict[str, Any]:
-        line = None if asked["line"] is None else int(asked["line"])
-        return self._edits(set_rule(self.session.reading, line, str(asked["sentence"])))
+    def _rule(self, asked: requests.RuleEdit) -> dict[str, Any]:
+        return self._edits(set_rule(self._rules, asked.line, asked.sentence))
 
-    def _cell(self, asked: dict[str, Any]) -> dict[str, Any]:
-        line, column = asked["cell"]
-        term = asked["term"]
-        term = None if term is None else str(term)
-        return self._edits(set_cell(self.session.reading, int(line), int(column), term))
+    def _cell(self, asked: requests.CellEdit) -> dict[str, Any]:
+        return self._edits(set_cell(self._rules, *asked.cell, asked.term))
 
-    def _table(self, asked: dict[str, Any]) -> dict[str, Any]:
+    def _table(self, asked: requests.TablePage) -> dict[str, Any]:
         from fuzzyarm.designer.tables import table_page
 
-        return {"table": table_page(self.session, asked.get("page") or ())}
+        return {"table": table_page(self.session, asked.page)}
 
-    def _table_cell(self, asked: dict[str, Any]) -> dict[str, Any]:
+    def _table_cell(self, asked: requests.TableCell) -> dict[str, Any]:
         from fuzzyarm.designer.tables import cell_place
 
-        span = cell_place(self.session, asked["cell"])
+        span = cell_place(self.session, asked.cell)
         return {"range": None if span is None else Positions(self.session.lines).of(span)}
 
-    def _exports(self, _asked: dict[str, Any]) -> dict[str, Any]:
+    def _exports(self, _asked: requests.Nothing) -> dict[str, Any]:
         from fuzzyarm.designer.exports import kinds_of
 
         return {"kinds": kinds_of(self.session)}
 
-    def _movable(self, _asked: dict[str, Any]) -> dict[str, Any]:
+    def _movable(self, _asked: requests.Nothing) -> dict[str, Any]:
         """Write into the text what tuning moves where nothing is said, and ranges of gains."""
         from fuzzyarm.tuning.design import default_ranges, everything
 
@@ -521,28 +513,27 @@ class SharedText:
             return {"error": "there is nothing in this text that may move"}
         return self._edits(edits)
 
-    def _merge(self, asked: dict[str, Any]) -> dict[str, Any]:
+    def _merge(self, asked: requests.Merge) -> dict[str, Any]:
         """Bring the change from one text to another into the text as it is now."""
-        both = merged(str(asked["old"]), self.text, str(asked["new"]))
+        both = merged(asked.old, self.text, asked.new)
         if both is None:
             return {"error": "the text has changed in the same lines meanwhile"}
         return {"version": self.version, "changes": difference(self.text, both)}
 
-    def _gain(self, asked: dict[str, Any]) -> dict[str, Any]:
-        values = [float(value) for value in asked["values"]]
-        if not all(map(math.isfinite, values)):
-            raise ValueError
-        return self._edits(set_gain(self.session.reading, str(asked["name"]), values))
+    def _gain(self, asked: requests.GainEdit) -> dict[str, Any]:
+        if not all(map(math.isfinite, asked.values)):
+            raise MessageError("must be finite", "values")
+        return self._edits(set_gain(self._rules, asked.name, asked.values))
 
-    def _numbers(self, asked: dict[str, Any]) -> dict[str, Any]:
-        rulebase = self.session.reading.parsed.rulebase
+    def _numbers(self, asked: requests.OfVariable) -> dict[str, Any]:
+        rulebase = getattr(self.session.reading.parsed, "rulebase", None)  # a table has none
         if rulebase is None:
             return {"numbers": None}
-        found = held_numbers(rulebase, str(asked["variable"]))
+        found = held_numbers(rulebase, asked.variable)
         return {"version": self.version, "numbers": found}
 
 
-_QUESTIONS = {
+_QUESTIONS: Mapping[str, Callable[[SharedText, Any], dict[str, Any]]] = {
     "complete": SharedText._complete,
     "hover": SharedText._hover,
     "rename": SharedText._rename,
@@ -575,17 +566,11 @@ def _is_begun(reading: Reading) -> bool:
     return bool(wrong) and wrong <= INCOMPLETE
 
 
-def _pairs(asked: Any) -> list[tuple[str, str]]:
-    """Return pairs of names as a page gives them."""
-    return [(str(variable), str(term)) for variable, term in asked]
-
-
-def _shape(asked: dict[str, Any]) -> Shape:
+def _shape(asked: requests.ShapeOf) -> Shape:
     """Return a shape as a page describes it."""
-    if asked["kind"] not in SHAPES:
-        raise KeyError(asked["kind"])
-    numbers = tuple(float(number) for number in asked["parameters"])
-    return Shape(str(asked["kind"]), numbers, float(asked.get("height", 1.0)))
+    if asked.kind not in SHAPES:
+        raise MessageError("is not a shape", "kind")
+    return Shape(asked.kind, asked.parameters, asked.height)
 
 
 def _unix(text: str) -> str:

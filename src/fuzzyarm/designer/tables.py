@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from itertools import islice
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +12,7 @@ import numpy as np
 
 from fuzzyarm.designer.exports import ExportRefusedError, making_of, model_of
 from fuzzyarm.designer.names import OutsideError
+from fuzzyarm.designer.requests import Axes, TableErrorWork
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language import write
 from fuzzyarm.lsp.session import Session
@@ -114,14 +115,14 @@ def cell_place(session: Session, cell: Sequence[int]) -> Any:
 # --- A table against its rules ---
 
 
-def table_error(session: Session, asked: dict[str, Any], job: Job) -> None:
+def table_error(session: Session, asked: TableErrorWork, job: Job) -> None:
     """Tell how far a table is from direct inference: a map, the worst point, proofs.
 
     Of a rule base the table is compiled as the page asks; a table is compared with the file
     of the folder that it was compiled from.
     """
     model = model_of(session)
-    options = asked.get("options") or {}
+    options = asked.options
     if isinstance(model, LookupTable):
         rulebase, words = _source_of(model, job)
         table, mode = model, str(options.get("mode") or model.default_mode)
@@ -132,7 +133,7 @@ def table_error(session: Session, asked: dict[str, Any], job: Job) -> None:
         table, mode, lines = report.table, how.mode or report.table.default_mode, []
     else:
         raise ExportRefusedError("a controller has no table of its own: open its rule base")
-    job.tell({"map": error_map(table, rulebase, mode, asked.get("axes") or {})})
+    job.tell({"map": error_map(table, rulebase, mode, asked.axes)})
     if isinstance(model, LookupTable):
         job.progress("measuring the difference")
         found = _fidelities(table, rulebase, mode)
@@ -191,9 +192,7 @@ def _worst(fidelity: Fidelity, table: LookupTable, rulebase: RuleBase) -> dict[s
     }
 
 
-def error_map(
-    table: LookupTable, rulebase: RuleBase, mode: str, axes: Mapping[str, Any]
-) -> dict[str, Any]:
+def error_map(table: LookupTable, rulebase: RuleBase, mode: str, axes: Axes) -> dict[str, Any]:
     """Return table − rules over two inputs, the others held.
 
     Parameters
@@ -204,17 +203,16 @@ def error_map(
         The truth.
     mode : str
         How the table is looked up.
-    axes : mapping
-        ``x`` and ``y``, names of inputs across and up (the first two by default), and ``at``,
-        values of the others (the middle by default).
+    axes : Axes
+        The inputs across and up (the first two by default), and the values of the others (the
+        middle by default).
     """
     names = list(table.names)
-    x = str(axes.get("x") or names[-1])
-    y = str(axes.get("y") or (names[-2] if len(names) > 1 else x))
+    x = axes.x or names[-1]
+    y = axes.y or (names[-2] if len(names) > 1 else x)
     if x not in names or y not in names or (x == y and len(names) > 1):
         x, y = names[-1], names[-2] if len(names) > 1 else names[-1]
-    at = axes.get("at") or {}
-    held = {each.name: _held(each, at.get(each.name)) for each in table.axes}
+    held = {each.name: _held(each, axes.at.get(each.name)) for each in table.axes}
     xs, ys = (np.linspace(*_ends(table.axis(name)), ACROSS) for name in (x, y))
     mesh = {**{name: np.array(value) for name, value in held.items()}, x: xs[None, :]}
     if x != y:
@@ -243,9 +241,9 @@ def _ends(axis: Any) -> tuple[float, float]:
     return low, high
 
 
-def _held(axis: Any, wanted: Any) -> float:
+def _held(axis: Any, wanted: float | None) -> float:
     low, high = _ends(axis)
-    return min(max(float(wanted), low), high) if wanted is not None else 0.5 * (low + high)
+    return min(max(wanted, low), high) if wanted is not None else 0.5 * (low + high)
 
 
 def _prove_cells(table: LookupTable, rulebase: RuleBase, mode: str, job: Job) -> None:

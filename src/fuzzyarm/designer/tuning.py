@@ -16,6 +16,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from fuzzyarm.designer.faults import internal_words
 from fuzzyarm.designer.grounds import (
     FieldError,
     GroundsError,
@@ -30,7 +31,7 @@ from fuzzyarm.designer.grounds import (
     words_of,
 )
 from fuzzyarm.designer.jobs import Job
-from fuzzyarm.designer.names import fault_words
+from fuzzyarm.designer.requests import Nothing, TuneWord, TuneWork
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language import parse
 from fuzzyarm.lsp.session import Session
@@ -90,7 +91,7 @@ def subject_of(path: str, text: str) -> ControllerText | RuleBase:
 # --- What may be asked ---
 
 
-def tunable(session: Session, asked: dict[str, Any], job: Job) -> None:
+def tunable(session: Session, asked: Nothing, job: Job) -> None:
     """Tell whether the text can be tuned, what may move in it, and on what."""
     from fuzzyarm.controller.text import ControllerText
     from fuzzyarm.tuning import TuneError
@@ -125,8 +126,8 @@ class Order(NamedTuple):
 
     path: str
     text: str
-    words: dict[str, Any]
-    """Of the experiment: what the page said, by the names of the options."""
+    asked: TuneWork
+    """What the page said."""
     own: tuple[str, ...]
     """Plants that were named on the command line."""
     samples: dict[str, str]
@@ -135,7 +136,7 @@ class Order(NamedTuple):
     """Arguments of `fuzzyarm.tuning.tune` as they are."""
 
 
-def order_of(session: Session, asked: dict[str, Any], job: Job) -> Order:
+def order_of(session: Session, asked: TuneWork, job: Job) -> Order:
     """Read what a page asked for.
 
     Raises
@@ -146,37 +147,39 @@ def order_of(session: Session, asked: dict[str, Any], job: Job) -> Order:
     from fuzzyarm.tuning.cost import read_cost
     from fuzzyarm.tuning.tune import read_tuning
 
-    cost = str(asked.get("cost") or "").strip()
+    cost = asked.cost.strip()
     with at_field("cost"):
         if ".py" in cost:
             raise GroundsError("functions of files are a cost on the command line alone")
-        if cost and not asked.get("data"):
+        if cost and not asked.data:
             read_cost(cost)
-    counts = {name: whole_of(asked, name, DEFAULTS[name], MOST_EVALS) for name in DEFAULTS}
-    scenarios = whole_of(asked, "scenarios", 0, MOST_SCENARIOS) or None
+    counts = {
+        name: whole_of(getattr(asked, name), name, DEFAULTS[name], MOST_EVALS) for name in DEFAULTS
+    }
+    scenarios = whole_of(asked.scenarios, "scenarios", 0, MOST_SCENARIOS) or None
     if counts["unseen"] > MOST_SCENARIOS:
         raise GroundsError(f"{counts['unseen']} unseen scenarios are out of range")
-    lines = [line for line in str(asked.get("lines") or "").splitlines() if line.strip()]
+    lines = [line for line in asked.lines.splitlines() if line.strip()]
     with at_field("lines"):
         read_tuning(lines)
     with at_field("time"):
-        longest = _search_time(str(asked.get("time") or "").strip())
+        longest = _search_time(asked.time.strip())
     given: dict[str, Any] = {
         "cost": cost or None,
         "scenarios": scenarios,
         "tuning": lines or None,
-        "method": str(asked.get("method") or "nelder-mead"),
+        "method": asked.method or TuneWork.method,
         "evals": counts["evals"],
         "seconds": longest,
         "seed": counts["seed"],
         "digits": counts["digits"],
         "unseen": counts["unseen"],
-        "linear": bool(asked.get("linear", True)),
-        "over": "worst" if asked.get("over") == "worst" else "mean",
+        "linear": asked.linear,
+        "over": asked.over,
     }
-    words = {**asked, "seed": counts["seed"]}
+    asked = replace(asked, seed=counts["seed"])
     own = job.plants.own
-    return Order(session.path, session.text, words, own, _samples_of(asked, job), given)
+    return Order(session.path, session.text, asked, own, _samples_of(asked, job), given)
 
 
 def _search_time(text: str) -> float:
@@ -186,24 +189,23 @@ def _search_time(text: str) -> float:
     return read_time(text, "--time") if text else math.inf
 
 
-def _samples_of(asked: dict[str, Any], job: Job) -> dict[str, str]:
+def _samples_of(asked: TuneWork, job: Job) -> dict[str, str]:
     """Return the files of samples as they stand in the folder, and the column that is met."""
     found = {}
-    for name in ("data", "test"):
-        file = str(asked.get(name) or "")
+    for name, file in (("data", asked.data), ("test", asked.test)):
         if not file:
             continue
         if file not in job.folder.listed(*SAMPLES):
             raise GroundsError(f"'{file}' is not a file of samples in this folder")
         found[name] = str(job.folder.beside(file, Path(file).suffix.lower()))
-    target = str(asked.get("target") or "").strip()
+    target = asked.target.strip()
     return {**found, "target": target} if target else found
 
 
 # --- Here: what a page hears ---
 
 
-def tune(session: Session, asked: dict[str, Any], job: Job) -> None:
+def tune(session: Session, asked: TuneWork, job: Job) -> None:
     """Search, tell, report; goes on until the page wants no more."""
     order = order_of(session, asked, job)
     prepared(order)  # what does not fit is said at once
@@ -211,9 +213,9 @@ def tune(session: Session, asked: dict[str, Any], job: Job) -> None:
     files = report.pop("files")
     job.tell({"report": report})
     while True:
-        word = job.word()
-        if "take" in word:
-            _take(files, session, job, replace=bool(word.get("replace")))
+        word = job.word(TuneWord)
+        if word.take:
+            _take(files, session, job, replace=word.replace)
 
 
 def _searched(order: Order, job: Job) -> dict[str, Any]:
@@ -242,7 +244,7 @@ def _searched(order: Order, job: Job) -> dict[str, Any]:
 def _heard(here: Connection, job: Job, kept: list[dict[str, Any]]) -> dict[str, Any]:
     """Pass on what the search says; return its report, and keep what comes before that."""
     while True:
-        if any(word.get("enough") for word in job.heard()):
+        if any(word.enough for word in job.heard(TuneWord)):
             here.send("enough")
         if not here.poll(TELL_EVERY):
             job.check()
@@ -317,7 +319,7 @@ def search(pipe: Connection, order: Order) -> None:
             pipe.send({"failed": str(error), "field": field})
     except Exception as error:
         with contextlib.suppress(OSError):
-            pipe.send({"failed": fault_words(error)})
+            pipe.send({"failed": internal_words(error, "a search of tuning")})
 
 
 def _listen(pipe: Connection, enough: threading.Event) -> None:
@@ -359,26 +361,26 @@ def _stage(order: Order, text: ControllerText) -> Stage:
     from fuzzyarm.tuning.scenarios import Scenario
     from fuzzyarm.tuning.tune import stage_of
 
-    asked = order.words
+    asked = order.asked
     words = words_of(asked, Path(order.path).parent)
-    plant = plant_named(str(asked.get("plant") or ""), text.model, Plants(order.own))
+    plant = plant_named(asked.plant, text.model, Plants(order.own))
     check_words(words, plant)
     with at_field("vary"):
-        vary = tuple(map(read_range, list_of(asked.get("vary"))))
+        vary = tuple(map(read_range, list_of(asked.vary)))
     plant = words.driven(plant)
     stage = stage_of(
         text,
         plant,
         words.options(plant),
         words.signals() or None,
-        seconds_of(asked.get("seconds")),
+        seconds_of(asked.seconds),
         words.connections(),
         vary,
-        payload=float(bool(asked.get("payload", True))),
+        payload=float(asked.payload is not False),
     )
-    if not isinstance(plant, Arm) or not asked.get("trajectory"):
+    if not isinstance(plant, Arm) or not asked.trajectory:
         return stage
-    way = trajectory_named(str(asked["trajectory"]))
+    way = trajectory_named(asked.trajectory)
     return replace(stage, first=(Scenario(way.name, way, stage.first[0].changes),))
 
 

@@ -1,0 +1,39 @@
+"""What a page hears where something fails: a mistake in words, or a fault of the program.
+
+A mistake (`FuzzyarmError`, `OSError`) is a sentence for the person at the page. Anything else is an
+internal error: the page says so, and the trace is in the log ``fuzzyarm.designer``, which goes to
+the standard error of ``fuzzyarm designer``.
+"""
+
+from __future__ import annotations
+
+import logging
+from typing import Any
+
+from fuzzyarm.designer.names import in_words
+from fuzzyarm.errors import FuzzyarmError
+
+__all__ = ["LOG", "error_of", "internal_words"]
+
+LOG = logging.getLogger("fuzzyarm.designer")
+
+
+def error_of(error: Exception, doing: str) -> dict[str, Any]:
+    """Return what an answer says of an error: ``error``, and ``internal`` where it is a fault.
+
+    Parameters
+    ----------
+    error : Exception
+        What was raised.
+    doing : str
+        What was being done, for the log.
+    """
+    if isinstance(error, FuzzyarmError | OSError):
+        return {"error": in_words(error)}
+    return {"error": internal_words(error, doing), "internal": True}
+
+
+def internal_words(error: BaseException, doing: str) -> str:
+    """Write the trace of a fault into the log; return a sentence for the page."""
+    LOG.error("internal error: %s", doing, exc_info=error)
+    return f"internal error: {error!r}; the log of the designer has its trace"
