@@ -7,7 +7,10 @@ ZIG    := 0.17.1 # compiles the kernels where there is no C compiler
 HAS_COMPILER := for each in "$${CC%% *}" cc gcc clang; do command -v "$$each" >/dev/null && exit 0; done; false
 PIP    := $(BIN)/python -m pip --disable-pip-version-check install --quiet
 
-.PHONY: demo test native lint unit quick docs bench mutants fuzz editors designer lock clean help
+DESIGNER := editors/designer
+NPM      := npm --prefix $(DESIGNER) --no-audit --no-fund --no-update-notifier --loglevel=error
+
+.PHONY: demo test native lint lint-page page-tools unit quick docs bench mutants fuzz editors designer types lock clean help
 
 help:
 	@echo "make demo   set up and run the whole story on rulebases/pd7.frb"
@@ -19,7 +22,8 @@ help:
 	@echo "make mutants  change the source in 100 ways and see which a test notices"
 	@echo "make fuzz   all random cases of the tests; then files, rule bases and commands, some 10,000 each"
 	@echo "make editors  compile, test and package the extension for VS Code (needs node)"
-	@echo "make designer  build the editor of the designer's page (needs node)"
+	@echo "make designer  build what the designer's page needs of other packages (needs node)"
+	@echo "make types  print the messages of the designer as types for its page"
 	@echo "make lock   renew the lock files (needs uv)"
 
 demo: $(VENV)/.run
@@ -32,12 +36,23 @@ demo: $(VENV)/.run
 
 test: lint unit
 
-lint: $(VENV)/.dev
+lint: $(VENV)/.dev lint-page
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
-unit: $(VENV)/.dev
+# What the page is checked with, and axe-core for the tests; without node or a registry it says so.
+page-tools:
+	@cmp -s $(DESIGNER)/package-lock.json $(DESIGNER)/node_modules/.of-lock || { \
+	  command -v npm >/dev/null && $(NPM) ci --ignore-scripts && \
+	  cp $(DESIGNER)/package-lock.json $(DESIGNER)/node_modules/.of-lock; \
+	} || echo "skipped: the tools of the designer's page are not installed (npm, a registry)"
+
+lint-page: page-tools
+	@if [ -f $(DESIGNER)/node_modules/.of-lock ]; then $(NPM) run --silent lint; \
+	else echo "skipped: eslint, prettier, tsc and node --test of the designer's page"; fi
+
+unit: $(VENV)/.dev page-tools
 	$(BIN)/python -m pytest -n 2 --dist worksteal
 
 quick: $(VENV)/.dev
@@ -87,8 +102,11 @@ $(VENV)/.dev: requirements/dev.lock pyproject.toml | $(VENV)/bin/python
 editors:
 	cd editors/vscode && npm ci && npm test && npm run package
 
-designer:
-	cd editors/designer && npm ci && npm run build
+designer: page-tools
+	$(NPM) run build
+
+types: $(VENV)/.dev
+	$(BIN)/python tools/message_types.py
 
 lock:
 	uv pip compile --universal --generate-hashes --no-header --no-annotate -p 3.11 pyproject.toml -o requirements/run.lock

@@ -7,7 +7,7 @@ import pytest
 from fuzzyarm.shipped_files import shipped
 from fuzzyarm.table import read_table
 from tests.designer.test_designer_learning import SINE, SOC
-from tests.designer.test_designer_page import AXE, CHROMIUM, pytestmark, text_of, until  # noqa: F401
+from tests.designer.test_designer_page import pytestmark, text_of, until  # noqa: F401
 
 
 @pytest.fixture
@@ -83,21 +83,3 @@ def test_a_table_grows_and_is_saved(served, view):
     page.get_by_role("button", name="Cancel").click()
     learn.get_by_role("button", name="Stop", exact=True).click()
     learn.get_by_text("stopped; RMS error").wait_for()
-
-
-@pytest.mark.skipif(not AXE.exists(), reason="axe-core is not installed (make designer)")
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_no_serious_fault_of_accessibility(served, browser, scheme):
-    assert CHROMIUM
-    (served.folder / "axe.frb").write_text(SOC)
-    context = browser.new_context(bypass_csp=True, color_scheme=scheme)
-    page = context.new_page()
-    page.goto(f"{served.address}#file=axe.frb")
-    for name in ("Learn", "Tune"):
-        page.get_by_role("tab", name=name).click()
-        page.wait_for_timeout(300)
-        page.evaluate(AXE.read_text())
-        found = page.evaluate("axe.run(document, { resultTypes: ['violations'] })")["violations"]
-        serious = [each for each in found if each["impact"] in {"serious", "critical"}]
-        assert [(each["id"], each["nodes"][0]["html"]) for each in serious] == [], name
-    context.close()

@@ -40,6 +40,7 @@ class Served:
 
     def __init__(self, folder, port=0):
         self.folder, self.port = folder, port
+        self.log = Path(f"{folder}.log")
         self.start()
 
     def start(self):
@@ -47,7 +48,8 @@ class Served:
         state = {"XDG_STATE_HOME": f"{self.folder}.state"}
         self.process = subprocess.Popen(
             [*words, "--port", str(self.port)],
-            stdout=subprocess.PIPE, text=True, env={**os.environ, **state},
+            stdout=subprocess.PIPE, stderr=self.log.open("w"), text=True,
+            env={**os.environ, **state},
         )  # fmt: skip
         self.address = self.process.stdout.readline().strip()
         assert self.address.startswith("http://127.0.0.1:"), self.address
@@ -57,6 +59,7 @@ class Served:
         self.process.terminate()
         self.process.wait(10)
         self.process.stdout.close()
+        assert "internal error" not in self.log.read_text(), self.log.read_text()
 
 
 @pytest.fixture
@@ -688,70 +691,6 @@ def test_the_files_of_late_have_their_desks_and_a_run_waits(served, window):
     page.get_by_text("It has waited").wait_for()
     page.get_by_role("button", name="Go on").click()
     page.get_by_role("button", name="Pause").wait_for()
-
-
-AXE = Path(__file__).parents[2] / "editors/designer/node_modules/axe-core/axe.min.js"
-
-
-EVERYTHING = """\
-rulebase everything "a grid, sentences, findings, and terms between two functions"
-input a 0 .. 10
-input b 0 .. 10
-output y 0 .. 10
-terms a, b: triangles LOW HIGH
-term y LOW: gaussian 2 2 over gaussian 2 1
-term y HIGH: gaussian 8 2 over gaussian 8 1
-inference y: defuzzifier karnik-mendel(51)
-rules y
-  a \\ b  LOW   HIGH
-  LOW    HIGH  LOW
-rule if a is HIGH and b is LOW then y is LOW
-rule if a is HIGH and b is LOW then y is LOW
-"""
-
-BUSY = """() => {
-  document.querySelector("text[data-variable=y]").focus();
-  const selects = [...document.querySelectorAll(".surface .bar select")].slice(-2);
-  const order = document.querySelector(".inference select");
-  for (const [select, to] of [[selects[0], "contour"], [selects[1], "x"], [order, "text"]]) {
-    select.value = to;
-    select.dispatchEvent(new Event("change"));
-  }
-  document.querySelector(".rules li button.small").click();
-}"""
-
-
-@pytest.mark.skipif(not AXE.exists(), reason="axe-core is not installed (make designer)")
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_no_serious_fault_of_accessibility_in_any_view(scheme, served, browser):
-    """Every view, by its tab; that of design as it opens, and with everything in use."""
-    address = put(served, "axe.frb", EVERYTHING)[1]
-    context = browser.new_context(bypass_csp=True, color_scheme=scheme)
-    page = context.new_page()
-    page.goto(address)
-    until(lambda: page.evaluate("!!window.designer?.store.scene"), "a picture")
-    page.evaluate(AXE.read_text())
-
-    def look(what):
-        page.wait_for_timeout(150)  # what has been asked for is drawn
-        found = page.evaluate("axe.run(document, { resultTypes: ['violations'] })")["violations"]
-        serious = [
-            (each["id"], node["html"][:200])
-            for each in found
-            if each["impact"] in {"serious", "critical"}
-            for node in each["nodes"]
-        ]
-        assert serious == [], what
-
-    look("as it opens")
-    assert page.locator(".rules .sign").count() >= 1
-    page.evaluate(BUSY)
-    look("everything in use")
-    tabs = page.locator("header [role=tab]")
-    for i in range(1, tabs.count()):
-        tabs.nth(i).click()
-        look(tabs.nth(i).inner_text())
-    context.close()
 
 
 def test_a_written_page_needs_nothing(window, tmp_path):

@@ -38,7 +38,7 @@ function blockPicture(block, goTo) {
   const top = y + (height - 16 * lines.length) / 2;
   const said = `${S.blockKinds[kind] ?? kind} ${label}`.trim();
   const leads = at && goTo ? {
-    tabindex: 0, role: "button", "aria-label": said, onclick: () => goTo(at),
+    tabindex: 0, role: "button", onclick: () => goTo(at),
     onkeydown: (event) => (event.key === "Enter" || event.key === " ") && (event.preventDefault(), goTo(at)),
   } : {};
   return svg("g", { class: `block ${kind}`, ...leads }, svg("title", {}, said), svg("path", { d: outline(block) }),

@@ -92,7 +92,11 @@ export function variableHead(hand, peakOf) {
       name.textContent = now.name;
       words.textContent = `${role} ${endsWords(now)}`;
       words.title = now.description;
-      for (const tool of tools) tool.setAttribute("aria-label", `${now.name}: ${tool.title}`);
+      for (const tool of tools) {
+        const label = `${now.name}: ${tool.title}`;
+        // Who speaks to the page says what stands on the button.
+        tool.setAttribute("aria-label", label.includes(tool.textContent) ? label : `${tool.textContent} ${label}`);
+      }
     },
   };
 }
