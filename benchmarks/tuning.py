@@ -22,6 +22,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
+from workload import exact_controller
 
 from fuzzyarm import load, shipped, simulate
 from fuzzyarm.controller.catalogue import controller_of
@@ -128,18 +129,6 @@ def pairs_a_second(text: ControllerText, lines: list[str]) -> float:
         return CORES * BATCH / best
 
 
-def exact(folder: Path, name: str) -> ControllerText:
-    """Return a shipped controller with the exact centroid in place of that of 101 samples."""
-    for used in ("pd7-study", "alpha7-study"):
-        rules = shipped(f"{used}.frb").read_text()
-        text = rules.replace("centroid(101, endpoints)", "centroid exact")
-        (folder / f"{used}.frb").write_text(text)
-    (folder / f"{name}.frb").write_text(shipped(f"{name}.frb").read_text())
-    found = load(folder / f"{name}.frb")
-    assert isinstance(found, ControllerText)
-    return found
-
-
 def speed(folder: Path) -> None:
     """Print pairs of trajectories a second, and how many pairs of pd cost as much as one."""
     pd = pairs_a_second(load(shipped("pd-motor.frb")), ["gain K_p, K_d 0.9 .. 1.1 times"])
@@ -147,7 +136,10 @@ def speed(folder: Path) -> None:
         ("fuzzy-direct", 150, [PEAKS, GAINS]),
         ("stfc", 100, [PEAKS, GAINS, "peaks alpha keep order"]),
     ):
-        texts = {"101 samples": load(shipped(f"{name}.frb")), "exact": exact(folder, name)}
+        texts = {
+            "101 samples": load(shipped(f"{name}.frb")),
+            "exact": exact_controller(folder, name),
+        }
         for centroid, text in texts.items():
             found = pairs_a_second(text, lines)
             value = f"{found:.0f} a second, 1 / {pd / found:.1f} of pd-motor ({pd:.0f})"

@@ -1,13 +1,15 @@
-"""The rule bases that are measured: seven terms each, and the table of pd7.frb."""
+"""What is measured: rule bases of seven terms each with the table of pd7.frb, and controllers."""
 
 from __future__ import annotations
 
 import dataclasses
 import itertools
+from pathlib import Path
 
 import numpy as np
 
-from fuzzyarm import shipped
+from fuzzyarm import load, shipped
+from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.language import load_rulebase
 from fuzzyarm.model.rulebase import (
     And,
@@ -101,6 +103,18 @@ def many_inputs(count: int, inputs: int) -> RuleBase:
         lookup=None,
         expectations=(),
     )
+
+
+def exact_controller(folder: Path, name: str) -> ControllerText:
+    """Return a shipped controller with the exact centroid in place of that of 101 samples."""
+    for used in ("pd7-study", "alpha7-study"):
+        rules = shipped(f"{used}.frb").read_text(encoding="utf-8")
+        text = rules.replace("centroid(101, endpoints)", "centroid exact")
+        (folder / f"{used}.frb").write_text(text, encoding="utf-8")
+    (folder / f"{name}.frb").write_text(shipped(f"{name}.frb").read_text(encoding="utf-8"))
+    found = load(folder / f"{name}.frb")
+    assert isinstance(found, ControllerText)
+    return found
 
 
 def table(base: RuleBase) -> list[int]:
