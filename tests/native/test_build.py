@@ -11,13 +11,19 @@ from fuzzyarm.native.build import BuildError, Compiler, build, find_compiler, ke
 from fuzzyarm.native.roots import Root
 from fuzzyarm.table import lookup
 
-ONE = [Root(lookup.gather, "fsf")]
+ONE = [Root(lookup.gather, "fsf", over_rows=True)]
 
 
 def test_the_c_of_a_kernel():
-    text = kernels_in_c("baseline", ONE)
+    text = kernels_in_c("baseline", "rows", ONE)
     assert "static inline void gather(reals values_, shorts index_, reals out_) {" in text
     assert '{"fuzzyarm.table.lookup.gather(fsf)", (void (*)(void))entry_0, spread_0},' in text
+
+
+def test_a_kernel_stands_in_one_unit_only():
+    texts = {unit: kernels_in_c("v3", unit, ONE) for unit in building.UNITS}
+    assert {unit for unit, text in texts.items() if ONE[0].key in text} == {"rows"}
+    assert all(f"const table_row fuzzyarm_v3_{unit}[]" in text for unit, text in texts.items())
 
 
 def test_a_named_compiler_comes_first(monkeypatch):

@@ -280,10 +280,12 @@ def summed_drives(
     room = len(told) - size
     for i in range(size):
         drives[i] = 0.0
+        told[room + i] = 0.0
     # In the order of the sum as it is written: the order of additions is part of the bits.
     for law in range(1, 1 + laws[0] * LAW_HEAD, LAW_HEAD):
-        for i in range(size):
-            told[room + i] = 0.0
+        if law > 1:
+            for i in range(size):
+                told[room + i] = 0.0
         call(
             laws[law + ADDRESS],
             told,

@@ -113,6 +113,7 @@ class _InC(Translation):
         target = replace(
             C99,
             types={},
+            tuple_prefix="",
             definition=f"{keyword} {{returned}} {{name}}({{parameters}})\n{{{{",
             variable="{}_x",
             counted=(

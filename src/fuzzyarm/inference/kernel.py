@@ -125,41 +125,44 @@ FAILED = -1
 
 @kernel
 def evaluate(block: Any) -> None:
-    """Evaluate the one point in a block; ``k[MISSING]`` outputs are NaN then."""
+    """Evaluate the one point in a block that has room for one; ``k[MISSING]`` outputs are NaN then.
+
+    Its rows are one number long: the number of a row is where it stands.
+    """
     k = block.view(np.int64)
-    f = block[k[FLOATS] : k[ROOM]]
-    program = _program_of_point(block, k, f)
+    f = block[k[FLOATS] :]
+    # Read once: the compiler does not know that what is written to a row changes none of them.
+    inputs, outputs, columns, results = k[INPUTS], k[OUTPUTS], k[COLUMNS], k[RESULTS]
+    program = _program_of_point(block, k, f, inputs, columns)
     k[MISSING] = 0
     if program < 0:
-        for o in range(k[OUTPUTS]):
-            block[k[RESULTS] + o * k[WIDTH]] = math.nan
-        k[MISSING] = k[OUTPUTS]
+        for o in range(outputs):
+            block[results + o] = math.nan
+        k[MISSING] = outputs
         return
-    room = block[k[ROOM] : k[COLUMNS]]
-    # Read once: the compiler does not know that what is written to a row changes none of them.
-    width, operands, heights, outputs = k[WIDTH], k[OPERANDS], k[HEIGHTS] * k[WIDTH], k[OUTPUTS]
-    results = k[RESULTS]
+    room = block[k[ROOM] :]
+    operands, heights = k[OPERANDS], k[HEIGHTS]
     at = k[k[PROGRAMS_AT] + program]
-    for i in range(k[INPUTS]):
-        begin = k[COLUMNS] + i * width
-        _fuzzify_point(k, f, room, i, k[at], k[at + 1], block[begin : begin + 1], width)
+    head = HEAD
+    for column in range(columns, columns + inputs):
+        _fuzzify_point(block, k, f, room, head, column, k[at], k[at + 1])
+        head += INPUT_HEAD
         at += 2
     if k[at] != 0:
         at = _join_expressions(k, f, room, at, 1)
     else:
         at += 1
     # Nothing was sorted: the defuzzifiers read the columns where `sweep` has them read the copy.
-    k[INPUT_ROWS], k[FIRST], k[COUNT] = k[COLUMNS], 0, 1
+    k[INPUT_ROWS], k[FIRST], k[COUNT] = columns, 0, 1
     head = k[OUTPUTS_AT]
     for o in range(outputs):
         groups = at
         if k[head + IS_MAX_MIN] != 0:
-            at = _unite_rules_of_point(k, room, at, heights, width, operands)
+            at = _unite_rules_of_point(k, room, at, heights, operands)
         else:
-            fold = k[head + AGGREGATION]
-            at = _fold_heights_of_point(k, f, room, at, fold, heights, width, operands)
+            at = _fold_heights_of_point(k, f, room, at, k[head + AGGREGATION], heights, operands)
         if k[head + IS_CLOSED] != 0:
-            total, moment, at = _closed_at_point(k, f, room, k[groups], at, heights, width)
+            total, moment, at = _closed_at_point(k, f, room[heights:], k[groups], at)
         else:
             k[GROUPS], k[OUTPUT], k[NEXT] = groups, head, at
             total, moment = _defuzzified_point(block, k, room, k[head + DEFUZZIFIER])
@@ -170,7 +173,7 @@ def evaluate(block: Any) -> None:
             value = mean_of(f[bounds + 3], moment, total)
         low, high, silent = f[bounds], f[bounds + 1], f[bounds + 2]
         value = settled(k[head + OUT_MODE], low, high, silent, total, value)
-        block[results + o * width] = value
+        block[results + o] = value
         if math.isnan(value):
             k[MISSING] += 1
         head += OUTPUT_HEAD
@@ -286,13 +289,12 @@ def cell_of(
 
 
 @kernel
-def _program_of_point(block: Any, k: Any, f: Any) -> int:
+def _program_of_point(block: Any, k: Any, f: Any, inputs: int, columns: int) -> int:
     """Bring the inputs of a point into their ranges; return its program, or FAILED."""
     program = 0
-    for i in range(k[INPUTS]):
-        head = HEAD + INPUT_HEAD * i
-        at = RANGE * i
-        column = k[COLUMNS] + i * k[WIDTH]
+    head = HEAD
+    at = 0
+    for column in range(columns, columns + inputs):
         value = block[column]
         if k[head + CLAMPED] != 0:
             value = min(max(value, f[at]), f[at + 1])
@@ -308,6 +310,8 @@ def _program_of_point(block: Any, k: Any, f: Any) -> int:
                 cell = cell_of(k, f, starts, edges, value, f[at + 2], f[at + 3], last)
                 k[head + LAST_CELL] = cell
             program += cell * k[head + STRIDE]
+        head += INPUT_HEAD
+        at += RANGE
     return program
 
 
@@ -401,18 +405,16 @@ def on_line(height: float, x_0: float, slope: float, x: float) -> float:
 
 @kernel
 def _fuzzify_point(
-    k: Any, f: Any, room: Any, i: int, line: int, lines: int, x: Any, width: int
+    block: Any, k: Any, f: Any, room: Any, head: int, column: int, line: int, lines: int
 ) -> None:
     """Write down the degrees of an input at a point; see :func:`fuzzify`."""
-    head = HEAD + INPUT_HEAD * i
-    row = k[head + SLOT] * width
-    value = x[0]
-    for _ in range(lines):
+    value = block[column]
+    first = k[head + SLOT]
+    for row in range(first, first + lines):
         room[row] = on_line(f[line], f[line + 1], f[line + 2], value)
         line += LINE
-        row += width
     if k[head + CURVES] > 0:
-        _fuzzify_curves(k, f, room, head, x)
+        _fuzzify_curves(k, f, room, head, block[column : column + 1])
 
 
 @kernel
@@ -463,57 +465,60 @@ def _fold_heights(k: Any, f: Any, room: Any, at: int, fold: int, count: int) -> 
 
 @kernel
 def _fold_heights_of_point(
-    k: Any, f: Any, room: Any, at: int, fold: int, heights: int, width: int, operands: int
+    k: Any, f: Any, room: Any, at: int, fold: int, heights: int, operands: int
 ) -> int:
     """Fold the strengths of the rules of each group at a point; return what is behind."""
     groups = k[at]
     at += 1
-    for group in range(groups):
+    for group in range(heights, heights + groups):
         rules = k[at]
         at += GROUP_HEAD
-        folded = _fired(k, f, room, at, width, operands)
+        folded = _fired(k, f, room, at, operands)
         at += RULE_HEAD + operands
         for _ in range(rules - 1):
-            strength = _fired(k, f, room, at, width, operands)
+            strength = _fired(k, f, room, at, operands)
             folded = joined(k, room, fold, folded, strength)
             at += RULE_HEAD + operands
-        room[heights + group * width] = folded
+        room[group] = folded
     return at
 
 
 @kernel
-def _unite_rules_of_point(
-    k: Any, room: Any, at: int, heights: int, width: int, operands: int
-) -> int:
+def _unite_rules_of_point(k: Any, room: Any, at: int, heights: int, operands: int) -> int:
     """Do what :func:`_fold_heights_of_point` does for a grid of rules as nearly all are."""
     # Neither norms nor weights are read, which are half of the work of a rule.
     groups = k[at]
     at += 1
-    for group in range(groups):
-        end = at + GROUP_HEAD + k[at] * (RULE_HEAD + operands)
-        at += GROUP_HEAD
+    for group in range(heights, heights + groups):
+        rules = k[at]
+        at += GROUP_HEAD + RULE_HEAD
         folded = 0.0  # below which no strength is
-        while at < end:
-            at += RULE_HEAD
-            strength = min(room[k[at] * width], room[k[at + 1] * width])
-            for operand in range(at + 2, at + operands):
-                strength = min(strength, room[k[operand] * width])
-            folded = max(folded, strength)
-            at += operands
-        room[heights + group * width] = folded
+        if operands == 2:
+            for _ in range(rules):
+                folded = max(folded, min(room[k[at]], room[k[at + 1]]))
+                at += RULE_HEAD + 2
+        else:
+            for _ in range(rules):
+                strength = min(room[k[at]], room[k[at + 1]])
+                for operand in range(at + 2, at + operands):
+                    strength = min(strength, room[k[operand]])
+                folded = max(folded, strength)
+                at += RULE_HEAD + operands
+        at -= RULE_HEAD
+        room[group] = folded
     return at
 
 
 @kernel
-def _fired(k: Any, f: Any, room: Any, rule: int, width: int, operands: int) -> float:
+def _fired(k: Any, f: Any, room: Any, rule: int, operands: int) -> float:
     """Return how far a rule fires at a point; see :func:`fire`."""
     norm = k[rule]
     weight, threshold = f[k[rule + 1]], f[k[rule + 1] + 1]
     first = rule + RULE_HEAD
-    strength: float = room[k[first] * width]
+    strength: float = room[k[first]]
     for operand in range(min(first + 1, first + operands - 1), first + operands):
         if is_joined(norm, k[operand]):
-            strength = joined(k, room, norm, strength, room[k[operand] * width])
+            strength = joined(k, room, norm, strength, room[k[operand]])
     if weight != 1.0 or threshold > 0.0:
         strength = weighed(strength, weight, threshold)
     return strength
@@ -548,10 +553,10 @@ def joined(k: Any, room: Any, norm: int, a: float, b: float) -> float:
     elif norm == SUM:
         value = a + b
     else:  # in the rows to work in, which nobody uses before the defuzzifier
-        at = k[WORK] * k[WIDTH]
+        at = k[WORK]
         room[at] = a
-        room[at + k[WIDTH]] = b
-        one, other = room[at : at + 1], room[at + k[WIDTH] : at + k[WIDTH] + 1]
+        room[at + 1] = b
+        one, other = room[at : at + 1], room[at + 1 : at + 2]
         call(norm, one, other, room[0:0], one)
         value = room[at]
     return value
@@ -723,7 +728,7 @@ def layer_moment(x: float, b1: float, b2: float, b3: float) -> float:
 
 @kernel
 def _closed_at_point(
-    k: Any, f: Any, room: Any, groups: int, at: int, first: int, width: int
+    k: Any, f: Any, heights: Any, groups: int, at: int
 ) -> tuple[float, float, int]:
     """Return area and moment at a point, and what is behind; see :func:`closed_centroid`."""
     unions = k[at]
@@ -732,8 +737,8 @@ def _closed_at_point(
         others = k[at]
         most = 0.0
         for other in range(at + 1, at + 1 + others):
-            most = max(most, room[first + k[other] * width])
-        room[first + union * width] = most
+            most = max(most, heights[k[other]])
+        heights[union] = most
         at += 1 + others
     total = 0.0
     moment = 0.0
@@ -741,8 +746,7 @@ def _closed_at_point(
     at += 1
     for _ in range(terms):
         layer = k[at + 2]
-        one, second = room[first + k[at] * width], room[first + k[at + 1] * width]
-        x = part_of_layer(one, second, f[layer], f[layer + 1])
+        x = part_of_layer(heights[k[at]], heights[k[at + 1]], f[layer], f[layer + 1])
         total += layer_area(x, f[layer + 2], f[layer + 3])
         moment += layer_moment(x, f[layer + 4], f[layer + 5], f[layer + 6])
         at += 3
@@ -752,8 +756,8 @@ def _closed_at_point(
 @kernel
 def _defuzzified_point(block: Any, k: Any, room: Any, address: int) -> tuple[float, float]:
     """Have a defuzzifier add up total and moment of the one point; it moves ``k[NEXT]``."""
-    total = (k[WORK] + TOTAL) * k[WIDTH]
-    moment = (k[WORK] + MOMENT) * k[WIDTH]
+    total = k[WORK] + TOTAL
+    moment = k[WORK] + MOMENT
     room[total] = 0.0
     room[moment] = 0.0
     call(address, block)

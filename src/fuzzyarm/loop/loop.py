@@ -150,7 +150,7 @@ def run_loop(
         outputs = board[frame.seen : frame.told]
     block = links[BLOCK]
     random = setting.seed if progress[TICK] == 0 else progress[RANDOM]
-    samples = progress[SAMPLES]
+    samples, tick = progress[SAMPLES], progress[TICK]
     progress[LOST] = -1
     progress[LOST_AT] = -1
     board[0] = setting.step
@@ -169,21 +169,19 @@ def run_loop(
                 refer(board, frame, references, point, iteration, setting)
             # Sensors, then control, then the plant: a law never sees the state that it causes.
             if len(sensors) > 0:
-                sense(board, frame, sensors, noise, progress[TICK])
+                sense(board, frame, sensors, noise, tick)
                 derive(links, state, board[frame.seen : frame.told], drives, constants, clock)
             control(board[0 : frame.true], laws, numbers, memory, drives)
             actuate(links, state, outputs, drives, constants, clock, limits)
-            note_changes(drives, clock, progress[TICK])
-            note_errors(
-                board, taps, path, progress[TICK], clock[CLOCK_SIZE + CHANGES * len(drives) :]
-            )
+            note_changes(drives, clock, tick)
+            note_errors(board, taps, path, tick, clock[CLOCK_SIZE + CHANGES * len(drives) :])
             if last:  # before the plant moves: the error that these drives answer
                 tap(board, taps, record, samples)
                 samples += 1
-            push(drives, pushes, progress[TICK])  # loads act behind the actuators
+            push(drives, pushes, tick)  # loads act behind the actuators
             ask_plant(ADVANCE, links, state, outputs, drives, constants, clock)
-            progress[TICK] += 1
-            clock[0] = progress[TICK] * setting.step
+            tick += 1
+            clock[0] = tick * setting.step
             if setting.disturbance > 0.0:
                 random = disturbed(state, setting, random)
             ask_plant(MEASURE, links, state, outputs, drives, constants, clock)
@@ -196,6 +194,7 @@ def run_loop(
         if progress[LOST] >= 0:
             break
     progress[SAMPLES] = samples
+    progress[TICK] = tick
     progress[RANDOM] = random
 
 

@@ -17,7 +17,8 @@ import subprocess
 import sys
 import sysconfig
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import NamedTuple
 
@@ -43,34 +44,43 @@ FLAGS = (
 LEVELS = {"baseline": "", "v3": "x86-64-v3"}
 """Processors of the levels; the second for x86-64 only."""
 
+UNITS: dict[str, tuple[str, ...]] = {
+    "rows": (),
+    # Loops over a few numbers that were written one by one: read as a vector they would wait for
+    # each other, and a call to fill four of them with zeros costs more than to write them.
+    "numbers": ("-fno-tree-vectorize", "-fno-tree-loop-distribute-patterns"),
+}
+"""Files of a level, with flags of their own; see :attr:`Root.over_rows`."""
+
 
 class BuildError(RuntimeError):
     """No compiler was found, or it failed."""
 
 
-def kernels_in_c(level: str = "baseline", kernels: Sequence[Root] | None = None) -> str:
+def kernels_in_c(level: str, unit: str, kernels: Iterable[Root]) -> str:
     """Return the C of kernels, with a table of their entries.
 
     Parameters
     ----------
-    level : str
-        Under which the table is known, see :data:`LEVELS`.
-    kernels : sequence of Root, optional
-        By default all that are built.
+    level, unit : str
+        Under which the table is known, see :data:`LEVELS` and :data:`UNITS`.
+    kernels : iterable of Root
+        All, of which those of the unit are taken.
     """
     translation = Translation(C99)
     entries, rows = [], []
-    for index, root in enumerate(roots() if kernels is None else kernels):
+    taken = (root for root in kernels if root.over_rows == (unit == "rows"))
+    for index, root in enumerate(taken):
         types = [ARRAYS[letter] for letter in root.types]
         function = translation.function(root.function, types, root.bindings)
         entries.append(_entries(index, function.name, types))
         rows.append(f"  {{{json.dumps(root.key)}, (void (*)(void))entry_{index}, spread_{index}}},")
     table = [
         _ROW,
-        f"const table_row fuzzyarm_{level}[] = {{", *rows, "  {0, 0, 0},", "};", "",
+        f"const table_row fuzzyarm_{level}_{unit}[] = {{", *rows, "  {0, 0, 0},", "};", "",
     ]  # fmt: skip
     body = translation.text()  # names the structures
-    if level == "baseline":  # for Python, which asks for one only
+    if (level, unit) == ("baseline", "rows"):  # for Python, which asks for one only
         table.append(_WALK)
     return "\n".join([HEAD_OF_C, WALKER, *translation.structures, body, *entries, *table])
 
@@ -230,25 +240,37 @@ def build(folder: Path, compiler: Compiler | None = None) -> Path:
     result = folder / f"_kernels{SUFFIXES[compiler.system]}"
     with tempfile.TemporaryDirectory(prefix="fuzzyarm-") as room:
         work = Path(room)
-        objects = []
-        for level, flags in compiler.levels.items():
-            source = work / f"{level}.c"
-            source.write_text(kernels_in_c(level), encoding="utf-8")
-            objects.append(work / f"{level}.o")
-            compiler.compile(source, objects[-1], *flags)
-        module = work / "module.c"
-        sources = f'const char fuzzyarm_sources[] = "{digest_of_sources()}";\n'
-        own = Path(__file__).with_name("module.c").read_text(encoding="utf-8")
-        module.write_text(own + sources, encoding="utf-8")
-        objects.append(work / "module.o")
-        v3 = ["-DFUZZYARM_V3"] if "v3" in compiler.levels else []
-        compiler.compile(module, objects[-1], f"-I{sysconfig.get_path('include')}", *v3)
+        flags_of = dict(_sources(work, compiler))
+        objects = [source.with_suffix(".o") for source in flags_of]
+        with ThreadPoolExecutor(os.cpu_count() or 1) as pool:  # the compiler is another process
+            jobs = [
+                pool.submit(compiler.compile, source, into, *flags)
+                for (source, flags), into in zip(flags_of.items(), objects, strict=True)
+            ]
+            for job in jobs:
+                job.result()
         linked = work / result.name
         compiler.link(objects, linked)
         unfinished = result.with_name(f".{result.name}.{os.getpid()}")
         shutil.copy2(linked, unfinished)
         unfinished.replace(result)  # a process that has it open keeps the old one
     return result
+
+
+def _sources(work: Path, compiler: Compiler) -> Iterator[tuple[Path, tuple[str, ...]]]:
+    """Write the files that are compiled; iterate over them and their flags."""
+    kernels = list(roots())
+    for level, of_level in compiler.levels.items():
+        for unit, of_unit in UNITS.items():
+            source = work / f"{level}_{unit}.c"
+            source.write_text(kernels_in_c(level, unit, kernels), encoding="utf-8")
+            yield source, (*of_level, *of_unit)
+    module = work / "module.c"
+    sources = f'const char fuzzyarm_sources[] = "{digest_of_sources()}";\n'
+    own = Path(__file__).with_name("module.c").read_text(encoding="utf-8")
+    module.write_text(own + sources, encoding="utf-8")
+    v3 = ["-DFUZZYARM_V3"] if "v3" in compiler.levels else []
+    yield module, (f"-I{sysconfig.get_path('include')}", *v3)
 
 
 SUFFIXES = {"linux": ".abi3.so", "macos": ".abi3.so", "windows": ".pyd"}

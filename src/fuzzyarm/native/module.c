@@ -18,28 +18,28 @@ typedef struct {
   spread_entry spread;  /* as Python does */
 } table_row;
 
-extern const table_row fuzzyarm_baseline[];
+extern const table_row fuzzyarm_baseline_rows[], fuzzyarm_baseline_numbers[];
 #ifdef FUZZYARM_V3
-extern const table_row fuzzyarm_v3[];
+extern const table_row fuzzyarm_v3_rows[], fuzzyarm_v3_numbers[];
 #endif
 extern const char fuzzyarm_sources[];
 
 typedef struct { double *at; int64_t length; } fuzzyarm_reals;
 void fuzzyarm_run_program(int64_t address, const fuzzyarm_reals *arrays, int count);
 
-static const table_row *const tables[] = {
-    fuzzyarm_baseline,
-#ifdef FUZZYARM_V3
-    fuzzyarm_v3,
-#endif
-    NULL};
+typedef struct {
+  const char *level;
+  const table_row *rows;
+} table;
 
-static const table_row *table_of(const char *level) {
+static const table tables[] = {
+    {"baseline", fuzzyarm_baseline_rows},
+    {"baseline", fuzzyarm_baseline_numbers},
 #ifdef FUZZYARM_V3
-  if (strcmp(level, "x86-64-v3") == 0) return fuzzyarm_v3;
+    {"x86-64-v3", fuzzyarm_v3_rows},
+    {"x86-64-v3", fuzzyarm_v3_numbers},
 #endif
-  return strcmp(level, "baseline") == 0 ? fuzzyarm_baseline : NULL;
-}
+    {NULL, NULL}};
 
 #ifdef FUZZYARM_V3
 #include <cpuid.h>
@@ -72,14 +72,18 @@ static PyObject *levels(PyObject *module, PyObject *unused) {
 static PyObject *addresses(PyObject *module, PyObject *level) {
   (void)module;
   const char *name = PyUnicode_AsUTF8AndSize(level, NULL);
-  if (name == NULL) return NULL;
-  const table_row *row = table_of(name);
-  if (row == NULL) return PyErr_Format(PyExc_ValueError, "no machine code for '%s'", name);
-  PyObject *found = PyDict_New();
-  for (; found != NULL && row->key != NULL; row++) {
-    PyObject *address = PyLong_FromVoidPtr((void *)row->entry);
-    if (address == NULL || PyDict_SetItemString(found, row->key, address) < 0) Py_CLEAR(found);
-    Py_XDECREF(address);
+  PyObject *found = name == NULL ? NULL : PyDict_New();
+  for (const table *part = tables; found != NULL && part->level != NULL; part++) {
+    if (strcmp(part->level, name) != 0) continue;
+    for (const table_row *row = part->rows; found != NULL && row->key != NULL; row++) {
+      PyObject *address = PyLong_FromVoidPtr((void *)row->entry);
+      if (address == NULL || PyDict_SetItemString(found, row->key, address) < 0) Py_CLEAR(found);
+      Py_XDECREF(address);
+    }
+  }
+  if (found != NULL && PyDict_Size(found) == 0) {
+    Py_CLEAR(found);
+    PyErr_Format(PyExc_ValueError, "no machine code for '%s'", name);
   }
   return found;
 }
@@ -150,8 +154,8 @@ static int take(PyObject *array, char letter, Py_buffer *buffer) {
 
 /* What runs an entry on arrays in a row; NULL for an address that is in no table. */
 static spread_entry spread_of(void *entry) {
-  for (const table_row *const *table = tables; *table != NULL; table++)
-    for (const table_row *row = *table; row->key != NULL; row++)
+  for (const table *part = tables; part->level != NULL; part++)
+    for (const table_row *row = part->rows; row->key != NULL; row++)
       if ((void *)row->entry == entry) return row->spread;
   return NULL;
 }

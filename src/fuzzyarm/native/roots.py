@@ -28,6 +28,7 @@ from fuzzyarm.controller.on_plant import text_law
 from fuzzyarm.controller.updates import UPDATE_ARRAYS, update_function
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
 from fuzzyarm.expression.sources import SOURCES
+from fuzzyarm.inference.kernel import evaluate
 from fuzzyarm.inference.programs import BLOCKS, IN_ROWS
 from fuzzyarm.inference.row_functions import (
     built_in_curve,
@@ -60,11 +61,15 @@ class Root(NamedTuple):
         A letter for each array.
     bindings : mapping of str to callable
         See :func:`fuzzyarm.kernels.address_of`.
+    over_rows : bool
+        Whether it runs over rows of many numbers; otherwise over a few, which were written a
+        moment ago: to read several of them at once would wait for the writing.
     """
 
     function: Callable[..., Any]
     types: str
     bindings: Mapping[str, Callable[..., Any]] = {}
+    over_rows: bool = False
 
     @property
     def key(self) -> str:
@@ -94,10 +99,12 @@ def roots() -> Iterator[Root]:
 
 
 def _roots() -> Iterator[Root]:
-    yield from (Root(block, "f") for block in (*BLOCKS, *IN_ROWS))
+    yield Root(evaluate, "f")
+    over_points = (block for block in (*BLOCKS, *IN_ROWS) if block is not evaluate)
+    yield from (Root(block, "f", over_rows=True) for block in over_points)
     yield from _rows()
     yield from _plants()
-    yield from (Root(*table) for table in lookup.ROOTS)
+    yield from (Root(*table, over_rows=True) for table in lookup.ROOTS)
     for source in SOURCES.values():
         if source.function is not None:
             yield Root(update_function(source), UPDATE_ARRAYS)
@@ -112,16 +119,16 @@ def _roots() -> Iterator[Root]:
 
 def _rows() -> Iterator[Root]:
     """Iterate over norms, curved terms and hedges, which take rows of numbers."""
-    yield Root(corners_row, "fff")
-    yield Root(hedged_corners_row, "fff")
+    yield Root(corners_row, "fff", over_rows=True)
+    yield Root(hedged_corners_row, "fff", over_rows=True)
     for norm in (*TNORMS.values(), *SNORMS.values()):
-        yield Root(norm_row(norm), "ffff")
+        yield Root(norm_row(norm), "ffff", over_rows=True)
     for name in SHAPES:
         if SHAPES[name].fuzzy and not SHAPES[name].straight and name != "formula":
-            yield Root(built_in_curve(name), "fff")
+            yield Root(built_in_curve(name), "fff", over_rows=True)
     for name, hedge in HEDGES.items():
         if len(hedge.symbols) == 1:  # others have an exponent, which is a constant of the row
-            yield Root(hedges_on_row((Hedge(name, None),)), "fff")
+            yield Root(hedges_on_row((Hedge(name, None),)), "fff", over_rows=True)
 
 
 def _plants() -> Iterator[Root]:

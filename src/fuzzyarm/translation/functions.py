@@ -179,7 +179,9 @@ class _Function:
             body = self.block(self.source.body)
         parameters = [self.declared(self.target.parameter, name) for name in self.parameters]
         local = [name for name in self.types if name not in self.parameters]
-        head = self.target.definition.format(
+        passed = [self.returned, *(self.types[name] for name in self.parameters)]
+        has_tuple = any(isinstance(type_, Record) for type_ in passed)
+        head = self.target.tuple_prefix * has_tuple + self.target.definition.format(
             returned=self.whole.type_name(self.returned),
             name=self.name,
             parameters=", ".join(parameters),

@@ -35,6 +35,8 @@ class Target:
         Names of types; empty in a language that does not declare them.
     definition, parameter, local : str
         Head of a function, a parameter in it, and the declaration of a local name.
+    tuple_prefix : str
+        In front of the head of a function that takes or returns tuples.
     variable : str
         A name of a kernel as a variable.
     constant : str
@@ -68,6 +70,7 @@ class Target:
     name: str
     types: Mapping[Type, str]
     definition: str
+    tuple_prefix: str
     parameter: str
     local: str
     variable: str
@@ -168,6 +171,8 @@ C99 = Target(
         Nothing.NOTHING: "void",
     },
     definition="static inline {returned} {name}({parameters}) {{",
+    # Their parts stay in registers: in memory they would be written one by one and read as a whole.
+    tuple_prefix="ALWAYS_INLINE ",
     parameter="{type} {name}",
     local="{type} {name};",
     variable="{}_",  # no word of C, and no function of its libraries
@@ -225,6 +230,8 @@ HEAD_OF_C = """\
 #include <stdint.h>
 #include <stdlib.h>
 
+#define ALWAYS_INLINE __attribute__((always_inline))
+
 /* A stretch of memory. Kernels of Python see an array. */
 typedef struct { double *at; int64_t length; } reals;
 typedef struct { int64_t *at; int64_t length; } wholes;
@@ -263,6 +270,7 @@ JAVASCRIPT = Target(
     name="JavaScript",
     types={},
     definition="function {name}({parameters}) {{",
+    tuple_prefix="",
     parameter="{name}",
     local="let {name};",
     variable="{}",
