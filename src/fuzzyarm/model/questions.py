@@ -13,7 +13,6 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from fuzzyarm.text import above
-from fuzzyarm.text.files import write_atomically
 from fuzzyarm.text.mistaken import RULE_BASE, OfKind
 from fuzzyarm.text.shown import Shown
 
@@ -153,6 +152,8 @@ class Questions(Shown, OfKind):
         OSError
             If the file cannot be written.
         """
+        from fuzzyarm.text.files import write_atomically
+
         text = str(self.model)
         if os.path.splitext(path)[1].lower() != ".frb":
             text = above.function("text_in")(self.model, path, lossy=lossy)
