@@ -28,11 +28,11 @@ from fuzzyarm import load, shipped, simulate
 from fuzzyarm.controller.catalogue import controller_of
 from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.loop import Options, Run, Sensor, Signal
-from fuzzyarm.plant import find_plant, pick_and_place, reach_return
+from fuzzyarm.plant import Arm, find_plant, pick_and_place, reach_return
 from fuzzyarm.tuning import Tuned, tune
 from fuzzyarm.tuning.cost import Cost, values_of
 from fuzzyarm.tuning.examiner import Problem, panel
-from fuzzyarm.tuning.scenarios import arm_scenarios, unseen_scenarios
+from fuzzyarm.tuning.scenarios import plant_scenarios, unseen_scenarios
 from fuzzyarm.tuning.tune import read_tuning, stage_of
 
 COST = "rms + 0.002*chatter"
@@ -115,7 +115,7 @@ def pairs_a_second(text: ControllerText, lines: list[str]) -> float:
     By the time of the processor, for wall time would measure what else the machine does; the best
     of some batches, for caches are shared, too.
     """
-    problem = Problem(text, read_tuning(lines), Cost(COST), arm_scenarios())
+    problem = Problem(text, read_tuning(lines), Cost(COST), plant_scenarios(Arm()))
     with panel(problem, 2) as examining:
         start = examining.design.start
         draw = np.random.default_rng(1)

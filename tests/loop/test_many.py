@@ -19,8 +19,8 @@ from fuzzyarm.loop import Options, Sensor, Signal, SweepError, simulate, simulat
 from fuzzyarm.loop.blocks import TravelError, in_order, packed, unpacked
 from fuzzyarm.loop.many import Bench, experiment_of
 from fuzzyarm.loop.metrics import METRICS
-from fuzzyarm.plant import LOADED, UNLOADED, find_plant, reach_return
-from fuzzyarm.plant.arm import carrying
+from fuzzyarm.plant import LOADED, UNLOADED, Arm, find_plant, reach_return
+from fuzzyarm.plant.following import with_load
 from fuzzyarm.plant.plant import with_parameters
 from fuzzyarm.plant.setting import STUDY_CONVENTIONAL
 
@@ -136,12 +136,12 @@ def test_gains_loads_and_parameters():
     many = simulate_many("pd", SHORT, runs, workers=2, watch=seen.append)
     assert sum(seen) == len(many) == 4
     pd = controller("pd")
-    heavy = carrying(2.0).with_values(m_2=2.5)
+    heavy = with_load(Arm(), 2.0).arm.with_values(m_2=2.5)
     light = UNLOADED.with_values(m_2=2.5)
     single = [
         simulate(pd.with_gains({"K_P": [100.0, 50.0], "K_D": [20.0]}), SHORT),
         simulate(pd.with_gains({"K_P": [200.0, 80.0]}), SHORT, payload=True),
-        simulate(pd, SHORT, arms=tuple(heavy if each else light for each in SHORT.loaded)),
+        simulate(pd, SHORT, schedule=tuple(heavy if each else light for each in SHORT.loaded)),
     ]
     for i, one in enumerate(single):
         np.testing.assert_array_equal(many.rms[i], one.rms)
@@ -157,11 +157,11 @@ def test_a_run_that_says_no_load_has_that_of_all():
 
 @given(st.floats(0.0, 3.0))
 def test_the_load_is_scaled_between_the_two_arms(load):
-    arm = carrying(load)
+    arm = with_load(Arm(), load).arm
     assert arm.m_1 == pytest.approx(2.0 + load)
     assert pytest.approx(0.09 + 1.41 * load) == arm.I_1
     assert arm.l_1 == pytest.approx(UNLOADED.l_1)
-    assert (carrying(0.0), carrying(1.0)) == (UNLOADED, LOADED)
+    assert [with_load(Arm(), share).arm for share in (0.0, 1.0)] == [UNLOADED, LOADED]
 
 
 def test_conventions_of_the_study():

@@ -6,10 +6,10 @@ import pytest
 from fuzzyarm.controller import find_controller
 from fuzzyarm.controller.catalogue import controller_in
 from fuzzyarm.loop import Options, Sensor, Signal
-from fuzzyarm.loop.course import arm_motion
+from fuzzyarm.loop.along import trajectory_motion
 from fuzzyarm.loop.open_run import StructureError
 from fuzzyarm.loop.run import ClosedLoop, plant_motion
-from fuzzyarm.plant import PLAIN, find_plant, reach_return, schedule
+from fuzzyarm.plant import find_plant, reach_return
 from fuzzyarm.shipped_files import shipped
 
 NOISY = Options(
@@ -65,9 +65,8 @@ def test_a_run_in_parts_has_the_bits_of_a_whole_one(name, plant, options, durati
 
 def test_so_has_a_run_of_the_arm_with_its_load():
     way = reach_return(segment=0.3, hold=0.2)
-    arms = schedule(way, payload=True, conventions=PLAIN)
     controller = find_controller("soc-table")
-    loop = ClosedLoop(controller, arm_motion(way, arms, PLAIN, Options()))
+    loop = ClosedLoop(controller, trajectory_motion(Arm(), way, payload=True))
     assert bits(in_parts(loop, controller, loaded=True)) == bits(loop.run())
 
 

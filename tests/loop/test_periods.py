@@ -14,8 +14,8 @@ from fuzzyarm.controller.on_plant import timing_of
 from fuzzyarm.controller.program import SourceError
 from fuzzyarm.language import read_text
 from fuzzyarm.loop import Options, Signal, simulate, simulate_many
-from fuzzyarm.loop.course import arm_motion
-from fuzzyarm.plant import PLAIN, STUDY, reach_return, schedule, through
+from fuzzyarm.loop.along import trajectory_motion
+from fuzzyarm.plant import PLAIN, STUDY, Arm, reach_return, through
 from fuzzyarm.plant.setting import STUDY_TIMING
 from fuzzyarm.study.comparison import compare
 from fuzzyarm.study.cost import count_operations, measure_time
@@ -119,10 +119,9 @@ def test_the_timing_of_the_study_is_that_of_its_texts_to_the_bit():
     assert timing_of(controller("pd-motor")) == STUDY_TIMING == timing_of(controller("pd"))
     assert timing_of(controller("pd-motor")).period == 0.003 / 5
     for conventions in (PLAIN, STUDY):
-        arms = schedule(MOVES, payload=True, conventions=conventions)
         own, default = (
-            arm_motion(MOVES, arms, conventions, Options(), timing)
-            for timing in (timing_of(controller("stfc")), STUDY_TIMING)
+            trajectory_motion(Arm(), MOVES, law, conventions, payload=True)
+            for law in (controller("stfc"), controller("pd"))
         )
         assert (own.period, own.step) == (default.period, default.step)
         assert (own.references == default.references).all()
@@ -143,7 +142,7 @@ def test_texts_of_different_periods_do_not_add_up():
 
 
 def test_set_points_for_another_period_are_refused():
-    made = arm_motion(MOVES, schedule(MOVES), PLAIN, Options())
+    made = trajectory_motion(Arm(), MOVES)
     with pytest.raises(SourceError, match=r"runs every 0\.001 s .* set points are for 0\.0006 s"):
         simulate(controller_in(timed("1 ms", 5), "t.frb"), made)
 
@@ -160,7 +159,7 @@ def test_every_way_to_run_takes_the_period():
 def test_compared_and_counted_at_the_period(tmp_path):
     file = tmp_path / "slow.frb"
     file.write_text(timed("10 ms", 3, (2, 2)))
-    (found,) = compare([str(file)], trajectories=[lambda: MOVES] * 2)
+    (found,) = compare([str(file)], trajectories=[MOVES] * 2)
     run = simulate(str(file), MOVES, payload=True)
     assert found.rms == (*run.rms, *run.rms)
     assert found.rms_periods == (*run.rms_periods, *run.rms_periods)
@@ -222,7 +221,7 @@ def test_led_set_points_lie_on_the_path():
 def test_runs_in_parts_have_the_errors_of_whole_ones():
     from fuzzyarm.loop.run import ClosedLoop
 
-    motion = arm_motion(MOVES, schedule(MOVES), PLAIN, Options())
+    motion = trajectory_motion(Arm(), MOVES)
     loop = ClosedLoop(controller("pd-motor"), motion)
     whole = loop.run()
     parts = loop.open()

@@ -197,8 +197,8 @@ def test_controller_that_returns_not_a_number_diverges_at_once():
 
 
 def test_schedule_that_does_not_fit_is_refused():
-    with pytest.raises(ArmError, match="2 arms does not fit the 3 segments"):
-        simulate(controller("pd"), reach_return(), arms=(UNLOADED, LOADED))
+    with pytest.raises(ArmError, match="2 sets of parameters does not fit the 3 segments"):
+        simulate(controller("pd"), reach_return(), schedule=(UNLOADED, LOADED))
 
 
 @pytest.mark.parametrize(

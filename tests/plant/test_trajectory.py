@@ -14,11 +14,13 @@ from fuzzyarm.plant import (
     STUDY_DIRECT,
     ArmError,
     Segment,
+    Trajectory,
     pick_and_place,
     reach,
     reach_return,
     through,
 )
+from fuzzyarm.plant.setting import STUDY_TIMING, Timing
 from fuzzyarm.plant.trajectory import sample
 
 
@@ -119,14 +121,44 @@ def test_way_points():
 @pytest.mark.parametrize("angle", [math.nan, math.inf, 3601.0, -1e9])
 def test_angles_out_of_sense_are_refused(angle):
     with pytest.raises(ArmError, match="angle") as caught:
-        reach((angle, 0.0))
+        sample(reach((angle, 0.0)), PLAIN)
     assert caught.value.name == "angle"
+    if math.isfinite(angle):  # of what is no angle any number will do
+        assert sample(reach((angle, 0.0)), PLAIN, STUDY_TIMING, (False, False)).position.any()
 
 
 @pytest.mark.parametrize("duration", [0.0, -1.0, math.nan, math.inf, 0.003, 601.0])
 def test_durations_out_of_sense_are_refused(duration):
     with pytest.raises(ArmError, match="segment of"):
-        Segment((0.0, 0.0), (1.0, 1.0), duration)
+        sample(reach(segment=duration), PLAIN)
+
+
+def test_a_segment_has_a_set_point_and_may_be_long_at_other_periods():
+    slow = Timing(10.0, 1)
+    assert len(sample(reach(segment=3600.0, hold=10.0), PLAIN, slow).time) == 361 + 2
+    with pytest.raises(ArmError, match="at least a set point, 10 s"):
+        sample(reach(segment=9.0), PLAIN, slow)
+
+
+def test_trajectories_of_other_numbers_of_outputs():
+    one = through([(0.5,), (-1.0,)], 2.0, start=(0.25,))
+    points = sample(one, PLAIN, Timing(0.1, 1), (False,))
+    assert points.position.shape == (42, 1)
+    assert points.position[[0, 20, -1], 0] == pytest.approx([0.25, 0.5, -1.0])
+    twice = one.scaled(2.0)
+    assert [segment.end for segment in twice.segments] == [(0.75,), (-2.25,)]
+    assert twice.words == "(0.75), (-2.25) in 2 s each"
+    # Lists will do; what does not fit together is refused.
+    assert Segment([0], [1], 2).end == (1.0,)
+    assert hash(Trajectory("x", [Segment([0], [1], 2)]))
+    with pytest.raises(ArmError, match="2 numbers at its start and 1 at its end"):
+        Segment((0.0, 0.0), (1.0,), 1.0)
+    with pytest.raises(ArmError, match="segments of 1 and 2 numbers"):
+        Trajectory("x", (*one.segments, *reach().segments))
+    with pytest.raises(ArmError, match="2 values for 1 segments"):
+        Trajectory("x", one.segments[:1], (True, False))
+    with pytest.raises(ArmError, match="no segments"):
+        Trajectory("x", ())
 
 
 def test_shared_set_points_cannot_be_written():

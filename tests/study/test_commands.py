@@ -85,7 +85,7 @@ def test_simulate_as_text_and_plot(capsys, tmp_path):
     status, out, _ = run(capsys, "simulate", "pd", *FAST, "--plot", str(figure))
     assert status == 0
     assert "rms" in out
-    assert "link 2" in out
+    assert "joint2" in out
     assert figure.read_bytes().startswith(b"\x89PNG")
 
 

@@ -133,7 +133,7 @@ def test_change_of_torque_is_the_mean_over_control_periods(name):
 
 @pytest.mark.parametrize("name", ["cdid+ie", "soc-zero", "hfie"])
 def test_compared_errors_are_those_of_simulate(name):
-    found = compared(name, trajectories=(lambda: QUICK, lambda: QUICK), conventions=STUDY_TABLES)
+    found = compared(name, trajectories=(QUICK, QUICK), conventions=STUDY_TABLES)
     run = simulate(controller(name), QUICK, payload=True, conventions=STUDY_TABLES)
     assert found[name].rms == (*run.rms, *run.rms)
 

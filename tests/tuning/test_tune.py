@@ -330,8 +330,8 @@ def test_more_scenarios_begin_with_the_same_ones_and_unseen_ones_are_others():
     loads = [each.changes["payload"] for each in many[2:]]
     assert all(0.0 <= load <= 1.3 for load in loads)
     unseen = unseen_scenarios(stage, 5, made)
-    seen = {each.on for each in many}
-    assert not seen & {each.on for each in unseen}
+    seen = {each.along for each in many}
+    assert not seen & {each.along for each in unseen}
     assert not {s.changes.get("seed") for s in many} & {s.changes["seed"] for s in unseen}
 
 

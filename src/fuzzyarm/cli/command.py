@@ -179,6 +179,12 @@ def at(what: str) -> Argument:
 # --- `name=value` words ---
 
 WordError = errors.WordError
+
+
+class UsageError(WordError):
+    """A word of the command line that means nothing: wrong usage, exit status 2."""
+
+
 """A word on the command line that says nothing sensible."""
 
 

@@ -4,17 +4,25 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
-from dataclasses import fields, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fuzzyarm.cli.command import SET, WordError, argument, group, load_rulebase, load_table
-from fuzzyarm.cli.plants import option_given, split_settings
+from fuzzyarm.cli.command import (
+    SET,
+    UsageError,
+    WordError,
+    argument,
+    group,
+    load_rulebase,
+    load_table,
+)
+from fuzzyarm.cli.plants import connections, follows, motion_of, split_settings
 
 if TYPE_CHECKING:
     from fuzzyarm.controller import Controller, Sources
-    from fuzzyarm.plant import Arm, Conventions, Plant, Trajectory
-    from fuzzyarm.plant.trajectory import Schedule
+    from fuzzyarm.loop import Motion
+    from fuzzyarm.plant import Conventions, Plant, Trajectory
     from fuzzyarm.table import LookupTable
 
 
@@ -22,10 +30,9 @@ TRAJECTORY = (
     *group(
         "trajectory",
         argument(
-            "--trajectory",
-            "what the arm follows; reach-return by default",
-            choices=["reach", "reach-return", "pick-and-place"],
-            default="reach-return",
+            "--trajectory NAME",
+            "what the plant follows, by default its first; the arm has reach-return, "
+            "pick-and-place and reach",
         ),
         argument("--angles A1 A2", "where to turn to, degrees", type=float, either="where"),
         argument("--segment SECONDS", "duration of each segment but the hold", type=float),
@@ -95,41 +102,40 @@ def conventions_of(arguments: argparse.Namespace) -> Conventions:
     return replace(conventions, **changed)
 
 
-def experiment_of(
-    arguments: argparse.Namespace, plant: Plant | None = None
-) -> tuple[Trajectory, Conventions, Schedule]:
-    """Return what the arguments name: the way, the conventions and the loads.
+def set_points(
+    arguments: argparse.Namespace,
+    controller: Controller,
+    plant: Plant,
+    conventions: Conventions,
+) -> Motion:
+    """Return what a plant follows: a trajectory of its own with its load, or references.
 
-    Parameters of the arm that differ from the study's are its parameters with a load, too, but
-    for those that the load changes.
+    Parameters of the plant that were set are its parameters with its load, too.
     """
-    from fuzzyarm.plant import Arm, schedule
+    from fuzzyarm.loop.along import trajectory_motion
 
-    trajectory = _trajectory(arguments)
-    conventions = conventions_of(arguments)
-    option = option_given(arguments, ("step", "reference", "duration"))
-    if option is not None:
-        raise WordError(f"{option} is for other plants; the arm follows --trajectory")
-    arms = schedule(
-        trajectory, payload=arguments.payload, segments=arguments.loaded, conventions=conventions
+    if not follows(arguments, plant):
+        return motion_of(arguments, controller, plant)
+    return trajectory_motion(
+        plant,
+        trajectory_of_words(arguments, plant),
+        controller,
+        conventions,
+        payload=arguments.payload,
+        segments=arguments.loaded,
+        connect=connections(arguments),
     )
-    if isinstance(plant, Arm):
-        arms = tuple(replace(arm, **arm_changes(plant)) for arm in arms)
-    return trajectory, conventions, arms
 
 
-def arm_changes(plant: Arm) -> dict[str, float]:
-    """Return the parameters of an arm that are not those of the study."""
-    from fuzzyarm.plant import UNLOADED, ArmParameters
+def trajectory_of_words(arguments: argparse.Namespace, plant: Plant) -> Trajectory:
+    """Return the trajectory that the arguments name; they name the default one from then on.
 
-    own = plant.arm
-    found = {each.name: float(getattr(own, each.name)) for each in fields(ArmParameters)}
-    return {name: value for name, value in found.items() if value != getattr(UNLOADED, name)}
-
-
-def _trajectory(arguments: argparse.Namespace) -> Trajectory:
-    from fuzzyarm.plant import ArmError, through
-    from fuzzyarm.plant.trajectory import TRAJECTORIES
+    Raises
+    ------
+    UsageError
+        If the plant has none of this name.
+    """
+    from fuzzyarm.plant.following import UnknownTrajectoryError, trajectory_of, way_points
 
     given: dict[str, Any] = {}
     if arguments.segment is not None:
@@ -137,23 +143,21 @@ def _trajectory(arguments: argparse.Namespace) -> Trajectory:
     if arguments.hold is not None:
         given["hold"] = arguments.hold
     if arguments.way_points:
-        return through([_pair(text) for text in arguments.way_points], **given)
+        return way_points(plant, [*map(_point, arguments.way_points)], **given)
     if arguments.angles is not None:
         given["angles"] = tuple(arguments.angles)
-    if arguments.trajectory == "pick-and-place" and "hold" in given:
-        raise ArmError("pick-and-place has no hold", name="hold", value=arguments.hold)
-    return TRAJECTORIES[arguments.trajectory](**given)
-
-
-def _pair(text: str) -> tuple[float, float]:
-    from fuzzyarm.plant import ArmError
-
+    arguments.trajectory = arguments.trajectory or next(iter(plant.trajectories))
     try:
-        first, second = (float(part) for part in text.split(","))
+        return trajectory_of(plant, arguments.trajectory, **given)
+    except UnknownTrajectoryError as error:
+        raise UsageError(error.message, hint=error.hint) from error
+
+
+def _point(text: str) -> tuple[float, ...]:
+    try:
+        return tuple(float(part) for part in text.split(","))
     except ValueError:
-        message = f"way point '{text}' is not two angles"
-        raise ArmError(message, name="way_points", value=text, hint="as in 45,-30") from None
-    return first, second
+        raise WordError(f"way point '{text}' is not numbers", hint="as in 45,-30") from None
 
 
 def read_control_table(paths: list[str], option: str) -> tuple[LookupTable, ...]:

@@ -48,12 +48,13 @@ from fuzzyarm.cli.command import (
     say,
 )
 from fuzzyarm.cli.plants import time_of
+from fuzzyarm.text.folders import READABLE
 
 if TYPE_CHECKING:
     from fuzzyarm.learning.data import Samples
     from fuzzyarm.learning.fit import Fit, Options
 
-_OF_MODELS = (".frb", ".fll", ".fcl", ".fis", ".t2fis", ".fml", ".xml", ".lut", ".json", ".npz")
+_OF_MODELS = (*READABLE, ".lut", ".json", ".npz")
 """Suffixes of what is sampled rather than read as samples."""
 
 

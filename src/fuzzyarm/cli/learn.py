@@ -49,18 +49,18 @@ from fuzzyarm.cli.experiment import (
     CONVENTIONS,
     DIVERGED,
     TRAJECTORY,
-    experiment_of,
+    conventions_of,
     overrides,
     read_control_table,
     read_performance,
+    set_points,
 )
 from fuzzyarm.cli.plants import (
     PLANT,
     connections,
-    motion_of,
-    options_of,
+    equipped_by,
+    follows,
     plant_of,
-    require_plain,
     split_settings,
 )
 from fuzzyarm.errors import FuzzyarmError, sentence_of
@@ -72,8 +72,6 @@ if TYPE_CHECKING:
     from fuzzyarm.controller import Sources
     from fuzzyarm.controller.on_plant import Learned
     from fuzzyarm.learning.self_organizing import Snapshot
-    from fuzzyarm.loop import Motion, Options
-    from fuzzyarm.plant import Conventions
 
 LOOKS = 20
 """In how many parts a pass is run."""
@@ -179,6 +177,8 @@ class _Training:
         plant = plant_of(arguments, [made])
         gains, parameters = split_settings(overrides(arguments.set), made, plant)
         plant = with_parameters(plant, parameters) if parameters else plant
+        self.along = follows(arguments, plant)
+        plant, self.options = equipped_by(arguments, plant)
         connect = connections(arguments)
         self.trainee = Trainee(made.with_gains(gains), plant, connect, self.name)
         self.count = len(self.trainee.axes)
@@ -224,9 +224,9 @@ class _Training:
         """Train, with a progress bar where a terminal shows it."""
         from fuzzyarm.loop.course import delay_notes
 
-        arguments = self.arguments
-        options = options_of(arguments, self.trainee.plant)
-        motion, conventions = self._motion(options)
+        arguments, options = self.arguments, self.options
+        conventions, trainee = conventions_of(arguments), self.trainee
+        motion = set_points(arguments, trainee.controller, trainee.plant, conventions)
         for note in delay_notes(options, motion.period):
             print_error(f"note: {note}")
         points = len(motion.time)
@@ -272,19 +272,6 @@ class _Training:
             frames = min(learning.MOST_FRAMES, len(self.film))
             with progress_bar("drawing", frames) as advance:
                 learning.animate_learning(whole, arguments.animate, watch=advance)
-
-    def _motion(self, options: Options) -> tuple[Motion, Conventions]:
-        from fuzzyarm.controller.on_plant import timing_of
-        from fuzzyarm.loop.course import arm_motion
-        from fuzzyarm.plant import PLAIN, Arm
-
-        trainee = self.trainee
-        if isinstance(trainee.plant, Arm):
-            trajectory, conventions, arms = experiment_of(self.arguments, trainee.plant)
-            timing = timing_of(trainee.controller)
-            return arm_motion(trajectory, arms, conventions, options, timing), conventions
-        require_plain(self.arguments)
-        return motion_of(self.arguments, trainee.controller, trainee.plant), PLAIN
 
     def _print_tables(self, console: Console, learned: Learned, *, with_visits: bool) -> None:
         from fuzzyarm.show.table import learned_view
@@ -362,7 +349,7 @@ class _Training:
     def _words(self) -> str:
         """Say along what it was trained."""
         arguments = self.arguments
-        if arguments.plant == "arm":
+        if self.along:
             return _trajectory_words(arguments)
         from fuzzyarm.learning.self_organizing import reference_words
 

@@ -18,6 +18,7 @@ from fuzzyarm.cli.command import (
     EXIT_INTERRUPTED,
     EXIT_USAGE,
     Command,
+    UsageError,
     announced,
     print_error,
     print_findings,
@@ -44,7 +45,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "convert": ("convert", "rule bases of other programs, in and out"),
     "simulate": ("simulate", "run controllers on the robot arm or any plant"),
     "sweep": ("sweep", "many runs over ranges of gains, plants and loads"),
-    "compare": ("study", "compare controllers: errors, chatter and cost"),
+    "compare": ("compare", "compare controllers: errors, chatter and cost"),
     "learn": ("learn", "train a table on the arm or any plant, see it grow"),
     "tune": ("tune", "move gains and terms until a cost is small, in the file itself"),
     "fit": ("fit", "learn a rule base from samples, as text"),
@@ -123,7 +124,7 @@ def _status(words: list[str]) -> int:
         return EXIT_INPUT
     except FuzzyarmError as error:
         print_error(error)
-        return EXIT_INPUT
+        return EXIT_USAGE if isinstance(error, UsageError) else EXIT_INPUT
     except BrokenPipeError:  # the reader (head, less) has gone: not a fault
         _discard_output()
         return 0

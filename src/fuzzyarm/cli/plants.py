@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.cli.command import WordError, argument, flag, group
@@ -25,7 +24,7 @@ CONNECT = _many("--connect NAME=PORT", "join a name of the controller to a port 
 INTERPOLATE = flag("--interpolate", "move the reference between set points, instead of holding it")
 
 MOTORS = group(
-    "joints and motors of the arm",
+    "joints and motors of a plant that has some, as the arm",
     argument("--limits T1 T2", "largest torques, N m", type=float),
     argument("--supply V", "largest voltage at a motor", type=float),
     argument("--inductance H", "inductance of each armature; 0 by default", type=float),
@@ -100,59 +99,103 @@ def options_of(arguments: argparse.Namespace, plant: Plant) -> Options:
     return _words(arguments).options(plant)
 
 
-def motors_of(arguments: argparse.Namespace) -> dict[str, Any]:
-    """Return what is said of the arm's joints and motors, by the names of the options of a run."""
-    return _words(arguments).motors()
-
-
 def connections(arguments: argparse.Namespace) -> dict[str, str]:
     """Return which names of the controller mean which ports of the plant."""
     return _words(arguments).connections()
 
 
 def motion_of(arguments: argparse.Namespace, controller: Controller, plant: Plant) -> Motion:
-    """Return the set points of a plant other than the arm."""
+    """Return the set points of a plant that follows references."""
     return _words(arguments).motion(controller, plant)
 
 
-OF_THE_ARM: dict[str, Any] = {
-    "payload": False, "loaded": None, "angles": None, "way_points": None, "segment": None,
-    "hold": None, "limits": None, "supply": None, "inductance": None, "conventions": "plain",
-    "precision": None, "pi": None, "load_in_hold": True,
-}  # fmt: skip
-"""Options that only the arm understands, and what they are where nobody gives them."""
+# --- Which options a plant understands ---
 
-OF_OTHERS = (
-    "connect", "duration", "step", "reference", "noise", "quantise", "sensor_delay", "difference",
-    "actuator", "disturb",
-)  # fmt: skip
-"""Options that are for other plants."""
+ALONG = ("trajectory", "angles", "way_points", "segment", "hold")
+"""Options for plants that follow trajectories."""
+
+CARRIED = ("payload", "loaded", "load_in_hold")
+"""Options for plants that carry a load, along a trajectory."""
+
+REFERRED = ("reference", "step", "duration")
+"""Options of runs along references, which any plant follows."""
+
+DRIVES = {"limits": "torque_limits", "supply": "supply", "inductance": "inductance"}
+COUNTING = ("conventions", "precision", "pi")
+"""Options that a plant has to name: of its drives, by the fields of ``Options``; of counting."""
+
+USUAL: dict[str, Any] = {"payload": False, "load_in_hold": True, "conventions": "plain"}
+"""Options that say nothing where they are this."""
 
 
-def option_given(arguments: argparse.Namespace, names: Iterable[str]) -> str | None:
-    """Return the first option for other plants among `names` that is given, as it is written."""
+def option_given(
+    arguments: argparse.Namespace, names: Iterable[str], payload: bool | None = False
+) -> str:
+    """Return the first option among some that is given, as it is written; empty for none.
+
+    `payload` is what a command has by itself.
+    """
     for name in names:
-        if getattr(arguments, name, None) not in (None, []):
-            return "--for" if name == "duration" else f"--{name.replace('_', '-')}"
-    return None
+        value, usual = getattr(arguments, name, None), USUAL.get(name)
+        if name == "payload":
+            usual = payload
+        if value not in (None, [], usual):
+            word = "for" if name == "duration" else name.replace("_", "-")
+            return f"--{'no-' if value is False else ''}{word}"
+    return ""
 
 
-OF_COMPARED: dict[str, Any] = {"cost": False, "operations": False, "errors": None}
-"""Options of ``compare`` that are for the arm, too."""
+def follows(arguments: argparse.Namespace, plant: Plant, payload: bool | None = False) -> bool:
+    """Whether a plant is to follow a trajectory, and not references.
+
+    Raises
+    ------
+    WordError
+        If an option is given that the plant does not understand, with what it has instead.
+    """
+    _require_known(arguments, plant, payload)
+    if not plant.trajectories:
+        return False
+    reference = option_given(arguments, REFERRED)
+    other = option_given(arguments, (*ALONG, *CARRIED), payload)
+    if reference and other:
+        raise WordError(f"{reference} is for references, and {other} for a trajectory: give one")
+    if reference == "--for":
+        hint = "--segment and --hold say how long a trajectory is"
+        raise WordError("--for says how long --reference or --step is followed", hint=hint)
+    return not reference
 
 
-def require_plain(
-    arguments: argparse.Namespace,
-    *,
-    payload: bool | None = False,
-    others: Mapping[str, Any] = MappingProxyType({}),
-) -> None:
-    """Refuse what only the arm understands; `payload` is what a command has by itself."""
-    for name, usual in (OF_THE_ARM | {"payload": payload} | dict(others)).items():
-        value = getattr(arguments, name, usual)
-        if value is not None and value != usual:
-            option = f"--{'no-' if value is False else ''}{name.replace('_', '-')}"
-            raise WordError(f"{option} is for the arm; {arguments.plant} takes --reference")
+def _require_known(arguments: argparse.Namespace, plant: Plant, payload: bool | None) -> None:
+    """Raise WordError for an option that a plant does not understand."""
+    from fuzzyarm.plant.following import carries
+
+    name, known = plant.name, plant.particulars.options
+    option = option_given(arguments, ALONG)
+    if option and not plant.trajectories:
+        message = f"{option} is for plants that follow trajectories"
+        raise WordError(f"{message}; {name} takes --reference")
+    option = option_given(arguments, CARRIED, payload)
+    if option and not carries(plant):
+        has = ", ".join(plant.parameters)
+        instead = f"--set changes its parameters: {has}" if has else "it has no parameters"
+        raise WordError(f"{option} is for plants that carry a load; {name} does not, {instead}")
+    option = option_given(arguments, (key for key, field in DRIVES.items() if field not in known))
+    if option:
+        bounded = "--actuator INPUT=LOW..HIGH bounds a drive"
+        raise WordError(f"{name} has no {option}; {bounded}: {', '.join(plant.inputs)}")
+    option = option_given(arguments, (key for key in COUNTING if key not in known))
+    if option:
+        counts = "it counts in double precision with the true π"
+        raise WordError(f"{name} has no {option}; {counts}")
+
+
+def equipped_by(arguments: argparse.Namespace, plant: Plant) -> tuple[Plant, Options]:
+    """Return a plant with the drives that the arguments ask for, and the options of a run."""
+    from fuzzyarm.loop.along import equipped
+
+    options = options_of(arguments, plant)
+    return equipped(plant, options), options
 
 
 def split_settings(

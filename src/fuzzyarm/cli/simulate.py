@@ -48,25 +48,25 @@ from fuzzyarm.cli.experiment import (
     RUN,
     SOURCES,
     TRAJECTORY,
-    experiment_of,
+    conventions_of,
     named_controllers,
+    set_points,
     with_settings,
 )
 from fuzzyarm.cli.plants import (
     MOTORS,
     PLANT,
     connections,
-    motion_of,
-    options_of,
+    equipped_by,
+    follows,
     plant_of,
-    require_plain,
 )
 from fuzzyarm.cli.sweep import SWEEP, sweep
 
 if TYPE_CHECKING:
     from fuzzyarm.controller import Controller
-    from fuzzyarm.loop import Run
-    from fuzzyarm.plant import Conventions, Plant, Trajectory
+    from fuzzyarm.loop import Motion, Run
+    from fuzzyarm.plant import Conventions, Plant
 
 
 # --- The run ---
@@ -84,7 +84,9 @@ def _run(arguments: argparse.Namespace) -> int:
     _require_pictures(arguments)
     controllers = named_controllers(arguments, arguments.controller)
     if arguments.show_gains and arguments.plant is None:
-        arguments.plant = "arm"  # gains have the same values wherever they count
+        from fuzzyarm.plant import PLANTS
+
+        arguments.plant = next(iter(PLANTS))  # gains have the same values wherever they count
     plant = plant_of(arguments, controllers)
     made = [with_settings(arguments, each, plant) for each in controllers]
     if arguments.show_gains:
@@ -174,41 +176,31 @@ def _write_files(arguments: argparse.Namespace, results: list[Run], plant: Plant
 
 def _simulate(controller: Controller, plant: Plant, arguments: argparse.Namespace) -> Run:
     from fuzzyarm.loop.run import run_along
-    from fuzzyarm.plant import PLAIN, Arm
 
-    connect, options = connections(arguments), options_of(arguments, plant)
-    if isinstance(plant, Arm):
-        trajectory, conventions, arms = experiment_of(arguments, plant)
-        on: Any = trajectory
-    else:
-        require_plain(arguments)
-        conventions, arms = PLAIN, None
-        on = motion_of(arguments, controller, plant)
+    follows(arguments, plant)  # tells what the plant does not understand
+    plant, options = equipped_by(arguments, plant)
+    conventions = conventions_of(arguments)
+    motion = set_points(arguments, controller, plant, conventions)
     with busy(f"running {controller.name}"):
-        if arms is None:
-            return run_along(controller, on, conventions, options, connect)
-        from fuzzyarm.loop import simulate
-
-        result = simulate(
-            controller, on, arms=arms, conventions=conventions, options=options, connect=connect
-        )
-        slower = _slowdown(result, on, conventions)
+        result = run_along(controller, motion, conventions, options, connections(arguments))
+        slower = _slowdown(result, motion, conventions)
     if slower:
         print(slower, file=sys.stderr)
     return result
 
 
-def _slowdown(result: Run, trajectory: Trajectory, conventions: Conventions) -> str:
-    """Say how much longer an interpreted run took than a compiled one of the same length."""
+def _slowdown(result: Run, motion: Motion, conventions: Conventions) -> str:
+    """Say how much longer an interpreted run took than a compiled one, where laws run."""
     from fuzzyarm.controller import controller
+    from fuzzyarm.controller.on_plant import lacking, site_of
     from fuzzyarm.kernels import has_machine_code
-    from fuzzyarm.loop import simulate
+    from fuzzyarm.loop.run import run_along
 
-    if result.compiled or not has_machine_code():
+    if result.compiled or not has_machine_code() or lacking(site_of(motion.plants[0])):
         return ""
     pd = controller("pd")
-    simulate(pd, trajectory, conventions=conventions)
-    compiled = simulate(pd, trajectory, conventions=conventions)
+    run_along(pd, motion, conventions)
+    compiled = run_along(pd, motion, conventions)
     if compiled.samples != result.samples:
         return ""
     return (
@@ -246,19 +238,12 @@ def run_as_json(result: Run) -> dict[str, Any]:
 
 
 def _as_text(result: Run) -> str:
-    on = result.trajectory if result.plant == "arm" else f"{result.plant}, {result.trajectory}"
     lines = [
-        f"{result.controller} on {on}, {result.samples} samples, "
+        f"{result.controller} on {result.where}, {result.samples} samples, "
         f"{result.conventions.name} conventions, {result.conventions.precision}",
     ]
-    if result.samples and result.plant == "arm":
-        lines.append(f"{'error, degrees':<16}{'link 1':>12}{'link 2':>12}")
-        rows = {"rms": result.rms}
-        if result.every > 1:
-            rows |= {"  all periods": result.rms_periods, "  path": result.rms_path}
-        rows |= {"max": result.maximum, "final": result.final}
-        for name, pair in rows.items():
-            lines.append(f"{name:<16}{pair[0]:>12.4f}{pair[1]:>12.4f}")
+    if result.samples and result.along:
+        lines += _error_lines(result)
     elif result.samples:
         lines += _metric_lines(result)
     if result.ended is not None:
@@ -267,11 +252,29 @@ def _as_text(result: Run) -> str:
         )
     if result.diverged is not None:
         until = "the figures are those until then" if result.samples else "before the first sample"
-        bound = result.cause
-        if result.plant == "arm" and "not a number" not in bound:
-            bound = "an error over ten turns or a joint over 100000 rad/s"
-        lines.append(f"diverged: stopped at {result.diverged:.4f} s with {bound}; {until}")
+        stopped = f"diverged: stopped at {result.diverged:.4f} s with {result.cause}"
+        lines.append(f"{stopped}; {until}")
     return "\n".join(lines)
+
+
+def _error_lines(result: Run) -> list[str]:
+    """Return a table of the errors along a trajectory, which no step has."""
+    from fuzzyarm.loop.run import judged_names
+
+    names, units = [*judged_names(result.axes, result.labels)], dict.fromkeys(result.units)
+    if len(units) > 1:
+        names = [f"{name}, {unit}" for name, unit in zip(names, result.units, strict=True)]
+    head = f"error, {next(iter(units))}" if len(units) == 1 else "error of"
+    rows = {"rms": result.rms}
+    if result.every > 1:
+        rows |= {"  all periods": result.rms_periods, "  path": result.rms_path}
+    rows |= {"max": result.maximum, "final": result.final}
+    widths = [max(12, len(name) + 2) for name in names]
+    lines = [head.ljust(16) + "".join(map(str.rjust, names, widths))]
+    for row, errors in rows.items():
+        cells = [f"{error:.4f}" for error in errors]
+        lines.append(row.ljust(16) + "".join(map(str.rjust, cells, widths)))
+    return lines
 
 
 def _metric_lines(result: Run) -> list[str]:

@@ -1,4 +1,4 @@
-"""The study's figures: ``fuzzyarm reproduce``, ``fuzzyarm compare`` and ``fuzzyarm identify``."""
+"""The study's figures: ``fuzzyarm reproduce`` and ``fuzzyarm identify``."""
 
 from __future__ import annotations
 
@@ -6,21 +6,14 @@ import argparse
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict
-from functools import partial
-from itertools import zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.cli.command import JSON, argument, busy, command, flag, print_json, progress_bar
-from fuzzyarm.cli.compare_plants import compare_on, other_plant
-from fuzzyarm.cli.experiment import CONVENTIONS, conventions_of
-from fuzzyarm.cli.plants import MOTORS, PLANT, motors_of
 
 if TYPE_CHECKING:
-    from fuzzyarm.plant import Conventions, Trajectory
     from fuzzyarm.study import Ensemble, Judgement, PublishedRow, Reproduced
     from fuzzyarm.study.beyond import Beyond
-    from fuzzyarm.study.comparison import Compared, Cost
     from fuzzyarm.study.identify import Identified
 
 
@@ -367,228 +360,7 @@ def _identified_as_text(result: Identified) -> str:
     return "\n".join(lines)
 
 
-_COMPARE = """Compare controllers under the same conditions: errors, chatter, cost.
-
-CONTROLLER is a name of the catalogue, a sum or a file; by default those of the study's
-summary table and those that it does not have. They run along reach-return and
-pick-and-place, all under the conditions that the options say, whatever they are called.
-Without options: with load, also in the hold; double precision and the true π; set points
-held for the periods that a controller asks for (five of 0.6 ms), motors without
-inductance, any torque. What the study did for a row of its own, `fuzzyarm reproduce` does.
-
-"rms" are the RMS errors of links 1 and 2 on the first trajectory, then on the second, in
-degrees: at the set points, each in the last of its periods, as the study samples them; in
-all control periods, from the set point that is held; and from the path itself, which moves
-on while a set point stands. "change" is the mean magnitude by which the torque of a joint
-changes from one control period to the next, the largest of the four, in N m: chatter.
-
-With --operations: floating-point operations of a control step, both joints together
-(counted as the loop does them, sines and cosines among them, in the mean along a short
-move), and those of a step of the program that `fuzzyarm compile` writes, at most. With
---cost the time, too, that a step adds to the loop.
-
-On another plant, that of --plant or the shipped one that has the axes of the controllers,
-they follow the same references, with the options of `fuzzyarm simulate`; the table has the
-metrics of each run, and --plot draws the runs beside one another.
-
-Examples
---------
-  fuzzyarm compare
-  fuzzyarm compare --interpolate
-  fuzzyarm compare --angles 80 -20 --segment 1 --limits 55.44 48.51
-  fuzzyarm compare pd-motor fuzzy-fine mine.frb --inductance 0.002 --supply 24 --cost
-  fuzzyarm compare servo.frb tuned.frb --step 1 --for 2s --noise position=0.001
-"""
-
-
-def _compare(arguments: argparse.Namespace) -> int:
-    from fuzzyarm.loop import Options
-    from fuzzyarm.study.comparison import compare, compared_names, cost_of
-    from fuzzyarm.study.figures import figure_format
-
-    if arguments.plot:
-        figure_format(arguments.plot)  # a mistake in the name is told before the runs
-    names = arguments.controllers or compared_names()
-    elsewhere = other_plant(arguments, names)
-    if elsewhere is not None:
-        return compare_on(arguments, *elsewhere)
-    options = Options(interpolate=arguments.interpolate, **motors_of(arguments))
-    trajectories, conventions = _both_trajectories(arguments), conventions_of(arguments)
-    senses = [arguments.errors] if arguments.errors else list(_SENSES)
-    costs: list[Cost] = []
-    with progress_bar(
-        "controllers",
-        len(names) * (1 + bool(arguments.cost or arguments.operations or arguments.plot)),
-    ) as bar:
-        compared = []
-        for each in compare(
-            names,
-            options,
-            trajectories=trajectories,
-            conventions=conventions,
-            payload=arguments.payload,
-        ):
-            compared.append(each)
-            bar(1)
-        timed = bool(arguments.cost or arguments.plot)
-        for name in names if timed or arguments.operations else ():
-            costs.append(cost_of(name, conventions=conventions, timed=timed))
-            bar(1)
-    if arguments.plot:
-        from fuzzyarm.study.figures import draw_cost, save_figure
-
-        save_figure(draw_cost(compared, costs), arguments.plot)
-    if arguments.json:
-        print_json([_compared_json(*pair) for pair in zip_longest(compared, costs)], 1)
-    elif arguments.markdown:
-        print("\n".join(_compared_markdown(compared, costs, senses)))
-    else:
-        print(_conditions(conventions, payload=arguments.payload))
-        print("\n".join(_compared_lines(compared, costs, senses)))
-    return 0
-
-
-def _conditions(conventions: Conventions, *, payload: bool) -> str:
-    """Return in words how all of them count."""
-    load = "with load" if payload else "without load"
-    if payload and not conventions.load_in_hold:
-        load += " but not in the hold"
-    return (
-        f"reach-return and pick-and-place {load}, {conventions.name} conventions, "
-        f"{conventions.precision}, π {conventions.pi:.7g}"
-    )
-
-
-def _both_trajectories(arguments: argparse.Namespace) -> list[Callable[[], Trajectory]]:
-    """Return the trajectories of the summary table, with other angles and times where given."""
-    from fuzzyarm.study.comparison import TRAJECTORIES
-
-    given: dict[str, Any] = {}
-    if arguments.angles is not None:
-        given["angles"] = tuple(arguments.angles)
-    if arguments.segment is not None:
-        given["segment"] = arguments.segment
-    return [partial(trajectory, **given) for trajectory in TRAJECTORIES]
-
-
-def _compared_json(compared: Compared, cost: Cost | None) -> dict[str, Any]:
-    found: dict[str, Any] = {
-        "controller": compared.name,
-        "rms": list(compared.rms),
-        "rms_periods": list(compared.rms_periods),
-        "rms_path": list(compared.rms_path),
-        "variation": list(compared.variation),
-        "diverged": list(compared.diverged),
-    }
-    if cost is not None:
-        found["operations"] = asdict(cost.operations) | {"total": cost.operations.total}
-        found["exported_operations"] = cost.exported
-        if cost.seconds is not None:
-            found["seconds"] = cost.seconds
-    return found
-
-
-_RMS = ("rms 1", "rms 2", "rms 1", "rms 2")
-
-_SENSES = {"set-points": "set points", "periods": "all periods", "path": "path"}
-"""Of errors: by the word of ``--errors``, how they are called."""
-
-
-def _compared_lines(
-    compared: Sequence[Compared], costs: Sequence[Cost], senses: Sequence[str]
-) -> Iterator[str]:
-    """Yield a table with a line for each controller and sense of error."""
-    heads = ["change", *(_cost_heads(costs) if costs else [])]
-    yield _columns("controller", "", [*_RMS, *heads])
-    for each, cost in zip_longest(compared, costs):
-        shown = senses if any(lost is None for lost in each.diverged) else senses[:1]
-        for at, sense in enumerate(shown):
-            name, others = (each.name, _others(each, cost)) if at == 0 else ("", [])
-            yield _columns(name, _SENSES[sense], [*_errors(each, sense), *others])
-
-
-def _compared_markdown(
-    compared: Sequence[Compared], costs: Sequence[Cost], senses: Sequence[str]
-) -> Iterator[str]:
-    """Yield a table with a line for each controller; of costs those, beside mean errors."""
-    if costs:
-        heads = ["controller", "geometric mean at set points", "from the path"]
-        heads += _cost_heads(costs)
-    else:
-        heads = ["controller"]
-        for sense in senses:
-            heads += [f"{_SENSES[sense]}: 1", "2", "1", "2"]
-        heads.append("change")
-    yield f"| {' | '.join(heads)} |"
-    yield "|---" * len(heads) + "|"
-    for each, cost in zip_longest(compared, costs):
-        if cost is None:
-            cells = [cell for sense in senses for cell in _errors(each, sense)]
-            cells += _others(each, None)
-        else:
-            lost = any(time is not None for time in each.diverged)
-            means = (each.error, each.path_error)
-            cells = ["diverges" if lost else f"{mean:.4f}" for mean in means] + _cost_cells(cost)
-        yield f"| {' | '.join([each.name, *cells])} |"
-
-
-def _errors(compared: Compared, sense: str) -> list[str]:
-    values = {
-        "set-points": compared.rms,
-        "periods": compared.rms_periods,
-        "path": compared.rms_path,
-    }[sense]
-    lost = [compared.diverged[index // 2] is not None for index in range(len(values))]
-    return [
-        "diverges" if gone else f"{value:.4f}" for gone, value in zip(lost, values, strict=True)
-    ]
-
-
-def _others(compared: Compared, cost: Cost | None) -> list[str]:
-    """Return the largest change of torque, and what a step costs."""
-    lost = any(each is not None for each in compared.diverged)
-    change = "" if lost else f"{max(compared.variation):.2f}"
-    return [change, *(_cost_cells(cost) if cost is not None else [])]
-
-
-def _cost_heads(costs: Sequence[Cost]) -> list[str]:
-    timed = costs[0].seconds is not None
-    return ["operations", "exported", *(["ns"] if timed else [])]
-
-
-def _cost_cells(cost: Cost) -> list[str]:
-    exported = "-" if cost.exported is None else f"{cost.exported}"
-    cells = [f"{cost.operations.total:.0f}", exported]
-    return cells if cost.seconds is None else [*cells, f"{1e9 * cost.seconds:.0f}"]
-
-
-def _columns(name: str, sense: str, cells: Sequence[str]) -> str:
-    widths = [10] * len(_RMS) + [12] * (len(cells) - len(_RMS))
-    numbers = "".join(f"{cell:>{width}}" for cell, width in zip(cells, widths, strict=True))
-    return f"{name:<18}{sense:<12}{numbers}".rstrip()
-
-
 COMMANDS = (
-    command(
-        "compare",
-        _COMPARE,
-        _compare,
-        argument("controllers CONTROLLER", "name, sum or file", nargs="*"),
-        argument("--angles A1 A2", "where to turn to on both trajectories, degrees", type=float),
-        argument("--segment SECONDS", "duration of each move", type=float),
-        *PLANT,
-        argument(
-            "--payload", "carry the load", action=argparse.BooleanOptionalAction, default=True
-        ),
-        *CONVENTIONS,
-        *MOTORS,
-        argument("--errors", "in one of the three senses", choices=list(_SENSES)),
-        flag("--cost", "count operations and measure time"),
-        flag("--operations", "count operations"),
-        argument("--plot FIG", "draw error against cost"),
-        flag("--markdown", "print a table for a page"),
-        JSON,
-    ),
     command(
         "reproduce",
         _REPRODUCE,

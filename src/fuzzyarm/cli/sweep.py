@@ -3,8 +3,8 @@
 Each --sweep NAME=A..B:N takes N values from A to B (evenly in the logarithm with "log" behind);
 several span a grid. With --random N values are drawn from ranges without a number of values.
 NAME is a gain of the controller, a parameter of the plant (plant.NAME where both have it), seed,
-disturbance, noise.PORT, delay.PORT or resolution.PORT, and on the arm payload: the load as a
-share of the study's, 0 for none, 1 for that of --payload, 2 for twice as much.
+disturbance, noise.PORT, delay.PORT or resolution.PORT, and of a plant that carries a load, as the
+arm, payload: a share of it, 0 for none, 1 for that of --payload, 2 for twice as much.
 
 -o writes a line for each run. Interrupted, it is the front of the whole file, and --resume
 writes the rest. Results do not depend on how many workers there are.
@@ -52,19 +52,19 @@ from fuzzyarm.cli.experiment import (
     RUN,
     SOURCES,
     TRAJECTORY,
-    arm_changes,
-    experiment_of,
+    conventions_of,
     named_controllers,
+    trajectory_of_words,
     with_settings,
 )
 from fuzzyarm.cli.plants import (
     MOTORS,
     PLANT,
     connections,
+    equipped_by,
+    follows,
     motion_of,
-    options_of,
     plant_of,
-    require_plain,
 )
 from fuzzyarm.errors import FuzzyarmError, demand_extra, sentence_of
 
@@ -111,23 +111,22 @@ class Asked:
 
 def read_asked(arguments: argparse.Namespace) -> Asked:
     """Return what the arguments ask for."""
+    from fuzzyarm.loop.along import Way
     from fuzzyarm.loop.many import Bench, Experiment
-    from fuzzyarm.plant import PLAIN, Arm
 
     (controller,) = named_controllers(arguments, [arguments.controller])
     controller, plant = with_settings(arguments, controller, plant_of(arguments, [controller]))
-    connect, options = connections(arguments), options_of(arguments, plant)
+    along = follows(arguments, plant)
+    plant, options = equipped_by(arguments, plant)
+    connect, conventions = connections(arguments), conventions_of(arguments)
     shared: dict[str, float] = {}
-    conventions, segments = PLAIN, None
-    if isinstance(plant, Arm):
-        on: Any
-        on, conventions, _ = experiment_of(arguments, plant)
-        shared = arm_changes(plant)
-        segments = tuple(arguments.loaded) if arguments.loaded else None
+    segments = tuple(arguments.loaded) if arguments.loaded else None
+    on: Any
+    if along:
+        on = Way(plant, trajectory_of_words(arguments, plant))
         if arguments.payload or segments:
             shared["payload"] = 1.0
     else:
-        require_plain(arguments)
         on = motion_of(arguments, controller, plant)
     ranges, changes, count = _ranges(arguments)
     experiment = Experiment(controller, on, segments, shared, conventions, options, connect=connect)
@@ -446,10 +445,9 @@ def _lost(many: Many) -> int:
 def _as_text(many: Many, asked: Asked, arguments: argparse.Namespace) -> list[str]:
     from fuzzyarm.loop.metrics import ERRORS
 
-    on = many.trajectory if many.plant == "arm" else f"{many.plant}, {many.trajectory}"
     lost = _lost(many)
     lines = [
-        f"{many.controller} on {on}: {counted(len(many), 'run')}, "
+        f"{many.controller} on {many.where}: {counted(len(many), 'run')}, "
         f"{f'{lost} diverged' if lost else 'none diverged'}"
     ]
     metric = arguments.metric

@@ -5,9 +5,10 @@ or lines of --tune instead. Where nothing is said, all peaks move and what is ev
 expect and prove lines are kept by every candidate.
 
 --cost is a formula of metrics, such as "rms + 0.002*variation" (rms, max, overshoot, settling,
-iae, effort, variation, chatter, …), or FILE.py:FUNCTION. The arm follows the two trajectories
-of the study with load, unless one is named; --scenarios N adds drawn moves, loads and seeds.
-A rule base alone is fitted to samples: --data set.csv.
+iae, effort, variation, chatter, …), or FILE.py:FUNCTION. A plant with trajectories, as the arm,
+follows those by which it has controllers compared, with its load, unless one is named or
+references are given; --scenarios N adds drawn moves, loads and seeds. A rule base alone is
+fitted to samples: --data set.csv.
 
 The table shows the cost on what was tuned on, on unseen scenarios, and on these with noise of
 the sensors, beside a linear controller tuned on the same. -o writes the file with new numbers,
@@ -31,8 +32,9 @@ import os
 import shutil
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -57,15 +59,23 @@ from fuzzyarm.cli.command import (
     saved,
     say,
 )
-from fuzzyarm.cli.experiment import CONVENTIONS, DIVERGED, TRAJECTORY, conventions_of, experiment_of
+from fuzzyarm.cli.experiment import (
+    CONVENTIONS,
+    DIVERGED,
+    TRAJECTORY,
+    conventions_of,
+    trajectory_of_words,
+)
 from fuzzyarm.cli.plants import (
+    ALONG,
     MOTORS,
     PLANT,
     connections,
+    equipped_by,
+    follows,
     motion_of,
-    options_of,
+    option_given,
     plant_of,
-    require_plain,
 )
 from fuzzyarm.cli.sweep import cluster, duration_words
 from fuzzyarm.errors import sentence_of
@@ -75,6 +85,7 @@ if TYPE_CHECKING:
     from fuzzyarm.controller.text import ControllerText
     from fuzzyarm.learning.data import Samples
     from fuzzyarm.model.rulebase import RuleBase
+    from fuzzyarm.plant import Trajectory
     from fuzzyarm.tuning.scenarios import Stage
     from fuzzyarm.tuning.search import Found
     from fuzzyarm.tuning.tuned import Tuned
@@ -241,38 +252,42 @@ def _subject(word: str) -> tuple[str, ControllerText | RuleBase]:
 def _stage(arguments: argparse.Namespace, text: ControllerText) -> Stage:
     from fuzzyarm.controller.catalogue import controller_of
     from fuzzyarm.loop.sweep import read_range
-    from fuzzyarm.plant import Arm
-    from fuzzyarm.tuning.scenarios import Scenario, Stage, arm_scenarios
+    from fuzzyarm.plant.plant import interface_of
+    from fuzzyarm.tuning.scenarios import Scenario, Stage, plant_scenarios, scenario_along
 
     plant = plant_of(arguments, [controller_of(text)])
-    options, connect = options_of(arguments, plant), connections(arguments)
+    along = follows(arguments, plant, None)
+    plant, options = equipped_by(arguments, plant)
+    connect = connections(arguments)
     vary = tuple(map(read_range, arguments.vary))
-    if isinstance(plant, Arm):
-        first = arm_scenarios(0.0 if arguments.payload is False else 1.0)
-        if _names_a_move(arguments):
-            arguments.trajectory = arguments.trajectory or "reach-return"
-            way, _, _ = experiment_of(arguments, plant)
-            first = (Scenario(way.name, way, first[0].changes),)
+    if along:
+        payload = 0.0 if arguments.payload is False else 1.0
+        first = plant_scenarios(plant, payload)
+        if option_given(arguments, (*ALONG, "loaded")):
+            way = _loaded(trajectory_of_words(arguments, plant), arguments.loaded)
+            first = (scenario_along(plant, way, payload),)
         return Stage(plant, first, options, vary, connect=connect)
-    require_plain(arguments, payload=None)
     motion = motion_of(arguments, controller_of(text), plant)
-    references, duration = _references(arguments, motion.tracked), _duration(arguments)
+    label = interface_of(plant).label(motion.tracked[0])
+    references, duration = _references(arguments, label), _duration(arguments)
     first = (Scenario(motion.name, motion),)
     return Stage(plant, first, options, vary, references, duration, connect)
 
 
-def _names_a_move(arguments: argparse.Namespace) -> bool:
-    names = ("trajectory", "angles", "segment", "hold", "way_points")
-    return any(getattr(arguments, name) is not None for name in names)
+def _loaded(way: Trajectory, segments: Sequence[int] | None) -> Trajectory:
+    """Return a trajectory that has the load in some of its segments, where they are named."""
+    from fuzzyarm.plant.trajectory import carried
+
+    return way if segments is None else replace(way, loaded=carried(way, segments=segments))
 
 
-def _references(arguments: argparse.Namespace, tracked: Any) -> dict[str, Any] | None:
+def _references(arguments: argparse.Namespace, label: str) -> dict[str, Any] | None:
     """Return the references that were given, by port, for scenarios to scale."""
     from fuzzyarm.loop import Signal
     from fuzzyarm.loop.words import PlantWords
 
     if arguments.step is not None:
-        return {tracked[0][1]: Signal("step", (arguments.step,))}
+        return {label: Signal("step", (arguments.step,))}
     return PlantWords.of(arguments).signals() or None
 
 
@@ -509,7 +524,7 @@ def _lines(tuned: Tuned, path: str, written: list[Path]) -> Iterator[str]:
 
 def _unset(each: Argument) -> Argument:
     """Return an argument of which is known whether it was given."""
-    if each.names[0] not in ("--trajectory", "--payload", "--plant"):
+    if each.names[0] not in ("--payload", "--plant"):
         return each
     options = {**each.options, "default": None}
     if each.names[0] == "--plant":

@@ -8,7 +8,7 @@ from dataclasses import replace
 from functools import cache
 
 from fuzzyarm.controller.controller import Controller
-from fuzzyarm.controller.on_plant import ARM, Site, lacking, site_of, text_law_of
+from fuzzyarm.controller.on_plant import SITE_OF_LAWS, Site, lacking, site_of, text_law_of
 from fuzzyarm.controller.program import SourceError
 from fuzzyarm.controller.reach import (
     FED_BACK,
@@ -64,7 +64,7 @@ def site_for(controller: Controller, connect: Mapping[str, str] | None = None) -
     Parameters
     ----------
     controller : Controller
-        A text runs on the plant with its axes, everything else on the arm.
+        A text runs on the plant with its axes, everything else where the laws of the study do.
     connect : mapping of str to str, optional
         From names of the controller to ports of the plant, where they differ.
 
@@ -76,7 +76,7 @@ def site_for(controller: Controller, connect: Mapping[str, str] | None = None) -
     parts = list(controller.parts())
     texts = [law.text.model for law in map(text_law_of, parts) if law is not None]
     if len(texts) < len(parts):
-        return ARM
+        return SITE_OF_LAWS
     site = site_by_axes(texts[0], connect)
     if site is None:
         axes = ", ".join(texts[0].axis_names)

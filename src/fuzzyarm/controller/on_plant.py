@@ -159,14 +159,15 @@ def near(word: str, names: list[str]) -> str:
 
 def site_of(plant: Plant, connect: Mapping[str, str] | None = None) -> Site:
     """Describe a plant as a controller finds it."""
-    return Site(plant.name, interface_of(plant), plant.extra, dict(connect or {}))
+    extra = plant.particulars.extra
+    return Site(plant.name, interface_of(plant), extra, dict(connect or {}))
 
 
 PORT_KINDS = ("reference", "measured", "drive")
 """Of ports that a controller asks for."""
 
-ARM = site_of(Arm())
-"""The study's arm."""
+SITE_OF_LAWS = site_of(Arm())
+"""What the laws of the study were written for: they ask for its ports and its pose."""
 
 
 # --- The law ---
@@ -253,7 +254,7 @@ def text_law_of(controller: Controller) -> TextLaw | None:
     return law if isinstance(law, TextLaw) else None
 
 
-def make_law(text: ControllerText, find_law: FindLaw, site: Site = ARM) -> TextLaw:
+def make_law(text: ControllerText, find_law: FindLaw, site: Site = SITE_OF_LAWS) -> TextLaw:
     """Make the law that runs a controller on a plant.
 
     Parameters
@@ -263,7 +264,7 @@ def make_law(text: ControllerText, find_law: FindLaw, site: Site = ARM) -> TextL
     find_law : callable
         From the name of a partner to its law.
     site : Site, optional
-        The arm by default. What the plant does not have is an error when the law is used.
+        That of the laws by default. What the plant lacks is an error when the law is used.
     """
     model = text.model
     gains = tuple(_gains(model))
@@ -272,7 +273,7 @@ def make_law(text: ControllerText, find_law: FindLaw, site: Site = ARM) -> TextL
     def partners() -> dict[str, CompiledController]:
         found = {}
         for each in model.partners:
-            require_arm(f"the partner '{each.name}' ({each.law})", site)
+            require_for_laws(f"the partner '{each.name}' ({each.law})", site)
             law = find_law(each.law)
             found[each.name] = law.with_gains({name: [value] for name, value in each.gains})
         return found
@@ -329,8 +330,7 @@ def controller_on(controller: Controller, site: Site) -> Controller:
     Raises
     ------
     SourceError
-        If one is a law of the arm and the plant is another, or the plant does not have what one
-        measures or drives.
+        If the plant does not have what one measures or drives.
     """
     if isinstance(controller, Sum):
         return Sum([controller_on(each, site) for each in controller.addends], controller.name)
@@ -342,21 +342,22 @@ def controller_on(controller: Controller, site: Site) -> Controller:
             made.name = controller.name
             return made
     elif not controller.takes_ports:
-        require_arm(controller.name, site)
+        require_for_laws(controller.name, site)
     return controller
 
 
 def lacking(site: Site) -> str:
-    """Return what a law of the arm asks for and a plant does not have; empty on the arm."""
+    """Return what a law of the study asks for and a plant does not have; empty where it has all."""
     for kind, verb in (("measured", "measures"), ("drive", "drives")):
-        for port in ARM._ports(kind):
+        for port in SITE_OF_LAWS._ports(kind):
             if port not in site._ports(kind):
                 return f"{verb} {'.'.join(port)}, which the {site.name} does not have"
-    return "" if site.extra == ARM.extra else f"asks for the pose, which the {site.name} has not"
+    same = site.extra == SITE_OF_LAWS.extra
+    return "" if same else f"asks for the pose, which the {site.name} has not"
 
 
-def require_arm(what: str, site: Site) -> None:
-    """Raise SourceError where a law of the arm is to run on something else."""
+def require_for_laws(what: str, site: Site) -> None:
+    """Raise SourceError where a plant does not have what the laws of the study ask for."""
     why = lacking(site)
     if why:
         hint = "controllers as text, and classes with a step, run on any plant"
@@ -456,14 +457,29 @@ def timing_words(model: Timed) -> str:
 
 
 def timing_of(controller: Controller) -> Timing:
-    """Return how often a controller runs on the arm: as its text says, or as the study's laws.
+    """Return how often a controller runs: as it says, or as the study's laws.
 
     Raises
     ------
     SourceError
-        If two addends are texts that differ in it.
+        If two addends say it and differ.
     """
     return own_timing(controller) or STUDY_TIMING
+
+
+def timing_on(controller: Controller, site: Site) -> Timing:
+    """Return how often a controller runs on a plant, which it has to say but where laws run.
+
+    Raises
+    ------
+    SourceError
+        If it does not say it, or two addends differ.
+    """
+    own = own_timing(controller)
+    if own is None and lacking(site):
+        hint = "write  period = 0.01  into its class, in s"
+        raise SourceError(f"{controller.name} does not say how often it runs", hint=hint)
+    return own or STUDY_TIMING
 
 
 # --- Where its drives end ---

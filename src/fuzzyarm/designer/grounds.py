@@ -1,4 +1,4 @@
-"""Where a controller of a page runs: plants, references, sensors, trajectories of the arm.
+"""Where a controller of a page runs: plants, their trajectories, references, sensors.
 
 A page names plants that come with the package, and those that were named on the command line,
 where a file of Python is executed. What is said of a run are the words of the command line.
@@ -8,21 +8,21 @@ from __future__ import annotations
 
 import contextlib
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.designer.names import is_inside
 from fuzzyarm.designer.requests import Experiment, Field, Words
 from fuzzyarm.errors import FuzzyarmError, WordError
-from fuzzyarm.plant.trajectory import TRAJECTORIES
 
 if TYPE_CHECKING:
+    from fuzzyarm.controller import Controller
     from fuzzyarm.designer.stage import Plants
+    from fuzzyarm.loop import Motion
     from fuzzyarm.loop.words import PlantWords
     from fuzzyarm.model.controller import ControllerModel
     from fuzzyarm.plant import Plant
-    from fuzzyarm.plant.trajectory import Trajectory
 
 LONGEST = 24.0 * 3600.0
 """Of a run that a page asks for, s."""
@@ -64,12 +64,11 @@ def at_field(name: str) -> Iterator[None]:
 def plants_for(model: ControllerModel, plants: Plants) -> list[dict[str, Any]]:
     """Return the plants of a designer, those first that have the axes of a controller.
 
-    Each with whether it has them, and with the reference that a page offers to write in another's
-    place; the arm follows trajectories and has none. The likeliest is the first.
+    Each with whether it has them, and with what a page offers to follow: see `followable`. The
+    likeliest is the first.
     """
     from fuzzyarm.controller.findings import site_by_axes
-    from fuzzyarm.designer.stage import step_of
-    from fuzzyarm.plant import Arm
+    from fuzzyarm.designer.stage import followable
     from fuzzyarm.plant.plant import interface_of
 
     likeliest = site_by_axes(model)
@@ -77,9 +76,8 @@ def plants_for(model: ControllerModel, plants: Plants) -> list[dict[str, Any]]:
     for name, plant in plants.known.items():
         interface = interface_of(plant)
         label = interface.label(next(iter(interface.outputs)))
-        example = "" if isinstance(plant, Arm) else step_of(name, label)
         fits = set(model.axis_names) <= set(interface.axes)
-        found.append({"name": name, "reference": example, "fits": fits})
+        found.append({"name": name, "fits": fits, **followable(name, plant, label)})
     is_likeliest = likeliest.name if likeliest is not None else ""
     found.sort(key=lambda each: (not each["fits"], each["name"] != is_likeliest))
     return found
@@ -232,14 +230,24 @@ def number_of(value: Field, what: str) -> float | None:
         raise GroundsError(f"{what}: '{str(value)[:40]}' is not a number") from None
 
 
-def trajectory_named(name: str) -> Trajectory:
-    """Return a trajectory of the arm.
+def trajectory_motion_of(
+    name: str,
+    controller: Controller,
+    plant: Plant,
+    connect: Mapping[str, str] | None = None,
+    *,
+    payload: bool,
+) -> Motion:
+    """Return the set points of the trajectory that a page asks for, by default the plant's first.
 
     Raises
     ------
-    GroundsError
+    PlantError
         If there is none of that name.
     """
-    if name and name not in TRAJECTORIES:
-        raise GroundsError(f"no trajectory '{name}'", hint=f"there are {', '.join(TRAJECTORIES)}")
-    return TRAJECTORIES[name or next(iter(TRAJECTORIES))]()
+    from fuzzyarm.loop.along import trajectory_motion
+    from fuzzyarm.plant.following import carries, trajectory_of
+
+    way = trajectory_of(plant, name)
+    loaded = payload and carries(plant)
+    return trajectory_motion(plant, way, controller, payload=loaded, connect=connect)

@@ -20,7 +20,7 @@ from fuzzyarm.designer.grounds import (
     plant_named,
     plants_for,
     seconds_of,
-    trajectory_named,
+    trajectory_motion_of,
     whole_of,
     words_of,
 )
@@ -29,7 +29,6 @@ from fuzzyarm.designer.requests import Experiment, LearnWord, LearnWork, Nothing
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language import parse
 from fuzzyarm.lsp.session import Session
-from fuzzyarm.plant.trajectory import TRAJECTORIES
 
 if TYPE_CHECKING:
     from fuzzyarm.learning.self_organizing import Snapshot, Trainee
@@ -79,7 +78,6 @@ def learnable(session: Session, asked: Nothing, job: Job) -> None:
         "texts": found,
         "own": teaches(own),
         "tables": job.folder.listed(".lut"),
-        "trajectories": list(TRAJECTORIES),
         "passes": DEFAULT_PASSES,
     })  # fmt: skip
 
@@ -165,19 +163,15 @@ class Training:
 
     def _motion(self) -> tuple[Motion, str]:
         """Return the set points, and in words along what they lead."""
-        from fuzzyarm.controller.on_plant import timing_of
         from fuzzyarm.learning.self_organizing import reference_words, trajectory_words
-        from fuzzyarm.loop.course import Options, arm_motion
         from fuzzyarm.loop.run import plant_motion
-        from fuzzyarm.plant import PLAIN, Arm, schedule
 
         asked, plant = self.asked, self.trainee.plant
-        if isinstance(plant, Arm):
-            way = trajectory_named(asked.trajectory)
-            arms = schedule(way, payload=asked.payload, conventions=PLAIN)
-            timing = timing_of(self.trainee.controller)
-            motion = arm_motion(way, arms, PLAIN, Options(), timing)
-            return motion, trajectory_words(way.name, payload=asked.payload)
+        if plant.trajectories:
+            motion = trajectory_motion_of(
+                asked.trajectory, self.trainee.controller, plant, payload=asked.payload
+            )
+            return motion, trajectory_words(motion.name, payload=any(motion.carrying))
         words = words_of(Experiment(reference=asked.reference), self.folder)
         check_words(words, plant)
         seconds = seconds_of(asked.seconds)

@@ -28,10 +28,10 @@ from fuzzyarm.controller.catalogue import controller_in
 from fuzzyarm.controller.controller import CompiledController
 from fuzzyarm.controller.findings import site_by_axes
 from fuzzyarm.controller.law import Gain
-from fuzzyarm.controller.on_plant import driven_by, site_of, text_law_of, timing_of
+from fuzzyarm.controller.on_plant import driven_by, site_of, text_law_of
 from fuzzyarm.controller.program import SourceError
 from fuzzyarm.controller.text import ControllerText, sheet_path
-from fuzzyarm.designer.grounds import at_field, check_words, trajectory_named, words_of
+from fuzzyarm.designer.grounds import at_field, check_words, trajectory_motion_of, words_of
 from fuzzyarm.designer.jobs import Job
 from fuzzyarm.designer.names import in_words
 from fuzzyarm.designer.records import Absent, MessageError
@@ -39,17 +39,16 @@ from fuzzyarm.designer.requests import PlantsWork, RunWord, RunWork
 from fuzzyarm.designer.stage import Painter, Plants, loads_of, short
 from fuzzyarm.errors import FuzzyarmError, WordError
 from fuzzyarm.language import parse
-from fuzzyarm.loop.course import Motion, Options, arm_motion
+from fuzzyarm.loop.along import equipped
+from fuzzyarm.loop.course import Motion, Options
 from fuzzyarm.loop.open_run import OpenRun, StructureError
 from fuzzyarm.loop.program import scales, shown_units
 from fuzzyarm.loop.reference import read_time
 from fuzzyarm.loop.run import ClosedLoop, metric_units, text_of
 from fuzzyarm.loop.words import PlantWords
 from fuzzyarm.lsp.session import Session
-from fuzzyarm.plant.driven_arm import Arm
 from fuzzyarm.plant.plant import Plant, PlantError
 from fuzzyarm.plant.setting import PLAIN
-from fuzzyarm.plant.trajectory import TRAJECTORIES, schedule
 from fuzzyarm.show.figures.plants import Scene
 from fuzzyarm.text.diagnostic import RuleBaseError
 from fuzzyarm.text.names import printable
@@ -109,7 +108,7 @@ class Running:
         except SourceError:
             if not _is_rule_base(text, session.path):
                 raise
-            job.tell({"plants": [], "chosen": "", "trajectories": [], "direct": "", "alone": True})
+            job.tell({"plants": [], "chosen": "", "likely": "", "direct": "", "alone": True})
             return
         found = self.plants.described(controller)
         fitting = [each["name"] for each in found if not each["why"]]
@@ -119,7 +118,8 @@ class Running:
             {
                 "plants": found,
                 "chosen": chosen or next(iter(fitting), ""),
-                "trajectories": list(TRAJECTORIES),
+                # On which a command runs it by itself; a rule base on that of its controller.
+                "likely": site.name if site is not None else "",
                 # A rule base takes the place of that of a controller of the catalogue.
                 "direct": "" if _is_in(controller, text) else controller.name,
                 "alone": _is_rule_base(text, session.path),
@@ -218,11 +218,13 @@ class LiveRun:
 
     def _experiment(self, words: PlantWords, plant: Plant) -> tuple[Motion, Options]:
         options = words.options(plant)
-        if isinstance(plant, Arm):
-            way = trajectory_named(self.asked.trajectory)
-            arms = schedule(way, payload=bool(self.asked.payload), conventions=PLAIN)
-            timing = timing_of(self.controller)
-            return arm_motion(way, arms, PLAIN, options, timing), options
+        plant = equipped(plant, options)
+        if plant.trajectories:
+            motion = trajectory_motion_of(
+                self.asked.trajectory, self.controller, plant, words.connections(),
+                payload=bool(self.asked.payload),
+            )  # fmt: skip
+            return motion, options
         site = site_of(plant, words.connections())
         model = text_of(self.controller, site).model
         period = model.period * model.every
@@ -413,7 +415,7 @@ class LiveRun:
     def _tell_ready(self, name: str) -> None:
         course, motion, interface = self.loop.course, self.motion, self.loop.site.interface
         period = motion.period * motion.every
-        ends = isinstance(self.plant, Arm) or bool(self.asked.duration)
+        ends = motion.along or bool(self.asked.duration)
         whole = self.run.count * period
         # A run that is to stand somewhere is in view from its start to there.
         far = self.until * period if self.until is not None else self._window(period)

@@ -10,7 +10,7 @@ from fuzzyarm.controller.controller import Controller
 from fuzzyarm.controller.on_plant import controller_on, site_of
 from fuzzyarm.controller.program import SourceError
 from fuzzyarm.loop.run import first_error, text_of
-from fuzzyarm.plant.driven_arm import Arm
+from fuzzyarm.plant.following import carries, shortest_trajectory
 from fuzzyarm.plant.own import PLANTS, find_plant
 from fuzzyarm.plant.plant import Address, Interface, Plant, PlantError, parameter
 from fuzzyarm.show.figures.plants import DRAWN, Area, Drawing, Line, Mark, Scene, Words
@@ -72,17 +72,44 @@ def step_of(plant: str, port: str) -> str:
     return f"{port}=step:{STEPS.get(plant, 1):g}"
 
 
+def followable(name: str, plant: Plant, port: str) -> dict[str, Any]:
+    """Return what a page offers a plant to follow: its trajectories, or a reference of a port.
+
+    Parameters
+    ----------
+    name : str
+        Of the plant in the designer.
+    plant : Plant
+        Any.
+    port : str
+        What a reference would be of.
+
+    Returns
+    -------
+    dict
+        ``trajectories`` by name; ``shown``, the one that takes the least time to look at;
+        ``carries``, whether there is a load; ``reference``, empty where there are trajectories.
+    """
+    known = list(plant.trajectories)
+    return {
+        "trajectories": known,
+        "shown": shortest_trajectory(plant) if known else "",
+        "carries": carries(plant),
+        "reference": "" if known else step_of(name, port),
+    }
+
+
 def _fit(controller: Controller, name: str, plant: Plant) -> dict[str, Any]:
     site = site_of(plant)
     try:
         controller_on(controller, site)
         followed = first_error(text_of(controller, site), site)
     except SourceError as error:
-        return {"why": str(error), "reference": "", "ports": []}
+        nothing = {"trajectories": [], "shown": "", "carries": False, "reference": ""}
+        return {"why": str(error), **nothing, "ports": []}
     label = site.interface.label
-    reference = "" if isinstance(plant, Arm) else step_of(name, label(followed))
     ports = [label(each) for each in (*site.interface.outputs, *site.interface.inputs)]
-    return {"why": "", "reference": reference, "ports": ports}
+    return {"why": "", **followable(name, plant, label(followed)), "ports": ports}
 
 
 # --- Drawings as data ---

@@ -26,7 +26,6 @@ from fuzzyarm.designer.grounds import (
     plant_named,
     plants_for,
     seconds_of,
-    trajectory_named,
     whole_of,
     words_of,
 )
@@ -35,7 +34,6 @@ from fuzzyarm.designer.requests import Nothing, TuneWord, TuneWork
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language import parse
 from fuzzyarm.lsp.session import Session
-from fuzzyarm.plant.trajectory import TRAJECTORIES
 from fuzzyarm.shipped_files import shipped_folder
 from fuzzyarm.text.diagnostic import RuleBaseError
 from fuzzyarm.text.files import confined
@@ -114,7 +112,6 @@ def tunable(session: Session, asked: Nothing, job: Job) -> None:
         "parameters": parameters,
         "why": why,
         "plants": plants,
-        "trajectories": list(TRAJECTORIES),
         "samples": [] if loop else job.folder.listed(*SAMPLES),
         "methods": list(OPTIMISERS),
         "defaults": {**DEFAULTS, "cost": "rms" if loop else "rmse"},
@@ -357,8 +354,6 @@ def _stage(order: Order, text: ControllerText) -> Stage:
     """Return where a controller runs, in the words of the page."""
     from fuzzyarm.designer.stage import Plants
     from fuzzyarm.loop.sweep import read_range
-    from fuzzyarm.plant.driven_arm import Arm
-    from fuzzyarm.tuning.scenarios import Scenario
     from fuzzyarm.tuning.tune import stage_of
 
     asked = order.asked
@@ -368,7 +363,7 @@ def _stage(order: Order, text: ControllerText) -> Stage:
     with at_field("vary"):
         vary = tuple(map(read_range, list_of(asked.vary)))
     plant = words.driven(plant)
-    stage = stage_of(
+    return stage_of(
         text,
         plant,
         words.options(plant),
@@ -377,11 +372,8 @@ def _stage(order: Order, text: ControllerText) -> Stage:
         words.connections(),
         vary,
         payload=float(asked.payload is not False),
+        along=(asked.trajectory or None) if plant.trajectories else None,
     )
-    if not isinstance(plant, Arm) or not asked.trajectory:
-        return stage
-    way = trajectory_named(asked.trajectory)
-    return replace(stage, first=(Scenario(way.name, way, stage.first[0].changes),))
 
 
 def _tuned(pipe: Connection, order: Order, enough: threading.Event) -> dict[str, Any]:

@@ -17,11 +17,11 @@ from fuzzyarm.controller.on_plant import (
     learned,
     site_of,
     text_law_of,
-    timing_of,
 )
 from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.loop.course import Course, Motion, Options, arm_motion
+from fuzzyarm.loop.along import Schedule, Way, equipped, trajectory_motion, way_of
+from fuzzyarm.loop.course import Course, Motion, Options
 from fuzzyarm.loop.loop import rms
 from fuzzyarm.loop.program import (
     Program,
@@ -31,11 +31,11 @@ from fuzzyarm.loop.program import (
     shown_errors,
     shown_units,
 )
-from fuzzyarm.loop.run import checked_arms, require_timing
+from fuzzyarm.loop.run import require_timing
 from fuzzyarm.model.controller import Learn
 from fuzzyarm.plant.plant import Plant, is_compiled
 from fuzzyarm.plant.setting import PLAIN, Arithmetic, Conventions
-from fuzzyarm.plant.trajectory import Schedule, Trajectory
+from fuzzyarm.plant.trajectory import Trajectory
 from fuzzyarm.table import LookupTable
 from fuzzyarm.version import __version__
 
@@ -87,8 +87,8 @@ def train(
     *,
     passes: int = 1,
     every: int | None = None,
-    payload: bool = False,
-    arms: Schedule | None = None,
+    payload: bool | float = False,
+    schedule: Schedule | None = None,
     conventions: Conventions = PLAIN,
     options: Options | None = None,
     connect: Mapping[str, str] | None = None,
@@ -100,13 +100,13 @@ def train(
     controller : CompiledController
         Of a text with a table that learns.
     on : Trajectory or Motion
-        What the arm is to follow, or set points of any plant, see
-        :func:`fuzzyarm.loop.run.plant_motion`.
+        A trajectory of the arm, or set points of any plant, see
+        :func:`fuzzyarm.loop.along.trajectory_motion` and :func:`fuzzyarm.loop.run.plant_motion`.
     passes : int, optional
         How often.
     every : int, optional
         Set points from one snapshot to the next; by default one snapshot for each pass.
-    payload, arms, conventions, options, connect
+    payload, schedule, conventions, options, connect
         See :func:`fuzzyarm.loop.run.simulate`.
 
     Yields
@@ -115,10 +115,20 @@ def train(
         The last one of each pass is complete.
     """
     options = options or Options()
-    motion = on
-    if isinstance(motion, Trajectory):
-        arms = checked_arms(motion, arms, payload=payload, conventions=conventions)
-        motion = arm_motion(motion, arms, conventions, options, timing_of(controller))
+    way = way_of(on)
+    if isinstance(way, Way):
+        assert way.trajectory is not None
+        plant = equipped(way.plant, options)
+        way = trajectory_motion(
+            plant,
+            way.trajectory,
+            controller,
+            conventions,
+            payload=payload,
+            schedule=schedule,
+            connect=connect,
+        )
+    motion = way
     site = site_of(motion.plants[0], connect)
     chosen = controller_on(controller, site)
     require_timing(chosen, motion)
@@ -340,7 +350,7 @@ def reference_words(plant: str, references: Sequence[str], step: float = 1.0) ->
 def trajectory_words(
     name: str, *, payload: bool = False, loaded: Sequence[int] = (), details: Sequence[str] = ()
 ) -> str:
-    """Say along which trajectory of the arm was trained."""
+    """Say along which trajectory was trained."""
     words = [name, *details]
     if payload:
         words.append("with payload")

@@ -16,8 +16,6 @@ from fuzzyarm.controller.on_plant import Site, site_of
 from fuzzyarm.kernels import has_machine_code
 from fuzzyarm.loop.loop import CHANGES, ERRORS, SENSOR, Setting
 from fuzzyarm.loop.reference import AnySignal, AnyTime, Signal, as_seconds, as_signal
-from fuzzyarm.plant.arm import ArmParameters
-from fuzzyarm.plant.driven_arm import ERROR_BOUND, JOINTS, ROOM, Arm
 from fuzzyarm.plant.own import for_runs, start_of
 from fuzzyarm.plant.plant import (
     CLOCK_SIZE,
@@ -32,14 +30,11 @@ from fuzzyarm.plant.plant import (
 from fuzzyarm.plant.setting import (
     CLOCK,
     PLAIN,
-    STUDY_TIMING,
     Arithmetic,
     ArmError,
     Conventions,
     Pair,
-    Timing,
 )
-from fuzzyarm.plant.trajectory import Schedule, Trajectory, sample
 
 Vector = NDArray[np.float64]
 
@@ -97,14 +92,14 @@ class Options:
     Parameters
     ----------
     torque_limits : pair of float, optional
-        Of the arm's joints, N m; infinite by default.
+        Of the joints of a plant that has some, N m; infinite by default.
     inductance : float, optional
-        Of the armatures of the arm's motors, H; none by default.
+        Of the armatures of its motors, H; none by default.
     supply : float, optional
-        Largest voltage at the arm's motors, V; infinite by default.
+        Largest voltage at its motors, V; infinite by default.
     runge_kutta : int, optional
-        Steps of the integrator in each control period; 0 for the study's integrator on the arm,
-        and for as many as the plant needs on others.
+        Steps of the integrator in each control period; 0 for the plant's own integrator, where it
+        has one, and else for as many as it needs.
     disturbance : float, optional
         Largest relative disturbance of each state at each step.
     seed : int, optional
@@ -177,7 +172,7 @@ class Motion:
     block : ndarray of int64, shape (n,)
         Which of the plants each meets.
     plants : tuple of Plant
-        One, or one for each load of the arm.
+        One, or one for each load.
     tracked : tuple of (str, str)
         The outputs whose errors count.
     period, step : float
@@ -187,6 +182,10 @@ class Motion:
     path : ndarray, shape (m, k), optional
         What each tracked output should be in each of the `m` control periods, where set points
         are samples of something that moves on; by default the set points themselves.
+    along : bool, optional
+        Whether it is a trajectory of the plant.
+    carrying : tuple of bool, optional
+        Of each of the plants whether it is one with its load.
     """
 
     name: str
@@ -200,54 +199,13 @@ class Motion:
     step: float
     every: int
     path: Vector | None = None
+    along: bool = False
+    carrying: tuple[bool, ...] = ()
 
     @property
     def sampled(self) -> Vector:
         """Time at which each set point is sampled, s: of its last control period."""
         return np.asarray((np.cumsum(self.iterations) - 1) * self.period, np.float64)
-
-
-def arm_of(arm: ArmParameters, options: Options) -> Arm:
-    """Return the arm with the joints and motors that the options ask for."""
-    return Arm(
-        arm,
-        torque_limits=options.torque_limits,
-        inductance=options.inductance,
-        supply=options.supply,
-    )
-
-
-def arm_motion(
-    trajectory: Trajectory,
-    arms: Schedule,
-    conventions: Conventions,
-    options: Options,
-    timing: Timing = STUDY_TIMING,
-) -> Motion:
-    """Return the set points of a trajectory of the arm, and the arm that each of them meets.
-
-    `timing` is that of the controller, see :func:`fuzzyarm.controller.on_plant.timing_of`; a loop
-    refuses set points that were made for another.
-    """
-    require_points(trajectory.duration, timing.set_point)
-    points = sample(trajectory, conventions, timing)
-    kinds = list(dict.fromkeys(arms))
-    period = step = timing.period
-    if conventions.single:
-        step = float(np.float32(np.float64(np.float32(timing.set_point)) / timing.every))
-    return Motion(
-        trajectory.name,
-        points.time,
-        np.hstack([points.position, points.velocity, points.acceleration]),
-        points.iterations,
-        np.array([kinds.index(arm) for arm in arms])[points.segment],
-        tuple(arm_of(arm, options) for arm in kinds),
-        tuple((joint, "position") for joint in JOINTS),
-        period,
-        step,
-        timing.every,
-        points.path,
-    )
 
 
 MOST_POINTS = 20_000_000
@@ -559,15 +517,18 @@ class Course:
         }
         if not loads:
             return []
-        if isinstance(self.plant, Arm) and any(port == "voltage" for _, port in loads):
-            raise PlantError(
-                "a load of the arm is a torque", name="voltage", hint="joint1.torque=step:-2,1"
-            )
+        taken = self.plant.particulars.disturbed or tuple(self.plant.inputs)
         time = np.arange(self.steps, dtype=np.float64) * self.motion.period
         columns = np.zeros((self.steps, len(self.site.interface.inputs)))
-        for column, port in enumerate(self.site.interface.inputs):
-            if port in loads:
-                columns[:, column] = loads.pop(port).at(time)[0]
+        for (column, port), name in zip(
+            enumerate(self.site.interface.inputs), self.plant.inputs, strict=True
+        ):
+            if port not in loads:
+                continue
+            if name not in taken:
+                message = f"a load of the {self.plant.name} acts on {', '.join(taken)}"
+                raise PlantError(message, name=name, hint=f"{taken[0]}=step:-2,1")
+            columns[:, column] = loads.pop(port).at(time)[0]
         if loads:
             label = self.site.interface.label(next(iter(loads)))
             raise PlantError(f"'{label}' is an output; a load acts on an input", name=label)
@@ -576,10 +537,10 @@ class Course:
     def _checks(self) -> tuple[list[int], list[float]]:
         cells: list[int] = []
         bounds: list[float] = []
-        if isinstance(self.plant, Arm):
-            for port in self.motion.tracked:
+        for port in self.motion.tracked:
+            if self.site.interface.outputs[port].error_bound < math.inf:
                 cells += [self.reference_cell(port), self.output_cell(port)]
-                bounds.append(ERROR_BOUND)
+                bounds.append(self.site.interface.outputs[port].error_bound)
         for port, output in self.site.interface.outputs.items():
             if output.bound < math.inf:
                 cells += [-1, self.output_cell(port)]
@@ -650,5 +611,5 @@ class Course:
         """Return the states at the start, and room for the integrator."""
         generator = np.random.default_rng(self._setting.seed if seed is None else seed)
         start = start_of(self.plant, generator)
-        room = ROOM - len(start) if isinstance(self.plant, Arm) else WORK * len(start)
-        return self._flat([*start, *[0.0] * room])
+        size = self.plant.particulars.room or (1 + WORK) * len(start)
+        return self._flat([*start, *[0.0] * (size - len(start))])

@@ -20,8 +20,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fuzzyarm.controller.controller import Controller
-from fuzzyarm.controller.on_plant import timing_of
 from fuzzyarm.errors import FuzzyarmError, demand_extra
+from fuzzyarm.loop.along import AnyWay, Way, equipped, trajectory_motion, way_of
 from fuzzyarm.loop.blocks import (
     Block,
     Rows,
@@ -31,27 +31,25 @@ from fuzzyarm.loop.blocks import (
     packed,
     unpacked,
 )
-from fuzzyarm.loop.course import Course, Motion, Options, Sensor, arm_motion, arm_of
+from fuzzyarm.loop.course import Course, Motion, Options, Sensor
 from fuzzyarm.loop.metrics import METRICS
 from fuzzyarm.loop.program import shown_units
 from fuzzyarm.loop.reference import AnySignal, AnyTime
 from fuzzyarm.loop.run import (
     AnyController,
-    AnyWay,
     ClosedLoop,
     Run,
     as_controller,
-    as_way,
     judged_names,
     metric_units,
     plant_motion,
+    where,
 )
-from fuzzyarm.plant.arm import LOADED, UNLOADED, carrying
-from fuzzyarm.plant.driven_arm import Arm
 from fuzzyarm.plant.equations import begins_by_itself
+from fuzzyarm.plant.following import carries, with_load
 from fuzzyarm.plant.plant import Plant, parameter, with_parameters
 from fuzzyarm.plant.setting import PLAIN, Conventions
-from fuzzyarm.plant.trajectory import Trajectory, schedule
+from fuzzyarm.plant.trajectory import Trajectory
 from fuzzyarm.text.names import near_hint
 from fuzzyarm.text.shown import one_line
 
@@ -96,6 +94,8 @@ class Many:
     values : ndarray, shape (n, outputs, metrics)
         In the order of ``fuzzyarm.loop.metrics.METRICS``; not a number where a metric does not
         exist.
+    along : bool
+        Whether a trajectory of the plant was followed.
     """
 
     controller: str
@@ -107,6 +107,7 @@ class Many:
     seeds: NDArray[np.int64]
     diverged: Vector
     values: Vector
+    along: bool = False
 
     def __len__(self) -> int:
         return len(self.diverged)
@@ -123,6 +124,11 @@ class Many:
             hint = near_hint(metric, METRICS)[0] or f"one of {', '.join(METRICS)}"
             raise SweepError(f"no metric '{metric}'", name=metric, hint=hint)
         return np.asarray(self.values[:, :, METRICS.index(metric)])
+
+    @property
+    def where(self) -> str:
+        """What the runs were on: a trajectory by its name, references with their plant."""
+        return where(self.plant, self.trajectory, along=self.along)
 
     @property
     def rms(self) -> Vector:
@@ -176,7 +182,7 @@ class Experiment:
     """What all runs share; see :func:`simulate_many`. It travels as it is."""
 
     controller: Controller
-    on: Trajectory | Plant | Motion
+    on: Way | AnyWay
     segments: tuple[int, ...] | None = None
     shared: Changes = field(default_factory=dict)
     conventions: Conventions = PLAIN
@@ -184,6 +190,13 @@ class Experiment:
     references: Mapping[str, AnySignal] | None = None
     duration: AnyTime | None = None
     connect: Mapping[str, str] | None = None
+
+    @property
+    def way(self) -> Way | Motion:
+        """What is followed."""
+        if isinstance(self.on, Way):
+            return self.on
+        return way_of(self.on, referred=bool(self.references) or self.duration is not None)
 
 
 class Bench:
@@ -203,31 +216,41 @@ class Bench:
     """
 
     def __init__(self, experiment: Experiment, names: Sequence[str]) -> None:
-        if "payload" in names and isinstance(experiment.on, Trajectory):
+        way = experiment.way
+        carrying = isinstance(way, Way) and way.trajectory is not None and carries(way.plant)
+        if "payload" in names and carrying:
             # A run that does not say its load has none, unless all are said to have one.
             shared = {"payload": 0.0, **experiment.shared}
             experiment = replace(experiment, shared=shared)
         self.experiment = experiment
-        controller, on = experiment.controller, experiment.on
+        controller = experiment.controller
         conventions, options = experiment.conventions, experiment.options
-        # Which of the plants of the motion is the arm with its load.
-        self.loaded: tuple[bool, ...] = ()
-        if isinstance(on, Trajectory):
-            self.payload = "payload" in names or bool(experiment.shared.get("payload"))
-            arms = schedule(
-                on,
-                payload=self.payload,
+        if isinstance(way, Way):
+            way = way._replace(plant=equipped(way.plant, options))
+        self.way = way
+        if isinstance(way, Motion):
+            self.motion = way
+        elif way.trajectory is None:
+            self.motion = plant_motion(
+                controller,
+                way.plant,
+                experiment.references,
+                experiment.duration,
+                experiment.connect,
+            )
+        else:
+            self.motion = trajectory_motion(
+                way.plant,
+                way.trajectory,
+                controller,
+                conventions,
+                payload="payload" in names or bool(experiment.shared.get("payload")),
                 segments=experiment.segments,
-                conventions=conventions,
+                connect=experiment.connect,
             )
-            self.loaded = tuple(arm is LOADED for arm in dict.fromkeys(arms))
-            on = arm_motion(on, arms, conventions, options, timing_of(controller))
-        elif isinstance(on, Plant):
-            on = plant_motion(
-                controller, on, experiment.references, experiment.duration, experiment.connect
-            )
-        self.loop = ClosedLoop(controller, on, conventions, options, experiment.connect)
-        self.motion = on
+        # Which of the plants of the motion carries the load.
+        self.loaded = self.motion.carrying if carrying else ()
+        self.loop = ClosedLoop(controller, self.motion, conventions, options, experiment.connect)
         self.owners = {
             name: self._owner(name) for name in dict.fromkeys([*experiment.shared, *names])
         }
@@ -276,7 +299,7 @@ class Bench:
             return name
         if name == "payload" and self.loaded:
             if not any(self.loaded):
-                message = "the arm carries nothing on this trajectory"
+                message = f"the {self.motion.plants[0].name} carries nothing on this trajectory"
                 raise SweepError(message, name=name, hint="--loaded says in which segments it does")
             return name
         kind, dot, port = name.partition(".")
@@ -325,14 +348,13 @@ class Bench:
         }
         if not parameters and "payload" not in changes:
             return None
-        if not self.loaded:
-            return tuple(with_parameters(plant, parameters) for plant in self.motion.plants)
-        # What is given of the arm holds with a load, too.
-        heavy = carrying(float(changes.get("payload", 1.0)))
-        kinds = [heavy if loaded else UNLOADED for loaded in self.loaded]
-        if parameters:
-            kinds = [replace(kind, **parameters) for kind in kinds]
-        return tuple(arm_of(kind, self.experiment.options) for kind in kinds)
+        plants: Sequence[Plant] = self.motion.plants
+        if self.loaded:
+            assert isinstance(self.way, Way)
+            share, bare = float(changes.get("payload", 1.0)), self.way.plant
+            plants = [with_load(bare, share) if loaded else bare for loaded in self.loaded]
+        # What is given of the plant holds with its load, too.
+        return tuple(with_parameters(plant, parameters) for plant in plants)
 
     def rows(
         self, first: int, changes: Columns, count: int, stop: threading.Event | None = None
@@ -407,7 +429,7 @@ def owner_of(name: str, controller: Controller, plant: Plant) -> str | None:
 
 def _refuse(name: str, controller: Controller, plant: Plant) -> NoReturn:
     gains = controller.gains
-    known = [*gains, *plant.parameters, "seed", *(["payload"] if plant.name == Arm.name else [])]
+    known = [*gains, *plant.parameters, "seed", *(["payload"] if carries(plant) else [])]
     hint = near_hint(name, known)[0] or f"there are {', '.join(known)}, noise.PORT"
     message = f"neither {controller.name} nor the {plant.name} has '{name}'"
     raise SweepError(message, name=name, hint=hint)
@@ -462,6 +484,7 @@ def simulate_many(
     *,
     executor: Executor | None = None,
     workers: int | None = None,
+    along: Trajectory | str | None = None,
     payload: bool | float = False,
     segments: Sequence[int] | None = None,
     shared: Changes | None = None,
@@ -486,17 +509,19 @@ def simulate_many(
         Of each run what differs, by name: gains of the controller (one number, or one for each
         axis), parameters of the plant (``plant.NAME`` where the controller has the name, too),
         ``noise.PORT``, ``delay.PORT`` and ``resolution.PORT`` of sensors, ``disturbance``,
-        ``seed``; on the arm ``payload``: the load as a share of the study's, 0 for none. A mapping
-        has arrays with an entry for each run.
+        ``seed``; along a trajectory of a plant that carries a load ``payload``: a share of it, 0
+        for none. A mapping has arrays with an entry for each run.
     executor : Executor, optional
         Any of :mod:`concurrent.futures`, as of loky, Dask (``client.get_executor()``) or mpi4py.
     workers : int, optional
         How many run at a time: by default one for each processor of this machine, or as many as
         `executor` says that it has.
+    along : Trajectory or str, optional
+        See :func:`fuzzyarm.loop.run.simulate`.
     payload : bool or float, optional
         The load of runs that do not say another.
     segments : sequence of int, optional
-        In which the arm carries its load, counted from 1; by default as the trajectory says.
+        In which the plant carries its load, counted from 1; by default as the trajectory says.
     shared : dict, optional
         Changes of all runs.
     conventions, options, references, duration, connect
@@ -524,6 +549,7 @@ def simulate_many(
     experiment = experiment_of(
         controller,
         on,
+        along=along,
         payload=payload,
         segments=segments,
         shared=shared,
@@ -547,6 +573,7 @@ def experiment_of(
     controller: AnyController,
     on: AnyWay,
     *,
+    along: Trajectory | str | None = None,
     payload: bool | float = False,
     segments: Sequence[int] | None = None,
     shared: Changes | None = None,
@@ -558,7 +585,8 @@ def experiment_of(
     if payload or segments is not None:
         shared.setdefault("payload", float(payload or 1.0))
     found = as_controller(controller)
-    way = as_way(on, along=not others.get("references"))
+    referred = bool(others.get("references")) or others.get("duration") is not None
+    way = way_of(on, along, referred=referred)
     chosen = tuple(segments) if segments is not None else None
     return Experiment(found, way, chosen, shared, options=options or Options(), **others)
 
@@ -576,6 +604,7 @@ def many_of(bench: Bench, changes: Columns, rows: Rows) -> Many:
         seeds_of(bench, changes, count),
         rows[:, 0],
         rows[:, 1:].reshape(count, len(bench.outputs), len(METRICS)),
+        bench.motion.along,
     )
 
 

@@ -23,16 +23,16 @@ from fuzzyarm.controller.on_plant import (
     site_of,
     text_law_of,
     timed,
-    timing_of,
+    timing_on,
 )
 from fuzzyarm.controller.program import SourceError
 from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.errors import demand_extra
+from fuzzyarm.loop.along import AnyWay, Schedule, Way, equipped, trajectory_motion, way_of
 from fuzzyarm.loop.course import (
     Course,
     Motion,
     Options,
-    arm_motion,
     delay_notes,
     motion,
     range_notes,
@@ -51,8 +51,6 @@ from fuzzyarm.loop.program import (
     shown_units,
 )
 from fuzzyarm.loop.reference import AnySignal, AnyTime, Signal, as_seconds, as_signals
-from fuzzyarm.plant.driven_arm import Arm
-from fuzzyarm.plant.own import find_plant
 from fuzzyarm.plant.plant import (
     Address,
     Plant,
@@ -61,10 +59,9 @@ from fuzzyarm.plant.plant import (
 from fuzzyarm.plant.setting import (
     PLAIN,
     SET_POINT_PERIOD,
-    ArmError,
     Conventions,
 )
-from fuzzyarm.plant.trajectory import Schedule, Trajectory, reach_return, schedule
+from fuzzyarm.plant.trajectory import Trajectory
 from fuzzyarm.plant.tried import require_sound
 from fuzzyarm.text.mistaken import CONTROLLER, wrong_kind
 from fuzzyarm.text.shown import Plotted, one_line
@@ -116,7 +113,7 @@ class Run(Plotted):
     drive_units : mapping of str to str
         Of each drive.
     loaded : tuple of bool
-        Of each sample, whether the arm carries another load than at the start.
+        Of each sample, whether the plant carries another load than at the start.
     diverged : float or None
         When the run was stopped because it had diverged, s.
     seconds : float
@@ -146,12 +143,14 @@ class Run(Plotted):
     output_units : mapping of str to str
         Of `outputs` and `wanted`.
     driven : tuple of str
-        Which of `drives` the controller moves, alone or through the motors of the arm; a metric of
+        Which of `drives` the controller moves, alone or through motors of the plant; a metric of
         drives is of these. All where it is empty.
     cause : str
         Of a run that diverged: what was beyond its bound, or not a number.
     notes : tuple of str
         What was taken otherwise than it was asked for, in sentences.
+    along : bool
+        Whether it followed a trajectory of the plant.
     """
 
     controller: str
@@ -164,7 +163,7 @@ class Run(Plotted):
     seconds: float
     compiled: bool
     memory: list[float]
-    plant: str = "arm"
+    plant: str = ""
     axes: tuple[str, ...] = ()
     labels: tuple[str, ...] = ()
     units: tuple[str, ...] = ()
@@ -186,6 +185,7 @@ class Run(Plotted):
     driven: tuple[str, ...] = ()
     cause: str = ""
     notes: tuple[str, ...] = ()
+    along: bool = False
 
     def __repr__(self) -> str:
         errors = zip(self.labels, self.rms, self.units, strict=True)
@@ -217,9 +217,15 @@ class Run(Plotted):
         return signed_maximum(self.errors, self.conventions.maximum)
 
     @property
+    def where(self) -> str:
+        """What it ran on: a trajectory by its name, references with their plant."""
+        return where(self.plant, self.trajectory, along=self.along)
+
+    @property
     def torques(self) -> Vector:
-        """Torques of the arm's joints, shape (n, 2), N m."""
-        return np.column_stack([self.drives["joint1.torque"], self.drives["joint2.torque"]])
+        """Torques, of the axes of a plant that has some, shape (n, k), N m."""
+        torques = {name for name in self.drives if name.rpartition(".")[2] == "torque"}
+        return np.column_stack([self.drives[name] for name in self.drives if name in torques])
 
     @property
     def metrics(self) -> dict[str, Metrics]:
@@ -257,6 +263,11 @@ class Run(Plotted):
         return {**wanted, **self.outputs, **self.drives}
 
 
+def where(plant: str, trajectory: str, *, along: bool) -> str:
+    """Return in words on what was run; see :attr:`Run.where`."""
+    return trajectory if along else f"{plant}, {trajectory}"
+
+
 class Judged(NamedTuple):
     """Errors and chatter of a run; see :attr:`Run.rms` and :attr:`Metrics.chatter`.
 
@@ -278,36 +289,37 @@ class Judged(NamedTuple):
 AnyController = Controller | ControllerText | str | os.PathLike[str]
 """A controller, or the name or the file of one."""
 
-AnyWay = Trajectory | Plant | Motion | str | os.PathLike[str]
-"""What the arm follows, or a plant, or the name or the file of one."""
-
 
 def simulate(
     controller: AnyController,
     on: AnyWay,
     *,
-    payload: bool = False,
-    arms: Schedule | None = None,
+    along: Trajectory | str | None = None,
+    payload: bool | float = False,
+    schedule: Schedule | None = None,
     conventions: Conventions = PLAIN,
     options: Options | None = None,
     references: Mapping[str, AnySignal] | None = None,
     duration: AnyTime | None = None,
     connect: Mapping[str, str] | None = None,
 ) -> Run:
-    """Run a controller along a trajectory of the arm, or on any plant.
+    """Run a controller on a plant, along a trajectory or references.
 
     Parameters
     ----------
     controller : Controller, ControllerText, str or path-like
-        Any on the arm, where sums of compiled ones run as machine code; on other plants
-        controllers as text. A string is a name of the catalogue or a file.
+        One that the plant has the ports of; laws of the study ask for those of the arm. Sums of
+        compiled ones run as machine code. A string is a name of the catalogue or a file.
     on : Trajectory, Plant, Motion, str or path-like
-        What the arm is to follow, the plant, or set points that were made before. A string is
-        the name or file of a plant; the arm follows ``reach_return()`` where nothing else is said.
-    payload : bool, optional
-        Whether the arm carries its load where the trajectory says.
-    arms : tuple of ArmParameters, optional
-        One arm for each segment, instead.
+        The plant; a trajectory of the arm; or set points that were made before. A string is the
+        name or file of a plant, which follows its first trajectory, where it has some and nothing
+        else is said.
+    along : Trajectory or str, optional
+        What the plant is to follow, or the name of one of its trajectories.
+    payload : bool or float, optional
+        Whether the plant carries its load where the trajectory says, or which share of it.
+    schedule : sequence of mapping, optional
+        What of the parameters of the plant differs in each segment, instead of its load.
     conventions : Conventions, optional
         Precision, π, timing.
     options : Options, optional
@@ -328,7 +340,7 @@ def simulate(
     Raises
     ------
     ArmError
-        If `arms` does not fit the segments.
+        If an angle, a time or a schedule does not fit the trajectory.
     PlantError
         If the plant does not have a port, or cannot be run.
     SourceError
@@ -345,21 +357,22 @@ def simulate(
     """
     options = options or Options()
     chosen = as_controller(controller)
-    on = as_way(on, along=not references)
-    if isinstance(on, Trajectory):
-        arms = checked_arms(on, arms, payload=payload, conventions=conventions)
-        on = arm_motion(on, arms, conventions, options, timing_of(chosen))
-    elif isinstance(on, Plant):
-        on = plant_motion(chosen, on, references, duration, connect)
-    return run_along(chosen, on, conventions, options, connect)
-
-
-def as_way(on: AnyWay, *, along: bool) -> Trajectory | Plant | Motion:
-    """Return what a name stands for; with `along` the arm follows its trajectory."""
-    if isinstance(on, Trajectory | Plant | Motion):
-        return on
-    plant = find_plant(on)
-    return reach_return() if isinstance(plant, Arm) and along else plant
+    way = way_of(on, along, referred=bool(references) or duration is not None)
+    if isinstance(way, Way):
+        plant = equipped(way.plant, options)
+        if way.trajectory is None:
+            way = plant_motion(chosen, plant, references, duration, connect)
+        else:
+            way = trajectory_motion(
+                plant,
+                way.trajectory,
+                chosen,
+                conventions,
+                payload=payload,
+                schedule=schedule,
+                connect=connect,
+            )
+    return run_along(chosen, way, conventions, options, connect)
 
 
 def as_controller(controller: AnyController) -> Controller:
@@ -402,11 +415,9 @@ def plant_motion(
     signals = as_signals(references)
     if not signals:
         signals = {site.interface.label(followed_by(chosen, site)): step or Signal("step", (1.0,))}
-    own_timing(chosen)  # tells where addends differ in it
-    clock = next(filter(None, map(timed, chosen.parts())), None)
-    if clock is None:
-        hint = "write  period = 0.01  into its class, in s"
-        raise SourceError(f"{controller.name} does not say how often it runs", hint=hint)
+    timing = timing_on(chosen, site)
+    # As it is written, where it is: Timing has the period of a set point.
+    clock = next(filter(None, map(timed, chosen.parts())), timing)
     if duration is None:
         duration = plant.duration or 1000 * clock.period * clock.every
     return motion(plant, signals, as_seconds(duration, "duration"), clock.period, clock.every)
@@ -648,6 +659,7 @@ class ClosedLoop:
             rms_periods=shown_means(course, record, HELD),
             rms_path=shown_means(course, record, LED),
             output_units={label(port): each.unit for port, each in interface.outputs.items()},
+            along=followed.along,
             notes=self.notes(course) + (() if over or stopped is None else _coarse(course)),
         )
 
@@ -664,6 +676,9 @@ class ClosedLoop:
                 return f"an output, {label(port)}, that is not a number"
             if not abs(value) <= output.bound:
                 return f"{label(port)} at {value:.4g}, beyond its bound of {output.bound:g}"
+            error = board[self.course.reference_cell(port)] - value
+            if port in self.course.motion.tracked and not abs(error) <= output.error_bound:
+                return f"an error of {label(port)} of {error:.4g}, beyond {output.error_bound:.4g}"
         return "an output beyond its bound or not a number"
 
     def notes(self, course: Course | None = None) -> tuple[str, ...]:
@@ -681,9 +696,8 @@ class ClosedLoop:
                     f"nothing in {self.controller.name} is called '{name}': "
                     f"that it is joined to {port} changes nothing"
                 )
-        idle = set(site.interface.axes) - {axis for axis, _ in course.driven}
-        if isinstance(course.plant, Arm):
-            notes += [f"nothing drives {axis}" for axis in sorted(idle)]
+        idle = {axis for axis, _ in site.interface.inputs} - {axis for axis, _ in course.driven}
+        notes += [f"nothing drives {axis}" for axis in sorted(idle)]
         return tuple(notes)
 
     def _limits(self, program: Program) -> dict[str, tuple[float, float]]:
@@ -743,29 +757,3 @@ def require_timing(controller: Controller, followed: Motion) -> None:
             f"{controller.name} runs every {own.period:g} s with a set point every {own.every}, "
             f"and these set points are for {followed.period:g} s and {followed.every}"
         )
-
-
-def checked_arms(
-    trajectory: Trajectory,
-    arms: Schedule | None,
-    *,
-    payload: bool,
-    conventions: Conventions,
-) -> Schedule:
-    """Return `arms`, or by default those of the trajectory; one for each segment.
-
-    Raises
-    ------
-    ArmError
-        If `arms` does not fit the segments.
-    """
-    if arms is None:
-        arms = schedule(trajectory, payload=payload, conventions=conventions)
-    if len(arms) != len(trajectory.segments):
-        raise ArmError(
-            f"a payload schedule of {len(arms)} arms does not fit the "
-            f"{len(trajectory.segments)} segments of '{trajectory.name}'",
-            name="arms",
-            value=len(arms),
-        )
-    return arms

@@ -43,12 +43,12 @@ class PlantWords:
     seed, runge_kutta : int, optional
         Of noise and disturbance; steps of the integrator in a control period.
     limits : sequence of float or None, optional
-        Largest torques of the arm, N m.
+        Largest torques of the joints, N m.
     supply, inductance : float or None, optional
-        Of the arm's motors, V and H.
+        Of the motors, V and H.
     """
 
-    plant: str = "arm"
+    plant: str = ""
     connect: Sequence[str] = ()
     duration: str | None = None
     step: float | None = None
@@ -123,7 +123,7 @@ class PlantWords:
         return Options(**given, **self.motors())
 
     def motors(self) -> dict[str, Any]:
-        """Return what is said of the arm's joints and motors, by the names of options of a run."""
+        """Return what is said of joints and motors, by the names of options of a run."""
         given: dict[str, Any] = {}
         if self.limits is not None:
             given["torque_limits"] = tuple(self.limits)
@@ -133,7 +133,7 @@ class PlantWords:
         return given
 
     def motion(self, controller: Controller, plant: Plant) -> Motion:
-        """Return the set points of a plant other than the arm.
+        """Return the set points of a plant that follows references.
 
         Raises
         ------

@@ -40,8 +40,7 @@ from fuzzyarm.inference.row_functions import (
 from fuzzyarm.kernels import key_of, letters_of
 from fuzzyarm.loop.loop import LOOP_ARRAYS, run_loop
 from fuzzyarm.model.rulebase import Hedge
-from fuzzyarm.plant.driven_arm import Arm
-from fuzzyarm.plant.library import LIBRARY
+from fuzzyarm.plant.own import PLANTS
 from fuzzyarm.plant.plant import ARRAYS as PLANT_ARRAYS
 from fuzzyarm.plant.plant import BY_PROGRAM, dynamics_of, run_plant
 from fuzzyarm.plant.setting import Arithmetic, stored_double, stored_single
@@ -138,8 +137,7 @@ def _plants() -> Iterator[Root]:
         found.append(Root(function, letters_of(PLANT_ARRAYS), bindings))
         return 0
 
-    plants = [make() for make in LIBRARY.values()]
-    plants += [Arm(), Arm(inductance=1e-3)]
+    plants = [plant for kind in PLANTS.values() for plant in kind.variants()]
     for single in (False, True):
         arithmetic = Arithmetic(single)
         for plant in plants:

@@ -96,31 +96,6 @@ LOADED = ArmParameters(m_1=3.0, m_2=3.0, x_1=0.15, x_2=0.16, I_1=1.5)
 """The arm that has picked up its load (Table 4.3.1.2)."""
 
 
-def carrying(load: float) -> ArmParameters:
-    """Return the arm with some of its load.
-
-    Parameters
-    ----------
-    load : float
-        0 for none, 1 for the load of the study; each parameter changes in proportion.
-
-    Raises
-    ------
-    ArmError
-        If it is negative or not finite.
-    """
-    if not 0.0 <= load < math.inf:
-        hint = "0 (none), 1 (the study's) or more"
-        message = f"a payload of {load:g} is out of range"
-        raise ArmError(message, name="payload", value=load, hint=hint)
-    values = {}
-    for field in fields(ArmParameters):
-        light, heavy = getattr(UNLOADED, field.name), getattr(LOADED, field.name)
-        # Exact at both ends, where a difference would leave its rounding.
-        values[field.name] = (1.0 - load) * light + load * heavy
-    return ArmParameters(**values)
-
-
 ESTIMATE = ArmParameters(m_1=1.0, m_2=1.0, x_1=0.11, x_2=0.12, I_1=0.05, I_2=0.05, F_1=2.0, F_2=2.0)
 """What adaptive controllers believe at a warm start (Table 5.2.2)."""
 

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Sequence
+from copy import copy
 from dataclasses import fields
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.kernels import kernel
 from fuzzyarm.plant.arm import (
+    LOADED,
     PLANT_SIZE,
     RATIOS,
     RESISTANCE,
@@ -29,8 +31,10 @@ from fuzzyarm.plant.plant import (
     ADVANCE,
     MEASURE,
     Address,
+    DriveOptions,
     Dynamics,
     Parameter,
+    Particulars,
     Plant,
     Port,
     parameter,
@@ -46,6 +50,7 @@ from fuzzyarm.plant.setting import (
     stored_double,
     stored_single,
 )
+from fuzzyarm.plant.trajectory import TRAJECTORIES, Trajectory, through
 
 JOINTS = ("joint1", "joint2")
 
@@ -54,6 +59,21 @@ ERROR_BOUND = 20.0 * math.pi
 
 SPEED_BOUND = 1e5
 """So has a joint faster than this, rad/s."""
+
+FARTHEST = 60.0
+"""Largest angle of a way point that is drawn, degrees."""
+
+PACES = (15.0, 25.0)
+"""Mean speeds of the longest part of a drawn move, degrees a second; the study's moves have 18 and
+22.5. Faster ones ask for more voltage than the motors have, and tell nothing of a controller."""
+
+UNLIMITED = (math.inf, math.inf)
+"""Torque limits of the study's joints: none."""
+
+POSITION = Port("rad", -2 * math.pi, 2 * math.pi, bound=math.inf, error_bound=ERROR_BOUND)
+
+ROOM = 10
+"""Numbers of the states and of the room behind them, see the kernels."""
 
 POSES = 4
 """Outputs behind the ports: cos θ1, sin θ2, cos θ2, cos(θ1 + θ2), which the laws share."""
@@ -76,18 +96,39 @@ class Arm(Plant):
     """
 
     name = "arm"
-    extra = POSES
     longest_step = STUDY_TIMING.period
     summary = "the study's two-link arm: torque or motor voltage to joint positions"
+    trajectories = TRAJECTORIES
+    compared_along = ("reach-return", "pick-and-place")
 
     def __init__(
         self,
         arm: ArmParameters = UNLOADED,
         *,
-        torque_limits: Pair = (math.inf, math.inf),
+        torque_limits: Pair = UNLIMITED,
         inductance: float = 0.0,
         supply: float = math.inf,
     ) -> None:
+        self._equip(torque_limits, inductance, supply)
+        self.outputs = {
+            f"{joint}.{port.rpartition(' ')[2]}": given
+            for port, given in (
+                ("position", POSITION),
+                ("velocity", Port("rad/s", -10.0, 10.0, rate_of="position", bound=SPEED_BOUND)),
+            )
+            for joint in JOINTS
+        }
+        values = {each.name: getattr(arm, each.name) for each in fields(ArmParameters)}
+        self.parameters = {name: Parameter(value, UNITS[name]) for name, value in values.items()}
+        # What is given of the arm holds with its load, too.
+        self.loaded_parameters = {
+            name: getattr(LOADED, name)
+            for name, value in values.items()
+            if value == getattr(UNLOADED, name)
+        }
+
+    def _equip(self, torque_limits: Pair, inductance: float, supply: float) -> None:
+        """Give it joints and motors."""
         self.torque_limits = torque_limits
         self.inductance = inductance
         self.supply = supply
@@ -96,21 +137,34 @@ class Arm(Plant):
             **{f"{joint}.torque": Port("N m", -limit, limit) for joint, limit in torques},
             **{f"{joint}.voltage": Port("V", -supply, supply) for joint in JOINTS},
         }
-        self.outputs = {
-            f"{joint}.{port.rpartition(' ')[2]}": given
-            for port, given in (
-                ("position", Port("rad", -2 * math.pi, 2 * math.pi, bound=math.inf)),
-                ("velocity", Port("rad/s", -10.0, 10.0, rate_of="position", bound=SPEED_BOUND)),
-            )
-            for joint in JOINTS
-        }
         self.states = {"q_1": "rad", "q_2": "rad", "v_1": "rad/s", "v_2": "rad/s"}
         if inductance > 0.0:
             self.states |= {"i_1": "A", "i_2": "A"}
-        self.parameters = {
-            each.name: Parameter(getattr(arm, each.name), UNITS[each.name])
-            for each in fields(ArmParameters)
-        }
+
+    def with_options(self, options: DriveOptions) -> Self:
+        """Return it with the joints and motors that the options of a run ask for."""
+        limits, inductance, supply = options.torque_limits, options.inductance, options.supply
+        if (limits, inductance, supply) == (UNLIMITED, 0.0, math.inf):
+            return self
+        other = copy(self)
+        other._equip(
+            self.torque_limits if limits == UNLIMITED else limits,
+            inductance or self.inductance,
+            self.supply if supply == math.inf else supply,
+        )
+        return other
+
+    @classmethod
+    def variants(cls) -> Sequence[Plant]:
+        """Return the arm of the study, and one whose motors have inductance."""
+        return [cls(), cls(inductance=1e-3)]
+
+    def random_trajectory(self, rng: np.random.Generator) -> Trajectory:
+        """Draw two or three way points and a pace."""
+        points = np.round(rng.uniform(-FARTHEST, FARTHEST, (int(rng.integers(2, 4)), 2)))
+        longest = np.abs(np.diff(points, axis=0, prepend=np.zeros((1, 2)))).max()
+        duration = round(max(float(longest / rng.uniform(*PACES)), 1.0), 2)
+        return through([(float(a), float(b)) for a, b in points], duration, hold=0.5)
 
     @property
     def arm(self) -> ArmParameters:
@@ -149,6 +203,14 @@ class Arm(Plant):
             held["torques_later"] = torques_of_armatures
         return Dynamics(address(run_arm, **held), actuates=True, extra=POSES)
 
+    particulars = Particulars(
+        extra=POSES,
+        room=ROOM,
+        disturbed=tuple(f"{joint}.torque" for joint in JOINTS),
+        options=("torque_limits", "inductance", "supply", "conventions", "precision", "pi"),
+        opponent=("pd-motor.frb", "K_p", "K_d"),
+    )
+
 
 # --- Its kernels ---
 #
@@ -167,9 +229,6 @@ CURRENTS = 4
 
 ASKED, MADE = 6, 8
 """Torques that were asked for beside the voltages; torques that driving made of both."""
-
-ROOM = 10
-"""Numbers of x."""
 
 # A control period that is longer than the study's is divided, and the motors' torques follow the
 # velocity from step to step, at the voltage of the period.

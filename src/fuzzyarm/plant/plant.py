@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,9 @@ from fuzzyarm.plant.equations import compiled_by_numba, has_numba, traced
 from fuzzyarm.plant.setting import Arithmetic
 from fuzzyarm.text.names import near_hint
 from fuzzyarm.text.shown import one_line
+
+if TYPE_CHECKING:
+    from fuzzyarm.plant.trajectory import Trajectory
 
 
 class PlantError(FuzzyarmError, ValueError):
@@ -56,6 +59,8 @@ class Port:
         follows from the reference of the port.
     bound : float, optional
         Of an output: beyond this magnitude the run has diverged.
+    error_bound : float, optional
+        Of an output that follows: beyond this error the run has diverged, too.
     """
 
     unit: str = "1"
@@ -64,13 +69,14 @@ class Port:
     slew: float = math.inf
     rate_of: str = ""
     bound: float = 1e9
+    error_bound: float = math.inf
 
     def __post_init__(self) -> None:
         unit: object = self.unit
         if not isinstance(unit, str):
             hint = f'its unit stands first:  Port("1", {unit}, {self.low})'
             raise PlantError(f"a port has the unit {unit!r}, not a text", hint=hint)
-        for name in ("low", "high", "slew", "bound"):
+        for name in ("low", "high", "slew", "bound", "error_bound"):
             value = getattr(self, name)
             if isinstance(value, bool) or not isinstance(value, int | float | np.number):
                 raise PlantError(f"{name} of a port is {value!r}, not a number", name=name)
@@ -100,6 +106,34 @@ class Parameter:
     meaning: str = ""
 
 
+@dataclass(frozen=True)
+class Particulars:
+    """What a plant that brings its own kernels has that others have not.
+
+    Attributes
+    ----------
+    extra : int
+        Numbers behind its outputs that laws are told and that are not ports.
+    room : int
+        Numbers of its states and of the room behind them; 0 for what Runge-Kutta steps need.
+    disturbed : tuple of str
+        Inputs to which loads may be added; all where it is empty.
+    options : tuple of str
+        Options of a run that it knows beside those of every plant: ``torque_limits``,
+        ``inductance``, ``supply``; ``conventions``, ``precision``, ``pi``, where its kernels round
+        what they store.
+    opponent : tuple of str
+        A shipped linear controller, and its gains: what tuned controllers without rules have to
+        beat.
+    """
+
+    extra: int = 0
+    room: int = 0
+    disturbed: tuple[str, ...] = ()
+    options: tuple[str, ...] = ()
+    opponent: tuple[str, ...] = ()
+
+
 # --- What a user writes ---
 
 
@@ -126,6 +160,14 @@ class Plant:
         Longest step of the integrator, s; a longer control period is divided.
     duration : float or None
         Of a run where nothing else is asked for, s.
+    trajectories : mapping of str to Trajectory or callable
+        What it can follow besides references, by name; the first where nothing else is asked
+        for. A function makes one of its arguments ``angles``, ``segment`` and ``hold``, those
+        that it has.
+    compared_along : tuple of str
+        Trajectories by which controllers are compared and tuned; all where it is empty.
+    loaded_parameters : mapping of str to float
+        Those with the load that it carries where a trajectory says so; others stay.
     ended : bool
         Set by a plant in plain Python when it is over by itself, as an episode is; the run ends
         there.
@@ -154,9 +196,10 @@ class Plant:
     parameters: Mapping[str, Parameter | float] = MappingProxyType({})
     longest_step: float = math.inf
     duration: float | None = None
+    trajectories: Mapping[str, Trajectory | Callable[..., Trajectory]] = MappingProxyType({})
+    compared_along: tuple[str, ...] = ()
+    loaded_parameters: Mapping[str, float] = MappingProxyType({})
     ended: bool = False
-    extra: ClassVar[int] = 0
-    """Numbers behind its outputs that its own laws are told and that are not ports."""
 
     def __repr__(self) -> str:
         ports = f"{', '.join(self.inputs) or 'nothing'} → {', '.join(self.outputs) or 'nothing'}"
@@ -177,8 +220,39 @@ class Plant:
     measure: Callable[..., Sequence[float]] | None = None
     """``measure(t, x, u, p)``: the outputs; by default the first states."""
 
+    random_trajectory: Callable[[np.random.Generator], Trajectory] | None = None
+    """``random_trajectory(rng)``: a move to tune on; by default one to compare along, scaled."""
+
     dynamics: Callable[..., Dynamics] | None = None
     """Of a plant that brings its own kernels, see :func:`dynamics_of`."""
+
+    particulars: ClassVar[Particulars] = Particulars()
+    """What such a plant has that others have not."""
+
+    def with_options(self, options: DriveOptions) -> Self:
+        """Return it with the drives that the options of a run ask for."""
+        return self
+
+    @classmethod
+    def variants(cls) -> Sequence[Plant]:
+        """Return a plant of this class for each kernel that it has."""
+        return [cls()]
+
+
+class DriveOptions(Protocol):
+    """What the options of a run say of the drives of a plant that knows them."""
+
+    @property
+    def torque_limits(self) -> tuple[float, float]:
+        """Largest torques, N m."""
+
+    @property
+    def inductance(self) -> float:
+        """Of each armature, H."""
+
+    @property
+    def supply(self) -> float:
+        """Largest voltage at a motor, V."""
 
 
 # --- How controllers see it ---
@@ -532,14 +606,14 @@ def dynamics_of(
     arithmetic : Arithmetic
         Of the run.
     finely : bool, optional
-        Whether the arm is to move by Runge-Kutta steps, as all others do.
+        Whether one with an integrator of its own is to move by Runge-Kutta steps, as all others.
     address : callable, optional
         Who is asked for the address of a function with bindings; by default
         :func:`fuzzyarm.kernels.address_of`.
     """
     if address is None:
         address = _address_in(arithmetic)
-    if plant.dynamics is not None:  # the arm, whose numerics are those of the study
+    if plant.dynamics is not None:
         return plant.dynamics(arithmetic, address, finely=finely)
     if arithmetic.compiled and is_traced(plant):
         return Dynamics(address(run_plant, **BY_PROGRAM[plant.measure is not None]))
@@ -609,7 +683,7 @@ def with_actuators(plant: Plant, actuators: Mapping[str, Port]) -> Plant:
 
 
 def with_parameters(plant: Plant, values: Mapping[str, float]) -> Plant:
-    """Return a plant with some parameters changed.
+    """Return a plant with some parameters changed; what is set holds with its load, too.
 
     Raises
     ------
@@ -624,4 +698,7 @@ def with_parameters(plant: Plant, values: Mapping[str, float]) -> Plant:
         changed[name] = replace(old, value=float(value))
     other = copy(plant)
     other.parameters = changed
+    if plant.loaded_parameters is not Plant.loaded_parameters:
+        others = plant.loaded_parameters.items()
+        other.loaded_parameters = {name: value for name, value in others if name not in values}
     return other

@@ -1,14 +1,14 @@
-"""Trajectories, and which arm each set point meets (section 4.1).
+"""Trajectories: quintic segments from rest to rest, holds and way points (section 4.1).
 
-Quintic segments from rest to rest, holds and way points; the load changes the arm at
-segment boundaries.
+A plant follows them with the outputs that it says; the load, where there is one, changes its
+parameters at the boundaries of segments.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import pairwise
 
@@ -32,7 +32,10 @@ LARGEST_ANGLE = 3600.0
 """Ten turns; more is taken for a slip of the pen, degrees."""
 
 LONGEST = 600.0
-"""Longest segment, s."""
+"""Longest segment whose time is added up as the study does, s."""
+
+Point = tuple[float, ...]
+"""A number for each output that follows: degrees of an angle, else in the unit of the port."""
 
 
 @dataclass(frozen=True)
@@ -41,35 +44,42 @@ class Segment:
 
     Parameters
     ----------
-    start, end : pair of float
-        Nominal joint angles, degrees; equal for a hold.
+    start, end : tuple of float
+        Of each output that follows: nominal angles in degrees, else in the unit of the port;
+        equal for a hold.
     duration : float
         s.
     hold : bool, optional
         Whether the set point stays where it is.
+
+    Raises
+    ------
+    ArmError
+        If a number is not finite, or there are not as many at the end as at the start.
     """
 
-    start: Pair
-    end: Pair
+    start: Point
+    end: Point
     duration: float
     hold: bool = False
 
     def __post_init__(self) -> None:
-        for angle in (*self.start, *self.end):
-            if not math.isfinite(angle) or abs(angle) > LARGEST_ANGLE:
-                raise ArmError(
-                    f"angle {angle} is out of range",
-                    name="angle",
-                    value=angle,
-                    hint=f"a number of degrees between {-LARGEST_ANGLE:g} and {LARGEST_ANGLE:g}",
-                )
-        if not math.isfinite(self.duration) or not SET_POINT_PERIOD < self.duration <= LONGEST:
-            raise ArmError(
-                f"a segment of {self.duration} s is out of range",
-                name="duration",
-                value=self.duration,
-                hint=f"more than {SET_POINT_PERIOD:g} s and at most {LONGEST:g} s",
-            )
+        for name in ("start", "end"):  # of lists, too
+            object.__setattr__(self, name, tuple(map(float, getattr(self, name))))
+        for value in (*self.start, *self.end):
+            if not math.isfinite(value):
+                raise ArmError(f"angle or value {value} is out of range", name="angle", value=value)
+        if len(self.start) != len(self.end) or not self.start:
+            counts = f"{len(self.start)} numbers at its start and {len(self.end)} at its end"
+            raise ArmError(f"a segment has {counts}", name="end", value=self.end)
+        if not 0.0 < self.duration < math.inf:
+            raise duration_error(self.duration, "a positive number of s")
+
+
+def duration_error(duration: float, hint: str) -> ArmError:
+    """Return the error of a segment that is too short or too long."""
+    message = f"a segment of {duration} s is out of range"
+    return ArmError(message, name="duration", value=duration, hint=hint)
 
 
 @dataclass(frozen=True, repr=False)
@@ -81,14 +91,37 @@ class Trajectory:
     name : str
         Under which it is reported.
     segments : tuple of Segment
-        At least one.
-    loaded : tuple of bool
-        In which segments the arm carries the load when there is one.
+        At least one; all over the same number of outputs.
+    loaded : tuple of bool, optional
+        In which segments the plant carries its load when there is one; in none by default.
+    outputs : tuple of str, optional
+        The outputs that follow, by port; by default the first of each axis of the plant.
+
+    Raises
+    ------
+    ArmError
+        If the segments do not fit together.
     """
 
     name: str
     segments: tuple[Segment, ...]
-    loaded: tuple[bool, ...]
+    loaded: tuple[bool, ...] = ()
+    outputs: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        for name in ("segments", "loaded", "outputs"):  # of lists, too
+            object.__setattr__(self, name, tuple(getattr(self, name)))
+        if not self.segments:
+            raise ArmError(f"trajectory '{self.name}' has no segments", name="segments")
+        widths = {len(segment.start) for segment in self.segments}
+        if len(widths) > 1:
+            message = f"trajectory '{self.name}' has segments of {min(widths)} and {max(widths)}"
+            raise ArmError(f"{message} numbers", name="segments")
+        if not self.loaded:
+            object.__setattr__(self, "loaded", (False,) * len(self.segments))
+        if len(self.loaded) != len(self.segments):
+            counts = f"{len(self.loaded)} values for {len(self.segments)} segments"
+            raise ArmError(f"loaded of trajectory '{self.name}' has {counts}", name="loaded")
 
     def __repr__(self) -> str:
         count = len(self.segments)
@@ -99,6 +132,24 @@ class Trajectory:
         """Sum of the durations, s."""
         return sum(segment.duration for segment in self.segments)
 
+    @property
+    def words(self) -> str:
+        """Where it goes, and how fast."""
+        moves = [segment for segment in self.segments if not segment.hold]
+        ends = ", ".join(f"({', '.join(f'{x:g}' for x in move.end)})" for move in moves)
+        times = dict.fromkeys(f"{move.duration:g} s" for move in moves)
+        return f"{ends} in {' and '.join(times)}{' each' if len(times) == 1 else ''}"
+
+    def scaled(self, scale: float) -> Trajectory:
+        """Return it with ways of another size from where it begins."""
+        begin = self.segments[0].start
+
+        def moved(point: Point) -> Point:
+            return tuple(a + (x - a) * scale for a, x in zip(begin, point, strict=True))
+
+        segments = (replace(s, start=moved(s.start), end=moved(s.end)) for s in self.segments)
+        return replace(self, segments=tuple(segments))
+
 
 @dataclass(frozen=True)
 class SetPoints:
@@ -108,14 +159,14 @@ class SetPoints:
     ----------
     time : ndarray, shape (n,)
         Since the start of the run, s.
-    position, velocity, acceleration : ndarray, shape (n, 2)
-        rad, rad/s, rad/s².
+    position, velocity, acceleration : ndarray, shape (n, k)
+        Of each output that follows: in rad of an angle, else in its unit; by s and s².
     iterations : ndarray of int64, shape (n,)
         Control iterations of each set point.
     segment : ndarray of int64, shape (n,)
         Index of its segment.
-    path : ndarray, shape (m, 2)
-        Where the trajectory itself is in each of the `m` control iterations, rad.
+    path : ndarray, shape (m, k)
+        Where the trajectory itself is in each of the `m` control iterations.
     """
 
     time: NDArray[np.float64]
@@ -127,7 +178,7 @@ class SetPoints:
     path: NDArray[np.float64]
 
 
-def _moves(points: Sequence[Pair], duration: float) -> list[Segment]:
+def _moves(points: Sequence[Point], duration: float) -> list[Segment]:
     return [Segment(start, end, duration) for start, end in pairwise(points)]
 
 
@@ -213,29 +264,40 @@ TRAJECTORIES: Mapping[str, Callable[..., Trajectory]] = {
 
 
 def through(
-    points: Sequence[Pair], segment: float = 2.0, hold: float = 0.0, name: str = "way-points"
+    points: Sequence[Point],
+    segment: float = 2.0,
+    hold: float = 0.0,
+    name: str = "way-points",
+    start: Point = (),
 ) -> Trajectory:
-    """Move through way points, from rest to rest.
+    """Move through way points, from rest to rest; a load is picked up at the first.
 
     Parameters
     ----------
-    points : sequence of pair of float
-        Joint angles, degrees; the arm starts at rest at (0, 0) and moves to the first.
+    points : sequence of tuple of float
+        Of each output that follows: angles in degrees, else in the unit of the port.
     segment : float, optional
         Duration of each move, s.
     hold : float, optional
         Time to stay at the last point, s; none by default.
     name : str, optional
         Name of the trajectory.
+    start : tuple of float, optional
+        Where the plant rests at first; zeros by default.
 
     Raises
     ------
     ArmError
-        If there are no points, or an angle or a time is out of range.
+        If there are no points, or a number of them or a time is out of range.
+
+    Examples
+    --------
+    >>> through([(20.0, -10.0), (30.0, 40.0)], 1.5, hold=1.0)
+    <Trajectory way-points: 4 s in 3 segments>
     """
     if not points:
         raise ArmError("a trajectory needs at least one way point", name="points", value=points)
-    every = [(0.0, 0.0), *points]
+    every = [start or (0.0,) * len(points[0]), *points]
     segments = _moves(every, segment)
     if hold:
         segments.append(Segment(every[-1], every[-1], hold, hold=True))
@@ -244,7 +306,10 @@ def through(
 
 @lru_cache(maxsize=64)
 def sample(
-    trajectory: Trajectory, conventions: Conventions, timing: Timing = STUDY_TIMING
+    trajectory: Trajectory,
+    conventions: Conventions,
+    timing: Timing = STUDY_TIMING,
+    angular: tuple[bool, ...] = (),
 ) -> SetPoints:
     """Produce the set points of a trajectory.
 
@@ -260,18 +325,31 @@ def sample(
         Precision, π and the last set point of a segment.
     timing : Timing, optional
         The study's by default.
+    angular : tuple of bool, optional
+        Of each output that follows whether it is an angle, written in degrees; all by default.
 
     Returns
     -------
     SetPoints
-        In radians; the arrays are shared between calls and read-only.
+        Angles in radians; the arrays are shared between calls and read-only.
+
+    Raises
+    ------
+    ArmError
+        If an angle or a time is out of range.
 
     Notes
     -----
     The study adds its 3 ms up, so that a last bit decides whether a set point falls on the end of
     a segment; other times are counted, and the end belongs to the segment.
     """
-    parts = [_sample_segment(segment, conventions, timing) for segment in trajectory.segments]
+    angular = angular or (True,) * len(trajectory.segments[0].start)
+    for segment in trajectory.segments:
+        _require_in_range(segment, timing, angular)
+    parts = [
+        _sample_segment(segment, conventions, timing, np.array(angular))
+        for segment in trajectory.segments
+    ]
     begin = np.cumsum([0.0, *(segment.duration for segment in trajectory.segments)])
     points = SetPoints(
         time=np.concatenate([part[0] + start for part, start in zip(parts, begin, strict=False)]),
@@ -287,6 +365,25 @@ def sample(
     return points
 
 
+def _require_in_range(segment: Segment, timing: Timing, angular: Sequence[bool]) -> None:
+    """Raise ArmError for an angle of many turns, or a segment without a set point."""
+    for ends in (segment.start, segment.end):
+        for angle, turns in zip(ends, angular, strict=True):
+            if turns and abs(angle) > LARGEST_ANGLE:
+                raise ArmError(
+                    f"angle {angle} is out of range",
+                    name="angle",
+                    value=angle,
+                    hint=f"a number of degrees between {-LARGEST_ANGLE:g} and {LARGEST_ANGLE:g}",
+                )
+    if timing.set_point == SET_POINT_PERIOD:
+        if not SET_POINT_PERIOD < segment.duration <= LONGEST:
+            hint = f"more than {SET_POINT_PERIOD:g} s and at most {LONGEST:g} s"
+            raise duration_error(segment.duration, hint)
+    elif segment.duration < timing.set_point:
+        raise duration_error(segment.duration, f"at least a set point, {timing.set_point:g} s")
+
+
 Sampled = tuple[
     NDArray[np.float64],
     NDArray[np.float64],
@@ -297,7 +394,9 @@ Sampled = tuple[
 ]
 
 
-def _sample_segment(segment: Segment, conventions: Conventions, timing: Timing) -> Sampled:
+def _sample_segment(
+    segment: Segment, conventions: Conventions, timing: Timing, angular: NDArray[np.bool_]
+) -> Sampled:
     number = np.float32 if conventions.single else np.float64
     duration = number(segment.duration)
     if timing.set_point == SET_POINT_PERIOD:
@@ -312,8 +411,8 @@ def _sample_segment(segment: Segment, conventions: Conventions, timing: Timing) 
         count = int(segment.duration / timing.set_point + 1e-9) + 1
         time = _stored(np.arange(count, dtype=np.float64) * timing.set_point, number)
     start, end = (
-        _stored(np.array(angles) * conventions.pi / 180.0, number)
-        for angles in (segment.start, segment.end)
+        _stored(np.where(angular, values * conventions.pi / 180.0, values), number)
+        for values in map(np.array, (segment.start, segment.end))
     )
     iterations = np.full(len(time), timing.every)
     if not conventions.whole_set_points:
@@ -351,7 +450,51 @@ def _stored(values: NDArray[np.float64], number: type[np.floating]) -> NDArray[n
     return values.astype(number).astype(np.float64)
 
 
-# --- Which arm each set point meets: the load changes it at segment boundaries ---
+# --- What is carried where: the load changes the plant at segment boundaries ---
+
+
+def carried(
+    trajectory: Trajectory,
+    *,
+    payload: bool = False,
+    segments: Sequence[int] | None = None,
+    conventions: Conventions | None = None,
+) -> tuple[bool, ...]:
+    """Say for each segment whether the plant carries its load.
+
+    Parameters
+    ----------
+    trajectory : Trajectory
+        Has its own idea of where a load is carried.
+    payload : bool, optional
+        Whether there is a load.
+    segments : sequence of int, optional
+        Carry the load in these segments, counted from 1, instead.
+    conventions : Conventions, optional
+        Whether the load stays on in a hold; it does by default.
+
+    Raises
+    ------
+    ArmError
+        If `segments` names one that the trajectory does not have.
+    """
+    count = len(trajectory.segments)
+    if segments is not None:
+        for number in segments:
+            if not 1 <= number <= count:
+                raise ArmError(
+                    f"the payload schedule names segment {number}, but '{trajectory.name}' "
+                    f"has {count} segments",
+                    name="segments",
+                    value=number,
+                )
+        return tuple(index + 1 in segments for index in range(count))
+    stays = conventions is None or conventions.load_in_hold
+    return tuple(
+        payload and loaded and (stays or not segment.hold)
+        for loaded, segment in zip(trajectory.loaded, trajectory.segments, strict=True)
+    )
+
 
 Schedule = tuple[ArmParameters, ...]
 """One arm per segment."""
@@ -370,14 +513,8 @@ def schedule(
 
     Parameters
     ----------
-    trajectory : Trajectory
-        Has its own idea of where a load is carried.
-    payload : bool, optional
-        Whether there is a load.
-    segments : sequence of int, optional
-        Carry the load in these segments, counted from 1, instead.
-    conventions : Conventions, optional
-        Whether the load stays on in a hold; it does by default.
+    trajectory, payload, segments, conventions
+        See :func:`carried`.
     unloaded, loaded : ArmParameters, optional
         The arm without and with its load.
 
@@ -386,22 +523,5 @@ def schedule(
     ArmError
         If `segments` names one that the trajectory does not have.
     """
-    count = len(trajectory.segments)
-    if segments is not None:
-        for number in segments:
-            if not 1 <= number <= count:
-                raise ArmError(
-                    f"the payload schedule names segment {number}, but '{trajectory.name}' "
-                    f"has {count} segments",
-                    name="segments",
-                    value=number,
-                )
-        carried = [index + 1 in segments for index in range(count)]
-    else:
-        carried = [payload and each for each in trajectory.loaded]
-        if conventions is not None and not conventions.load_in_hold:
-            carried = [
-                each and not segment.hold
-                for each, segment in zip(carried, trajectory.segments, strict=True)
-            ]
-    return tuple(loaded if each else unloaded for each in carried)
+    found = carried(trajectory, payload=payload, segments=segments, conventions=conventions)
+    return tuple(loaded if each else unloaded for each in found)

@@ -2,45 +2,40 @@
 
 The study compares errors alone, with set points that are held, motors without inductance and as
 much torque as is asked for, and it did not count alike for all. Here any of that can change, for
-all of them alike: nothing depends on what a controller, or its file, is called.
+all of them alike: nothing depends on what a controller, or its file, is called. Another plant that
+has trajectories is compared on in the same way; costs are counted on the arm.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.controller.controller import Controller
-from fuzzyarm.controller.on_plant import driven_by, site_of, text_law_of, timing_of
+from fuzzyarm.controller.on_plant import text_law_of
 from fuzzyarm.controller.own import find_controller, find_controllers
 from fuzzyarm.export.cost import step_cost
 from fuzzyarm.export.numbers import ExportError
-from fuzzyarm.loop.course import Course, Options, arm_motion
+from fuzzyarm.loop.along import equipped, trajectory_motion
+from fuzzyarm.loop.course import Options
 from fuzzyarm.loop.loop import HELD, LED, MAGNITUDES, rms
-from fuzzyarm.loop.program import (
-    Program,
-    Record,
-    error_taps,
-    loop_for,
-    shown_errors,
-    shown_means,
-)
-from fuzzyarm.loop.run import checked_arms
+from fuzzyarm.loop.program import shown_errors, shown_means, shown_units
+from fuzzyarm.loop.run import ClosedLoop
+from fuzzyarm.plant.driven_arm import Arm
+from fuzzyarm.plant.following import carries, compared_trajectories
+from fuzzyarm.plant.plant import Plant
 from fuzzyarm.plant.setting import PLAIN, Conventions
-from fuzzyarm.plant.trajectory import Trajectory, pick_and_place, reach_return
+from fuzzyarm.plant.trajectory import Trajectory
 from fuzzyarm.study.beyond import NAMES as BEYOND
 from fuzzyarm.study.beyond import SUMMARY_TABLE
-from fuzzyarm.study.cost import CostError, Operations, count_operations, measure_time
+from fuzzyarm.study.cost import Operations, count_operations, measure_time
 from fuzzyarm.study.published import published_rows
 
-Four = tuple[float, float, float, float]
-"""Of links 1 and 2 on the first trajectory, then on the second."""
-
-TRAJECTORIES: tuple[Callable[..., Trajectory], ...] = (reach_return, pick_and_place)
-"""Those of the summary table."""
+Numbers = tuple[float, ...]
+"""Of each output that follows on the first trajectory, then on the second, and so on."""
 
 
 def compared_names() -> list[str]:
@@ -82,34 +77,37 @@ class Compared:
     ----------
     name : str
         Of the controller.
+    units : tuple of str
+        Of the errors, which of the arm are degrees.
     rms : tuple of float
-        RMS errors at the set points, degrees; where a run diverged, until then.
+        RMS errors at the set points; where a run diverged, until then.
     rms_periods : tuple of float
         The same of all control periods, from the set point that is held in each.
     rms_path : tuple of float
         The same from the trajectory itself, which moves on while a set point stands.
     variation : tuple of float
-        Mean magnitude of the change of a joint's torque from one control period to the next, N m:
-        chatter.
+        Mean magnitude of the change of the first drive of each axis, on the arm of the torque of a
+        joint in N m, from one control period to the next: chatter.
     diverged : tuple of (float or None)
         When the run on each trajectory was stopped, s.
     """
 
     name: str
-    rms: Four
-    rms_periods: Four
-    rms_path: Four
-    variation: Four
-    diverged: tuple[float | None, float | None]
+    units: tuple[str, ...]
+    rms: Numbers
+    rms_periods: Numbers
+    rms_path: Numbers
+    variation: Numbers
+    diverged: tuple[float | None, ...]
 
     @property
     def error(self) -> float:
-        """Geometric mean of the RMS errors at the set points, degrees."""
+        """Geometric mean of the RMS errors at the set points."""
         return geometric_mean(self.rms)
 
     @property
     def path_error(self) -> float:
-        """Geometric mean of the RMS errors from the trajectory, degrees."""
+        """Geometric mean of the RMS errors from the trajectory."""
         return geometric_mean(self.rms_path)
 
 
@@ -120,56 +118,72 @@ def geometric_mean(values: Sequence[float]) -> float:
 
 
 def compare(
-    names: Sequence[str],
+    controllers: Sequence[str | Controller],
     options: Options | None = None,
     *,
-    trajectories: Sequence[Callable[[], Trajectory]] = TRAJECTORIES,
+    plant: Plant | None = None,
+    trajectories: Sequence[Trajectory] | None = None,
     conventions: Conventions = PLAIN,
     payload: bool = True,
+    connect: Mapping[str, str] | None = None,
 ) -> Iterator[Compared]:
-    """Run controllers along two trajectories, all under the same conditions.
+    """Run controllers along the same trajectories, all under the same conditions.
 
     Parameters
     ----------
-    names : sequence of str
+    controllers : sequence of str or Controller
         Of the catalogue, sums or files.
     options : Options, optional
         The conditions; see :data:`CONDITIONS`.
-    trajectories : sequence of callable, optional
-        Those of the summary table by default.
+    plant : Plant, optional
+        Where; the arm by default.
+    trajectories : sequence of Trajectory, optional
+        Those by which the plant has controllers compared by default: of the arm those of the
+        summary table.
     conventions : Conventions, optional
         Of all of them.
     payload : bool, optional
-        Whether the arm carries its load where the trajectory says.
+        Whether a plant that carries a load does so where the trajectory says.
+    connect : mapping of str to str, optional
+        From names of the controllers to ports of the plant, where they differ.
     """
-    for made in find_controllers(names):
+    home = plant or Arm()
+    ways = compared_trajectories(home) if trajectories is None else trajectories
+    named = iter(find_controllers([each for each in controllers if isinstance(each, str)]))
+    for each in controllers:
+        made = each if isinstance(each, Controller) else next(named)
         runs = [
-            watched_run(made, trajectory(), conventions, options or Options(), payload=payload)
-            for trajectory in trajectories
+            watched_run(
+                made,
+                way,
+                conventions,
+                options or Options(),
+                plant=home,
+                payload=payload,
+                connect=connect,
+            )
+            for way in ways
         ]
-        first, second = runs
         yield Compared(
             made.name,
-            (*first.rms, *second.rms),
-            (*first.rms_periods, *second.rms_periods),
-            (*first.rms_path, *second.rms_path),
-            (*first.variation, *second.variation),
-            (first.diverged, second.diverged),
+            tuple(unit for run in runs for unit in run.units),
+            tuple(error for run in runs for error in run.rms),
+            tuple(error for run in runs for error in run.rms_periods),
+            tuple(error for run in runs for error in run.rms_path),
+            tuple(change for run in runs for change in run.variation),
+            tuple(run.diverged for run in runs),
         )
-
-
-Two = tuple[float, float]
-"""Of both links."""
 
 
 @dataclass(frozen=True)
 class Watched:
     """What is compared of one run: see :class:`Compared`."""
 
-    rms: Two
-    rms_periods: Two
-    rms_path: Two
-    variation: Two
+    units: tuple[str, ...]
+    rms: Numbers
+    rms_periods: Numbers
+    rms_path: Numbers
+    variation: Numbers
     diverged: float | None
 
 
@@ -179,30 +193,36 @@ def watched_run(
     conventions: Conventions,
     options: Options,
     *,
+    plant: Plant | None = None,
     payload: bool = True,
+    connect: Mapping[str, str] | None = None,
 ) -> Watched:
-    """Run a controller of compiled laws on the arm; what :func:`simulate` gives, and chatter."""
-    arms = checked_arms(trajectory, None, payload=payload, conventions=conventions)
-    motion = arm_motion(trajectory, arms, conventions, options, timing_of(controller))
-    arithmetic = options.arithmetic(conventions)
-    program = Program(controller, arithmetic)
-    if not program.compilable:
-        raise CostError(controller.name)
-    driven = driven_by(controller, site_of(motion.plants[0]))
-    course = Course(motion, conventions, options, driven=driven, as_array=arithmetic.compiled)
-    record = Record(course, program.memory, error_taps(course))
-    own = program.inputs(as_array=arithmetic.compiled)
-    with np.errstate(all="ignore"):
-        loop_for(program, course, record)(*course.inputs(), *own, *record.outputs)
+    """Run a controller on a plant, the arm by default; what :func:`simulate` gives, and chatter."""
+    home = equipped(plant or Arm(), options)
+    motion = trajectory_motion(
+        home,
+        trajectory,
+        controller,
+        conventions,
+        payload=payload and carries(home),
+        connect=connect,
+    )
+    loop = ClosedLoop(controller, motion, conventions, options, connect)
+    course, run = loop.course, loop.open()
+    run.advance()
+    record = run.record
+    inputs = [axis for axis, _ in loop.site.interface.inputs]
+    first = [inputs.index(axis) for axis, _ in motion.tracked if axis in inputs]
 
-    def two(values: NDArray[np.float64]) -> Two:
-        return float(values[0]), float(values[1])
+    def plainly(values: NDArray[np.float64]) -> Numbers:
+        return tuple(float(value) for value in values)
 
     return Watched(
-        two(rms(shown_errors(course, record.rows))),
-        two(shown_means(course, record, HELD)),
-        two(shown_means(course, record, LED)),
-        two(record.changes(MAGNITUDES)),
+        shown_units(course),
+        plainly(rms(shown_errors(course, record.rows))),
+        plainly(shown_means(course, record, HELD)),
+        plainly(shown_means(course, record, LED)),
+        plainly(record.changes(MAGNITUDES)[first]),
         record.diverged(),
     )
 
@@ -230,6 +250,11 @@ class Cost:
     operations: Operations
     exported: int | None
     seconds: float | None
+
+
+def is_counted(plant: Plant) -> bool:
+    """Whether costs are counted on a plant: with what laws are told of the arm."""
+    return isinstance(plant, Arm)
 
 
 def cost_of(name: str, *, conventions: Conventions = PLAIN, timed: bool = True) -> Cost:

@@ -15,11 +15,13 @@ import numpy as np
 
 from fuzzyarm.controller.controller import CompiledController, Controller
 from fuzzyarm.controller.law import SIGNALS, TOLD, Law, law_kernel, tell
-from fuzzyarm.controller.on_plant import TextLaw, timing_of
+from fuzzyarm.controller.on_plant import TextLaw
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.loop.course import Motion, Options, arm_motion
+from fuzzyarm.loop.along import equipped, trajectory_motion
+from fuzzyarm.loop.course import Motion, Options
 from fuzzyarm.loop.run import simulate
 from fuzzyarm.plant.arm import RATIOS, motor_torque
+from fuzzyarm.plant.driven_arm import Arm
 from fuzzyarm.plant.setting import (
     PLAIN,
     Arithmetic,
@@ -31,7 +33,7 @@ from fuzzyarm.plant.setting import (
     State,
     pose_of,
 )
-from fuzzyarm.plant.trajectory import Trajectory, schedule, through
+from fuzzyarm.plant.trajectory import Trajectory, through
 
 # --- Numbers that count what is done with them ---
 
@@ -282,8 +284,8 @@ def timed_motion(
     payload: bool = False,
 ) -> Motion:
     """Return a trajectory at the period of a controller, for others to follow as often."""
-    arms = schedule(trajectory, payload=payload, conventions=conventions)
-    return arm_motion(trajectory, arms, conventions, options, timing_of(controller))
+    plant = equipped(Arm(), options)
+    return trajectory_motion(plant, trajectory, controller, conventions, payload=payload)
 
 
 CLOCK_AT_REST = Clock(0.0006, last=False, single=False)

@@ -262,7 +262,7 @@ class _Stand:
         self.seed = None if seed is None else int(seed)
         experiment = Experiment(
             controller,
-            scenario.on,
+            scenario.way,
             None,
             changes,
             problem.conventions,

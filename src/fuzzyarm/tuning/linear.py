@@ -1,8 +1,8 @@
 """The opponent of every tuned rule base: straight lines in place of rules, tuned on the same cost.
 
 It is the controller itself with the plane that is nearest to each rule base, cut off at the range
-of its output; on the arm, where rules are not to be had, the shipped ``pd-motor``. On samples it
-is linear regression.
+of its output; where rules are not to be had, the linear controller that the plant names. On
+samples it is linear regression.
 
 It has every freedom of the file. Each slope moves, for peaks do; whatever gain may move in the file
 moves in its range here, unless it does no more than a slope does; and so does how far an output
@@ -49,7 +49,6 @@ from fuzzyarm.model.rulebase import (
     Term,
     Tuning,
 )
-from fuzzyarm.plant.driven_arm import Arm
 from fuzzyarm.plant.plant import Plant
 from fuzzyarm.shipped_files import shipped
 from fuzzyarm.tuning.design import blocks_of, gain_ranges
@@ -84,10 +83,11 @@ def opponent(
     try:
         return straightened(text, tuning)
     except TuneError:
-        if not isinstance(plant, Arm):
+        if not plant.particulars.opponent:
             raise
-    slopes = GainTuning(("K_p", "K_d"), 1.0 / SPAN, SPAN, times=True, per_axis=True)
-    return read_controller(shipped("pd-motor.frb")), Tuning((), (slopes,))
+    file, *names = plant.particulars.opponent
+    slopes = GainTuning(tuple(names), 1.0 / SPAN, SPAN, times=True, per_axis=True)
+    return read_controller(shipped(file)), Tuning((), (slopes,))
 
 
 def straightened(

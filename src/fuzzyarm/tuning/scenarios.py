@@ -13,20 +13,27 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from fuzzyarm.controller.controller import Controller
+from fuzzyarm.loop.along import Way, way_of
 from fuzzyarm.loop.course import Motion, Options, Sensor
 from fuzzyarm.loop.reference import Signal
 from fuzzyarm.loop.run import plant_motion
 from fuzzyarm.loop.sweep import Range, drawn
-from fuzzyarm.plant.driven_arm import Arm
-from fuzzyarm.plant.own import start_of
+from fuzzyarm.plant.following import (
+    LARGEST,
+    SMALLEST,
+    at_rest,
+    carries,
+    compared_trajectories,
+    drawn_trajectory,
+)
 from fuzzyarm.plant.plant import Plant, interface_of
-from fuzzyarm.plant.trajectory import Trajectory, pick_and_place, reach_return, through
+from fuzzyarm.plant.trajectory import Trajectory
 
 TRAIN, UNSEEN = 0, 1
 """Streams of the generator."""
 
 HEAVIEST = 1.3
-"""Largest load that is drawn, as a share of the study's."""
+"""Largest load that is drawn, as a share of the plant's."""
 
 NOISE = 1e-5
 """Standard deviation of the noise by which is judged, as a share of the range of each sensor."""
@@ -40,15 +47,23 @@ class Scenario:
     ----------
     name : str
         For reports.
-    on : Trajectory or Motion
-        What is followed.
+    on : Trajectory, Plant or Motion
+        What is followed, or by which plant; a trajectory alone is the arm's.
     changes : mapping of str to float
         Load, parameters of the plant, noise, seed; see :func:`fuzzyarm.loop.simulate_many`.
+    along : Trajectory, optional
+        What the plant follows; its first trajectory by default.
     """
 
     name: str
-    on: Trajectory | Motion
+    on: Trajectory | Plant | Motion
     changes: Mapping[str, float] = field(default_factory=dict)
+    along: Trajectory | None = None
+
+    @property
+    def way(self) -> Way | Motion:
+        """What is followed, and by which plant."""
+        return way_of(self.on, self.along)
 
 
 @dataclass(frozen=True)
@@ -81,6 +96,12 @@ class Stage:
     duration: float | None = None
     connect: Mapping[str, str] | None = None
 
+    @property
+    def along(self) -> bool:
+        """Whether scenarios follow trajectories of the plant, and not references."""
+        ways = [each.way for each in self.first]
+        return bool(ways) and all(isinstance(way, Way) and way.trajectory for way in ways)
+
     def noisy(self) -> Stage:
         """Return it with noise on every sensor that has none, as far as its range is known."""
         sensors = dict(self.options.sensors)
@@ -99,13 +120,17 @@ class Stage:
         return any(sensor.noise > 0.0 for sensor in self.options.sensors.values())
 
 
-def arm_scenarios(payload: float = 1.0) -> tuple[Scenario, ...]:
-    """Return the two trajectories of the study, with load."""
-    changes = {"payload": payload} if payload else {}
-    return (
-        Scenario("reach-return", reach_return(), changes),
-        Scenario("pick-and-place", pick_and_place(), changes),
+def plant_scenarios(plant: Plant, payload: float = 1.0) -> tuple[Scenario, ...]:
+    """Return the trajectories by which a plant has controllers compared, with its load."""
+    return tuple(
+        scenario_along(plant, trajectory, payload) for trajectory in compared_trajectories(plant)
     )
+
+
+def scenario_along(plant: Plant, trajectory: Trajectory, payload: float = 1.0) -> Scenario:
+    """Return a trajectory of a plant, with its load where it carries one."""
+    changes = {"payload": payload} if payload and carries(plant) else {}
+    return Scenario(trajectory.name, plant, changes, trajectory)
 
 
 def train_scenarios(stage: Stage, count: int, controller: Controller) -> tuple[Scenario, ...]:
@@ -130,38 +155,23 @@ def _drawn(stage: Stage, count: int, controller: Controller, stream: int) -> tup
         changes = {name: float(values[at]) for name, values in varied.items()}
         # Each run has a seed of its own for its noise; those of the streams never meet.
         changes.setdefault("seed", float(seed + 100_000 * (stream + 1) + at))
-        if isinstance(stage.plant, Arm):
-            found.append(_move(generator, changes, at))
+        if stage.along:
+            found.append(_move(stage.plant, generator, changes, at))
         else:
             found.append(_scaled(stage, generator, changes, controller, at))
     return tuple(found)
 
 
-FARTHEST = 60.0
-"""Largest angle of a way point that is drawn, degrees."""
-
-PACES = (15.0, 25.0)
-"""Mean speeds of the longest part of a drawn move, degrees a second; the study's moves have 18 and
-22.5. Faster ones ask for more voltage than the motors have, and tell nothing of a controller."""
-
-
-def _move(generator: np.random.Generator, changes: dict[str, float], at: int) -> Scenario:
-    """Draw a move of the arm: two or three way points, a pace, a load."""
-    points = np.round(generator.uniform(-FARTHEST, FARTHEST, (int(generator.integers(2, 4)), 2)))
-    longest = np.abs(np.diff(points, axis=0, prepend=np.zeros((1, 2)))).max()
-    duration = round(max(float(longest / generator.uniform(*PACES)), 1.0), 2)
-    changes.setdefault("payload", round(float(generator.uniform(0.0, HEAVIEST)), 3))
-    way = [(float(first), float(second)) for first, second in points]
-    shown = ", ".join(f"({first:g}, {second:g})" for first, second in way)
-    return Scenario(
-        f"{at + 1}: {shown} in {duration:g} s each, load {changes['payload']:g}",
-        through(way, duration, hold=0.5, name=f"move {at + 1}"),
-        changes,
-    )
-
-
-SMALLEST, LARGEST = 0.5, 1.5
-"""Between what drawn references are scaled."""
+def _move(
+    plant: Plant, generator: np.random.Generator, changes: dict[str, float], at: int
+) -> Scenario:
+    """Draw a trajectory of a plant, and a load where it carries one."""
+    way = replace(drawn_trajectory(plant, generator), name=f"move {at + 1}")
+    name = f"{at + 1}: {way.words}"
+    if carries(plant):
+        changes.setdefault("payload", round(float(generator.uniform(0.0, HEAVIEST)), 3))
+        name += f", load {changes['payload']:g}"
+    return Scenario(name, plant, changes, way)
 
 
 def _scaled(
@@ -173,9 +183,9 @@ def _scaled(
 ) -> Scenario:
     """Draw a scale of the references of a plant."""
     scale = float(np.round(generator.uniform(SMALLEST, LARGEST), 3))
-    resting = at_rest(stage.plant)
+    resting, interface = at_rest(stage.plant), interface_of(stage.plant)
     references = {
-        name: scaled(signal, scale, resting.get(name, 0.0))
+        name: scaled(signal, scale, resting.get(interface.port(name), 0.0))
         for name, signal in (stage.references or {}).items()
     }
     made = plant_motion(
@@ -188,18 +198,6 @@ def _scaled(
     )
     told = ", ".join(f"{name} {value:.4g}" for name, value in changes.items() if name != "seed")
     return Scenario(f"{at + 1}: {made.name}{', ' if told else ''}{told}", made, changes)
-
-
-def at_rest(plant: Plant) -> dict[str, float]:
-    """Return the outputs of a plant at its start, as far as they are states, by port."""
-    states = dict(zip(plant.states, start_of(plant, np.random.default_rng(0)), strict=True))
-    interface = interface_of(plant)
-    found = {}
-    for port in interface.outputs:
-        label = interface.label(port)
-        if port[1] in states:
-            found[label] = found[port[1]] = states[port[1]]
-    return found
 
 
 def scaled(signal: Signal, scale: float, resting: float = 0.0) -> Signal:

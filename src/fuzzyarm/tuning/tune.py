@@ -18,13 +18,12 @@ from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.language.tokens import Cursor, Trivia, tokenize_line
 from fuzzyarm.learning.data import Samples
 from fuzzyarm.learning.fit import linear_outputs
+from fuzzyarm.loop.along import Way, equipped, way_of
 from fuzzyarm.loop.course import Options
 from fuzzyarm.loop.reference import AnySignal, AnyTime, as_seconds, as_signals
 from fuzzyarm.loop.run import plant_motion
 from fuzzyarm.loop.sweep import Range
 from fuzzyarm.model.rulebase import AnyRuleBase, RuleBase, Tuning
-from fuzzyarm.plant import find_plant
-from fuzzyarm.plant.driven_arm import Arm
 from fuzzyarm.plant.plant import Plant
 from fuzzyarm.plant.setting import PLAIN, Conventions
 from fuzzyarm.plant.trajectory import Trajectory
@@ -43,7 +42,8 @@ from fuzzyarm.tuning.promises import Promises
 from fuzzyarm.tuning.scenarios import (
     Scenario,
     Stage,
-    arm_scenarios,
+    plant_scenarios,
+    scenario_along,
     train_scenarios,
     unseen_scenarios,
 )
@@ -63,6 +63,7 @@ def tune(
     subject: ControllerText | AnyRuleBase | str | os.PathLike[str],
     on: Plant | Trajectory | str | os.PathLike[str] | None = None,
     *,
+    along: Trajectory | str | None = None,
     cost: str | OwnCost | None = None,
     data: Samples | None = None,
     test: Samples | None = None,
@@ -98,8 +99,10 @@ def tune(
     subject : ControllerText, RuleBase or path-like
         What is tuned. A controller runs in its loop, a rule base alone is fitted to samples.
     on : Plant, Trajectory, str or path-like, optional
-        Where it runs; by default the shipped plant that has its axes. The arm follows the two
-        trajectories of the study, unless one is given.
+        Where it runs; by default the shipped plant that has its axes. One that has trajectories
+        follows those by which it has controllers compared, unless one or references are given.
+    along : Trajectory or str, optional
+        The only trajectory of the plant to tune on.
     cost : str or callable, optional
         What is to become small: a formula of metrics, as in ``"rms + 0.002*variation"`` (of
         samples of ``rmse``, ``mae`` and ``worst``), or a function of all runs (of a rule base
@@ -181,7 +184,7 @@ def tune(
         job = _on_samples(model, moving, cost, data, test, seed)
     else:
         options = options or Options(seed=seed)
-        stage = stage or stage_of(model, on, options, references, duration, connect)
+        stage = stage or stage_of(model, on, options, references, duration, connect, along=along)
         job = _in_loop(model, moving, cost, stage, scenarios, plan, over, conventions)
     means = Means(workers, executor, journal, watch, watch_linear, take, tell)
     return _done(job, plan, means, originals_of(model, path, text))
@@ -261,6 +264,7 @@ def stage_of(
     connect: Mapping[str, str] | None = None,
     vary: Sequence[Range] = (),
     payload: float = 1.0,
+    along: Trajectory | str | None = None,
 ) -> Stage:
     """Return where a controller runs, if nothing else is said.
 
@@ -269,33 +273,38 @@ def stage_of(
     text : ControllerText
         The controller.
     on : Plant, Trajectory or str, optional
-        The plant; by default the shipped one that has its axes. A trajectory is of the arm,
-        which otherwise follows the two of the study.
+        The plant; by default the shipped one that has its axes. A trajectory alone is of the arm.
     options : Options
         Sensors, seed and the rest of how to run.
     references, duration, connect
-        See :func:`fuzzyarm.loop.simulate`; the arm has none of the first two.
+        See :func:`fuzzyarm.loop.simulate`; in place of the trajectories of a plant.
     vary : sequence of Range, optional
         What differs from drawn scenario to drawn scenario.
     payload : float, optional
-        What the arm carries, as a share of the load of the study.
+        What the plant carries, as a share of its load.
+    along : Trajectory or str, optional
+        The only trajectory of the plant to tune on.
 
     Raises
     ------
     TuneError
         If no shipped plant has its axes.
     """
-    if isinstance(on, Trajectory):
-        only = Scenario(on.name, on, arm_scenarios(payload)[0].changes)
-        return Stage(Arm(), (only,), options, tuple(vary), connect=connect)
     if on is None:
         site = site_by_axes(text.model)
         if site is None:
             raise TuneError(f"no shipped plant has the axes of {text.model.name}", hint="name one")
         on = site.name
-    plant = find_plant(on)
-    if isinstance(plant, Arm):
-        first = arm_scenarios(payload)
+    way = way_of(on, along, referred=bool(references) or duration is not None)
+    assert isinstance(way, Way)
+    plant = equipped(way.plant, options)
+    if way.trajectory is not None:
+        only = isinstance(on, Trajectory) or along is not None
+        first = (
+            (scenario_along(plant, way.trajectory, payload),)
+            if only
+            else plant_scenarios(plant, payload)
+        )
         return Stage(plant, first, options, tuple(vary), connect=connect)
     signals = as_signals(references)
     seconds = None if duration is None else as_seconds(duration, "duration")

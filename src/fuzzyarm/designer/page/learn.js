@@ -33,6 +33,7 @@ function learnPanes(store, hand) {
   const plant = el("select", { onchange: () => chooseGrounds() });
   const trajectory = el("select");
   const payload = el("input", { type: "checkbox" });
+  const load = el("label", { class: "check" }, payload, S.payload);
   const reference = el("input", { type: "text", size: 16 });
   const seconds = el("input", { type: "number", min: 0.001, step: "any", placeholder: S.usual });
   const start = el("select");
@@ -40,11 +41,11 @@ function learnPanes(store, hand) {
   const rate = el("input", { type: "number", min: 0, max: 10, step: "any", placeholder: S.usual });
   const fields = el("div", { class: "fields" });
   const grounds = {
-    arm: [field(S.trajectory, trajectory), el("label", { class: "check" }, payload, S.payload)],
+    along: [field(S.trajectory, trajectory), load],
     other: [field(S.reference, reference, S.referenceHint), field(S.seconds, seconds)],
   };
   fields.append(
-    field(S.controller, controller), field(S.plant, plant), ...grounds.arm, ...grounds.other,
+    field(S.controller, controller), field(S.plant, plant), ...grounds.along, ...grounds.other,
     field(S.beginWith, start), field(S.passes, passes), field(S.rate, rate, S.rateHint),
   );
   const speed = el("select", { onchange: () => job?.say({ speed: speed.value }) });
@@ -66,11 +67,13 @@ function learnPanes(store, hand) {
   }
 
   function chooseGrounds() {
-    const isArm = plant.value === "arm";
-    for (const each of grounds.arm) each.hidden = !isArm;
-    for (const each of grounds.other) each.hidden = isArm;
     const text = facts?.texts.find((each) => each.name === controller.value);
     const known = text?.plants.find((each) => each.name === plant.value);
+    const moves = Boolean(known?.trajectories.length);
+    for (const each of grounds.along) each.hidden = !moves;
+    for (const each of grounds.other) each.hidden = moves;
+    load.hidden = !known?.carries;
+    refill(trajectory, (known?.trajectories ?? []).map((each) => [each, each]));
     reference.placeholder = known?.reference ?? "";
   }
 
@@ -82,7 +85,6 @@ function learnPanes(store, hand) {
       if (message.end) return;
       facts = message;
       refill(controller, facts.texts.map((each) => [each.name, each.name || S.thisText]));
-      refill(trajectory, facts.trajectories.map((each) => [each, each]));
       refill(start, [["", S.asTheText], ...facts.tables.map((each) => [each, each])]);
       choosePlants();
       if (!job) said.textContent = clean(facts.own ? S.learnsItself : S.learnsNot);

@@ -1,6 +1,7 @@
 // Run: the text controls a plant. The loop of the server steps it; here are its form, its gains and its metrics.
 
 import { aroundLine, unsavedLine } from "./around.js";
+import { refill } from "./charts.js";
 import { curvePane } from "./curves.js";
 import { el, pane, shortNumber } from "./draw.js";
 import { experimentFields, markField, optionsOf, textField, wordsOf } from "./experiment.js";
@@ -189,6 +190,7 @@ function formPane(store, hand, changed) {
   const { section, bar, body } = pane("run-form", S.run);
   let plants = [];
   let direct = ""; // the controller that asks the text, where it is a rule base
+  let likely = ""; // the plant on which the command runs it by itself
   let touched = false; // by a hand: what it chose stays
   const text = (label, hint, size) => textField(label, hint, size, changed);
   const plant = el("select", { onchange: () => chosen(true) });
@@ -211,8 +213,8 @@ function formPane(store, hand, changed) {
   start.disabled = true; // until it is known which plants there are
   const clock = el("output", { class: "clock", "aria-label": S.runTime });
   const said = el("p", { class: "said", role: "status" });
-  const onArm = el("span", { class: "fields" },
-    el("label", { class: "small" }, S.runTrajectory, trajectory), el("label", { class: "small" }, payload, S.runPayload));
+  const load = el("label", { class: "small" }, payload, S.runPayload);
+  const along = el("span", { class: "fields" }, el("label", { class: "small" }, S.runTrajectory, trajectory), load);
   const elsewhere = el("span", { class: "fields" }, reference.shown, suggestions, duration.shown,
     el("label", { class: "small", title: S.runOpenEndedHint }, endless, S.runOpenEnded));
   const around = aroundLine(hand);
@@ -226,7 +228,7 @@ function formPane(store, hand, changed) {
   details.addEventListener("toggle", () => showLine());
   body.addEventListener("change", showLine);
   bar.append(start, pause, step, again, stop, el("label", { class: "small" }, S.runSpeed, speed), clock);
-  const choice = el("div", { class: "fields" }, el("label", { class: "small" }, S.runPlant, plant), onArm, elsewhere);
+  const choice = el("div", { class: "fields" }, el("label", { class: "small" }, S.runPlant, plant), along, elsewhere);
   body.append(around.line, unsaved.line, choice, details, said);
 
   function open(byHand) {
@@ -234,29 +236,39 @@ function formPane(store, hand, changed) {
     showLine();
   }
 
+  const one = () => plants.find((each) => each.name === plant.value);
+
   function chosen(byHand) {
     touched ||= byHand;
-    const one = plants.find((each) => each.name === plant.value);
-    if (!one) return;
-    const arm = one.name === "arm";
-    onArm.hidden = !arm;
-    elsewhere.hidden = arm;
+    if (!one()) return;
+    show(one());
+    if (byHand) changed();
+    showLine();
+  }
+
+  /** Show the fields of a plant: its trajectories, or references. */
+  function show(one) {
+    const moves = one.trajectories.length > 0;
+    along.hidden = !moves;
+    elsewhere.hidden = moves;
+    load.hidden = !one.carries;
+    const kept = one.trajectories.includes(trajectory.value) ? trajectory.value : one.shown;
+    refill(trajectory, one.trajectories.map((name) => [name, name]), kept);
     reference.field.value = one.reference;
     const port = one.reference.split("=")[0];
     suggestions.replaceChildren(...S.runSignals.map((signal) => el("option", { value: `${port}=${signal}` })));
-    speed.value = String(arm ? 1 : lasting(one.duration ?? 10));
+    speed.value = String(moves ? 1 : lasting(one.duration ?? 10));
     endless.checked = !one.duration;
     duration.field.value = one.duration ? timeWords(one.duration) : "";
     open(false);
     note(one.why, Boolean(one.why));
-    if (byHand) changed();
-    showLine();
   }
 
   function offer(news) {
     const before = JSON.stringify(plants);
     plants = news.plants;
     direct = news.direct;
+    likely = news.likely;
     start.disabled = !plants.length;
     choice.hidden = details.hidden = !plants.length;
     around.show(news.alone, Boolean(direct));
@@ -269,8 +281,6 @@ function formPane(store, hand, changed) {
     plant.replaceChildren(...plants.map((each) => el("option", {
       value: each.name, textContent: each.why ? S.runNotFitting(each.name) : each.name, title: each.why || each.summary,
     })));
-    trajectory.replaceChildren(...news.trajectories.map((name) => el("option", { value: name, textContent: name })));
-    if (news.trajectories.includes("pick-and-place")) trajectory.value = "pick-and-place";
     const same = kept === plant.value && before !== "[]";
     plant.value = kept;
     if (!same || !reference.field.value) chosen(false);
@@ -279,7 +289,8 @@ function formPane(store, hand, changed) {
 
   function asked() {
     const found = { plant: plant.value, speed: speed.value === "" ? null : Number(speed.value), ...more.asked() };
-    if (plant.value === "arm") Object.assign(found, { trajectory: trajectory.value, payload: payload.checked });
+    const { trajectories, carries } = one() ?? {};
+    if (trajectories?.length) Object.assign(found, { trajectory: trajectory.value, payload: carries && payload.checked });
     else {
       const lasts = duration.field.value.trim();
       Object.assign(found, { reference: wordsOf(reference.field.value), [endless.checked ? "window" : "until"]: lasts });
@@ -293,7 +304,7 @@ function formPane(store, hand, changed) {
     if (!details.open) return;
     const want = asked();
     const words = ["fuzzyarm", "simulate", ...(direct ? [direct, "--rulebase", hand.file()] : [hand.file()])];
-    if (want.plant !== "arm") words.push("--plant", want.plant);
+    if (want.plant !== likely) words.push("--plant", want.plant);
     if (want.trajectory) words.push("--trajectory", want.trajectory, ...(want.payload ? ["--payload"] : []));
     words.push(...optionsOf(want));
     if (want.until) words.push("--for", want.until);

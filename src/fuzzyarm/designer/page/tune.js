@@ -54,12 +54,11 @@ function tunePanes(store, hand) {
   const digits = number(3, 1, 12);
   const experiment = experimentFields();
   const lines = el("textarea", { rows: 2, cols: 34, spellcheck: false, placeholder: S.linesExample });
-  const onArm = [
-    field(S.trajectory, trajectory), el("label", { class: "check" }, payload, S.payload),
-  ];
+  const load = el("label", { class: "check" }, payload, S.payload);
+  const along = [field(S.trajectory, trajectory), load];
   const elsewhere = [field(S.reference, reference, S.referenceHint), field(S.seconds, seconds)];
   const inLoop = [
-    field(S.plant, plant), ...elsewhere, ...onArm,
+    field(S.plant, plant), ...elsewhere, ...along,
     field(S.scenarios, scenarios, S.scenariosHint), field(S.vary, vary, S.varyHint), field(S.overScenarios, over),
     el("label", { class: "check", title: S.linearHint }, linear, S.linear),
   ];
@@ -80,12 +79,15 @@ function tunePanes(store, hand) {
   top.body.append(fields, more, actions, said);
 
   function fit() {
-    const isArm = facts?.loop && plant.value === "arm";
+    const known = facts?.plants.find((each) => each.name === plant.value);
+    const moves = Boolean(facts?.loop && known?.trajectories.length);
     for (const each of [...inLoop, more]) each.hidden = !facts?.loop;
-    for (const each of elsewhere) each.hidden = !facts?.loop || isArm;
-    for (const each of onArm) each.hidden = !isArm;
+    for (const each of elsewhere) each.hidden = !facts?.loop || moves;
+    for (const each of along) each.hidden = !moves;
+    load.hidden = !moves || !known.carries;
+    refill(trajectory, [["", S.asCompared], ...(known?.trajectories ?? []).map((each) => [each, each])]);
     for (const each of onSamples) each.hidden = !facts || facts.loop;
-    reference.placeholder = facts?.plants.find((each) => each.name === plant.value)?.reference ?? "";
+    reference.placeholder = known?.reference ?? "";
   }
 
   function ask() {
@@ -102,7 +104,6 @@ function tunePanes(store, hand) {
       const first = !facts;
       facts = message;
       refill(plant, facts.plants.map((each) => [each.name, each.fits ? each.name : S.needsConnect(each.name)]));
-      refill(trajectory, [["", S.asTheStudy], ...facts.trajectories.map((each) => [each, each])]);
       refill(data, facts.samples.map((each) => [each, each]));
       refill(test, [["", S.fifth], ...facts.samples.map((each) => [each, each])]);
       refill(method, facts.methods.map((each) => [each, each]));
@@ -126,9 +127,9 @@ function tunePanes(store, hand) {
     ending = false;
     said.textContent = S.preparing;
     markField(inputs, "");
-    const isArm = plant.value === "arm";
+    const known = facts?.plants.find((each) => each.name === plant.value);
     const where = !facts?.loop ? { data: data.value, test: test.value, target: target.value }
-      : isArm ? { trajectory: trajectory.value, payload: payload.checked }
+      : known?.trajectories.length ? { trajectory: trajectory.value, payload: payload.checked }
       : { reference: wordsOf(reference.value), seconds: seconds.value };
     const mine = job = hand.start("tune", {
       ...where, ...(facts?.loop ? { plant: plant.value, vary: wordsOf(vary.value), ...experiment.asked() } : {}),

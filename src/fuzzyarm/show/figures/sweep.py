@@ -54,8 +54,7 @@ def sweep_figure(many: Many, over: Sequence[Range], metric: str = "rms") -> Figu
         else:
             _draw_curve(axes, over[0], values[at], lost)
             label_axes(axes, safe(over[0].name), label, output)
-    on = many.trajectory if many.plant == "arm" else f"{many.plant}, {many.trajectory}"
-    title = f"{many.controller} on {on}"
+    title = f"{many.controller} on {many.where}"
     if lost.any():
         title += f", {int(lost.sum())} of {lost.size} points diverge (grey)"
     rest = [name for name in many.changes if name not in [each.name for each in over]]

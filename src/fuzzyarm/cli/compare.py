@@ -1,0 +1,406 @@
+"""Compare controllers under the same conditions: along trajectories of a plant, or references."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict
+from itertools import zip_longest
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fuzzyarm.cli.command import JSON, WordError, argument, command, flag, print_json, progress_bar
+from fuzzyarm.cli.experiment import CONVENTIONS, DIVERGED, conventions_of
+from fuzzyarm.cli.plants import (
+    MOTORS,
+    PLANT,
+    connections,
+    equipped_by,
+    follows,
+    motion_of,
+    option_given,
+    plant_of,
+)
+from fuzzyarm.cli.simulate import run_as_json
+
+if TYPE_CHECKING:
+    from fuzzyarm.controller import Controller
+    from fuzzyarm.loop import Run
+    from fuzzyarm.plant import Conventions, Plant, Trajectory
+    from fuzzyarm.study.comparison import Compared, Cost
+
+_COMPARE = """Compare controllers under the same conditions: errors, chatter, cost.
+
+CONTROLLER is a name of the catalogue, a sum or a file; by default those of the study's
+summary table and those that it does not have. The arm follows reach-return and
+pick-and-place, another plant with trajectories those that it names, all under the
+conditions that the options say, whatever the controllers are called. Without options:
+with load, also in the hold; double precision and the true π; set points held for the
+periods that a controller asks for (laws: five of 0.6 ms), motors without inductance, any
+torque. What the study did for a row of its own, `fuzzyarm reproduce` does.
+
+"rms" are the RMS errors of links 1 and 2 on the first trajectory, then on the second, in
+degrees: at the set points, each in the last of its periods, as the study samples them; in
+all control periods, from the set point that is held; and from the path itself, which moves
+on while a set point stands. "change" is the mean magnitude by which the torque of a joint
+(on another plant the first drive of an axis) changes from one control period to the next,
+the largest of all, in N m: chatter.
+
+With --operations: floating-point operations of a control step, both joints together
+(counted as the loop does them, sines and cosines among them, in the mean along a short
+move), and those of a step of the program that `fuzzyarm compile` writes, at most. With
+--cost the time, too, that a step adds to the loop. Both are counted on the arm.
+
+On a plant without trajectories, that of --plant or the shipped one that has the axes of the
+controllers, and on any with --reference or --step, they follow the same references, with the
+options of `fuzzyarm simulate`; the table has the metrics of each run, and --plot draws the
+runs beside one another.
+
+Examples
+--------
+  fuzzyarm compare
+  fuzzyarm compare --interpolate
+  fuzzyarm compare --angles 80 -20 --segment 1 --limits 55.44 48.51
+  fuzzyarm compare pd-motor fuzzy-fine mine.frb --inductance 0.002 --supply 24 --cost
+  fuzzyarm compare servo.frb tuned.frb --step 1 --for 2s --noise position=0.001
+"""
+
+
+def _compare(arguments: argparse.Namespace) -> int:
+    from fuzzyarm.controller.own import find_controllers
+    from fuzzyarm.study.comparison import compared_names
+    from fuzzyarm.study.figures import figure_format
+
+    if arguments.plot:
+        figure_format(arguments.plot)  # a mistake in the name is told before the runs
+    names = arguments.controllers or compared_names()
+    controllers = find_controllers(names)
+    plant = plant_of(arguments, controllers)
+    along = follows(arguments, plant, payload=True)
+    _require_counted(arguments, plant, along=along)
+    if not along:
+        return _compare_references(arguments, controllers, plant)
+    return _compare_trajectories(arguments, names, controllers, plant)
+
+
+def _require_counted(arguments: argparse.Namespace, plant: Plant, *, along: bool) -> None:
+    """Raise WordError for an option that is not for this kind of comparison."""
+    from fuzzyarm.study.comparison import is_counted
+
+    option = option_given(arguments, (name for name in _COUNTS if getattr(arguments, name)))
+    if option and not (along and is_counted(plant)):
+        shown = ", ".join(SHOWN[:3])
+        message = f"{option} counts along the trajectories of the study's arm"
+        raise WordError(f"{message}; {plant.name} is compared by errors and chatter: {shown}, …")
+    if arguments.errors and not along:
+        message = "--errors chooses among those along trajectories"
+        raise WordError(f"{message}; along --reference there are {', '.join(SHOWN)}")
+
+
+_COUNTS = ("cost", "operations")
+"""Options that ask what a step costs."""
+
+
+# --- Along trajectories ---
+
+
+def _compare_trajectories(
+    arguments: argparse.Namespace,
+    names: Sequence[str],
+    controllers: Sequence[Controller],
+    plant: Plant,
+) -> int:
+    from fuzzyarm.plant.following import carries
+    from fuzzyarm.study.comparison import compare, cost_of, is_counted
+
+    trajectories, conventions = _trajectories(arguments, plant), conventions_of(arguments)
+    _, options = equipped_by(arguments, plant)
+    timed = bool(arguments.cost or (arguments.plot and is_counted(plant)))
+    counted = names if timed or arguments.operations else ()
+    compared: list[Compared] = []
+    costs: list[Cost] = []
+    with progress_bar("controllers", len(names) + len(counted)) as bar:
+        for each in compare(
+            controllers,
+            options,
+            plant=plant,
+            trajectories=trajectories,
+            conventions=conventions,
+            payload=arguments.payload,
+            connect=connections(arguments),
+        ):
+            compared.append(each)
+            bar(1)
+        for name in counted:
+            costs.append(cost_of(name, conventions=conventions, timed=timed))
+            bar(1)
+    if arguments.plot and costs:
+        from fuzzyarm.study.figures import draw_cost, save_figure
+
+        save_figure(draw_cost(compared, costs), arguments.plot)
+    elif arguments.plot:
+        _plot_runs(_runs_along(arguments, controllers, plant, trajectories[0]), arguments.plot)
+    senses = [arguments.errors] if arguments.errors else list(_SENSES)
+    if arguments.json:
+        print_json([_compared_json(*pair) for pair in zip_longest(compared, costs)], 1)
+    elif arguments.markdown:
+        print("\n".join(_compared_markdown(compared, costs, senses)))
+    else:
+        ways = " and ".join(each.name for each in trajectories)
+        load = _load(conventions, payload=arguments.payload) if carries(plant) else ""
+        print(f"{ways}{load}, {_counting(conventions)}")
+        print("\n".join(_compared_lines(compared, costs, senses)))
+    return 0
+
+
+def _load(conventions: Conventions, *, payload: bool) -> str:
+    """Return in words what is carried."""
+    if not payload:
+        return " without load"
+    return " with load" if conventions.load_in_hold else " with load but not in the hold"
+
+
+def _counting(conventions: Conventions) -> str:
+    """Return in words how all of them count."""
+    numbers = f"{conventions.precision}, π {conventions.pi:.7g}"
+    return f"{conventions.name} conventions, {numbers}"
+
+
+def _trajectories(arguments: argparse.Namespace, plant: Plant) -> Sequence[Trajectory]:
+    """Return those that a plant has controllers compared along, with other angles and times."""
+    from fuzzyarm.plant.following import compared_trajectories
+
+    given: dict[str, Any] = {}
+    if arguments.angles is not None:
+        given["angles"] = tuple(arguments.angles)
+    if arguments.segment is not None:
+        given["segment"] = arguments.segment
+    return compared_trajectories(plant, **given)
+
+
+def _runs_along(
+    arguments: argparse.Namespace,
+    controllers: Sequence[Controller],
+    plant: Plant,
+    trajectory: Trajectory,
+) -> list[Run]:
+    """Run controllers along one trajectory, for a figure of the runs."""
+    from fuzzyarm.loop.along import trajectory_motion
+    from fuzzyarm.loop.run import run_along
+    from fuzzyarm.plant.following import carries
+
+    connect, conventions = connections(arguments), conventions_of(arguments)
+    plant, options = equipped_by(arguments, plant)
+    payload = arguments.payload and carries(plant)
+    runs = []
+    for controller in controllers:
+        motion = trajectory_motion(
+            plant, trajectory, controller, conventions, payload=payload, connect=connect
+        )
+        runs.append(run_along(controller, motion, conventions, options, connect))
+    return runs
+
+
+def _compared_json(compared: Compared, cost: Cost | None) -> dict[str, Any]:
+    found: dict[str, Any] = {
+        "controller": compared.name,
+        "rms": list(compared.rms),
+        "rms_periods": list(compared.rms_periods),
+        "rms_path": list(compared.rms_path),
+        "variation": list(compared.variation),
+        "diverged": list(compared.diverged),
+    }
+    if cost is not None:
+        found["operations"] = asdict(cost.operations) | {"total": cost.operations.total}
+        found["exported_operations"] = cost.exported
+        if cost.seconds is not None:
+            found["seconds"] = cost.seconds
+    return found
+
+
+_SENSES = {"set-points": "set points", "periods": "all periods", "path": "path"}
+"""Of errors: by the word of ``--errors``, how they are called."""
+
+
+def _compared_lines(
+    compared: Sequence[Compared], costs: Sequence[Cost], senses: Sequence[str]
+) -> Iterator[str]:
+    """Yield a table with a line for each controller and sense of error."""
+    heads = ["change", *(_cost_heads(costs) if costs else [])]
+    count = len(compared[0].rms)
+    yield _columns("controller", "", [*_rms_heads(compared[0]), *heads], count)
+    for each, cost in zip_longest(compared, costs):
+        shown = senses if any(lost is None for lost in each.diverged) else senses[:1]
+        for at, sense in enumerate(shown):
+            name, others = (each.name, _others(each, cost)) if at == 0 else ("", [])
+            yield _columns(name, _SENSES[sense], [*_errors(each, sense), *others], count)
+
+
+def _outputs_of(compared: Compared) -> list[int]:
+    """Return which of the outputs that follow each error is of, counted from 1."""
+    outputs = len(compared.rms) // len(compared.diverged)
+    return [1 + index % outputs for index in range(len(compared.rms))]
+
+
+def _rms_heads(compared: Compared) -> list[str]:
+    """Return a head for each error; degrees need no word."""
+    units = ["" if unit == "degrees" else f", {unit}" for unit in compared.units]
+    return [f"rms {at}{unit}" for at, unit in zip(_outputs_of(compared), units, strict=True)]
+
+
+def _compared_markdown(
+    compared: Sequence[Compared], costs: Sequence[Cost], senses: Sequence[str]
+) -> Iterator[str]:
+    """Yield a table with a line for each controller; of costs those, beside mean errors."""
+    if costs:
+        heads = ["controller", "geometric mean at set points", "from the path"]
+        heads += _cost_heads(costs)
+    else:
+        heads = ["controller"]
+        first, *others = map(str, _outputs_of(compared[0]))
+        for sense in senses:
+            heads += [f"{_SENSES[sense]}: {first}", *others]
+        heads.append("change")
+    yield f"| {' | '.join(heads)} |"
+    yield "|---" * len(heads) + "|"
+    for each, cost in zip_longest(compared, costs):
+        if cost is None:
+            cells = [cell for sense in senses for cell in _errors(each, sense)]
+            cells += _others(each, None)
+        else:
+            lost = any(time is not None for time in each.diverged)
+            means = (each.error, each.path_error)
+            cells = ["diverges" if lost else f"{mean:.4f}" for mean in means] + _cost_cells(cost)
+        yield f"| {' | '.join([each.name, *cells])} |"
+
+
+def _errors(compared: Compared, sense: str) -> list[str]:
+    values = {
+        "set-points": compared.rms,
+        "periods": compared.rms_periods,
+        "path": compared.rms_path,
+    }[sense]
+    outputs = len(values) // len(compared.diverged)
+    lost = [compared.diverged[index // outputs] is not None for index in range(len(values))]
+    return [
+        "diverges" if gone else f"{value:.4f}" for gone, value in zip(lost, values, strict=True)
+    ]
+
+
+def _others(compared: Compared, cost: Cost | None) -> list[str]:
+    """Return the largest change of torque, and what a step costs."""
+    lost = any(each is not None for each in compared.diverged)
+    change = "" if lost else f"{max(compared.variation, default=0.0):.2f}"
+    return [change, *(_cost_cells(cost) if cost is not None else [])]
+
+
+def _cost_heads(costs: Sequence[Cost]) -> list[str]:
+    timed = costs[0].seconds is not None
+    return ["operations", "exported", *(["ns"] if timed else [])]
+
+
+def _cost_cells(cost: Cost) -> list[str]:
+    exported = "-" if cost.exported is None else f"{cost.exported}"
+    cells = [f"{cost.operations.total:.0f}", exported]
+    return cells if cost.seconds is None else [*cells, f"{1e9 * cost.seconds:.0f}"]
+
+
+def _columns(name: str, sense: str, cells: Sequence[str], errors: int) -> str:
+    """Return a line of the table, in which so many cells are errors."""
+    widths = [10] * errors + [12] * (len(cells) - errors)
+    numbers = "".join(f"{cell:>{width}}" for cell, width in zip(cells, widths, strict=True))
+    return f"{name:<18}{sense:<12}{numbers}".rstrip()
+
+
+# --- Along references ---
+
+SHOWN = ("rms", "max", "overshoot", "settling", "effort", "chatter")
+"""Metrics of a run that the table has."""
+
+
+def _compare_references(
+    arguments: argparse.Namespace, controllers: Sequence[Controller], plant: Plant
+) -> int:
+    """Run controllers along the same references, and print what came of them."""
+    from fuzzyarm.loop.run import run_along
+
+    plant, options = equipped_by(arguments, plant)
+    connect, conventions = connections(arguments), conventions_of(arguments)
+    runs: list[Run] = []
+    with progress_bar("controllers", len(controllers)) as bar:
+        for controller in controllers:
+            motion = motion_of(arguments, controller, plant)
+            runs.append(run_along(controller, motion, conventions, options, connect))
+            bar(1)
+    if arguments.plot:
+        _plot_runs(runs, arguments.plot)
+    if arguments.json:
+        print_json([run_as_json(run) for run in runs], 1)
+    elif arguments.markdown:
+        print("\n".join(_markdown(runs)))
+    else:
+        print("\n".join(_lines(runs)))
+    return DIVERGED if all(run.diverged is not None for run in runs) else 0
+
+
+def _plot_runs(runs: list[Run], path: str) -> None:
+    """Draw runs beside one another."""
+    from fuzzyarm.show.figures.run import draw_runs
+    from fuzzyarm.study.figures import save_figure
+
+    save_figure(draw_runs(runs), Path(path))
+
+
+def _rows(runs: Sequence[Run]) -> Iterator[list[str]]:
+    """Yield a row for each controller and tracked output, the heads first."""
+    several = len(runs[0].labels) > 1
+    unit = dict(zip(runs[0].labels, runs[0].units, strict=True))
+    yield ["controller", "error of", *SHOWN]
+    for run in runs:
+        for (name, metrics), label in zip(run.metrics.items(), run.labels, strict=True):
+            cells = metrics.as_dict()
+            numbers = ["-" if cells[each] is None else f"{cells[each]:.4g}" for each in SHOWN]
+            if run.diverged is not None:
+                numbers = [f"diverged at {run.diverged:.4g} s", *[""] * (len(SHOWN) - 1)]
+            yield [run.controller, f"{name if several else label}, {unit[label]}", *numbers]
+
+
+def _lines(runs: Sequence[Run]) -> Iterator[str]:
+    yield f"{runs[0].plant}, {runs[0].trajectory}"
+    rows = list(_rows(runs))
+    widths = [max(len(row[column]) for row in rows) for column in range(2)]
+    for row in rows:
+        first = [f"{cell:<{width}}" for cell, width in zip(row, widths, strict=False)]
+        yield "  ".join([*first, *(f"{cell:>10}" for cell in row[2:])]).rstrip()
+
+
+def _markdown(runs: Sequence[Run]) -> Iterator[str]:
+    heads, *rows = _rows(runs)
+    yield f"| {' | '.join(heads)} |"
+    yield "|---" * len(heads) + "|"
+    for row in rows:
+        yield f"| {' | '.join(row)} |"
+
+
+COMMANDS = (
+    command(
+        "compare",
+        _COMPARE,
+        _compare,
+        argument("controllers CONTROLLER", "name, sum or file", nargs="*"),
+        argument("--angles A1 A2", "where to turn to on both trajectories, degrees", type=float),
+        argument("--segment SECONDS", "duration of each move", type=float),
+        *PLANT,
+        argument(
+            "--payload", "carry the load", action=argparse.BooleanOptionalAction, default=True
+        ),
+        *CONVENTIONS,
+        *MOTORS,
+        argument("--errors", "in one of the three senses", choices=list(_SENSES)),
+        flag("--cost", "count operations and measure time"),
+        flag("--operations", "count operations"),
+        argument("--plot FIG", "draw error against cost"),
+        flag("--markdown", "print a table for a page"),
+        JSON,
+    ),
+)

@@ -1,0 +1,217 @@
+"""What a plant can follow by name, with which outputs, and what it carries along.
+
+A plant says it of itself: ``trajectories``, ``compared_along``, ``random_trajectory`` and
+``loaded_parameters`` of :class:`fuzzyarm.plant.Plant`.
+"""
+
+from __future__ import annotations
+
+import inspect
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from fuzzyarm.plant.driven_arm import Arm
+from fuzzyarm.plant.equations import USERS
+from fuzzyarm.plant.own import failure_of, start_of
+from fuzzyarm.plant.plant import (
+    Address,
+    Plant,
+    PlantError,
+    interface_of,
+    parameter,
+    with_parameters,
+)
+from fuzzyarm.plant.setting import ArmError
+from fuzzyarm.plant.trajectory import Point, Trajectory, through
+from fuzzyarm.text.names import near_hint
+
+# --- Trajectories by name ---
+
+
+class UnknownTrajectoryError(PlantError):
+    """A plant has no trajectory of this name, or none at all."""
+
+
+def follower_of(trajectory: Trajectory) -> Plant:
+    """Return the plant that follows a trajectory where none is named: the study's arm."""
+    return Arm()
+
+
+def trajectory_of(plant: Plant, name: str = "", **given: Any) -> Trajectory:
+    """Return a trajectory of a plant.
+
+    Parameters
+    ----------
+    plant : Plant
+        Any.
+    name : str, optional
+        By default its first one.
+    **given
+        Arguments of the function that makes it, as ``segment=1.5``.
+
+    Raises
+    ------
+    UnknownTrajectoryError
+        If the plant has none of this name.
+    ArmError
+        If it does not take what is given, or a number is out of range.
+    """
+    known = plant.trajectories
+    if not known:
+        hint = f"it follows references, as in {_port_words(plant)}=step:1"
+        raise UnknownTrajectoryError(f"the {plant.name} has no trajectories", name=name, hint=hint)
+    if name and name not in known:
+        hint = near_hint(name, known)[0] or f"there are {', '.join(known)}"
+        raise UnknownTrajectoryError(
+            f"the {plant.name} has no trajectory '{name}'", name=name, hint=hint
+        )
+    chosen = name or next(iter(known))
+    make = known[chosen]
+    taken = set() if isinstance(make, Trajectory) else set(_arguments_of(make))
+    for option, value in given.items():
+        if option not in taken:
+            raise ArmError(f"{chosen} has no {option}", name=option, value=value)
+    return make if isinstance(make, Trajectory) else _made(plant, chosen, make, given)
+
+
+def _port_words(plant: Plant) -> str:
+    interface = interface_of(plant)
+    return interface.label(next(iter(interface.outputs)))
+
+
+def _arguments_of(make: Callable[..., Trajectory]) -> Iterable[str]:
+    """Return the names of what a function takes; none where it cannot be asked."""
+    try:
+        return inspect.signature(make).parameters
+    except (TypeError, ValueError):
+        return ()
+
+
+def _made(
+    plant: Plant, name: str, make: Callable[..., Trajectory], given: Mapping[str, Any]
+) -> Trajectory:
+    """Call the function of a trajectory, which may be a user's."""
+    try:
+        found: Any = make(**given)
+    except ArmError:
+        raise
+    except USERS as error:
+        message = f"trajectory '{name}' of the {plant.name} failed: {failure_of(plant, error)}"
+        raise PlantError(message, name=name) from error
+    if not isinstance(found, Trajectory):
+        message = f"trajectory '{name}' of the {plant.name} is a {type(found).__name__}"
+        raise PlantError(message, name=name, hint="return fuzzyarm.plant.through([...])")
+    return found
+
+
+def compared_trajectories(plant: Plant, **given: Any) -> tuple[Trajectory, ...]:
+    """Return those by which controllers are compared and tuned; `given` as trajectories take it."""
+    names = plant.compared_along or tuple(plant.trajectories)
+    return tuple(trajectory_of(plant, name, **given) for name in names)
+
+
+def shortest_trajectory(plant: Plant) -> str:
+    """Return the name of the trajectory that takes the least time to look at."""
+    return min(plant.trajectories, key=lambda name: trajectory_of(plant, name).duration)
+
+
+def followed(plant: Plant, trajectory: Trajectory) -> tuple[Address, ...]:
+    """Return the outputs of a plant that follow a trajectory.
+
+    Raises
+    ------
+    PlantError
+        If they are not as many as the numbers of its points.
+    """
+    interface = interface_of(plant)
+    first: dict[str, Address] = {}
+    for port in interface.outputs:
+        first.setdefault(port[0], port)
+    ports = tuple(map(interface.port, trajectory.outputs)) or tuple(first.values())
+    count = len(trajectory.segments[0].start)
+    if len(ports) != count:
+        names = ", ".join(map(interface.label, ports))
+        numbers = f"{count} number{'' if count == 1 else 's'}"
+        message = f"a point of '{trajectory.name}' has {numbers}, and the {plant.name} follows"
+        hint = "outputs of a Trajectory names those that follow"
+        raise PlantError(f"{message} with {len(ports)}: {names}", name="outputs", hint=hint)
+    for port in ports:
+        if port not in interface.outputs:
+            message = f"'{interface.label(port)}' is an input, which follows nothing"
+            raise PlantError(message, name=interface.label(port))
+    return ports
+
+
+def at_rest(plant: Plant) -> dict[Address, float]:
+    """Return the outputs of a plant at its start, as far as they are states of the same name."""
+    states = dict(zip(plant.states, start_of(plant, np.random.default_rng(0)), strict=True))
+    ports = interface_of(plant).outputs
+    return {port: states[port[1]] for port in ports if port[1] in states}
+
+
+def way_points(
+    plant: Plant, points: Sequence[Point], segment: float = 2.0, hold: float = 0.0
+) -> Trajectory:
+    """Return a trajectory through way points from where a plant rests; see :func:`through`.
+
+    Raises
+    ------
+    PlantError
+        If the plant does not follow with as many outputs as a point has numbers.
+    """
+    outputs, resting = interface_of(plant).outputs, at_rest(plant)
+    ports = followed(plant, through(points, segment, hold))
+    turns = {port: 180.0 / math.pi if outputs[port].unit == "rad" else 1.0 for port in ports}
+    start = tuple(resting.get(port, 0.0) * turns[port] for port in ports)
+    return through(points, segment, hold, start=start)
+
+
+SMALLEST, LARGEST = 0.5, 1.5
+"""Between what drawn moves and references are scaled."""
+
+
+def drawn_trajectory(plant: Plant, rng: np.random.Generator) -> Trajectory:
+    """Draw a trajectory to tune on, as the plant does it, or with ways of another size."""
+    if plant.random_trajectory is not None:
+        return plant.random_trajectory(rng)
+    chosen = compared_trajectories(plant)
+    one = chosen[int(rng.integers(len(chosen)))]
+    return one.scaled(float(np.round(rng.uniform(SMALLEST, LARGEST), 3)))
+
+
+# --- The load ---
+
+
+def carries(plant: Plant) -> bool:
+    """Whether a plant says what it is with a load; values that were set hold with it, too."""
+    return plant.loaded_parameters is not Plant.loaded_parameters
+
+
+def with_load(plant: Plant, share: float) -> Plant:
+    """Return a plant that carries some of its load; its parameters change in proportion.
+
+    Parameters
+    ----------
+    plant : Plant
+        With ``loaded_parameters``.
+    share : float
+        0 for nothing, 1 for its load.
+
+    Raises
+    ------
+    ArmError
+        If the share is negative or not finite.
+    """
+    if not 0.0 <= share < math.inf:
+        hint = "0 (none), 1 (the whole) or more"
+        message = f"a payload of {share:g} is out of range"
+        raise ArmError(message, name="payload", value=share, hint=hint)
+    values = {}
+    for name, heavy in plant.loaded_parameters.items():
+        light = parameter(plant, name).value
+        # Exact at both ends, where a difference would leave its rounding.
+        values[name] = (1.0 - share) * light + share * heavy
+    return with_parameters(plant, values)
