@@ -19,7 +19,7 @@ help:
 	@echo "make native build the machine code of the kernels anew"
 	@echo "make docs   set up and build the pages as a site, in build/docs"
 	@echo "make bench  set up and measure against C and the peers that are installed"
-	@echo "make mutants  change the source in 100 ways and see which a test notices"
+	@echo "make mutants  change the source in 300 ways and see which a test notices"
 	@echo "make fuzz   all random cases of the tests; then files, rule bases and commands, some 10,000 each"
 	@echo "make editors  compile, test and package the extension for VS Code (needs node)"
 	@echo "make designer  build what the designer's page needs of other packages (needs node)"

@@ -89,7 +89,7 @@ def test_a_controller_takes_any_shape_and_norm(text):
     wanted = [infer(parsed.rulebase, e=float(e), ce=float(ce))["u"] for e, ce in points]
     assert evaluated(parsed.rulebase, points) == pytest.approx(wanted, abs=1e-9)
     made = controller("fuzzy-direct", sources=Sources(rulebase=parsed.rulebase))
-    run = simulate(made, reach(segment=0.2, hold=0.2), options=Options(compiled=False))
+    run = simulate(made, reach(segment=0.1, hold=0.1), options=Options(compiled=False))
     # Where inputs are not clamped, no rule fires far outside and there is no torque.
     assert run.diverged is None or "extend" in text
 

@@ -14,7 +14,7 @@ from types import ModuleType
 
 import numpy as np
 import pytest
-from budget import crossed
+from budget import crossed, part
 from own_kinds import HEDGE, NORM, SHAPE, TEXTS, register, remove
 
 import fuzzyarm
@@ -362,14 +362,15 @@ def test_commands_find_the_kinds_of_an_installed_package(package, tmp_path):
     found = in_new_process(package, "eval", own, *AT, "--json")
     truth = fuzzyarm.infer(model("all"), e=1.3, ce=-2.2)
     assert json.loads(found.stdout) == truth
-    for words in (
+    commands = (
         ("show", own, "--at", "e=1.3,ce=-2.2"),
         ("plot", own, "-o", tmp_path / "own.svg"),
         ("compile", quick, "-o", tmp_path / "own.lut"),
         ("compile", quick, "-o", tmp_path / "own.h"),
         ("compile", quick, "-o", tmp_path / "own.st"),
         ("fmt", own),
-    ):
+    )
+    for words in part(commands, 3):
         done = in_new_process(package, *words)
         assert (done.returncode, done.stderr) == (0, ""), words
     refused = in_new_process(package, "convert", own, tmp_path / "own.fll")
