@@ -216,6 +216,7 @@ def test_json_says_what_it_is_about_in_escapes(files, capsys):
     assert json.loads(said)["name"] == "r" + HOSTILE
 
 
+@pytest.mark.slow
 def test_a_backend_that_matplotlib_does_not_know_is_no_matter(files, monkeypatch):
     monkeypatch.setenv("MPLBACKEND", "nonsense")
     command = [sys.executable, "-m", "fuzzyarm", "plot", PD7, "-o", "x.png"]

@@ -239,6 +239,7 @@ def test_tuned_in_a_page_the_text_is_that_of_the_command(page, monkeypatch, caps
     assert "same lines" in edit["error"]
 
 
+@pytest.mark.slow
 def test_a_search_that_is_stopped_keeps_the_best(page):
     def answer(news):
         if news.get("phase") == "search" and len(news["costs"]) + news["from"] > 4:

@@ -265,6 +265,7 @@ def systems(draw):
     return RuleBase("made", inputs, (output,), (block,))
 
 
+@pytest.mark.slow
 @settings(
     max_examples=cases(26, 80), suppress_health_check=list(HealthCheck), phases=(Phase.generate,)
 )

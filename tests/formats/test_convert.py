@@ -299,6 +299,7 @@ def test_tables_of_other_programs_become_grids(tmp_path: Path) -> None:
         assert infer(one, a=a, b=b) == infer(other, a=a, b=b)
 
 
+@pytest.mark.slow
 @settings(max_examples=cases(20, 60), deadline=None)
 @given(st.data())
 def test_tables_mean_what_the_rules_meant(data: st.DataObject) -> None:

@@ -56,6 +56,7 @@ def test_a_circular_definition_of_too_little(inside: str) -> None:
     assert "<and> joins two terms" in found
 
 
+@pytest.mark.slow
 def test_a_circular_definition_of_many_terms() -> None:
     many = fml(circular("C", f"<and>{'<termName>A</termName>' * 1200}</and>"))
     few = fml(circular("C", "<and><termName>A</termName><termName>A</termName></and>"))

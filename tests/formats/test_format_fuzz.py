@@ -80,6 +80,7 @@ def test_any_bytes(data: bytes, suffix: str) -> None:
     check(data.decode("latin-1"), suffix)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("suffix", "text"),
     [

@@ -149,6 +149,7 @@ def test_points_are_kept_where_a_shape_would_differ_by_more_than_one_percent(
     assert ("these are kept" in finding.message) == (kind == "points")
 
 
+@pytest.mark.slow
 def test_a_rule_base_of_gaussians_is_short() -> None:
     """The sizes of docs/from-scikit-fuzzy.md."""
     names = ["NB", "NM", "NS", "ZE", "PS", "PM", "PB"]

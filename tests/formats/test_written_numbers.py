@@ -220,6 +220,7 @@ def with_names(
     )
 
 
+@pytest.mark.slow
 @settings(max_examples=cases(10, 40), deadline=None, suppress_health_check=list(HealthCheck))
 @given(oddly_named())
 def test_whatever_is_written_is_read_back(rulebase: RuleBase) -> None:

@@ -70,6 +70,7 @@ def _stride(shape: Shape) -> int:
     return 2 if shape.kind in {"points", "gaussian", "two-sided-gaussian", "sigmoid"} else 1
 
 
+@pytest.mark.slow
 @given(plain_mamdani(), st.integers(0, 1000))
 @settings(max_examples=cases(20, 60))
 def test_closed_form_equals_brute_force(rulebase: RuleBase, seed: int) -> None:
@@ -180,6 +181,7 @@ def test_a_faint_rule_keeps_its_digits(height: float) -> None:
     assert centroid.closed_centroid_at_point(output, [(0, height)]) == pytest.approx(2.0, abs=1e-5)
 
 
+@pytest.mark.slow
 def test_many_overlapping_sets_fall_back_to_quadrature() -> None:
     wide = [Shape("triangle", (0.0, 0.5 + 0.01 * i, 1.0)) for i in range(12)]
     output = _bare_output(wide, 0.0, 1.0)

@@ -195,6 +195,7 @@ def test_c_has_the_bits_of_a_point(tmp_path: Path) -> None:
         demand_same(case, found, wanted, 1e-12 if str(case) in {*APART, ROUNDED} else 0.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", CASES, ids=str)
 def test_structured_text_has_the_bits_of_a_point(case: Case) -> None:
     rulebase = case.rulebase()

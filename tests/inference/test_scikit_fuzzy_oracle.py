@@ -81,6 +81,7 @@ def _peaks() -> list[float]:
     return [float(peak) for peak in range(-6, 7, 2)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["triangle", "trapezoid", "gaussian"])
 @pytest.mark.parametrize(
     ("method", "name"),

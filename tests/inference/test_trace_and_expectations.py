@@ -53,6 +53,7 @@ def test_a_trace_without_a_rule() -> None:
     assert trace.outputs[0].consequents == ()
 
 
+@pytest.mark.slow
 @settings(
     max_examples=cases(13, 40),
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],

@@ -369,6 +369,7 @@ def test_a_search_that_gives_up_says_so():
     assert not {"no-rule-fires", "missing-rule"} & {d.name for d in found}
 
 
+@pytest.mark.slow
 @settings(max_examples=cases(10, 40))
 @given(rulebases())
 def test_a_point_without_a_rule_is_one(rulebase):

@@ -19,6 +19,7 @@ BOUNDED = ("triangle", "trapezoid", "rectangle", "pi", "gaussian", "two-sided-ga
 steps = st.tuples(st.floats(-5, 3), st.floats(0.2, 2), st.floats(0.0, 2), st.floats(0.2, 2))
 
 
+@pytest.mark.slow
 @given(steps, st.sampled_from([1.0, 0.4]), st.sampled_from(BOUNDED))
 def test_one_half_and_the_top_stay_where_both_kinds_have_flanks(numbers, height, kind):
     a, rise, flat, fall = numbers

@@ -456,6 +456,7 @@ def test_words_are_coloured_by_what_they_are() -> None:
 # ── damage ───────────────────────────────────────────────────────────────────────────────
 
 
+@pytest.mark.slow
 def test_no_damage_stops_a_question() -> None:
     chance = random.Random(6)
     pieces = ["", "'", '"', "\n", " ", "|", "\\", "#", ".", "(", "rule ", "θ", "\t", "is "]

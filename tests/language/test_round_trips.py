@@ -30,6 +30,7 @@ def test_what_is_written_reads_back_to_the_same_model(rulebase):
     assert parsed.rulebase == rulebase
 
 
+@pytest.mark.slow
 @settings(max_examples=cases(10, 40), deadline=None)
 @given(rulebases(odd_names=True, decorated=True))
 def test_formatting_changes_no_meaning_and_settles_at_once(rulebase):

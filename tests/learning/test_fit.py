@@ -118,6 +118,7 @@ def test_samples_of_a_line_give_a_line():
     is_sound(made)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "options",
     [
@@ -242,6 +243,7 @@ def test_where_nothing_is_chosen_nothing_is_nested():
     assert fit(many, Options(terms=(2, 1), move=False, nested=True)).judged == "nested"
 
 
+@pytest.mark.slow
 def test_ctrl_c_in_the_judgement_leaves_the_model_as_it_is():
     def interrupt(words):
         if words.startswith("the whole way without part 2"):

@@ -56,6 +56,7 @@ def test_a_cell_of_a_given_table_that_was_never_used_keeps_its_number(capsys):
     assert len(re.findall(r"·-?\d\.\d", out)) > 30
 
 
+@pytest.mark.slow
 def test_learn_draws_what_was_learned_and_how_it_grew(capsys, tmp_path, monkeypatch):
     from PIL import Image
 
@@ -244,6 +245,7 @@ def test_reproduce_prints_the_ensemble(capsys, monkeypatch):
     assert "lowest of 6" in out
 
 
+@pytest.mark.slow
 def test_figures_of_chapters_and_of_all(capsys, tmp_path, monkeypatch):
     monkeypatch.setenv("FUZZYARM_NATIVE", "1")
     rows = ["4.2.5.1/pd", "7.1.1/pd", "7.1.1/acdid", "7.1.1/stfc", "7.1.1/soc-zero"]

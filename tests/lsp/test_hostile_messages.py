@@ -9,6 +9,7 @@ import subprocess
 import sys
 from typing import Any
 
+import pytest
 from lsprotocol import types
 
 from fuzzyarm.lsp.features import make_server
@@ -183,5 +184,6 @@ def _objects() -> int:
     return len(gc.get_objects())
 
 
+@pytest.mark.slow
 def test_an_edit_leaves_nothing_behind() -> None:
     assert asyncio.run(_edits(400)) <= 0

@@ -107,10 +107,12 @@ def imports_upwards(path):
             yield f"{path.relative_to(SOURCE)} imports {module}"
 
 
+@pytest.mark.slow
 def test_imports_go_down():
     assert [offender for path in MODULES for offender in imports_upwards(path)] == []
 
 
+@pytest.mark.slow
 def test_nothing_names_what_stands_above_it_by_string():
     """A name in a string, for an import at run time, goes down as well."""
     offenders = []

@@ -42,6 +42,7 @@ def test_no_family_of_outputs_has_a_false_proof(
     assert not found, f"{found[0].told}\n{found[0].trace}"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("family", FAMILIES)
 def test_every_defuzzifier_of_a_family_is_drawn(family: str) -> None:
     """And nothing is refused: each has bounds over boxes, or is made of pieces."""
@@ -171,6 +172,7 @@ def test_ends_of_karnik_and_mendel_are_no_averages() -> None:
     assert bounds.high - bounds.low < 1e-9
 
 
+@pytest.mark.slow
 def test_strengths_too_small_for_floats_give_values_all_the_same() -> None:
     rulebase = read(
         "rulebase r\ninput x 0 .. 2\noutput u 0 .. 1\nterm x L: triangle -1 0 3\n"

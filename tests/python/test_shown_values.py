@@ -132,6 +132,7 @@ class Tags(HTMLParser):
 ALLOWED = {"pre", "span", "table", "tr", "th", "td", "img"}
 
 
+@pytest.mark.slow
 def test_notebooks_draw_what_is_drawn(values):
     shown = {name: value for name, value in values.items() if hasattr(value, "_repr_html_")}
     assert set(shown) >= {

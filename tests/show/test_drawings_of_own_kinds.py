@@ -69,6 +69,7 @@ def test_while_the_file_is_written(run):
     assert "1 of 2 rules fire" in out
 
 
+@pytest.mark.slow
 def test_as_figures(run, tmp_path):
     parts = ("all", "terms", "surface")
     run(

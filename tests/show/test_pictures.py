@@ -38,6 +38,7 @@ def words(path):
     return "".join(html.unescape("".join(found)).replace("\xa0", " ").split())
 
 
+@pytest.mark.slow
 def test_pictures_say_what_the_program_says_today(drawn):
     names = sorted(path.name for path in drawn.glob("*.svg"))
     assert {"pd7-table.svg", "explained.svg", "watch.svg", "new.svg"} <= set(names)

@@ -227,6 +227,7 @@ def test_diff_of_rule_bases(capsys, tmp_path, frb, lopsided_text):
     assert "cannot be compared" in complaint(capsys, "diff", frb, TABLE)
 
 
+@pytest.mark.slow
 def test_plot_writes_figures(capsys, tmp_path, frb):
     for name, words in {
         "all.png": [frb],

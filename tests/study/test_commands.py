@@ -180,6 +180,7 @@ def test_own_controller_runs_with_the_same_command(capsys, tmp_path, monkeypatch
     assert "times as long as compiled pd" in err
 
 
+@pytest.mark.slow
 def test_reproduce_prints_the_contract(capsys):
     status, out, err = run(capsys, "reproduce", "7.1.1/pd", "5.4.1", "--json")
     assert (status, err) == (0, "")
@@ -194,6 +195,7 @@ def test_reproduce_prints_the_contract(capsys):
         assert row["within"] is (row["variant"] == "as-printed")
 
 
+@pytest.mark.slow
 def test_reproduce_as_text_has_a_verdict_for_each_row(capsys, tmp_path):
     status, out, _ = run(capsys, "reproduce", "4.2.5.1/cdid", "--plot", str(tmp_path / "figures"))
     assert status == 0

@@ -318,6 +318,7 @@ def test_compare_prints_a_line_for_each(capsys, tmp_path):
     assert capsys.readouterr().out.startswith("| controller | set points: 1 | 2 | 1 | 2 | all")
 
 
+@pytest.mark.slow
 def test_exported_programs_have_every_rule_in_a_row(capsys):
     from fuzzyarm.export.cost import step_cost
 

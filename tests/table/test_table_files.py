@@ -219,6 +219,7 @@ def test_reading_the_text_needs_no_array_library():
     assert subprocess.run([sys.executable, "-c", code], env=os.environ, check=False).returncode == 0
 
 
+@pytest.mark.slow
 def test_an_archive_that_unpacks_to_more_than_any_table_is_refused_before_it_is(tmp_path):
     """Zeros deflate to a thousandth: the archive says how large they are before they are read."""
     import tracemalloc

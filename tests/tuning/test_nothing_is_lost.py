@@ -170,6 +170,7 @@ def tuned_on(plant, **given):
     return tune("kiln.frb", plant, **settings)
 
 
+@pytest.mark.slow
 def test_candidates_at_which_a_plant_fails_are_left_behind(folder, capsys):
     """Of 20 candidates those with more power than the file end in an error of the plant's."""
     strict = "        if u[0] > 60.0: raise ValueError('the fuse has blown')\n"

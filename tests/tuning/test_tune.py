@@ -365,6 +365,7 @@ def test_the_opponent_is_the_plane_nearest_to_the_rules():
     assert values.tolist() == pytest.approx([-1.0, -0.4, 0.7, 1.0])
 
 
+@pytest.mark.slow
 def test_a_rule_base_alone_needs_to_be_told_what_is_good():
     with pytest.raises(TuneError, match="a rule base alone"):
         tune(shipped("pd7.frb"))
