@@ -29,6 +29,7 @@ ORDER = (
     "export",
     "proof",
     "loop",
+    "closed_loop",
     "control",
     "learning",
     "sklearn",

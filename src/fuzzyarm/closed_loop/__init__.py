@@ -1,0 +1,1 @@
+"""Proofs of a controller together with its plant."""
