@@ -1,1 +1,1 @@
-"""Proofs of a controller together with its plant."""
+"""A controller proved with its plant: stable, inside, reached."""

@@ -39,6 +39,7 @@ __all__ = [
     "apart",
     "begins_by_itself",
     "compiled_by_numba",
+    "expressions_of",
     "fill",
     "has_numba",
     "is_of_package",
@@ -136,15 +137,36 @@ def _is_same(before: object, after: object) -> bool:
         return type(before) is type(after)
 
 
-def _traced(plant: Any) -> Equations | None:
-    # Those of the package are kernels already, or run the code of others (a unit, a system).
-    if plant.derivative is None or is_of_package(type(plant)):
+def expressions_of(plant: Any) -> Roots | None:
+    """Return rates and outputs of a plant as expressions; None where they cannot be traced.
+
+    Parameters
+    ----------
+    plant : Plant
+        Any; one that brings its own kernels, and one with a `step`, has no equations to trace.
+
+    Returns
+    -------
+    rates : list of Node
+        Over ``t``, the states ``x0`` …, the inputs ``u0`` … and the parameters ``p0`` ….
+    outputs : list of Node or None
+        None where they are the first states.
+    """
+    if plant.derivative is None:
         return None
     seeds = (0, 1) if begins_by_itself(plant) else (0,)
     first, *again = (_begun_roots(apart(plant), seed) for seed in seeds)
     if first is None or any(first != other for other in again):  # its start draws what they read
         return None
-    if not _agrees(plant, first):
+    return first if _agrees(plant, first) else None
+
+
+def _traced(plant: Any) -> Equations | None:
+    # Those of the package are kernels already, or run the code of others (a unit, a system).
+    if is_of_package(type(plant)):
+        return None
+    first = expressions_of(plant)
+    if first is None:
         return None
     flat = [name for group in _names_of(plant) for name in group]
     rates, outputs = (None if roots is None else program_of(roots, (), flat) for roots in first)
