@@ -296,6 +296,7 @@ class _Series:
         self.buffers: dict[Any, _Buffer] = {}
         self.conditions: dict[Node, Intervals] = {}
         self.before: _Series | None = None
+        self.filled: dict[Node, int] = {}
 
     def buffer(self, key: Any) -> _Buffer:
         """Return where the coefficients of a node stand."""
@@ -434,11 +435,10 @@ def _wave_rule(series: _Series, node: Apply, k: int) -> Any:
     (x,) = node.arguments
     names = ("sin", "cos") if node.operation == "sin" else ("cos", "sin")
     own, other = (series.buffer((name, x)) for name in names)
-    if k == 0:
+    if k == 0 and x not in series.filled:
         value = _as_forms(series.coefficient(x, 0), series.shape)
         own.put(0, value.function(names[0]))
         other.put(0, value.function(names[1]))
-        series.filled = getattr(series, "filled", {})
         series.filled[x] = 0
     elif series.filled[x] < k:
         sine, cosine = series.buffer(("sin", x)), series.buffer(("cos", x))
@@ -616,9 +616,7 @@ class Flow:
 
     # ── the box ──────────────────────────────────────────────────────────────────────
 
-    def rates_over(
-        self, states: Forms, constants: Mapping[str, Forms], time: Intervals
-    ) -> Forms:
+    def rates_over(self, states: Forms, constants: Mapping[str, Forms], time: Intervals) -> Forms:
         """Return the rates, shape (states, batch)."""
         batch = states.shape[1:]
         values = {**constants, **{name: states[i] for i, name in enumerate(self.states)}}

@@ -104,9 +104,7 @@ class Forms:
         centre = intervals.middle
         if not np.isfinite(intervals.size).all():
             raise EnclosureError("an interval without end")
-        return cls(
-            centre, np.zeros((0, *centre.shape)), intervals.radius, np.zeros_like(centre)
-        )
+        return cls(centre, np.zeros((0, *centre.shape)), intervals.radius, np.zeros_like(centre))
 
     # ── what they are ────────────────────────────────────────────────────────────────
 
@@ -388,7 +386,10 @@ def positive_part(x: Forms) -> Forms:
     # Any slope λ in [0, 1] will do: max(x, 0) - λ x lies between 0 and the larger of -λ l, (1 - λ) h.
     slope = np.where(open_, high / np.where(open_, high - low, 1.0), (low >= 0.0).astype(float))
     slope = np.clip(slope, 0.0, 1.0)
-    band = Intervals.at(-slope) * Intervals.at(low), (1.0 - Intervals.at(slope)) * Intervals.at(high)
+    band = (
+        Intervals.at(-slope) * Intervals.at(low),
+        (1.0 - Intervals.at(slope)) * Intervals.at(high),
+    )
     most = np.where(open_, np.maximum(band[0].high, band[1].high), 0.0)
     return x.scaled(slope) + Forms.between(np.zeros_like(most), np.maximum(most, 0.0))
 
