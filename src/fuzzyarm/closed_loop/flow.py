@@ -32,10 +32,19 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzyarm.closed_loop.enclosure import EnclosureError, Intervals
-from fuzzyarm.closed_loop.zonotope import ENLARGED, Forms, aligned, dot, larger, smaller
+from fuzzyarm.closed_loop.enclosure import EnclosureError, Intervals, square_root
+from fuzzyarm.closed_loop.zonotope import Forms, aligned, dot, larger, smaller
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.expression.nodes import Apply, Constant, Node, Symbol, apply, constant, postorder
+from fuzzyarm.expression.nodes import (
+    Apply,
+    Constant,
+    Node,
+    Symbol,
+    apply,
+    constant,
+    postorder,
+    symbol,
+)
 
 __all__ = ["CornerError", "Flow", "Step", "UnreadableError", "read", "readable"]
 
@@ -178,23 +187,42 @@ def _absolute(x: Forms) -> Forms:
 
 
 def _root(x: Forms) -> Forms:
-    """Return the root; from 0 on, where it is steep, by the chord below it and a line above."""
+    """Return the root of what is positive."""
+    if np.any(x.bounds.low <= 0.0):
+        raise EnclosureError("the root of an interval that holds 0 or negative numbers")
+    return x.function("sqrt")
+
+
+def _steep_root(x: Forms) -> Forms:
+    """Return the root of what is known not to be negative, though its form may hold such numbers.
+
+    √x - a x rises from 0 to its top 1/(4a) and falls: the least is at 0 or at the end.
+    """
     bounds = x.bounds
     if (bounds.low > 0.0).all():
         return x.function("sqrt")
-    if np.any(bounds.high < 0.0):
-        raise EnclosureError("the root of an interval of negative numbers")
-    # A root is asked of what is not negative; a form may hold a little more. √x - a x rises to its
-    # top 1/(4a) and falls; it is 0 at 0, so the least is there or at the end.
     high = np.maximum(bounds.high, 1e-290)
     steep = Intervals.at(1.0 / np.sqrt(high))
+    end = square_root(Intervals.at(high)) - steep * Intervals.at(high)
     top = 0.25 / steep
-    from fuzzyarm.closed_loop.enclosure import square_root
+    return x.scaled(steep.low) + Forms.between(np.minimum(end.low, 0.0), top.high)
 
-    end = square_root(Intervals.at(high)) - steep * high
-    least = np.minimum(end.low, 0.0)
-    below = np.maximum(-bounds.low, 0.0) * steep.high * ENLARGED  # -a x where x < 0, and no root
-    return x.scaled(steep.low) + Forms.between(least, np.maximum(top.high, 0.0) + below)
+
+def _is_never_negative(node: Node, value: Callable[[Node], Any]) -> bool:
+    """Tell whether an expression cannot be negative, whatever its symbols are."""
+    if isinstance(node, Constant):
+        return node.value >= 0.0
+    if isinstance(node, Symbol):
+        return bool(np.all(value(node).bounds.low >= 0.0))
+    assert isinstance(node, Apply)
+    arguments = node.arguments
+    if node.operation == "maximum":
+        return any(_is_never_negative(each, value) for each in arguments)
+    if node.operation == "multiply" and arguments[0] is arguments[1]:
+        return True
+    if node.operation in ("multiply", "divide", "add", "minimum"):
+        return all(_is_never_negative(each, value) for each in arguments)
+    return node.operation in ("absolute", "exp", "sqrt")
 
 
 _READINGS: dict[str, Callable[..., Any]] = {
@@ -238,7 +266,8 @@ def read(roots: Sequence[Node], values: Mapping[str, Forms]) -> list[Forms]:
             made[node] = values[node.name]
         else:
             assert isinstance(node, Apply)
-            made[node] = _applied(node, [made[each] for each in node.arguments], shape)
+            arguments = [made[each] for each in node.arguments]
+            made[node] = _applied(node, arguments, shape, made.__getitem__)
     return [_as_forms(made[root], shape) for root in roots]
 
 
@@ -246,8 +275,12 @@ def _as_forms(value: Any, shape: tuple[int, ...]) -> Any:
     return Forms.at(np.full(shape, value)) if isinstance(value, float) else value
 
 
-def _applied(node: Apply, arguments: list[Any], shape: tuple[int, ...]) -> Any:
+def _applied(
+    node: Apply, arguments: list[Any], shape: tuple[int, ...], value: Callable[[Node], Any]
+) -> Any:
     """Return an operation; a product or a sum with a number is one with a number."""
+    if node.operation == "sqrt" and _is_never_negative(node.arguments[0], value):
+        return _steep_root(_as_forms(arguments[0], shape))
     if node.operation in ("add", "multiply", "subtract"):
         a, b = arguments
         if isinstance(a, float) and not isinstance(b, float):
@@ -336,7 +369,8 @@ class _Series:
             return
         if k == 0 and operation not in ("sin", "cos"):
             arguments = [self.coefficient(each, 0) for each in node.arguments]
-            self.buffer(node).put(0, _as_forms(_applied(node, arguments, self.shape), self.shape))
+            made = _applied(node, arguments, self.shape, lambda each: self.coefficient(each, 0))
+            self.buffer(node).put(0, _as_forms(made, self.shape))
             return
         value = _RULES[operation](self, node, k)
         self.buffer(node).put(k, _as_forms(value, self.shape))
@@ -544,12 +578,15 @@ class Step(NamedTuple):
         The states afterwards, shape (states, batch).
     between : Intervals
         The states at all times of the step.
+    bend : Intervals or None
+        How far they are from the straight line between the ends; None where that is not known.
     remainder : ndarray
-        How much of the radius at the end the last term of the series is, at most; by state.
+        How far the last term of the series may be off, shape (states, batch).
     """
 
     end: Forms
     between: Intervals
+    bend: Intervals | None
     remainder: NDArray[np.float64]
 
 
@@ -665,13 +702,12 @@ class Flow:
         for k in range(order - 1, -1, -1):
             lower = stacked([own.buffer(_state(i))[k] for i in range(len(self.states))])
             total = total.scaled(length) + lower
-        remainder = tail.radius / np.maximum(total.radius, 1e-300)
         end = total + Forms.of(tail)
         # On the way: the straight line between the ends, less ½ s (h - s) x''.
         second = stacked([over.buffer(_state(i))[2] for i in range(len(self.states))]).bounds
         room = Intervals.between(0.0, np.nextafter(0.25 * length * length, np.inf))
-        between = start.bounds.hull(end.bounds) - second * room
-        return Step(end, between.meet(box), remainder)
+        bend = -(second * room)
+        return Step(end, (start.bounds.hull(end.bounds) + bend).meet(box), bend, tail.radius)
 
     def _series(
         self,
@@ -720,12 +756,11 @@ class Flow:
         span = Intervals.between(np.zeros(box.shape), np.full(box.shape, length))
         on_the_way = start + Forms.of(rates * span)
         mean = self.rates_over(on_the_way, constants, times)
-        return Step(start + mean.scaled(length), box, np.ones(start.shape[0]))
+        end = start + mean.scaled(length)
+        return Step(end, box, None, (mean.rest + mean.spread) * 0.0 + length * rates.radius)
 
 
 def _state(index: int) -> Symbol:
-    from fuzzyarm.expression.nodes import symbol
-
     return symbol(f"x{index}")
 
 

@@ -16,18 +16,19 @@ import math
 import time as clock
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, reduce
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzyarm.closed_loop.enclosure import EnclosureError, Intervals
+from fuzzyarm.closed_loop.enclosure import EnclosureError, Intervals, outward
 from fuzzyarm.closed_loop.flow import Flow, Step, read, readable, stacked
 from fuzzyarm.closed_loop.planes import Band, RulePlanes, TablePlanes, Zonotope
 from fuzzyarm.closed_loop.problem import ControlPeriod, LoopProblem
 from fuzzyarm.closed_loop.zonotope import Forms, clip, larger, smaller
-from fuzzyarm.expression.nodes import Node, replace
+from fuzzyarm.expression.evaluation import gradient, specialise
+from fuzzyarm.expression.nodes import Constant, Node, replace, symbols
 from fuzzyarm.expression.operations import Interval
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.plant.plant import Address
@@ -38,7 +39,7 @@ __all__ = ["Demand", "Progress", "Tube", "tube"]
 Vector = NDArray[np.float64]
 Number = Forms | float
 
-ORDER = 5
+ORDER = 6
 """Of the Taylor polynomials in time."""
 
 MOST_SYMBOLS = 12
@@ -49,6 +50,12 @@ MOST_PARTS = 256
 
 LARGE, SMALL = 1e-3, 1e-7
 """Shares of the radius that the last term of a series may be, and below which steps grow again."""
+
+FLOOR = 1e-5
+"""Share of the size that a state has had so far which counts as a radius, where it has less."""
+
+CORNER_PARTS = 8
+"""The same where a corner lies within the period, and a step is of first order."""
 
 AT_ONCE = 64
 """Boxes that are followed side by side."""
@@ -221,8 +228,8 @@ class _Box(NamedTuple):
 class _Course(NamedTuple):
     """What came of boxes that were followed side by side; times in control periods.
 
-    `between` has the ports at all times of each step and `at` those at its end, as arrays of shape
-    (steps, ports, boxes); `weight` is by how much each dimension of the first box widens them.
+    `between` has the ports at all times of each step, shape (steps, ports, boxes), and `at` those
+    at its ends, the first one included; `weight` is by how much each dimension of the first box widens them.
     """
 
     begins: Vector
@@ -249,6 +256,7 @@ class _Follower:
         self.parameters = list(moving)
         self.flow = Flow([replace(root, numbers) for root in equations.rates])
         self.outputs = [readable(replace(root, numbers)) for root in equations.outputs]
+        self.weights = [_affine_weights(root, self.flow.states) for root in self.outputs]
         self.inputs = equations.inputs
         starts = [problem.start[name] for name in problem.states]
         self.start = starts
@@ -288,6 +296,8 @@ class _Follower:
         parts = 1
         begins, ends, between, at = [], [], [], []
         weight = np.zeros((kept, batch))
+        self.sizes = states.bounds.size.max(axis=1)
+        first = self._outputs_at(states, constants, 0.0)
         for period in range(self.periods):
             algebra.count = len(states.parts)
             told = self._told(states, constants, period * self.period)
@@ -301,7 +311,9 @@ class _Follower:
             states, steps, parts = self._moved(
                 states, {**constants, **held}, period * self.period, parts
             )
-            for index, (step, outputs) in enumerate(steps):
+            if not at:
+                at.append(_joined(first, driven))
+            for index, outputs in enumerate(steps):
                 begins.append(period + index / len(steps))
                 ends.append(period + (index + 1) / len(steps))
                 between.append(_joined(outputs[0], driven))
@@ -345,43 +357,70 @@ class _Follower:
         found = read(self.outputs, values)
         return dict(zip(self.problem.site.interface.outputs, found, strict=True))
 
-    def _outputs_over(
-        self, box: Intervals, constants: Mapping[str, Forms], begin: float, end: float
-    ) -> Intervals:
-        batch = box.shape[1]
+    def _outputs_at(self, states: Forms, constants: Mapping[str, Forms], time: float) -> Intervals:
+        found = self._told(states, constants, time)
+        return stacked([each for each in found.values() if isinstance(each, Forms)]).bounds
+
+    def _outputs_between(
+        self, ends: tuple[Intervals, Intervals], step: Step, constants: Mapping[str, Forms],
+        begin: float, end: float,
+    ) -> Intervals:  # fmt: skip
+        """Return the outputs during a step."""
+        box, batch = step.between, step.between.shape[1]
         values = {**constants, **{f"x{i}": Forms.of(box[i]) for i in range(box.shape[0])}}
         values["t"] = Forms.between(np.full(batch, begin), np.full(batch, end))
-        return stacked(read(self.outputs, values)).bounds
+        over = stacked(read(self.outputs, values)).bounds
+        if step.bend is None:
+            return over
+        # Where an output is a sum of states it bends as they do.
+        line = ends[0].hull(ends[1])
+        low, high = over.low.copy(), over.high.copy()
+        for row, weights in enumerate(self.weights):
+            if weights is not None:
+                own = line[row]
+                for i, weight in enumerate(weights):
+                    if weight:
+                        own = own + step.bend[i] * outward(weight, weight)
+                low[row], high[row] = np.maximum(low[row], own.low), np.minimum(high[row], own.high)
+        return Intervals(low, high)
 
     def _moved(
         self, states: Forms, constants: Mapping[str, Forms], time: float, parts: int
-    ) -> tuple[Forms, list[tuple[Step, tuple[Intervals, Intervals]]], int]:
-        """Return the states a period on, its steps, and how many to take of the next one."""
+    ) -> tuple[Forms, list[tuple[Intervals, Intervals]], int]:
+        """Return the states a period on, outputs in each step and at its end, and the next steps."""
         own = {name: constants[name] for name in self.parameters}
         while True:
             try:
                 moved, steps, remainder = states, [], 0.0
+                before = self._outputs_at(states, own, time)
                 length = self.period / parts  # of a power of two: exact
                 for index in range(parts):
                     begin = time + index * length
                     step = self.flow.step(moved, constants, begin, length, ORDER)
-                    over = self._outputs_over(step.between, own, begin, begin + length)
-                    then = step.end.bounds
-                    outputs = self._outputs_over(then, own, begin + length, begin + length)
-                    steps.append((step, (over, outputs)))
-                    remainder = max(remainder, float(step.remainder.max()))
-                    count = len(step.end.parts)
-                    moved = step.end.with_symbols(
-                        count + step.end.shape[0], range(count, count + step.end.shape[0])
-                    )
-                if remainder > LARGE and parts < MOST_PARTS:
+                    after = self._outputs_at(step.end, own, begin + length)
+                    over = self._outputs_between((before, after), step, own, begin, begin + length)
+                    steps.append((over, after))
+                    before = after
+                    sizes = np.maximum(self.sizes, step.between.size.max(axis=1))
+                    radius = np.maximum(step.end.radius, FLOOR * sizes[:, None])
+                    remainder = max(remainder, float((step.remainder / radius).max()))
+                    if remainder > LARGE and parts < self._most(step):
+                        break
+                    moved = _with_own_symbols(step.end)
+                if remainder > LARGE and parts < self._most(step):
                     parts *= 2
                     continue
+                self.sizes = np.maximum(self.sizes, sizes)
                 return moved, steps, parts // 2 if remainder < SMALL and parts > 1 else parts
             except EnclosureError:
                 if parts >= MOST_PARTS:
                     raise
                 parts *= 2
+
+    @staticmethod
+    def _most(step: Step) -> int:
+        """Return into how many steps a period is cut for the sake of the remainder."""
+        return MOST_PARTS if step.bend is not None else CORNER_PARTS
 
     @staticmethod
     def _weight(states: Forms, kept: int) -> Vector:
@@ -409,6 +448,22 @@ class _Follower:
         return joint[:size], remembered
 
 
+def _with_own_symbols(forms: Forms) -> Forms:
+    """Return forms whose rests are symbols, one for each along the first axis."""
+    if not forms.rest.any():
+        return forms
+    count, rows = len(forms.parts), forms.shape[0]
+    return forms.with_symbols(count + rows, range(count, count + rows))
+
+
+def _affine_weights(root: Node, states: Sequence[str]) -> list[float] | None:
+    """Return how an expression grows with the states; None where that is not constant."""
+    slopes = [specialise(each, {}) for each in gradient(root, tuple(states))]
+    if not all(isinstance(each, Constant) for each in slopes) or "t" in symbols(root):
+        return None
+    return [each.value for each in slopes if isinstance(each, Constant)]
+
+
 def _joined(outputs: Intervals, driven: Intervals) -> Intervals:
     return Intervals(
         np.concatenate([outputs.low, driven.low]), np.concatenate([outputs.high, driven.high])
@@ -434,8 +489,8 @@ class Tube:
         Of the stretches of time, s.
     low, high : ndarray, shape (steps, ports)
         Between what each port is at all times of a stretch.
-    low_at, high_at : ndarray, shape (steps, ports)
-        Between what it is at the end of the stretch; inputs before they are changed.
+    low_at, high_at : ndarray, shape (steps + 1, ports)
+        Between what it is at the start and at the end of each; inputs before they are changed.
     boxes : int
         Into how many boxes the starts were cut.
     open : tuple of dict of str to Interval
@@ -490,18 +545,16 @@ class Tube:
 def _between(course: Any, column: int, begin: float, end: float) -> Interval:
     """Return the hull of the stretches that a stretch of time meets."""
     slack = 1e-9 * course.problem.period
+    if not 0.0 <= begin <= end <= course.duration + slack:
+        raise EnclosureError(f"the tube is from 0 to {course.duration:g} s")
     some = (course.ends > begin + slack) & (course.begins < end - slack)
-    if begin > end or end > course.duration + slack:
-        raise EnclosureError(f"the tube ends at {course.duration:g} s")
-    low, high = [course.low[some, column]], [course.high[some, column]]
-    at = (np.abs(course.ends - begin) <= slack) | (np.abs(course.ends - end) <= slack)
-    low.append(course.low_at[at, column])
-    high.append(course.high_at[at, column])
-    if not (some.any() or at.any()):  # the very beginning
-        first = course.begins <= slack
-        low.append(course.low[first, column])
-        high.append(course.high[first, column])
-    return Interval(float(np.concatenate(low).min()), float(np.concatenate(high).max()))
+    times = np.concatenate([course.begins[:1], course.ends])
+    at = (np.abs(times - begin) <= slack) | (np.abs(times - end) <= slack)
+    if not (some.any() or at.any()):  # within one stretch
+        some = (course.ends >= begin) & (course.begins <= end)
+    low = np.concatenate([course.low[some, column], course.low_at[at, column]])
+    high = np.concatenate([course.high[some, column], course.high_at[at, column]])
+    return Interval(float(low.min()), float(high.max()))
 
 
 def tube(
@@ -650,31 +703,25 @@ class _Search:
     ) -> Tube:
         follower = self.follower
         period, names = follower.period, follower.names
-        times = np.unique(np.concatenate([each.ends for each in finished] or [np.ones(1)]))
-        ends, begins = times, np.concatenate([[0.0], times[:-1]])
-        shape = (len(times), len(follower.labels))
-        low, low_at = np.full(shape, np.inf), np.full(shape, np.inf)
-        high, high_at = np.full(shape, -np.inf), np.full(shape, -np.inf)
-        for course in finished:  # boxes may have taken steps of other lengths
-            own = np.minimum(np.searchsorted(course.ends, ends - 1e-12), len(course.ends) - 1)
-            low = np.minimum(low, course.between.low.min(axis=2)[own])
-            high = np.maximum(high, course.between.high.max(axis=2)[own])
-            same = np.abs(course.ends[own] - ends) < 1e-12
-            source = course.between if False else course
-            at_low = np.where(
-                same[:, None], source.at.low.min(axis=2)[own], source.between.low.min(axis=2)[own]
+        # Boxes may have taken steps of other lengths: what is common to all are the periods.
+        stretches = [_by_period(course, follower.periods) for course in finished]
+        times = np.arange(follower.periods + 1) * period
+        begins, ends = times[:-1], times[1:]
+        low, high, low_at, high_at = (
+            reduce(choose, arrays)
+            for choose, arrays in zip(
+                (np.minimum, np.maximum, np.minimum, np.maximum),
+                zip(*stretches, strict=True) if stretches else [[np.zeros((0, 0))]] * 4,
+                strict=True,
             )
-            at_high = np.where(
-                same[:, None], source.at.high.max(axis=2)[own], source.between.high.max(axis=2)[own]
-            )
-            low_at, high_at = np.minimum(low_at, at_low), np.maximum(high_at, at_high)
+        )
         open_ = tuple(
             {name: Interval(a, b) for name, a, b in zip(names, box.low, box.high, strict=True)}
             for box in (*failed, *lost)
         )
         return Tube(
             follower.problem, follower.periods * period, tuple(follower.labels),
-            begins * period, ends * period, low, high, low_at, high_at,
+            begins, ends, low, high, low_at, high_at,
             count, open_, not lost and bool(finished), clock.monotonic() - self.begun,
         )  # fmt: skip
 
@@ -690,6 +737,19 @@ class _Stretches(NamedTuple):
     high: Vector
     low_at: Vector
     high_at: Vector
+
+
+def _by_period(course: _Course, periods: int) -> tuple[Vector, Vector, Vector, Vector]:
+    """Return the hull of all boxes: low and high in each period, and at its ends."""
+    own = np.minimum(course.begins.astype(int), periods - 1)
+    first = np.searchsorted(own, np.arange(periods))
+    last = np.concatenate([[0], np.searchsorted(own, np.arange(periods), side="right")])
+    return (
+        np.minimum.reduceat(course.between.low.min(axis=2), first, axis=0),
+        np.maximum.reduceat(course.between.high.max(axis=2), first, axis=0),
+        course.at.low.min(axis=2)[last],
+        course.at.high.max(axis=2)[last],
+    )
 
 
 def _part(course: _Course, which: NDArray[np.bool_]) -> _Course:
