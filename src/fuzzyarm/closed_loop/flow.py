@@ -291,6 +291,8 @@ def _applied(
             if node.operation == "subtract":
                 return a + (-b)
             return a + b if node.operation == "add" else a.scaled(b)
+    if node.operation == "divide" and isinstance(arguments[1], float):
+        return _as_forms(arguments[0], shape) / arguments[1]
     return _READINGS[node.operation](*(_as_forms(each, shape) for each in arguments))
 
 

@@ -242,7 +242,9 @@ class Forms:
     def __truediv__(self, other: Forms | float) -> Forms:
         if isinstance(other, Forms):
             return self * other.function("reciprocal")
-        return self * Forms.of(1.0 / Intervals.at(np.full(self.shape, float(other))))
+        if other == 0.0:
+            raise EnclosureError("a division by 0")
+        return self.scaled(1.0 / other)  # two roundings, which is what is counted there
 
     def function(self, name: str) -> Forms:
         """Return a function of :data:`FUNCTIONS`.
@@ -266,7 +268,8 @@ class Forms:
         tilt = (slope.radius * radius) * ENLARGED
         found = linear.within(tilt) + Forms.of(start + curved)
         plain = Forms.of(value(whole))
-        return _chosen(plain.radius < found.radius, plain, found)
+        # What it shares with others is given up only where that is less than what is not linear.
+        return _chosen(plain.radius < found.rest, plain, found)
 
 
 def aligned(a: Forms, b: Forms) -> tuple[Forms, Forms]:
