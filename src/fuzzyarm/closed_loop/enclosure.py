@@ -216,8 +216,8 @@ r"""How far sine and cosine are off.
 The reduced argument r is within 0.786 and within 3e-16 of the true one: two roundings of numbers
 below 1, one of the product with the rest of π/2, and that rest itself to 7e-27 of each quarter
 turn. The Taylor polynomials end with r¹⁷ and r¹⁶; what follows is below 0.79¹⁸/18! < 3e-18.
-Horner's rule over nine coefficients takes 3 roundings for each (r² is rounded too), so it is off by less than
-28 · 2⁻⁵³/(1 − 28 · 2⁻⁵³) · sinh or cosh 0.79 < 4.2e-15 (Higham, (5.3)).
+Horner's rule over nine coefficients takes 3 roundings for each (r² is rounded too), so it is off
+by less than 28 · 2⁻⁵³/(1 − 28 · 2⁻⁵³) · sinh or cosh 0.79 < 4.2e-15 (Higham, (5.3)).
 """
 
 OF_EXPONENTIAL = 1.1e-14

@@ -1,30 +1,29 @@
 r"""Where the solutions of an ordinary differential equation go: one step, over affine forms.
 
-``x' = f(t, x, u, p)`` with u and p constant. A step of length h takes three walks over the expression
-of f.
+``x' = f(t, x, u, p)`` with u and p constant. A step of length h takes three walks over the
+expression of f.
 
 1. A box X̂ that no solution leaves during the step: one with X₀ + [0, h] f(X̂) inside (Picard).
-2. The Taylor coefficients over X̂ as intervals. The last of them, xₖ₊₁ hᵏ⁺¹, is what a solution differs
-   from its Taylor polynomial (Lagrange), each state at a time of its own within the step.
+2. The Taylor coefficients over X̂ as intervals. The last of them, xₖ₊₁ hᵏ⁺¹, is what a solution
+   differs from its Taylor polynomial (Lagrange), each state at a time of its own within the step.
 3. The Taylor coefficients of the solutions from X₀ as forms, so that what two states owe to one
    symbol stays together:  x(h) = x₀ + x₁ h + … + xₖ hᵏ + xₖ₊₁ hᵏ⁺¹.
 
 Coefficients of a product are sums of products, those of functions follow from their differential
-equations (s = sin x and c = cos x: s' = c x', c' = -s x'). Between the ends of the step a solution is
-within ⅛ h² |x''| of the straight line between them, and x'' is twice a coefficient that is there.
+equations (s = sin x and c = cos x: s' = c x', c' = -s x'). Between the ends of the step a solution
+is within ⅛ h² |x''| of the straight line between them; x'' is twice a coefficient that is there.
 
-Where a corner (of ``max``, of a choice) lies within X̂ there are no coefficients. Such a step takes the
-mean of f over the step, which lies in f of the form X₀ + [0, h] f(X̂).
+Where a corner (of ``max``, of a choice) lies within X̂ there are no coefficients. Such a step takes
+the mean of f over the step, which lies in f of the form X₀ + [0, h] f(X̂).
 
 Sources: R. E. Moore, *Interval Analysis*, 1966, chapter 11; R. Lohner, "Enclosing the solutions of
 ordinary initial and boundary value problems", *Computerarithmetic*, 1987; M. Althoff, O. Stursberg
-and M. Buss, "Reachability analysis of nonlinear systems with uncertain parameters using conservative
-linearization", CDC 2008.
+and M. Buss, "Reachability analysis of nonlinear systems with uncertain parameters using
+conservative linearization", CDC 2008.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -32,268 +31,32 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzyarm.closed_loop.enclosure import EnclosureError, Intervals, square_root
-from fuzzyarm.closed_loop.zonotope import Forms, aligned, dot, larger, smaller
-from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.closed_loop.enclosure import EnclosureError, Intervals
+from fuzzyarm.closed_loop.readings import (
+    CONDITIONS,
+    applied,
+    as_forms,
+    choice_of,
+    is_less_equal,
+    read,
+    readable,
+)
+from fuzzyarm.closed_loop.zonotope import Forms, dot, stacked
 from fuzzyarm.expression.nodes import (
     Apply,
     Constant,
     Node,
     Symbol,
-    apply,
     constant,
     postorder,
     symbol,
 )
 
-__all__ = ["CornerError", "Flow", "Step", "UnreadableError", "read", "readable"]
-
-
-class UnreadableError(FuzzyarmError, ValueError):
-    """An expression has an operation of which nothing is enclosed; the message names it."""
+__all__ = ["CornerError", "Flow", "Step"]
 
 
 class CornerError(EnclosureError):
     """A corner of an expression lies within what is to be developed into a series."""
-
-
-# ── what is read ─────────────────────────────────────────────────────────────────────
-
-
-def readable(root: Node) -> Node:
-    """Return an expression in the operations that forms have.
-
-    Raises
-    ------
-    UnreadableError
-        If it has another one.
-    """
-    made: dict[Node, Node] = {}
-    for node in postorder(root):
-        if not isinstance(node, Apply):
-            made[node] = node
-            continue
-        arguments = tuple(made[argument] for argument in node.arguments)
-        made[node] = _rewritten(node.operation, arguments)
-    return made[root]
-
-
-def _rewritten(operation: str, arguments: tuple[Node, ...]) -> Node:
-    if operation in _READINGS:
-        return apply(operation, *arguments)
-    if operation == "where":
-        return _choice(*arguments)
-    if operation == "power":
-        return _power(*arguments)
-    made = _IN_OTHERS.get(operation)
-    if made is None:
-        raise UnreadableError(f"nothing is enclosed of '{operation}'")
-    return readable(made(*arguments))
-
-
-def _choice(condition: Node, then: Node, otherwise: Node) -> Node:
-    """Return a choice; the smaller or the larger of two where it is that."""
-    if isinstance(condition, Apply) and condition.operation in ("less", "less_equal"):
-        if condition.arguments == (then, otherwise):
-            return apply("minimum", then, otherwise)
-        if condition.arguments == (otherwise, then):
-            return apply("maximum", then, otherwise)
-    return apply("where", condition, then, otherwise)
-
-
-def _power(base: Node, exponent: Node) -> Node:
-    if not isinstance(exponent, Constant):
-        raise UnreadableError("nothing is enclosed of 'power' with an exponent that changes")
-    number = exponent.value
-    if number == 0.5:
-        return apply("sqrt", base)
-    if number % 1.0 == 0.0 and 0.0 < abs(number) <= 16.0:
-        result = base
-        for _ in range(int(abs(number)) - 1):
-            result = apply("multiply", result, base)
-        return result if number > 0 else apply("divide", constant(1.0), result)
-    return apply("exp", apply("multiply", exponent, apply("log", base)))
-
-
-def _exp(x: Node) -> Node:
-    return apply("exp", x)
-
-
-_IN_OTHERS: dict[str, Callable[..., Node]] = {
-    "tan": lambda x: apply("sin", x) / apply("cos", x),
-    "sinh": lambda x: (_exp(x) - _exp(-x)) * 0.5,
-    "cosh": lambda x: (_exp(x) + _exp(-x)) * 0.5,
-    "asin": lambda x: apply("atan", x / apply("sqrt", 1.0 - x * x)),
-}
-"""Operations that are made of others."""
-
-
-# ── conditions: intervals of 0 and 1 ─────────────────────────────────────────────────
-
-
-def _less(a: Forms, b: Forms) -> Intervals:
-    gap = (a - b).bounds
-    return Intervals((gap.high < 0.0).astype(float), (gap.low < 0.0).astype(float))
-
-
-def _less_equal(a: Forms, b: Forms) -> Intervals:
-    gap = (a - b).bounds
-    return Intervals((gap.high <= 0.0).astype(float), (gap.low <= 0.0).astype(float))
-
-
-def _equal(a: Forms, b: Forms) -> Intervals:
-    one, two = a.bounds, b.bounds
-    exactly = (a.radius == 0.0) & (b.radius == 0.0) & (a.centre == b.centre)
-    apart = (one.high < two.low) | (two.high < one.low)
-    return Intervals(exactly.astype(float), 1.0 - apart)
-
-
-_CONDITIONS: dict[str, Callable[..., Intervals]] = {
-    "less": _less,
-    "less_equal": _less_equal,
-    "equal": _equal,
-    "both": lambda a, b: Intervals(np.minimum(a.low, b.low), np.minimum(a.high, b.high)),
-    "either": lambda a, b: Intervals(np.maximum(a.low, b.low), np.maximum(a.high, b.high)),
-    "negation": lambda a: Intervals(1.0 - a.high, 1.0 - a.low),
-}
-
-
-def _where(condition: Intervals, then: Forms, otherwise: Forms) -> Forms:
-    """Return a choice; where the condition is open, what holds both."""
-    yes, no = condition.low > 0.0, condition.high < 1.0
-    if yes.all():
-        return then
-    if no.all():
-        return otherwise
-    half = (then - otherwise).scaled(0.5)
-    middle = then - half
-    both = Forms(middle.centre, middle.parts, middle.rest).within(half.radius)
-    then, otherwise = aligned(then, otherwise)
-    then, both = aligned(then, both)
-    return Forms(
-        *(
-            np.where(yes, a, np.where(no, b, c))
-            for a, b, c in zip(*map(_arrays, (then, otherwise, both)), strict=True)
-        )
-    )
-
-
-def _arrays(forms: Forms) -> tuple[Any, ...]:
-    return forms.centre, forms.parts, forms.rest
-
-
-def _absolute(x: Forms) -> Forms:
-    return larger(x, -x)
-
-
-def _root(x: Forms) -> Forms:
-    """Return the root of what is positive."""
-    if np.any(x.bounds.low <= 0.0):
-        raise EnclosureError("the root of an interval that holds 0 or negative numbers")
-    return x.function("sqrt")
-
-
-def _steep_root(x: Forms) -> Forms:
-    """Return the root of what is known not to be negative, though its form may hold such numbers.
-
-    √x - a x rises from 0 to its top 1/(4a) and falls: the least is at 0 or at the end.
-    """
-    bounds = x.bounds
-    if (bounds.low > 0.0).all():
-        return x.function("sqrt")
-    high = np.maximum(bounds.high, 1e-290)
-    steep = Intervals.at(1.0 / np.sqrt(high))
-    end = square_root(Intervals.at(high)) - steep * Intervals.at(high)
-    top = 0.25 / steep
-    return x.scaled(steep.low) + Forms.between(np.minimum(end.low, 0.0), top.high)
-
-
-def _is_never_negative(node: Node, value: Callable[[Node], Any]) -> bool:
-    """Tell whether an expression cannot be negative, whatever its symbols are."""
-    if isinstance(node, Constant):
-        return node.value >= 0.0
-    if isinstance(node, Symbol):
-        return bool(np.all(value(node).bounds.low >= 0.0))
-    assert isinstance(node, Apply)
-    arguments = node.arguments
-    if node.operation == "maximum":
-        return any(_is_never_negative(each, value) for each in arguments)
-    if node.operation == "multiply" and arguments[0] is arguments[1]:
-        return True
-    if node.operation in ("multiply", "divide", "add", "minimum"):
-        return all(_is_never_negative(each, value) for each in arguments)
-    return node.operation in ("absolute", "exp", "sqrt")
-
-
-_READINGS: dict[str, Callable[..., Any]] = {
-    "add": lambda a, b: a + b,
-    "subtract": lambda a, b: a - b,
-    "multiply": lambda a, b: a * b,
-    "divide": lambda a, b: a / b,
-    "negative": lambda a: -a,
-    "sin": lambda a: a.function("sin"),
-    "cos": lambda a: a.function("cos"),
-    "exp": lambda a: a.function("exp"),
-    "log": lambda a: a.function("log"),
-    "tanh": lambda a: a.function("tanh"),
-    "atan": lambda a: a.function("atan"),
-    "sqrt": _root,
-    "absolute": _absolute,
-    "minimum": smaller,
-    "maximum": larger,
-    "where": _where,
-    **_CONDITIONS,
-}
-"""What each operation is over forms."""
-
-
-def read(roots: Sequence[Node], values: Mapping[str, Forms]) -> list[Forms]:
-    """Return expressions over forms.
-
-    Parameters
-    ----------
-    roots : sequence of Node
-        Readable ones, see :func:`readable`.
-    values : mapping of str to Forms
-        Of the symbols.
-    """
-    made: dict[Node, Any] = {}
-    shape = next(iter(values.values())).shape
-    for node in postorder(*roots):
-        if isinstance(node, Constant):
-            made[node] = node.value
-        elif isinstance(node, Symbol):
-            made[node] = values[node.name]
-        else:
-            assert isinstance(node, Apply)
-            arguments = [made[each] for each in node.arguments]
-            made[node] = _applied(node, arguments, shape, made.__getitem__)
-    return [_as_forms(made[root], shape) for root in roots]
-
-
-def _as_forms(value: Any, shape: tuple[int, ...]) -> Any:
-    return Forms.at(np.full(shape, value)) if isinstance(value, float) else value
-
-
-def _applied(
-    node: Apply, arguments: list[Any], shape: tuple[int, ...], value: Callable[[Node], Any]
-) -> Any:
-    """Return an operation; a product or a sum with a number is one with a number."""
-    if node.operation == "sqrt" and _is_never_negative(node.arguments[0], value):
-        return _steep_root(_as_forms(arguments[0], shape))
-    if node.operation in ("add", "multiply", "subtract"):
-        a, b = arguments
-        if isinstance(a, float) and not isinstance(b, float):
-            if node.operation == "subtract":
-                return -b + a
-            return b + a if node.operation == "add" else b.scaled(a)
-        if isinstance(b, float) and not isinstance(a, float):
-            if node.operation == "subtract":
-                return a + (-b)
-            return a + b if node.operation == "add" else a.scaled(b)
-    if node.operation == "divide" and isinstance(arguments[1], float):
-        return _as_forms(arguments[0], shape) / arguments[1]
-    return _READINGS[node.operation](*(_as_forms(each, shape) for each in arguments))
 
 
 # ── series ───────────────────────────────────────────────────────────────────────────
@@ -359,23 +122,23 @@ class _Series:
 
     def _fill(self, node: Apply, k: int) -> None:
         operation = node.operation
-        if operation in _CONDITIONS:
+        if operation in CONDITIONS:
             if k == 0:
                 arguments = [
-                    _as_forms(self.coefficient(each, 0), self.shape)
+                    as_forms(self.coefficient(each, 0), self.shape)
                     if each not in self.conditions
                     else self.conditions[each]
                     for each in node.arguments
                 ]
-                self.conditions[node] = _CONDITIONS[operation](*arguments)
+                self.conditions[node] = CONDITIONS[operation](*arguments)
             return
         if k == 0 and operation not in ("sin", "cos"):
             arguments = [self.coefficient(each, 0) for each in node.arguments]
-            made = _applied(node, arguments, self.shape, lambda each: self.coefficient(each, 0))
-            self.buffer(node).put(0, _as_forms(made, self.shape))
+            made = applied(node, arguments, self.shape, lambda each: self.coefficient(each, 0))
+            self.buffer(node).put(0, as_forms(made, self.shape))
             return
         value = _RULES[operation](self, node, k)
-        self.buffer(node).put(k, _as_forms(value, self.shape))
+        self.buffer(node).put(k, as_forms(value, self.shape))
 
     def steps(self, x: Node, y: _Buffer, k: int) -> Forms:
         """Return (1/k) Σ j xⱼ yₖ₋ⱼ, the coefficient of what has the derivative y x'."""
@@ -390,8 +153,8 @@ class _Series:
             return a
         if not decided.any():
             return b
-        a, b = (_as_forms(each, self.shape) for each in (a, b))
-        return _where(Intervals.at(decided.astype(float)), a, b)
+        a, b = (as_forms(each, self.shape) for each in (a, b))
+        return choice_of(Intervals.at(decided.astype(float)), a, b)
 
     @property
     def decisions(self) -> _Decisions:
@@ -412,11 +175,11 @@ class _Decisions:
             condition = series.conditions[node.arguments[0]]
         else:
             a, b = (
-                _as_forms(series.coefficient(each, 0), series.shape)
+                as_forms(series.coefficient(each, 0), series.shape)
                 for each in (*node.arguments, constant(0.0))[:2]
             )
             first_is_less = node.operation == "minimum"
-            condition = _less_equal(a, b) if first_is_less else _less_equal(b, a)
+            condition = is_less_equal(a, b) if first_is_less else is_less_equal(b, a)
         if np.any(condition.low != condition.high):
             raise CornerError(f"a corner of '{node.operation}' within a step")
         return np.asarray(condition.low > 0.0)
@@ -447,13 +210,13 @@ def _product_rule(series: _Series, node: Apply, k: int) -> Any:
         own = series.coefficient(a, k)
         return own * b.value if isinstance(own, float) else own.scaled(b.value)
     if b in steady:
-        return series.coefficient(b, 0) * _as_forms(series.coefficient(a, k), series.shape)
+        return series.coefficient(b, 0) * as_forms(series.coefficient(a, k), series.shape)
     return dot(series.buffer(a)[: k + 1], series.buffer(b)[k::-1])
 
 
 def _quotient_rule(series: _Series, node: Apply, k: int) -> Any:
     a, b = node.arguments
-    upper = _as_forms(series.coefficient(a, k), series.shape)
+    upper = as_forms(series.coefficient(a, k), series.shape)
     if isinstance(b, Constant):
         return upper / b.value
     below = series.coefficient(b, 0)
@@ -472,7 +235,7 @@ def _wave_rule(series: _Series, node: Apply, k: int) -> Any:
     names = ("sin", "cos") if node.operation == "sin" else ("cos", "sin")
     own, other = (series.buffer((name, x)) for name in names)
     if k == 0 and x not in series.filled:
-        value = _as_forms(series.coefficient(x, 0), series.shape)
+        value = as_forms(series.coefficient(x, 0), series.shape)
         own.put(0, value.function(names[0]))
         other.put(0, value.function(names[1]))
         series.filled[x] = 0
@@ -532,18 +295,15 @@ def _slope_of_atan(series: _Series, node: Apply, k: int) -> Forms:
     return -(dot(square[1 : k + 1], held[k - 1 :: -1][:k]) * held[0])
 
 
-def _two_rule(series: _Series, node: Apply, k: int) -> Any:
-    return series.choice(node, *node.arguments, k)
-
-
-def _where_rule(series: _Series, node: Apply, k: int) -> Any:
-    return series.choice(node, *node.arguments[1:], k)
+def _choice_rule(series: _Series, node: Apply, k: int) -> Any:
+    first, second = node.arguments[-2:]
+    return series.choice(node, first, second, k)
 
 
 def _absolute_rule(series: _Series, node: Apply, k: int) -> Any:
     (x,) = node.arguments
     positive = (series.before or series).decisions[node]
-    own = _as_forms(series.coefficient(x, k), series.shape)
+    own = as_forms(series.coefficient(x, k), series.shape)
     return own.scaled(np.where(positive, 1.0, -1.0))
 
 
@@ -561,9 +321,9 @@ _RULES: dict[str, Rule] = {
     "atan": _derived(_slope_of_atan),
     "sqrt": _root_rule,
     "absolute": _absolute_rule,
-    "minimum": _two_rule,
-    "maximum": _two_rule,
-    "where": _where_rule,
+    "minimum": _choice_rule,
+    "maximum": _choice_rule,
+    "where": _choice_rule,
 }
 """How a coefficient of order k follows from those below."""
 
@@ -618,11 +378,14 @@ class Flow:
         self.symbols = [node for node in nodes if isinstance(node, Symbol)]
         self.steady: set[Node] = set()
         for node in nodes:
-            if isinstance(node, Symbol) and node.name not in moving:
-                self.steady.add(node)
-            elif isinstance(node, Apply) and all(
-                each in self.steady or isinstance(each, Constant) for each in node.arguments
-            ):
+            if isinstance(node, Symbol):
+                stays = node.name not in moving
+            else:
+                parts = node.arguments if isinstance(node, Apply) else ()
+                stays = bool(parts) and all(
+                    each in self.steady or isinstance(each, Constant) for each in parts
+                )
+            if stays:
                 self.steady.add(node)
 
     def step(
@@ -737,7 +500,7 @@ class Flow:
         for k in range(orders):
             series.advance(k)
             for i, root in enumerate(self.rates):
-                rate = _as_forms(series.coefficient(root, k), (batch,))
+                rate = as_forms(series.coefficient(root, k), (batch,))
                 # 1/(k+1) is rounded once more; what is scaled allows for two roundings.
                 series.buffer(_state(i)).put(k + 1, rate.scaled(1.0 / (k + 1)))
         return series
@@ -764,15 +527,3 @@ class Flow:
 
 def _state(index: int) -> Symbol:
     return symbol(f"x{index}")
-
-
-def stacked(forms: Sequence[Forms]) -> Forms:
-    """Return forms of one shape along a new first axis."""
-    count = max(len(each.parts) for each in forms)
-    every = [each if len(each.parts) == count else each.with_symbols(count) for each in forms]
-    return Forms(
-        np.stack([each.centre for each in every]),
-        np.stack([each.parts for each in every], axis=1),
-        np.stack([each.rest for each in every]),
-        np.stack([each.spread for each in every]),
-    )

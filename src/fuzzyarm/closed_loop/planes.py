@@ -25,7 +25,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cache, cached_property
-from itertools import product
+from itertools import pairwise, product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -85,7 +85,7 @@ class Band(NamedTuple):
 
 @cache
 def _raised(dimension: int, degree: int) -> tuple[Any, Any]:
-    """Return, for each coefficient one degree higher and each vertex, whence it comes and its share.
+    """Return, for each coefficient one degree higher and each vertex, its source and share.
 
     Shapes (coefficients, vertices): the coefficient below, and γⱼ / (n + 1), 0 where there is none.
     """
@@ -332,7 +332,7 @@ def _bands(
 
 @cache
 def _moves(dimension: int, degree: int, stays: int, moves: int) -> list[tuple[Any, Any]]:
-    """Return, pass by pass, which coefficients change when a vertex moves along an edge, and by which.
+    """Return, pass by pass, which coefficients change as a vertex moves, and by which.
 
     With the new vertex (1-s) vᵢ + s vⱼ in the place of vⱼ: c_γ ← (1-s) c_{γ - eⱼ + eᵢ} + s c_γ, for
     all γⱼ ≥ r, for r = 1 … n (de Casteljau).
@@ -476,12 +476,12 @@ class TablePlanes:
             slack = 1e-9 * (1.0 + abs(low) + abs(high))
             return [
                 _Stretch((max(a, low), min(b, high)), (i, i), (0.0, 0.0))
-                for i, (a, b) in enumerate(zip(cuts, cuts[1:], strict=False))
+                for i, (a, b) in enumerate(pairwise(cuts))
                 if a <= high + slack and b >= low - slack
             ]
         found = []
         ends = [-math.inf, *levels, math.inf]
-        for i, (a, b) in enumerate(zip(ends, ends[1:], strict=False)):
+        for i, (a, b) in enumerate(pairwise(ends)):
             if a > high or b < low:
                 continue
             places = max(a, low), min(b, high)
@@ -490,7 +490,7 @@ class TablePlanes:
                 found.append(_Stretch(places, (node, node), (0.0, 0.0)))
             else:
                 shares = tuple(min(max((x - a) / (b - a), 0.0), 1.0) for x in places)
-                found.append(_Stretch(places, (i - 1, i), shares))  # type: ignore[arg-type]
+                found.append(_Stretch(places, (i - 1, i), shares))
         return found
 
 

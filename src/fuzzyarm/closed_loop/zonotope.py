@@ -33,12 +33,12 @@ from numpy.typing import NDArray
 from fuzzyarm.closed_loop import enclosure
 from fuzzyarm.closed_loop.enclosure import EnclosureError, Intervals, outward
 
-__all__ = ["FUNCTIONS", "Forms", "clip", "dot", "larger", "smaller"]
+__all__ = ["FUNCTIONS", "Forms", "aligned", "clip", "dot", "larger", "smaller", "stacked"]
 
 Vector: TypeAlias = NDArray[np.float64]
 
 ENLARGED = 1.0 + 2.0**-40
-"""By which sums of magnitudes are enlarged: more than 4,000 roundings of sums that cancel nothing."""
+"""By which sums of magnitudes are enlarged: 4,000 roundings, where nothing cancels."""
 
 ROUNDING = 2.0**-52
 """Twice the largest relative error of a rounding: γₙ ≤ n times this."""
@@ -68,7 +68,7 @@ class Forms:
     --------
     >>> x = Forms.between([1.0], [3.0]).with_symbols(1, [0])
     >>> x - x
-    <Forms 0 ± 2.66e-15 with 1 symbol>
+    <Forms 0 ± 0 with 1 symbol>
     """
 
     __slots__ = ("_spread", "centre", "parts", "rest")
@@ -281,6 +281,18 @@ def aligned(a: Forms, b: Forms) -> tuple[Forms, Forms]:
     )
 
 
+def stacked(forms: Sequence[Forms]) -> Forms:
+    """Return forms of one shape along a new first axis."""
+    count = max(len(each.parts) for each in forms)
+    every = [each if len(each.parts) == count else each.with_symbols(count) for each in forms]
+    return Forms(
+        np.stack([each.centre for each in every]),
+        np.stack([each.parts for each in every], axis=1),
+        np.stack([each.rest for each in every]),
+        np.stack([each.spread for each in every]),
+    )
+
+
 def _chosen(condition: Any, first: Forms, second: Forms) -> Forms:
     """Return the first form where a condition holds, else the second."""
     if not np.any(condition):
@@ -386,7 +398,8 @@ def positive_part(x: Forms) -> Forms:
     if (low >= 0.0).all():
         return x
     open_ = (low < 0.0) & (high > 0.0)
-    # Any slope λ in [0, 1] will do: max(x, 0) - λ x lies between 0 and the larger of -λ l, (1 - λ) h.
+    # Any slope λ in [0, 1] will do: max(x, 0) - λ x lies between 0 and the larger of -λ l and
+    # (1 - λ) h.
     slope = np.where(open_, high / np.where(open_, high - low, 1.0), (low >= 0.0).astype(float))
     slope = np.clip(slope, 0.0, 1.0)
     band = (

@@ -1,0 +1,148 @@
+"""One control period over zonotopes: the kind of number that a controller is computed with.
+
+Every line of a controller, every source and limit is read as it is (see
+:class:`fuzzyarm.closed_loop.problem.ControlPeriod`); only what numbers mean is said here. Numbers
+of the file stay floats until they meet a form, so that a gain is a multiple and loses nothing.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from functools import cache
+
+import numpy as np
+
+from fuzzyarm.closed_loop.planes import Band, RulePlanes, TablePlanes, Zonotope
+from fuzzyarm.closed_loop.readings import read, readable
+from fuzzyarm.closed_loop.zonotope import Forms, clip, larger, smaller, stacked
+from fuzzyarm.expression.nodes import Node
+from fuzzyarm.model.rulebase import RuleBase, Variable
+from fuzzyarm.table import LookupTable
+
+__all__ = ["Number", "Zonotopes"]
+
+Number = Forms | float
+
+
+class Zonotopes:
+    """Numbers of a control period: forms of shape (batch,), and floats of the file."""
+
+    def __init__(self, batch: int, planes: Callable[[RuleBase, str], RulePlanes]) -> None:
+        self.batch = batch
+        self.planes = planes
+        self.count = 0
+
+    def forms(self, x: Number) -> Forms:
+        """Return a number as forms."""
+        return x if isinstance(x, Forms) else Forms.at(np.full(self.batch, x))
+
+    def fresh(self, x: Forms) -> Forms:
+        """Return forms whose rest is a symbol of its own."""
+        if not x.rest.any():
+            return x
+        self.count += 1
+        return x.with_symbols(self.count, [self.count - 1])
+
+    def number(self, value: float) -> Number:
+        """Return a number of the file."""
+        return float(value)
+
+    def _both(self, a: Number, b: Number) -> tuple[Forms, Number]:
+        if isinstance(a, Forms):
+            return a, b
+        return self.forms(a), b if isinstance(b, Forms) else self.forms(b)
+
+    def add(self, a: Number, b: Number) -> Number:
+        """Return a sum."""
+        if not isinstance(a, Forms) and isinstance(b, Forms):
+            a, b = b, a
+        first, second = self._both(a, b)
+        return first + second
+
+    def subtract(self, a: Number, b: Number) -> Number:
+        """Return a difference."""
+        return self.add(a, -b)
+
+    def multiply(self, a: Number, b: Number) -> Number:
+        """Return a product."""
+        if not isinstance(a, Forms) and isinstance(b, Forms):
+            a, b = b, a
+        first, second = self._both(a, b)
+        return first * second
+
+    def divide(self, a: Number, b: Number) -> Number:
+        """Return a quotient."""
+        first, second = self._both(a, b)
+        return first / second
+
+    def limit(self, x: Number, low: float, high: float) -> Number:
+        """Return ``min(max(x, low), high)``."""
+        return self.fresh(clip(self.forms(x), low, high))
+
+    def near(self, x: Number, before: Number, most: float) -> Number:
+        """Return ``min(max(x, before - most), before + most)``."""
+        own, last = self.forms(x), self.forms(before)
+        # `most` is a product of floats that the loop rounds: a neighbour each way.
+        size = Forms.between(
+            np.full(self.batch, math.nextafter(most, 0.0)),
+            np.full(self.batch, math.nextafter(most, math.inf)),
+        )
+        return self.fresh(smaller(larger(own, last - size), last + size))
+
+    def expression(self, root: Node, values: Mapping[str, Number]) -> Number:
+        """Return what an expression is for some values of its symbols."""
+        made = {name: self.forms(value) for name, value in values.items()}
+        return self.fresh(read([_readable(root)], made)[0])
+
+    def error(self, x: Number, size: float) -> Number:
+        """Return ``x`` and an unknown error of at most a size."""
+        return self.fresh(self.forms(x).within(size))
+
+    def rules(self, sheet: RuleBase, inputs: Mapping[str, Number]) -> list[Number]:
+        """Return what a rule base concludes, output by output."""
+        found: list[Number] = []
+        for output in sheet.outputs:
+            planes: RulePlanes = self.planes(sheet, output.name)
+            given = [self._inside(inputs[each.name], each) for each in sheet.inputs]
+            value = self._asked(planes.band, given)
+            if planes.clamps:
+                value = self.fresh(clip(value, output.low, output.high))
+            found.append(value)
+        return found
+
+    def table(self, sheet: LookupTable, inputs: Mapping[str, Number]) -> Number:
+        """Return what a lookup table says."""
+        return self._asked(
+            TablePlanes(sheet).band, [self.forms(inputs[name]) for name in sheet.names]
+        )
+
+    def _inside(self, x: Number, variable: Variable) -> Forms:
+        own = self.forms(x)
+        if variable.outside == "extend":
+            return own
+        return self.fresh(clip(own, variable.low, variable.high))
+
+    def _asked(self, band: Callable[[Zonotope], Band], given: Sequence[Forms]) -> Forms:
+        """Return a value from the plane and the band of each box."""
+        inputs = stacked(given)
+        rows = range(inputs.shape[0])
+        bands = [
+            band(
+                Zonotope(
+                    inputs.centre[:, box],
+                    np.column_stack([inputs.parts[:, :, box].T, np.diag(inputs.rest[:, box])]),
+                )
+            )
+            for box in range(self.batch)
+        ]
+        slopes = np.array([each.slopes for each in bands])
+        value = Forms.between([each.low for each in bands], [each.high for each in bands])
+        for row in rows:
+            value = value + inputs[row].scaled(slopes[:, row])
+        return self.fresh(value)
+
+
+@cache
+def _readable(root: Node) -> Node:
+    return readable(root)
