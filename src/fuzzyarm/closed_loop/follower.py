@@ -274,12 +274,12 @@ class Follower:
                 if min(abs(time - first), abs(time - last)) <= SAME_TIME:
                     found.append(at[port])
             for each in found:
-                undone |= (each.low < demand.low) | (each.high > demand.high)
+                undone |= ~((each.low >= demand.low) & (each.high <= demand.high))  # NaN, too
         return undone
 
     def _demand_bounded(self, at: Intervals) -> None:
         """Give up where a run may have diverged, as the plant says what that is."""
-        over = (at.size[: len(self.limits)] > self.limits[:, None]).any(axis=1)
+        over = ~(at.size[: len(self.limits)] <= self.limits[:, None]).all(axis=1)
         if over.any():
             name = self.labels[int(over.argmax())]
             raise EnclosureError(f"'{name}' may leave its bound")

@@ -6,7 +6,8 @@ does to all of them it does together. So sums and multiples of forms are exact b
 and of a product or a function only what is not linear goes into the rest,
 
     x y     with   Σᵢ Σₗ aᵢ bₗ εᵢ εₗ   bounded, where εᵢ² lies in [0, 1];
-    g(x)  =  g(c) + g'(c) (x - c) + ½ g''(ξ) (x - c)²,   ξ between c and x.
+    g(x)  =  g(c) + g'(c) d + ½ g''(c) d² + ⅙ g'''(ξ) d³,   d = x - c, ξ between c and x,
+    d²    =  ½ ρ² ± ½ ρ²,   d³ = ¾ ρ² d ± ¼ ρ³   (a Chebyshev polynomial),   |d| ≤ ρ.
 
 An array of forms has the shape of its centres, with one more axis in front for the symbols. The
 last axis is that of a **batch**: boxes that are followed at the same time, each with symbols of its
@@ -254,13 +255,25 @@ class Forms:
         EnclosureError
             Where it has no value, or no derivatives.
         """
-        value, first, second = FUNCTIONS[name]
+        value, first, second, third = FUNCTIONS[name]
         radius, at = self.radius, Intervals.at(self.centre)
-        whole = self.bounds
-        start, slope, bend = value(at), first(at), second(whole)
-        square = Intervals.at(radius).squared() * 0.5
-        # ½ g'' (x - c)²: the square lies between 0 and r².
-        curved = (bend * square).hull(Intervals.at(np.zeros_like(radius)))
+        whole, zero = self.bounds, Intervals.at(np.zeros_like(radius))
+        start, slope = value(at), first(at)
+        square = Intervals.at(radius).squared()
+        # In two ways: ½ g''(ξ) d²; or ½ g''(c) d² and the cube, of which a part is linear.
+        curved = (second(whole) * square * 0.5).hull(zero)
+        bend, twist = second(at), third(whole)
+        cube = square * Intervals.at(radius)
+        whirl = (cube * twist.size) / 24.0 + (cube * twist.radius) / 6.0
+        more = (bend * square * 0.5).hull(zero) + Intervals(-whirl.high, whirl.high)
+        better = more.radius < curved.radius
+        curved = Intervals(
+            np.where(better, more.low, curved.low), np.where(better, more.high, curved.high)
+        )
+        tilted = slope + Intervals.at(twist.middle) * square * 0.125
+        slope = Intervals(
+            np.where(better, tilted.low, slope.low), np.where(better, tilted.high, slope.high)
+        )
         steep = slope.middle
         linear = self.scaled(steep)
         linear = Forms(np.zeros_like(steep), linear.parts, linear.rest, linear._spread)
@@ -359,33 +372,52 @@ def _slope_of_tanh(x: Intervals) -> Intervals:
     return 1.0 - _hyperbolic(x).squared()
 
 
-FUNCTIONS: dict[str, tuple[Reading, Reading, Reading]] = {
-    "sin": (enclosure.sine, enclosure.cosine, lambda x: -enclosure.sine(x)),
-    "cos": (enclosure.cosine, lambda x: -enclosure.sine(x), lambda x: -enclosure.cosine(x)),
-    "exp": (enclosure.exponential,) * 3,
-    "log": (enclosure.logarithm, lambda x: 1.0 / x, lambda x: -_reciprocal_square(x)),
+FUNCTIONS: dict[str, tuple[Reading, Reading, Reading, Reading]] = {
+    "sin": (
+        enclosure.sine,
+        enclosure.cosine,
+        lambda x: -enclosure.sine(x),
+        lambda x: -enclosure.cosine(x),
+    ),
+    "cos": (
+        enclosure.cosine,
+        lambda x: -enclosure.sine(x),
+        lambda x: -enclosure.cosine(x),
+        enclosure.sine,
+    ),
+    "exp": (enclosure.exponential,) * 4,
+    "log": (
+        enclosure.logarithm,
+        lambda x: 1.0 / x,
+        lambda x: -_reciprocal_square(x),
+        lambda x: 2.0 / (x.squared() * x),
+    ),
     "sqrt": (
         enclosure.square_root,
         lambda x: 0.5 / enclosure.square_root(x),
         lambda x: -0.25 / (enclosure.square_root(x) * x),
+        lambda x: 0.375 / (enclosure.square_root(x) * x.squared()),
     ),
     "reciprocal": (
         lambda x: 1.0 / x,
         lambda x: -_reciprocal_square(x),
         lambda x: 2.0 / (x.squared() * x),
+        lambda x: -6.0 / x.squared().squared(),
     ),
     "atan": (
         enclosure.arctangent,
         lambda x: 1.0 / (x.squared() + 1.0),
         lambda x: x * -2.0 / (x.squared() + 1.0).squared(),
+        lambda x: (x.squared() * 6.0 - 2.0) / ((x.squared() + 1.0).squared() * (x.squared() + 1.0)),
     ),
     "tanh": (
         _hyperbolic,
         _slope_of_tanh,
         lambda x: _hyperbolic(x) * _slope_of_tanh(x) * -2.0,
+        lambda x: _slope_of_tanh(x) * (_hyperbolic(x).squared() * 6.0 - 2.0),
     ),
 }
-"""By name: a function, its derivative and the derivative of that, over intervals."""
+"""By name: a function and its first three derivatives, over intervals."""
 
 
 # ── corners ──────────────────────────────────────────────────────────────────────────
