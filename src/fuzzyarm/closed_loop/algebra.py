@@ -14,9 +14,9 @@ from functools import cache
 import numpy as np
 
 from fuzzyarm.closed_loop.planes import Band, RulePlanes, TablePlanes, Zonotope
-from fuzzyarm.closed_loop.readings import read, readable
+from fuzzyarm.closed_loop.readings import pruned, read, readable
 from fuzzyarm.closed_loop.zonotope import Forms, clip, larger, smaller, stacked
-from fuzzyarm.expression.nodes import Node
+from fuzzyarm.expression.nodes import Constant, Node
 from fuzzyarm.model.rulebase import RuleBase, Variable
 from fuzzyarm.table import LookupTable
 
@@ -92,8 +92,12 @@ class Zonotopes:
 
     def expression(self, root: Node, values: Mapping[str, Number]) -> Number:
         """Return what an expression is for some values of its symbols."""
-        made = {name: self.forms(value) for name, value in values.items()}
-        return self.fresh(read([_readable(root)], made)[0])
+        numbers = {name: x for name, x in values.items() if not isinstance(x, Forms)}
+        made = {name: x for name, x in values.items() if isinstance(x, Forms)}
+        own = _readable(root, tuple(sorted(numbers.items())))
+        if isinstance(own, Constant):
+            return own.value
+        return self.fresh(read([own], made or {"": self.forms(0.0)})[0])
 
     def error(self, x: Number, size: float) -> Number:
         """Return ``x`` and an unknown error of at most a size."""
@@ -144,5 +148,5 @@ class Zonotopes:
 
 
 @cache
-def _readable(root: Node) -> Node:
-    return readable(root)
+def _readable(root: Node, numbers: tuple[tuple[str, float], ...]) -> Node:
+    return readable(pruned(root, dict(numbers)))

@@ -209,6 +209,10 @@ class Follower:
 
         Unless the `whole` course is wanted, it ends where no box is left that all demands hold of.
         """
+        with np.errstate(all="ignore"):  # what is not finite is refused in each period
+            return self._follow(boxes, whole=whole)
+
+    def _follow(self, boxes: Sequence[Box], *, whole: bool) -> Course:
         batch, kept = len(boxes), len(self.first.low)
         algebra = Zonotopes(batch, self.planes)
         control = ControlPeriod[Number](self.problem, algebra)
@@ -233,7 +237,7 @@ class Follower:
                 name: algebra.forms(inputs[port])
                 for name, port in zip(self.inputs, self.problem.site.interface.inputs, strict=True)
             }
-            driven = stacked([held[name] for name in self.inputs]).bounds
+            driven = self._driven(held)
             states = states.with_symbols(max(algebra.count, len(states.parts)))
             states, steps, parts = self._moved(
                 states, {**constants, **held}, period * self.period, parts
@@ -259,6 +263,14 @@ class Follower:
             weight,
             undone,
         )
+
+    def _driven(self, held: Mapping[str, Forms]) -> Intervals:
+        """Return where the inputs are: within the limits of their actuators."""
+        bounds = stacked([held[name] for name in self.inputs]).bounds
+        ports = self.problem.site.interface.inputs.values()
+        low = np.array([port.low for port in ports])[:, None]
+        high = np.array([port.high for port in ports])[:, None]
+        return Intervals(np.clip(bounds.low, low, high), np.clip(bounds.high, low, high))
 
     def _undone(
         self, begin: float, end: float, between: Intervals, ends: Sequence[Intervals]

@@ -7,6 +7,7 @@ of its branches.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -15,7 +16,17 @@ import numpy as np
 from fuzzyarm.closed_loop.enclosure import EnclosureError, Intervals, square_root
 from fuzzyarm.closed_loop.zonotope import Forms, aligned, larger, smaller
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.expression.nodes import Apply, Constant, Node, Symbol, apply, constant, postorder
+from fuzzyarm.expression.evaluation import specialise
+from fuzzyarm.expression.nodes import (
+    Apply,
+    Constant,
+    Node,
+    Symbol,
+    apply,
+    constant,
+    postorder,
+    replace,
+)
 
 __all__ = [
     "CONDITIONS",
@@ -24,6 +35,7 @@ __all__ = [
     "as_forms",
     "choice_of",
     "is_less_equal",
+    "pruned",
     "read",
     "readable",
 ]
@@ -52,6 +64,39 @@ def readable(root: Node) -> Node:
         arguments = tuple(made[argument] for argument in node.arguments)
         made[node] = _rewritten(node.operation, arguments)
     return made[root]
+
+
+def pruned(root: Node, numbers: Mapping[str, float]) -> Node:
+    """Return an expression with numbers for some symbols, without the branches that these rule out.
+
+    Arithmetic is left as it is, for it would be rounded: options and gains choose, forms count.
+    """
+    made: dict[Node, Node] = {}
+    root = replace(root, numbers)
+    for node in postorder(root):
+        if not isinstance(node, Apply):
+            made[node] = node
+            continue
+        arguments = [made[argument] for argument in node.arguments]
+        own: Node = apply(node.operation, *arguments)
+        if node.operation in CONDITIONS:
+            own = specialise(own, {})
+        elif node.operation == "where" and isinstance(arguments[0], Constant):
+            own = arguments[1] if arguments[0].value else arguments[2]
+        elif node.operation in ("minimum", "maximum") or node.operation == "where":
+            own = _without_infinite(_choice(*arguments) if node.operation == "where" else own)
+        made[node] = own
+    return made[root]
+
+
+def _without_infinite(node: Node) -> Node:
+    """Return the other of two where one is a limit that there is not."""
+    if isinstance(node, Apply) and node.operation in ("minimum", "maximum"):
+        absent = math.inf if node.operation == "minimum" else -math.inf
+        for own, other in (node.arguments, node.arguments[::-1]):
+            if isinstance(own, Constant) and own.value == absent:
+                return other
+    return node
 
 
 def _rewritten(operation: str, arguments: tuple[Node, ...]) -> Node:

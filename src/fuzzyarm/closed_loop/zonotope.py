@@ -264,7 +264,8 @@ class Forms:
         curved = (second(whole) * square * 0.5).hull(zero)
         bend, twist = second(at), third(whole)
         cube = square * Intervals.at(radius)
-        whirl = (cube * twist.size) / 24.0 + (cube * twist.radius) / 6.0
+        sizes, radii = Intervals.at(twist.size), Intervals.at(twist.radius)
+        whirl = cube * sizes / 24.0 + cube * radii / 6.0
         more = (bend * square * 0.5).hull(zero) + Intervals(-whirl.high, whirl.high)
         better = more.radius < curved.radius
         curved = Intervals(
