@@ -61,8 +61,8 @@ class Zonotopes:
         return first + second
 
     def subtract(self, a: Number, b: Number) -> Number:
-        """Return a difference."""
-        return self.add(a, -b)
+        """Return a difference; 0 of a number from itself."""
+        return 0.0 if a is b else self.add(a, -b)
 
     def multiply(self, a: Number, b: Number) -> Number:
         """Return a product."""
@@ -73,12 +73,18 @@ class Zonotopes:
 
     def divide(self, a: Number, b: Number) -> Number:
         """Return a quotient."""
+        if isinstance(a, float) and a == 0.0 and isinstance(b, float) and b != 0.0:
+            return 0.0
         first, second = self._both(a, b)
         return first / second
 
     def limit(self, x: Number, low: float, high: float) -> Number:
         """Return ``min(max(x, low), high)``."""
-        return self.fresh(clip(self.forms(x), low, high))
+        own = self.forms(x)
+        bounds = own.bounds
+        if (bounds.low >= low).all() and (bounds.high <= high).all():
+            return x
+        return self.fresh(clip(own, low, high))
 
     def near(self, x: Number, before: Number, most: float) -> Number:
         """Return ``min(max(x, before - most), before + most)``."""

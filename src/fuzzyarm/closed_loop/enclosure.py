@@ -112,7 +112,8 @@ class Intervals:
     def radius(self) -> Vector:
         """How far the ends are from :attr:`middle`, rounded up."""
         middle = self.middle
-        return _up(np.maximum(self.high - middle, middle - self.low))
+        found = np.maximum(self.high - middle, middle - self.low)
+        return np.asarray(np.where(self.low == self.high, 0.0, _up(found)))
 
     @property
     def size(self) -> Vector:

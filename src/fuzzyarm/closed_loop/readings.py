@@ -190,7 +190,7 @@ def choice_of(condition: Intervals, then: Forms, otherwise: Forms) -> Forms:
         return otherwise
     half = (then - otherwise).scaled(0.5)
     middle = then - half
-    both = Forms(middle.centre, middle.parts, middle.rest).within(half.radius)
+    both = Forms(middle.centre, middle.parts, middle.rest).within(half.bounds.size)
     then, otherwise = aligned(then, otherwise)
     then, both = aligned(then, both)
     return Forms(

@@ -129,7 +129,11 @@ class Forms:
     @property
     def bounds(self) -> Intervals:
         """The smallest intervals that hold all values, rounded outward."""
-        return outward(self.centre - self.radius, self.centre + self.radius)
+        found = outward(self.centre - self.radius, self.centre + self.radius)
+        exact = self.radius == 0.0
+        return Intervals(
+            np.where(exact, self.centre, found.low), np.where(exact, self.centre, found.high)
+        )
 
     def __getitem__(self, index: Any) -> Forms:
         own = index if isinstance(index, tuple) else (index,)
@@ -220,7 +224,9 @@ class Forms:
         size = np.abs(factor)
         centre, parts = self.centre * factor, self.parts * factor
         spread = self.spread * size * ENLARGED
-        rest = (self.rest * size + ROUNDING * (np.abs(centre) + spread)) * ENLARGED + TINY
+        rest = (self.rest * size + ROUNDING * (np.abs(centre) + spread)) * ENLARGED
+        some = (size > 0.0) & (np.abs(self.centre) + self.radius > 0.0)  # else it is 0
+        rest = rest + np.where(some, TINY, 0.0)
         return Forms(centre, parts, rest, spread)
 
     def within(self, more: Any) -> Forms:
@@ -342,8 +348,9 @@ def dot(a: Forms, b: Forms) -> Forms:
         both = curved = np.zeros_like(centre)
     cross = (size_a * rb + size_b * ra + sa * rb + sb * ra + ra * rb).sum(axis=0)
     sizes = (size_a * size_b + size_a * sb + size_b * sa).sum(axis=0) + both
-    rest = (curved + cross + operations * sizes) * ENLARGED + TINY
-    return Forms(centre, parts, rest)
+    some = (size_a + sa + ra > 0.0) & (size_b + sb + rb > 0.0)  # else the product is 0
+    rest = (curved + cross + operations * sizes) * ENLARGED
+    return Forms(centre, parts, rest + np.where(some.any(axis=0), TINY, 0.0))
 
 
 # ── functions ────────────────────────────────────────────────────────────────────────
