@@ -1,5 +1,7 @@
 """Planes and bands of rule bases and tables hold what `infer` and `lookup` say, and are narrow."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -72,9 +74,7 @@ def test_where_nothing_fires_nothing_is_said():
 @pytest.mark.parametrize("mode", ["linear", "nearest"])
 def test_the_band_of_a_table_holds_what_it_looks_up(mode):
     rulebase = fuzzyarm.load(fuzzyarm.shipped("pd7.frb"))
-    from dataclasses import replace
-
-    table = replace(fuzzyarm.compile_table(rulebase, "u"), default_mode=mode)
+    table = replace(fuzzyarm.compile_table(rulebase, "u"), mode=mode)
     planes = TablePlanes(table)
     generator = np.random.default_rng(4)
     low = np.array([axis.levels[0] for axis in table.axes])

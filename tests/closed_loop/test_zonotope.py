@@ -9,10 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fuzzyarm.closed_loop.enclosure import EnclosureError, Intervals
-from fuzzyarm.closed_loop.readings import UnreadableError, read, readable
+from fuzzyarm.closed_loop.readings import UnreadableError, pruned, read, readable
 from fuzzyarm.closed_loop.zonotope import Forms, clip, dot, larger, smaller, stacked
 from fuzzyarm.expression import op
-from fuzzyarm.expression.nodes import symbol
+from fuzzyarm.expression.nodes import constant, symbol
 from tests.budget import cases
 
 flint = pytest.importorskip("flint")
@@ -55,7 +55,8 @@ def test_arithmetic_holds_the_exact_value_for_each_choice_of_symbols(a, b, e, f,
     first, second = forms(a), forms(b)
     results = [
         (first + second, x + y), (first - second, x - y), (first * second, x * y),
-        (first.scaled(0.3), x * Fraction(0.3)), (first * first, x * x), (first + 0.7, x + Fraction(0.7)),
+        (first.scaled(0.3), x * Fraction(0.3)), (first * first, x * x),
+        (first + 0.7, x + Fraction(0.7)),
         (larger(first, second), max(x, y)), (smaller(first, second), min(x, y)),
         (clip(first, -1.0, 1.0), min(max(x, Fraction(-1)), Fraction(1))),
         (dot(stacked([first, second]), stacked([second, second])), x * y + y * y),
@@ -140,3 +141,26 @@ def test_a_root_from_0_on_is_held_and_of_what_may_be_negative_refused():
 def test_intervals_without_end_are_no_forms():
     with pytest.raises(EnclosureError):
         Forms.of(Intervals.between(0.0, np.inf))
+
+
+@settings(max_examples=cases(20, 300), deadline=None)
+@given(one_form, one_form, one_form, shares, shares, shares, shares, shares)
+def test_a_choice_holds_the_branch_that_is_taken(a, b, c, e, f, g, h, i):
+    x, y, z = symbol("x"), symbol("y"), symbol("z")
+    root = readable(op.where(x < 0.0, y, z * 2.0))
+    found = read([root], {"x": forms(a), "y": forms(b), "z": forms(c)})[0]
+    condition = exactly(a, (e, f), g) < 0
+    true = exactly(b, (e, f), h) if condition else 2 * exactly(c, (e, f), i)
+    assert holds(found, [(true, (e, f))])
+
+
+def test_options_choose_before_forms_are_read():
+    x, low, high, hold = symbol("x"), symbol("low"), symbol("high"), symbol("hold")
+    limited = op.where(x > low, x, low)
+    limited = op.where(limited < high, limited, high)
+    root = op.where((hold < 0.0) & (x * 0.0 < 1.0), limited, 1.0 / low)
+    assert pruned(root, {"low": -math.inf, "high": math.inf, "hold": 1.0}) == 1.0 / constant(
+        -math.inf
+    )
+    assert pruned(limited, {"low": -math.inf, "high": math.inf}) == x
+    assert pruned(limited, {"low": -math.inf, "high": 2.0}) == op.minimum(x, 2.0)
