@@ -9,6 +9,7 @@ controller remembers is part of the zonotope.
 from __future__ import annotations
 
 import math
+import time as clock
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
@@ -38,7 +39,7 @@ ORDER = 6
 MOST_SYMBOLS = 40
 """Symbols for each state, beside those of the first box and of the parameters."""
 
-MOST_PARTS = 64
+MOST_PARTS = 16
 """Steps of one control period."""
 
 LARGE, SMALL = 1e-3, 1e-7
@@ -145,6 +146,8 @@ class Follower:
         s; rounded up to whole control periods.
     demands : sequence of Demand, optional
         What is asked.
+    until : float, optional
+        When to give up, as ``time.monotonic`` has it.
 
     Attributes
     ----------
@@ -159,9 +162,14 @@ class Follower:
     """
 
     def __init__(
-        self, problem: LoopProblem, duration: float, demands: Sequence[Demand] = ()
+        self,
+        problem: LoopProblem,
+        duration: float,
+        demands: Sequence[Demand] = (),
+        until: float = math.inf,
     ) -> None:
         self.problem = problem
+        self.until = until
         equations = problem.equations
         self.period = problem.period
         self.periods = max(1, math.ceil(duration / self.period - 1e-9))
@@ -254,6 +262,8 @@ class Follower:
             if undone.all() and not whole:
                 break
             self._demand_bounded(at[-1])
+            if clock.monotonic() > self.until:
+                raise EnclosureError("time is over")
             states, memory = self._fewer(states, memory, kept, algebra)
         return Course(
             np.array(begins),

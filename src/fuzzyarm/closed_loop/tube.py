@@ -149,7 +149,7 @@ def tube(
         Into how many parts the starts are cut at first, for each state and parameter that has a
         width, in their order; powers of two.
     budget : float
-        s, after which no box is halved any more.
+        s, after which no box is halved any more, and none is followed to its end.
     most : int
         Boxes at most.
     progress : callable, optional
@@ -181,7 +181,7 @@ class _Search:
     ) -> None:  # fmt: skip
         self.begun = clock.monotonic()
         self.until = self.begun + budget
-        self.follower = Follower(problem, duration, demands)
+        self.follower = Follower(problem, duration, demands, self.until)
         self.most = most
         self.progress = progress
         self.done = 0.0
