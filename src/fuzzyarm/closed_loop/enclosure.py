@@ -42,6 +42,7 @@ __all__ = [
     "sine",
     "square_root",
     "tangent",
+    "waves",
 ]
 
 Vector: TypeAlias = NDArray[np.float64]
@@ -280,20 +281,27 @@ def exponential(x: Intervals) -> Intervals:
     return Intervals(low, np.where(x.high > 700.0, np.inf, ends[1]))
 
 
-def _wave(x: Intervals, which: int, top: float) -> Intervals:
-    """Return the sine (0) or the cosine (1) of intervals: 1 at `top` and at each turn from it."""
-    ends = [_widened(_waves(end)[which], OF_SINE) for end in (x.low, x.high)]
-    found = ends[0].hull(ends[1])
-    # A turning point at the very edge counts: what is sought is a little wider than the interval.
-    slack = 1e-9 * (1.0 + x.size)
-    low, high = found.low, found.high
-    for turn, is_top in ((top, True), (top + math.pi, False)):
-        nearest = np.ceil((x.low - slack - turn) / (2.0 * math.pi))
-        inside = turn + 2.0 * math.pi * nearest <= x.high + slack
-        if is_top:
-            high = np.where(inside, 1.0, high)
-        else:
-            low = np.where(inside, -1.0, low)
+def waves(x: Intervals) -> tuple[Intervals, Intervals]:
+    """Return the sines and the cosines."""
+    low = _waves(x.low)
+    high = low if x.low is x.high else _waves(x.high)
+    return _wave(x, low[0], high[0], 0.5 * math.pi), _wave(x, low[1], high[1], 0.0)
+
+
+def _wave(x: Intervals, at_low: Vector, at_high: Vector, top: float) -> Intervals:
+    """Return a wave from its values at both ends: 1 at `top` and at each turn from it."""
+    low = _down(np.minimum(at_low, at_high) - OF_SINE)
+    high = _up(np.maximum(at_low, at_high) + OF_SINE)
+    if x.low is not x.high:
+        # A turning point at the very edge counts: what is sought is a little wider.
+        slack = 1e-9 * (1.0 + x.size)
+        for turn, is_top in ((top, True), (top + math.pi, False)):
+            nearest = np.ceil((x.low - slack - turn) / (2.0 * math.pi))
+            inside = turn + 2.0 * math.pi * nearest <= x.high + slack
+            if is_top:
+                high = np.where(inside, 1.0, high)
+            else:
+                low = np.where(inside, -1.0, low)
     everywhere = _is_far(x.low) | _is_far(x.high)
     return Intervals(
         np.where(everywhere, -1.0, np.maximum(low, -1.0)),
@@ -303,12 +311,12 @@ def _wave(x: Intervals, which: int, top: float) -> Intervals:
 
 def sine(x: Intervals) -> Intervals:
     """Return the sines."""
-    return _wave(x, 0, 0.5 * math.pi)
+    return waves(x)[0]
 
 
 def cosine(x: Intervals) -> Intervals:
     """Return the cosines."""
-    return _wave(x, 1, 0.0)
+    return waves(x)[1]
 
 
 def tangent(x: Intervals) -> Intervals:

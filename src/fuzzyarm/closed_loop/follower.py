@@ -33,8 +33,8 @@ __all__ = ["Box", "Course", "Demand", "Follower"]
 
 Vector = NDArray[np.float64]
 
-ORDER = 6
-"""Of the Taylor polynomials in time."""
+ORDER, LEAST_ORDER = 6, 2
+"""Of the Taylor polynomials in time, at most and at least."""
 
 MOST_SYMBOLS = 40
 """Symbols for each state, beside those of the first box and of the parameters."""
@@ -42,8 +42,8 @@ MOST_SYMBOLS = 40
 MOST_PARTS = 16
 """Steps of one control period."""
 
-LARGE, SMALL = 1e-3, 1e-7
-"""Shares of the radius that the last term of a series may be, and below which steps grow again."""
+LARGE, SMALL = 1e-3, 1e-5
+"""Shares of the radius that the last term of a series may be, and below which less is done."""
 
 FLOOR = 1e-5
 """Share of the size that a state has had so far which counts as a radius, where it has less."""
@@ -235,7 +235,7 @@ class Follower:
         at: list[Intervals] = []
         weight = np.zeros((kept, batch))
         undone = np.zeros(batch, dtype=bool)
-        self.sizes = states.bounds.size.max(axis=1)
+        self.sizes, self.order = states.bounds.size.max(axis=1), ORDER
         first = self._outputs_at(states, constants, 0.0)
         for period in range(self.periods):
             algebra.count = len(states.parts)
@@ -374,7 +374,7 @@ class Follower:
                 length = self.period / parts  # of a power of two: exact
                 for index in range(parts):
                     begin = time + index * length
-                    step = self.flow.step(moved, constants, begin, length, ORDER)
+                    step = self.flow.step(moved, constants, begin, length, self.order)
                     after = self._outputs_at(step.end, own, begin + length)
                     over = self._outputs_between((before, after), step, own, begin, begin + length)
                     steps.append((over, after))
@@ -385,11 +385,18 @@ class Follower:
                     if remainder > LARGE and parts < self._most(step):
                         break
                     moved = _with_own_symbols(step.end)
+                if remainder > LARGE and self.order < ORDER:
+                    self.order = ORDER
+                    continue
                 if remainder > LARGE and parts < self._most(step):
                     parts *= 2
                     continue
                 self.sizes = np.maximum(self.sizes, sizes)
-                return moved, steps, parts // 2 if remainder < SMALL and parts > 1 else parts
+                if remainder < SMALL and parts > 1:
+                    parts //= 2
+                elif remainder < SMALL and self.order > LEAST_ORDER:
+                    self.order -= 1
+                return moved, steps, parts
             except EnclosureError:
                 if parts >= MOST_PARTS:
                     raise

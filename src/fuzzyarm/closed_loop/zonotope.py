@@ -261,14 +261,13 @@ class Forms:
         EnclosureError
             Where it has no value, or no derivatives.
         """
-        value, first, second, third = FUNCTIONS[name]
-        radius, at = self.radius, Intervals.at(self.centre)
-        whole, zero = self.bounds, Intervals.at(np.zeros_like(radius))
-        start, slope = value(at), first(at)
+        derivatives = FUNCTIONS[name]
+        radius, zero = self.radius, Intervals.at(np.zeros(self.shape))
+        start, slope, bend, _ = derivatives(Intervals.at(self.centre))
+        whole, _, bends, twist = derivatives(self.bounds)
         square = Intervals.at(radius).squared()
         # In two ways: ½ g''(ξ) d²; or ½ g''(c) d² and the cube, of which a part is linear.
-        curved = (second(whole) * square * 0.5).hull(zero)
-        bend, twist = second(at), third(whole)
+        curved = (bends * square * 0.5).hull(zero)
         cube = square * Intervals.at(radius)
         sizes, radii = Intervals.at(twist.size), Intervals.at(twist.radius)
         whirl = cube * sizes / 24.0 + cube * radii / 6.0
@@ -287,7 +286,7 @@ class Forms:
         # c is not in what is scaled: of its rounding nothing is counted twice, which does no harm.
         tilt = (slope.radius * radius) * ENLARGED
         found = linear.within(tilt) + Forms.of(start + curved)
-        plain = Forms.of(value(whole))
+        plain = Forms.of(whole)
         # What it shares with others is given up only where that is less than what is not linear.
         return _chosen(plain.radius < found.rest, plain, found)
 
@@ -355,17 +354,51 @@ def dot(a: Forms, b: Forms) -> Forms:
 
 # ── functions ────────────────────────────────────────────────────────────────────────
 
-Reading = Callable[[Intervals], Intervals]
+
+def _sine(x: Intervals) -> tuple[Intervals, ...]:
+    s, c = enclosure.waves(x)
+    return s, c, -s, -c
 
 
-def _reciprocal_square(x: Intervals) -> Intervals:
-    return 1.0 / x.squared()
+def _cosine(x: Intervals) -> tuple[Intervals, ...]:
+    s, c = enclosure.waves(x)
+    return c, -s, -c, s
 
 
-def _hyperbolic(x: Intervals) -> Intervals:
+def _exponential(x: Intervals) -> tuple[Intervals, ...]:
+    return (enclosure.exponential(x),) * 4
+
+
+def _logarithm(x: Intervals) -> tuple[Intervals, ...]:
+    inverse = 1.0 / x
+    square = inverse.squared()
+    return enclosure.logarithm(x), inverse, -square, square * inverse * 2.0
+
+
+def _square_root(x: Intervals) -> tuple[Intervals, ...]:
+    root = enclosure.square_root(x)
+    slope = 0.5 / root
+    return root, slope, -(slope / x * 0.5), slope / x.squared() * 0.75
+
+
+def _reciprocal(x: Intervals) -> tuple[Intervals, ...]:
+    inverse = 1.0 / x
+    square = inverse.squared()
+    return inverse, -square, square * inverse * 2.0, -(square.squared() * 6.0)
+
+
+def _arctangent(x: Intervals) -> tuple[Intervals, ...]:
+    square = x.squared()
+    slope = 1.0 / (square + 1.0)
+    bend = slope.squared()
+    twist = (square * 6.0 - 2.0) * (bend * slope)
+    return enclosure.arctangent(x), slope, -(x * bend * 2.0), twist
+
+
+def _hyperbolic(x: Intervals) -> tuple[Intervals, ...]:
     """Return the hyperbolic tangents: 1 - 2 / (e^2x + 1), of the magnitude with its sign."""
 
-    def at(values: Any) -> Intervals:
+    def at(values: Vector) -> Intervals:
         size = Intervals.at(np.minimum(np.abs(values), 300.0))
         found = 1.0 - 2.0 / (enclosure.exponential(size * 2.0) + 1.0)
         low, high = np.maximum(found.low, 0.0), np.minimum(found.high, 1.0)
@@ -373,59 +406,23 @@ def _hyperbolic(x: Intervals) -> Intervals:
         negative = values < 0.0
         return Intervals(np.where(negative, -high, low), np.where(negative, -low, high))
 
-    return Intervals(at(x.low).low, at(x.high).high)
+    value = Intervals(at(x.low).low, at(x.high).high)
+    square = value.squared()
+    slope = 1.0 - square
+    return value, slope, -(value * slope * 2.0), slope * (square * 6.0 - 2.0)
 
 
-def _slope_of_tanh(x: Intervals) -> Intervals:
-    return 1.0 - _hyperbolic(x).squared()
-
-
-FUNCTIONS: dict[str, tuple[Reading, Reading, Reading, Reading]] = {
-    "sin": (
-        enclosure.sine,
-        enclosure.cosine,
-        lambda x: -enclosure.sine(x),
-        lambda x: -enclosure.cosine(x),
-    ),
-    "cos": (
-        enclosure.cosine,
-        lambda x: -enclosure.sine(x),
-        lambda x: -enclosure.cosine(x),
-        enclosure.sine,
-    ),
-    "exp": (enclosure.exponential,) * 4,
-    "log": (
-        enclosure.logarithm,
-        lambda x: 1.0 / x,
-        lambda x: -_reciprocal_square(x),
-        lambda x: 2.0 / (x.squared() * x),
-    ),
-    "sqrt": (
-        enclosure.square_root,
-        lambda x: 0.5 / enclosure.square_root(x),
-        lambda x: -0.25 / (enclosure.square_root(x) * x),
-        lambda x: 0.375 / (enclosure.square_root(x) * x.squared()),
-    ),
-    "reciprocal": (
-        lambda x: 1.0 / x,
-        lambda x: -_reciprocal_square(x),
-        lambda x: 2.0 / (x.squared() * x),
-        lambda x: -6.0 / x.squared().squared(),
-    ),
-    "atan": (
-        enclosure.arctangent,
-        lambda x: 1.0 / (x.squared() + 1.0),
-        lambda x: x * -2.0 / (x.squared() + 1.0).squared(),
-        lambda x: (x.squared() * 6.0 - 2.0) / ((x.squared() + 1.0).squared() * (x.squared() + 1.0)),
-    ),
-    "tanh": (
-        _hyperbolic,
-        _slope_of_tanh,
-        lambda x: _hyperbolic(x) * _slope_of_tanh(x) * -2.0,
-        lambda x: _slope_of_tanh(x) * (_hyperbolic(x).squared() * 6.0 - 2.0),
-    ),
+FUNCTIONS: dict[str, Callable[[Intervals], tuple[Intervals, ...]]] = {
+    "sin": _sine,
+    "cos": _cosine,
+    "exp": _exponential,
+    "log": _logarithm,
+    "sqrt": _square_root,
+    "reciprocal": _reciprocal,
+    "atan": _arctangent,
+    "tanh": _hyperbolic,
 }
-"""By name: a function and its first three derivatives, over intervals."""
+"""By name: the values of a function and of its first three derivatives over intervals."""
 
 
 # ── corners ──────────────────────────────────────────────────────────────────────────
