@@ -33,14 +33,15 @@ class Problem(NamedTuple):
     demands: list[Demand]
     set_point: dict[str, float]
     parameters: dict[str, Range]
+    boxes: list[int]
 
 
 def problem(
     controller: str, plant: str, duration: float, start: dict[str, Range],
-    demands: list[Demand] | None = None, **more: dict[str, object],
+    demands: list[Demand] | None = None, **more: object,
 ) -> Problem:  # fmt: skip
     """Return a problem; without demands it is only followed."""
-    facts: dict[str, object] = {"set_point": {}, "parameters": {}, **more}
+    facts: dict[str, object] = {"set_point": {}, "parameters": {}, "boxes": [], **more}
     return Problem(controller, plant, duration, start, demands or [], **facts)  # type: ignore[arg-type]
 
 
@@ -96,6 +97,7 @@ PROBLEMS = {
     "arm, load 0 .. 1": problem(
         "arm.frb", "loaded_arm.py", 0.3, {"q_1": (0.0, 0.01), "q_2": (0.5, 0.51)},
         set_point={"joint1.position": 0.1, "joint2.position": 0.6}, parameters={"load": (0.0, 1.0)},
+        boxes=[1, 1, 8],
     ),
 }  # fmt: skip
 
@@ -106,13 +108,13 @@ def solve(chosen: Problem, budget: float = 120.0) -> Tube:
     path = own if own.exists() else fuzzyarm.shipped(chosen.controller)
     plant = EXAMPLES / chosen.plant
     loop = loop_problem(
-        fuzzyarm.load(path),
+        fuzzyarm.load_controller(path),
         find_plant(str(plant) if plant.exists() else chosen.plant),
         start=chosen.start,
         set_point=chosen.set_point,
         parameters=chosen.parameters,
     )
-    return tube(loop, chosen.duration, demands=chosen.demands, budget=budget)
+    return tube(loop, chosen.duration, demands=chosen.demands, boxes=chosen.boxes, budget=budget)
 
 
 def main(words: list[str]) -> None:
