@@ -108,7 +108,8 @@ def matches(expected, actual):
 @pytest.fixture
 def workplace(tmp_path):
     shutil.copytree(ROOT / "rulebases", tmp_path / "rulebases")
-    shutil.copytree(ROOT / "examples" / "controllers", tmp_path / "examples" / "controllers")
+    for folder in ("controllers", "closed_loop"):
+        shutil.copytree(ROOT / "examples" / folder, tmp_path / "examples" / folder)
     for text in blocks(ROOT / "README.md", "frb"):
         name = re.match(r"rulebase (\w+)", text).group(1)
         (tmp_path / f"{name}.frb").write_text(text, "utf-8")
