@@ -6,7 +6,7 @@ from fuzzyarm.plant import Plant, Port
 
 
 class Balancing(Plant):
-    """x1'' = 2 f, and the pole: 0.0105 x3'' = 0.08 · 0.41 (9.8 sin x3 - 2 f cos x3) - 0.0021 x3'."""
+    """x1'' = 2 f; 0.0105 x3'' = 0.08 · 0.41 (9.8 sin x3 - 2 f cos x3) - 0.0021 x3'."""
 
     name = "balancing"
     axis = "cart"
@@ -21,5 +21,6 @@ class Balancing(Plant):
     longest_step = 0.005
 
     def derivative(self, t, x, u, p):
+        """Return the rates of the states."""
         push = 9.8 * math.sin(x[2]) - 2.0 * u[0] * math.cos(x[2])
         return [x[1], 2.0 * u[0], x[3], (0.08 * 0.41 * push - 0.0021 * x[3]) / 0.0105]

@@ -29,6 +29,8 @@ class LoadedArm(Plant):
     longest_step = 0.0006
 
     def derivative(self, t, x, u, p):
+        """Return the rates of the states."""
+
         def grown(name):
             light, heavy = getattr(UNLOADED, name), getattr(LOADED, name)
             return light if light == heavy else light + p[0] * (heavy - light)

@@ -18,4 +18,5 @@ class SinglePendulum(Plant):
     longest_step = 0.01
 
     def derivative(self, t, x, u, p):
+        """Return the rates of the states."""
         return [x[1], 2.0 * math.sin(x[0]) + 8.0 * u[0]]

@@ -21,4 +21,5 @@ class Tora(Plant):
     longest_step = 0.02
 
     def derivative(self, t, x, u, p):
+        """Return the rates of the states."""
         return [x[1], -x[0] + 0.1 * math.sin(x[2]), x[3], u[0]]
