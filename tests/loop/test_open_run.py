@@ -9,7 +9,7 @@ from fuzzyarm.loop import Options, Sensor, Signal
 from fuzzyarm.loop.along import trajectory_motion
 from fuzzyarm.loop.open_run import StructureError
 from fuzzyarm.loop.run import ClosedLoop, plant_motion
-from fuzzyarm.plant import find_plant, reach_return
+from fuzzyarm.plant import Arm, find_plant, reach_return
 from fuzzyarm.shipped_files import shipped
 
 NOISY = Options(

@@ -338,12 +338,12 @@ class ControlPeriod(Generic[T]):
     def _collect(self) -> None:
         """List what is remembered; refuse what is not covered, by name."""
         problem = self.problem
-        for (axis, port), sensor in problem.sensors.items():
+        for (axis, name), sensor in problem.sensors.items():
             if sensor.difference is not None:
-                self.memory[f"{axis}.{port} sensed before"] = math.nan
-                self.memory[f"{axis}.{port} sensed slope"] = 0.0
+                self.memory[f"{axis}.{name} sensed before"] = math.nan
+                self.memory[f"{axis}.{name} sensed slope"] = 0.0
             for late in range(periods_of(sensor.delay, problem.period)):
-                self.memory[f"{axis}.{port} late {late + 1}"] = math.nan
+                self.memory[f"{axis}.{name} late {late + 1}"] = math.nan
         index = 0
         for axes in self.model.axes:
             for axis in axes.names:
@@ -613,7 +613,7 @@ def _drive_name(axis: str, line: Drive, what: str) -> str:
 
 
 def _seen(root: Node, kind: SourceKind, first: bool) -> Node:
-    """Return an update in which it is known whether a state that starts as NaN has seen anything."""
+    """Return an update in which it is known whether a state that starts as NaN has seen some."""
     for state in kind.states:
         begun = isinstance(state.start, float) and math.isnan(state.start) and first
         root = substituted(root, unseen(symbol(state.name)), constant(float(begun)))
