@@ -1,0 +1,372 @@
+"""Affine forms over rationals: a control period as a linear part, uncertain gains, and limits.
+
+A signal is a constant plus a sum of state variables and of *answers* w of blocks. A block is a
+gain that is not known: its answer is some δ times a signal v, |δ| ≤ 1, whatever the block is (a
+rule base within its sector, a limit, a slope of the plant). All numbers of the file are taken as
+the rationals that they are.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from fractions import Fraction
+
+from fuzzyarm.closed_loop.problem import LoopProofError
+from fuzzyarm.expression.nodes import Apply, Constant, Node, Symbol, postorder
+from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.table import LookupTable
+
+__all__ = ["Affine", "AffineAlgebra", "Block", "Bound", "NotAffineError"]
+
+ZERO, ONE = Fraction(0), Fraction(1)
+
+
+class NotAffineError(LoopProofError):
+    """A loop is not affine where it has to be."""
+
+
+@dataclass(frozen=True)
+class Affine:
+    """A constant and a sum of variables.
+
+    Attributes
+    ----------
+    constant : Fraction
+        Its value at rest.
+    parts : dict of str to Fraction
+        Weights of the variables; none is 0.
+    low, high : Fraction or None
+        What the signal cannot leave whatever the variables are, where that is known.
+    """
+
+    constant: Fraction
+    parts: Mapping[str, Fraction] = field(default_factory=dict)
+    low: Fraction | None = None
+    high: Fraction | None = None
+
+    @property
+    def is_constant(self) -> bool:
+        """Whether it is a number."""
+        return not self.parts
+
+    def scaled(self, by: Fraction) -> Affine:
+        """Return it times a number."""
+        ends = self.low, self.high
+        if by < 0:
+            ends = self.high, self.low
+        low, high = (None if end is None else end * by for end in ends)
+        parts = {name: weight * by for name, weight in self.parts.items()} if by else {}
+        return Affine(self.constant * by, parts, *((ZERO, ZERO) if not by else (low, high)))
+
+    def plus(self, other: Affine) -> Affine:
+        """Return the sum of two."""
+        parts = dict(self.parts)
+        for name, weight in other.parts.items():
+            total = parts.get(name, ZERO) + weight
+            if total:
+                parts[name] = total
+            else:
+                parts.pop(name, None)
+        low, high = (
+            None if a is None or b is None else a + b
+            for a, b in ((self.low, other.low), (self.high, other.high))
+        )
+        return Affine(self.constant + other.constant, parts, low, high)
+
+    @property
+    def deviation(self) -> Affine:
+        """It without its constant."""
+        return Affine(ZERO, self.parts)
+
+
+def number(value: float | Fraction) -> Affine:
+    """Return the form of a number."""
+    if isinstance(value, float) and not math.isfinite(value):
+        raise NotAffineError(f"{value} is not a number")
+    exact = Fraction(value)
+    return Affine(exact, {}, exact, exact)
+
+
+def variable(name: str, rest: Fraction = ZERO) -> Affine:
+    """Return the form of a state that is `rest` at rest."""
+    return Affine(rest, {name: ONE})
+
+
+@dataclass(frozen=True)
+class Block:
+    """An uncertain gain: the answer w of the variable `name` has |w| ≤ |v|.
+
+    Attributes
+    ----------
+    name : str
+        Of the variable of its answer.
+    v : Affine
+        What it answers, times the radius of the gain; without a constant.
+    words : str
+        What it is.
+    """
+
+    name: str
+    v: Affine
+    words: str
+
+
+@dataclass(frozen=True)
+class Bound:
+    """Where the form is the loop: a signal must stay between two numbers.
+
+    Attributes
+    ----------
+    signal : Affine
+        Which; without a constant.
+    low, high : Fraction or None
+        Below and above 0; None for no end.
+    words : str
+        What it is.
+    """
+
+    signal: Affine
+    low: Fraction | None
+    high: Fraction | None
+    words: str
+
+
+Rules = Callable[["AffineAlgebra", RuleBase, Mapping[str, Affine]], list[Affine]]
+"""What stands for rule bases."""
+
+
+class AffineAlgebra:
+    """A control period in affine forms; an :class:`~fuzzyarm.closed_loop.problem.Algebra`.
+
+    Where a limit may hold or a choice be made, the branch at rest is taken, and what has to be
+    true for it is noted as a :class:`Bound`; or, by `grip`, a limit may take away all but that
+    share of a deviation, which makes a :class:`Block` of it.
+
+    Parameters
+    ----------
+    rules, table : callable
+        What rule bases and tables are.
+    grip : Fraction
+        1: no limit is reached.
+    is_search : bool
+        While the rest is looked for: nothing is noted, and limits are not there.
+    """
+
+    def __init__(
+        self,
+        rules: Rules,
+        table: Callable[[AffineAlgebra, LookupTable, Mapping[str, Affine]], Affine],
+        *,
+        grip: Fraction = ONE,
+        is_search: bool = False,
+    ) -> None:
+        self._rules, self._table = rules, table
+        self.grip, self.is_search = grip, is_search
+        self.blocks: list[Block] = []
+        self.bounds: list[Bound] = []
+
+    # --- arithmetic ---
+
+    def number(self, value: float) -> Affine:
+        """Return the form of a number."""
+        if math.isinf(value):  # the end of a range that has none
+            return Affine(Fraction(0), {"infinity": Fraction(1 if value > 0 else -1)})
+        return number(value)
+
+    def add(self, a: Affine, b: Affine) -> Affine:
+        """Return a sum."""
+        return a.plus(b)
+
+    def subtract(self, a: Affine, b: Affine) -> Affine:
+        """Return a difference."""
+        return a.plus(b.scaled(-ONE))
+
+    def multiply(self, a: Affine, b: Affine) -> Affine:
+        """Return a product, of which one factor is a number."""
+        for one, other in ((a, b), (b, a)):
+            if one.is_constant:
+                return other.scaled(one.constant)
+        raise NotAffineError("two signals are multiplied")
+
+    def divide(self, a: Affine, b: Affine) -> Affine:
+        """Return a quotient by a number."""
+        if not b.is_constant:
+            raise NotAffineError("a signal is divided by one that is not constant")
+        if not b.constant:  # no value, in a branch that is not taken
+            return Affine(ZERO, {"a division by 0": ONE})
+        return a.scaled(ONE / b.constant)
+
+    def error(self, x: Affine, size: float) -> Affine:
+        """Refuse an error that does not vanish at rest."""
+        raise NotAffineError(
+            "a sensor with steps leaves a loop wandering between them: it is not asymptotically"
+            " stable"
+        )
+
+    # --- limits ---
+
+    def limit(self, x: Affine, low: float, high: float) -> Affine:
+        """Return a signal between limits."""
+        if x.is_constant:
+            return number(min(max(x.constant, _end(low)), _end(high)))
+        if self.is_search:
+            return x
+        ends = tuple(None if math.isinf(end) else Fraction(end) for end in (low, high))
+        return self._held(x, *ends, f"a limit, {low:g} .. {high:g}")
+
+    def near(self, x: Affine, before: Affine, most: float) -> Affine:
+        """Return a signal whose change in one period is limited."""
+        change = self.subtract(x, before)
+        if change.is_constant or self.is_search:
+            return x
+        if change.constant:
+            raise NotAffineError("at rest a drive that is limited in its change moves")
+        self._note(change, -Fraction(most), Fraction(most), f"a slew, {most:g} in a period")
+        return x
+
+    def _held(self, x: Affine, low: Fraction | None, high: Fraction | None, words: str) -> Affine:
+        """Return a signal between limits: it is within them, or loses a share of its deviation."""
+        inside = (low is None or (x.low is not None and low <= x.low)) and (
+            high is None or (x.high is not None and x.high <= high)
+        )
+        if inside:
+            return x
+        rest = x.constant
+        for end, sign in ((low, 1), (high, -1)):
+            if end is not None and sign * (rest - end) <= 0:
+                raise NotAffineError(f"at rest a signal is {float(rest):.6g}, at {words}")
+        # What is cut off is still this share of the deviation, wherever the signal can go.
+        least = ONE
+        for end, most in ((low, x.low), (high, x.high)):
+            if end is not None:
+                share = ZERO if most is None else (end - rest) / (most - rest)
+                least = min(least, share if most is not None and _beyond(end, most, rest) else ONE)
+                if most is None:
+                    least = ZERO
+        if least < self.grip:
+            least = self.grip
+            room = tuple(None if end is None else (end - rest) / least for end in (low, high))
+            self._note(x.deviation, room[0], room[1], words)
+        if least == ONE:
+            return x
+        answer = self.block(x.deviation.scaled((ONE - least) / 2), words)
+        middle = x.deviation.scaled((ONE + least) / 2)
+        kept = middle.plus(answer)
+        return Affine(rest, kept.parts, low, high)
+
+    def block(self, v: Affine, words: str) -> Affine:
+        """Add a block with |w| ≤ |v|; return its answer."""
+        name = f"w{len(self.blocks)}"
+        self.blocks.append(Block(name, v, words))
+        return variable(name)
+
+    def _note(self, x: Affine, low: Fraction | None, high: Fraction | None, words: str) -> None:
+        self.bounds.append(Bound(x.deviation, low, high, words))
+
+    def require(self, x: Affine, low: Fraction | None, high: Fraction | None, words: str) -> None:
+        """Note that the deviation of a signal stays between two numbers around 0."""
+        self._note(x, low, high, words)
+
+    # --- rule bases, tables, expressions ---
+
+    def rules(self, sheet: RuleBase, inputs: Mapping[str, Affine]) -> list[Affine]:
+        """Return what a rule base concludes."""
+        return self._rules(self, sheet, inputs)
+
+    def table(self, sheet: LookupTable, inputs: Mapping[str, Affine]) -> Affine:
+        """Return what a table says."""
+        return self._table(self, sheet, inputs)
+
+    def expression(self, root: Node, values: Mapping[str, Affine]) -> Affine:
+        """Return an expression that is affine, or is so beside choices that are made at rest."""
+        found: dict[Node, Affine] = {}
+        for node in postorder(root):
+            if isinstance(node, Constant):
+                found[node] = self.number(node.value)
+            elif isinstance(node, Symbol):
+                found[node] = values[node.name]
+            else:
+                assert isinstance(node, Apply)
+                found[node] = self._applied(node.operation, [found[a] for a in node.arguments])
+        return found[root]
+
+    def _applied(self, operation: str, arguments: list[Affine]) -> Affine:
+        plain = {
+            "add": self.add, "subtract": self.subtract, "multiply": self.multiply,
+            "divide": self.divide,
+        }  # fmt: skip
+        if operation in plain:
+            return plain[operation](*arguments)
+        if operation == "negative":
+            return arguments[0].scaled(-ONE)
+        if operation in ("minimum", "maximum"):
+            a, b = arguments
+            first = self._is_less(a, b) == (operation == "minimum")
+            return a if first else b
+        if operation in ("less", "less_equal"):
+            a, b = arguments
+            if a.is_constant and b.is_constant:
+                return number(
+                    float(
+                        a.constant < b.constant
+                        or (operation == "less_equal" and a.constant == b.constant)
+                    )
+                )
+            return number(float(self._is_less(a, b)))
+        if operation == "where":
+            condition, then, otherwise = arguments
+            return then if condition.constant else otherwise
+        if all(each.is_constant for each in arguments):
+            return number(_exactly(operation, [each.constant for each in arguments]))
+        raise NotAffineError(f"'{operation}' of a signal is not linear")
+
+    def _is_less(self, a: Affine, b: Affine) -> bool:
+        """Tell whether a is below b at rest; note that it has to stay so."""
+        way = self.subtract(b, a)
+        endless = way.parts.get("infinity", ZERO)
+        if endless:
+            return endless > 0
+        if way.is_constant:
+            return way.constant > 0
+        if self.is_search:
+            # A limit: it does not hold, whichever side is a number.
+            return a.is_constant or b.is_constant
+        if not way.constant:
+            raise NotAffineError("at rest two signals are equal, of which the greater one counts")
+        ends = (-way.constant, None) if way.constant > 0 else (None, -way.constant)
+        self._note(way, *ends, "a choice")
+        return way.constant > 0
+
+
+def _beyond(end: Fraction, most: Fraction, rest: Fraction) -> bool:
+    return abs(most - rest) > abs(end - rest)
+
+
+def _end(value: float) -> Fraction:
+    """Return a limit as a number that may stand for infinity in a comparison."""
+    return (
+        Fraction(value) if math.isfinite(value) else Fraction(10) ** 400 * (1 if value > 0 else -1)
+    )
+
+
+def _exactly(operation: str, values: list[Fraction]) -> Fraction:
+    """Return an operation of numbers where it is rational."""
+    exact: dict[str, Callable[..., Fraction | bool]] = {
+        "absolute": abs,
+        "equal": lambda a, b: a == b,
+        "both": lambda a, b: bool(a) and bool(b),
+        "either": lambda a, b: bool(a) or bool(b),
+        "negation": lambda a: not a,
+    }
+    if operation in exact:
+        return Fraction(exact[operation](*values))
+    at_zero = {"sin": 0, "cos": 1, "tan": 0, "exp": 1, "sinh": 0, "cosh": 1, "tanh": 0, "atan": 0}
+    if operation in at_zero and not values[0]:
+        return Fraction(at_zero[operation])
+    if operation == "sqrt" and values[0] >= 0:
+        root = Fraction(math.isqrt(values[0].numerator), math.isqrt(values[0].denominator))
+        if root * root == values[0]:
+            return root
+    raise NotAffineError(f"'{operation}' of {float(values[0]):.6g} is not rational")

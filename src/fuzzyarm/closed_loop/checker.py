@@ -1,0 +1,166 @@
+"""Whether a certificate proves a loop's form: rational arithmetic, nothing else, nothing trusted.
+
+For a symmetric P, multipliers τₖ ≥ 0 and a rate ρ in [0, 1) it checks
+
+1. P > 0;
+2. (1 − ρ) V(z) − V(A z + B w) − Σ τₖ (vₖ² − wₖ²) > 0 for all (z, w) ≠ 0, with what the radius
+   of A and B may change taken off the diagonal (a symmetric matrix with |Eᵢⱼ| ≤ Sᵢⱼ is at most the
+   diagonal matrix of the sums of the rows of S); in continuous time 2 zᵀP(A z + B w) in place
+   of the difference;
+3. V ≤ 1 keeps |g z| ≤ limit for each row of the form's bounds: [[P, g], [gᵀ, limit²]] > 0.
+
+Then V ≤ 1 is never left, and every motion that begins in it goes to rest, V falling by a factor
+1 − ρ in each period: the loop is the form wherever the bounds hold, and in its blocks |wₖ| ≤ |vₖ|.
+
+A matrix is positive definite where all its leading minors are above 0 (Sylvester's criterion);
+these are whole numbers here, by elimination without fractions.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+
+from fuzzyarm.closed_loop.form import Form
+
+__all__ = ["falls", "is_inside", "is_positive_definite", "refutation"]
+
+Rows = Sequence[Sequence[Fraction]]
+
+BITS = 200
+"""Of the entries of a matrix whose minors are found; what is rounded off is off the diagonal."""
+
+
+def refutation(
+    form: Form, p: Rows, multipliers: Sequence[Fraction], rate: Fraction = Fraction(0)
+) -> str:
+    """Return why a certificate does not prove a form; empty where it does.
+
+    Parameters
+    ----------
+    form : Form
+        The loop.
+    p : rows of Fraction, shape (n, n)
+        Of V.
+    multipliers : sequence of Fraction
+        τ of each block.
+    rate : Fraction
+        ρ; of a loop in continuous time 0.
+    """
+    n, m = form.size, len(form.blocks)
+    if len(p) != n or any(len(row) != n for row in p) or len(multipliers) != m:
+        return "its matrices are not of the loop's size"
+    if any(p[i][j] != p[j][i] for i in range(n) for j in range(i)):
+        return "its matrix is not symmetric"
+    if not is_positive_definite(p):
+        return "its matrix is not positive definite"
+    if any(each < 0 for each in multipliers) or not 0 <= rate < 1:
+        return "a multiplier or the rate is out of range"
+    if not falls(form, p, multipliers, rate):
+        return "its function does not fall"
+    for row, limit, words in form.rows_within():
+        if not is_inside(p, row, limit):
+            return f"its region leaves the bounds of {words}"
+    return ""
+
+
+def is_inside(
+    p: Rows, row: Sequence[Fraction], limit: Fraction, level: Fraction = Fraction(1)
+) -> bool:
+    """Tell whether zᵀPz ≤ level keeps |g z| below a limit."""
+    if not any(row):
+        return limit > 0
+    return is_positive_definite(
+        [*([*line, g] for line, g in zip(p, row, strict=True)), [*row, limit * limit / level]]
+    )
+
+
+def falls(form: Form, p: Rows, multipliers: Sequence[Fraction], rate: Fraction) -> bool:
+    """Tell whether V falls along the form, see 2. above."""
+    n, size = form.size, form.size + len(form.blocks)
+    move = [[*a, *b] for a, b in zip(form.a, form.b, strict=True)]
+    carried = _product(p, move)  # P [A B]
+    radius = form.radius
+    weight = [[abs(x) for x in row] for row in carried]
+    change = _product(_transposed(radius), weight)  # |Eᵀ P [A B]|
+    total = [[Fraction(0)] * size for _ in range(size)]
+    if form.period:
+        after = _product(_transposed(move), carried)
+        second = _product(
+            _transposed(radius), _product([[abs(x) for x in row] for row in p], radius)
+        )
+        spread = [
+            [change[i][j] + change[j][i] + second[i][j] for j in range(size)] for i in range(size)
+        ]
+        total = [[-after[i][j] for j in range(size)] for i in range(size)]
+        for i in range(n):
+            for j in range(n):
+                total[i][j] += (1 - rate) * p[i][j]
+    else:
+        if rate:
+            return False
+        error = _product([[abs(x) for x in row] for row in p], radius)
+        spread = [[Fraction(0)] * size for _ in range(size)]
+        for i in range(n):
+            for j in range(size):
+                total[i][j] -= carried[i][j]
+                total[j][i] -= carried[i][j]
+                spread[i][j] += error[i][j]
+                spread[j][i] += error[i][j]
+    for k, tau in enumerate(multipliers):
+        v = form.blocks[k]
+        for i in range(size):
+            if v[i]:
+                for j in range(size):
+                    total[i][j] -= tau * v[i] * v[j]
+        total[n + k][n + k] += tau
+    for i in range(size):
+        total[i][i] -= sum(spread[i], Fraction(0))
+    return is_positive_definite(total)
+
+
+def is_positive_definite(matrix: Rows) -> bool:
+    """Tell whether a symmetric rational matrix is certainly positive definite."""
+    size = len(matrix)
+    if any(matrix[i][i] <= 0 for i in range(size)):
+        return False
+    # Rows and columns times powers of 2, so that the diagonal is near 1: the signs stay.
+    shift = [-(_exponent(matrix[i][i]) // 2) for i in range(size)]
+    whole = [
+        [_rounded(matrix[i][j], shift[i] + shift[j] + BITS) for j in range(size)]
+        for i in range(size)
+    ]
+    for i in range(size):
+        whole[i][i] -= size + 1  # each entry is rounded by less than 1
+    before = 1
+    for k in range(size):
+        pivot = whole[k][k]
+        if pivot <= 0:
+            return False
+        for i in range(k + 1, size):
+            for j in range(k + 1, size):
+                whole[i][j] = (whole[i][j] * pivot - whole[i][k] * whole[k][j]) // before
+        before = pivot
+    return True
+
+
+def _exponent(x: Fraction) -> int:
+    return x.numerator.bit_length() - x.denominator.bit_length()
+
+
+def _rounded(x: Fraction, shift: int) -> int:
+    """Return x times a power of 2 as a whole number, off by less than 1."""
+    if shift >= 0:
+        return (x.numerator << shift) // x.denominator
+    return x.numerator // (x.denominator << -shift)
+
+
+def _product(a: Rows, b: Rows) -> list[list[Fraction]]:
+    return [
+        [sum((x * b[k][j] for k, x in enumerate(row) if x), Fraction(0)) for j in range(len(b[0]))]
+        for row in a
+    ]
+
+
+def _transposed(a: Rows) -> list[list[Fraction]]:
+    return [list(row) for row in zip(*a, strict=True)]

@@ -1,0 +1,216 @@
+"""The search for a quadratic Lyapunov function of a loop's form: floats, and not trusted.
+
+With V(z) = zᵀ P z and |wₖ| ≤ |vₖ|, vₖ = Cₖ z + Dₖ w, V falls along the loop where
+
+    V(A z + B w) − V(z) + Σ τₖ (vₖ² − wₖ²) < 0   for all (z, w) other than 0, τₖ ≥ 0,
+
+which is one linear matrix inequality in P and τ (S-procedure: the circle criterion where there is
+one block, sampled). {V ≤ 1} is where the loop is proved: it lies within the bounds of the form
+where gᵀ P⁻¹ g ≤ b² for each row |g z| ≤ b, another inequality that is linear in P. Among all P
+the one with the largest level set is looked for, by the linearised log det P.
+
+Sources: H. K. Khalil, *Nonlinear Systems*, 3rd edition, Prentice Hall 2002, section 7.1; S. Boyd,
+L. El Ghaoui, E. Feron and V. Balakrishnan, *Linear Matrix Inequalities in System and Control
+Theory*, SIAM 1994, sections 2.6.3, 5.1 and 8.1.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzyarm.closed_loop.form import Form, Matrix
+from fuzzyarm.closed_loop.lmi import Inequality, feasible_point, minimise
+
+__all__ = ["Candidate", "candidate"]
+
+Vector = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """What may prove a form: to be checked.
+
+    Attributes
+    ----------
+    p : matrix of Fraction, shape (n, n)
+        Of V; the region is V ≤ 1.
+    multipliers : tuple of Fraction
+        τ of each block.
+    size : float
+        The logarithm of the volume of the region, but for a constant.
+    """
+
+    p: Matrix
+    multipliers: tuple[Fraction, ...]
+    size: float
+
+
+def candidate(form: Form, *, rounds: int = 4) -> Candidate | None:
+    """Return a Lyapunov function whose level set is large; None where none was found."""
+    a, b = _floats(form.a), _floats(form.b)
+    c = _floats(form.blocks).reshape(len(form.blocks), form.size + len(form.blocks))
+    rows = [
+        (np.array([float(x) for x in row]), float(limit)) for row, limit, _ in form.rows_within()
+    ]
+    rows = [(row / limit, 1.0) for row, limit in rows if np.any(row)]
+    n, m = form.size, len(form.blocks)
+    step = a if form.period else np.eye(n) + a / np.linalg.norm(a)
+    rows += _box_rows(step, rows)
+    first = _whitening(a, rows, continuous=form.period == 0.0)
+    if first is None:
+        return None
+    back = np.linalg.inv(first)  # z = back ẑ, so that V of the linear loop is near |ẑ|²
+    a, b = first @ a @ back, first @ b
+    c = np.hstack([c[:, :n] @ back, c[:, n:]])
+    # Answers in units of what they answer, so that multipliers are of one size.
+    units = np.array([max(np.linalg.norm(row[:n]), 1e-12) for row in c])
+    b = b * units
+    c = c / units[:, None]
+    c[:, n:] = c[:, n:] * units
+    limits = [row @ back for row, _ in rows]
+    basis = _symmetric_basis(n)
+    falls = _falling(a, b, c, basis, continuous=form.period == 0.0)
+    inside = [_containing(row, basis, m) for row in limits]
+    positive = [_multiplier(k, len(basis), m) for k in range(m)]
+    inequalities = [falls, *inside, *positive]
+    if not inside:  # everywhere: V has no scale of its own
+        inequalities.append(_above_unit(basis, m))
+    begin = np.concatenate([_coordinates(np.eye(n) * 1.1), np.full(m, 1e-2)])
+    y = feasible_point(inequalities, begin)
+    if y is None:
+        return None
+    count = len(basis)
+    for _ in range(rounds):
+        weight = np.linalg.inv(np.tensordot(y[:count], basis, 1))
+        cost = np.concatenate([np.tensordot(basis, weight, 2), np.zeros(m)])
+        y = minimise(inequalities, cost, y)
+    p = first.T @ np.tensordot(y[:count], basis, 1) @ first
+    taus = y[count:] / units**2
+    volume = -0.5 * float(np.linalg.slogdet(p)[1])
+    return Candidate(_rationals(p), tuple(_short(x) for x in taus), volume)
+
+
+def _floats(matrix: Sequence[Sequence[Fraction]]) -> Vector:
+    return np.array([[float(x) for x in row] for row in matrix], float)
+
+
+FAR = 10.0
+"""How far states may be beyond what the bounds of the form allow of each of them alone."""
+
+
+def _box_rows(a: Vector, rows: Sequence[tuple[Vector, float]]) -> list[tuple[Vector, float]]:
+    """Return rows that keep every state finite: some are seen by no bound, or a period later."""
+    n = len(a)
+    seen = np.zeros(n)
+    for row, _ in rows:
+        for _ in range(n):
+            seen = np.maximum(seen, np.abs(row))
+            row = row @ a
+    return [(np.eye(n)[i] * seen[i] / FAR, 1.0) for i in range(n) if rows and seen[i]]
+
+
+def _whitening(
+    a: Vector, rows: Sequence[tuple[Vector, float]], *, continuous: bool
+) -> Vector | None:
+    """Return coordinates in which V of the loop without its blocks is about |ẑ|²."""
+    from scipy.linalg import solve_continuous_lyapunov, solve_discrete_lyapunov
+
+    eigenvalues = np.linalg.eigvals(a)
+    stable = np.all(eigenvalues.real < 0) if continuous else np.all(np.abs(eigenvalues) < 1)
+    if not stable:
+        return None
+    n = len(a)
+    sides = np.array([row for row, _ in rows]) if rows else np.eye(n)
+    weight = sides.T @ sides
+    if continuous:
+        p = solve_continuous_lyapunov(a.T, -weight)
+    else:
+        p = solve_discrete_lyapunov(a.T, weight)
+    p = 0.5 * (p + p.T)
+    # As large as fits between the rows.
+    inverse = np.linalg.inv(p)
+    reach = max((float(row @ inverse @ row) for row, _ in rows), default=1.0)
+    try:
+        return np.asarray(np.linalg.cholesky(p * reach).T)
+    except np.linalg.LinAlgError:
+        return None
+
+
+def _symmetric_basis(n: int) -> Vector:
+    found = []
+    for i in range(n):
+        for j in range(i, n):
+            each = np.zeros((n, n))
+            each[i, j] = each[j, i] = 1.0
+            found.append(each)
+    return np.array(found)
+
+
+def _coordinates(p: Vector) -> Vector:
+    return np.array([p[i, j] for i in range(len(p)) for j in range(i, len(p))])
+
+
+def _falling(a: Vector, b: Vector, c: Vector, basis: Vector, *, continuous: bool) -> Inequality:
+    """Return the inequality that says that V falls, in P and τ."""
+    n, m = len(a), b.shape[1]
+    move = np.hstack([a, b])
+    stay = np.hstack([np.eye(n), np.zeros((n, m))])
+    parts = []
+    for each in basis:
+        if continuous:
+            half = stay.T @ each @ move
+            parts.append(-(half + half.T))
+        else:
+            parts.append(stay.T @ each @ stay - move.T @ each @ move)
+    for k in range(m):
+        answer = np.zeros(n + m)
+        answer[n + k] = 1.0
+        parts.append(np.outer(answer, answer) - np.outer(c[k], c[k]))
+    made = np.array(parts)
+    # Small steps change V little: the scale of what it falls by is taken out.
+    pace = np.linalg.norm(move - (0.0 if continuous else stay))
+    return Inequality(np.zeros((n + m, n + m)), made / max(pace, 1e-9))
+
+
+def _containing(row: Vector, basis: Vector, m: int) -> Inequality:
+    """Return ``[[P, g], [gᵀ, 1]] > 0``: V ≤ 1 keeps |g z| below 1."""
+    n = len(row)
+    constant = np.zeros((n + 1, n + 1))
+    constant[n, :n] = constant[:n, n] = row
+    constant[n, n] = 1.0
+    parts = np.zeros((len(basis) + m, n + 1, n + 1))
+    parts[: len(basis), :n, :n] = basis
+    return Inequality(constant, parts)
+
+
+def _above_unit(basis: Vector, m: int) -> Inequality:
+    n = basis.shape[1]
+    return Inequality(-np.eye(n), np.concatenate([basis, np.zeros((m, n, n))]))
+
+
+def _multiplier(k: int, count: int, m: int) -> Inequality:
+    parts = np.zeros((count + m, 1, 1))
+    parts[count + k] = 1.0
+    return Inequality(np.zeros((1, 1)), parts)
+
+
+def _rationals(p: Vector) -> Matrix:
+    """Return a matrix as rationals, a little larger than it is, for what rounding takes away."""
+    p = 0.5 * (p + p.T) * (1.0 + 1e-9)
+    scale = 1.0 / np.sqrt(np.diag(p))
+    return tuple(
+        tuple(_short(p[min(i, j), max(i, j)], scale[i] * scale[j]) for j in range(len(p)))
+        for i in range(len(p))
+    )
+
+
+def _short(x: float, scale: float = 0.0) -> Fraction:
+    """Return a number to some 13 digits of what counts beside it."""
+    size = scale or 1.0 / max(abs(x), 1e-300)
+    digits = 2 ** max(0, int(np.ceil(np.log2(max(size, 1e-300)))) + 44)
+    return Fraction(round(Fraction(x) * digits), digits)

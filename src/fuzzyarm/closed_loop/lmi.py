@@ -1,0 +1,129 @@
+"""A small solver of linear matrix inequalities, in floats: it finds, and proves nothing.
+
+    minimise c·y   so that   F₀ + Σ yᵢ Fᵢ > 0   for some symmetric matrices
+
+by a barrier method: Newton's steps on t c·y − Σ log det F(y), t growing; and before that the same
+for the least s with F(y) + s I > 0, until s is below 0.
+
+Source: S. Boyd, L. El Ghaoui, E. Feron and V. Balakrishnan, *Linear Matrix Inequalities in System
+and Control Theory*, SIAM 1994, sections 2.4 and 2.5.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Inequality", "feasible_point", "minimise"]
+
+Vector = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Inequality:
+    """F₀ + Σ yᵢ Fᵢ > 0.
+
+    Attributes
+    ----------
+    constant : ndarray, shape (n, n)
+        F₀.
+    parts : ndarray, shape (k, n, n)
+        Fᵢ.
+    """
+
+    constant: Vector
+    parts: Vector
+
+    def at(self, y: Vector) -> Vector:
+        """Return F(y)."""
+        return np.asarray(self.constant + np.tensordot(y, self.parts, 1))
+
+
+def feasible_point(
+    inequalities: Sequence[Inequality], start: Vector, *, steps: int = 80
+) -> Vector | None:
+    """Return a point at which all inequalities hold; None where none was found."""
+    widened = [
+        Inequality(each.constant, np.concatenate([each.parts, np.eye(len(each.constant))[None]]))
+        for each in inequalities
+    ]
+    lowest = min(float(np.linalg.eigvalsh(each.at(start))[0]) for each in inequalities)
+    y = np.append(start, max(1.0, 1.5 * -lowest) if lowest <= 0.0 else 0.0)
+    if lowest > 0.0:
+        return start
+    cost = np.zeros(len(y))
+    cost[-1] = 1.0
+    weight = 1.0 / max(1.0, y[-1])
+    for _ in range(steps):
+        y, _ = _newton(widened, cost * weight, y)
+        if y[-1] < 0.0 and all(_is_positive(each.at(y[:-1])) for each in inequalities):
+            return y[:-1]
+        weight *= 2.0
+        if weight > 1e14 or not np.isfinite(y).all():
+            return None
+    return None
+
+
+def minimise(
+    inequalities: Sequence[Inequality], cost: Vector, start: Vector, *, accuracy: float = 1e-3
+) -> Vector:
+    """Return a point at which the cost is nearly least, inside all inequalities."""
+    size = sum(len(each.constant) for each in inequalities)
+    y = start
+    scale = abs(float(cost @ start)) or 1.0
+    weight = 1.0 / scale
+    while True:
+        for _ in range(4):
+            y, decrement = _newton(inequalities, cost * weight, y)
+            if decrement < 1e-2:
+                break
+        if size / weight < accuracy * abs(float(cost @ y)):
+            return y
+        weight *= 4.0
+        if weight * scale > 1e12:
+            return y
+
+
+def _newton(inequalities: Sequence[Inequality], cost: Vector, y: Vector) -> tuple[Vector, float]:
+    """Return the next point of Newton's method on the barrier, and the decrement."""
+    gradient, hessian = cost.copy(), np.zeros((len(y), len(y)))
+    for each in inequalities:
+        half = np.linalg.inv(np.linalg.cholesky(each.at(y)))
+        scaled = half @ each.parts @ half.T  # (k, n, n)
+        flat = scaled.reshape(len(y), -1)
+        gradient -= np.trace(scaled, axis1=1, axis2=2)
+        hessian += flat @ flat.T
+    ridge = 1e-12 * np.trace(hessian) / len(y)
+    way = -np.linalg.solve(hessian + ridge * np.eye(len(y)), gradient)
+    decrement = float(np.sqrt(max(0.0, -gradient @ way)))
+    step = 1.0 if decrement < 0.25 else 1.0 / (1.0 + decrement)
+    # Damped steps stay inside by theory, longer ones are tried first.
+    for factor in (1.0, 0.5, 0.25, step):
+        near = y + factor * way
+        if all(_is_positive(each.at(near)) for each in inequalities) and (
+            _barrier(inequalities, cost, near) <= _barrier(inequalities, cost, y)
+        ):
+            return near, decrement
+    shrunk = 0.5 * step
+    while shrunk > 1e-12:
+        near = y + shrunk * way
+        if all(_is_positive(each.at(near)) for each in inequalities):
+            return near, decrement
+        shrunk *= 0.5
+    return y, 0.0
+
+
+def _barrier(inequalities: Sequence[Inequality], cost: Vector, y: Vector) -> float:
+    logs = [np.linalg.slogdet(each.at(y))[1] for each in inequalities]
+    return float(cost @ y - sum(logs))
+
+
+def _is_positive(matrix: Vector) -> bool:
+    try:
+        np.linalg.cholesky(matrix)
+    except np.linalg.LinAlgError:
+        return False
+    return True
