@@ -236,6 +236,11 @@ class FormMaker:
         """What is remembered and moves."""
         return [name for name in self._memory_names() if name not in self.fixed]
 
+    @property
+    def begin(self) -> dict[str, float]:
+        """What is remembered before the first period; NaN for what begins as it first sees."""
+        return dict(ControlPeriod(self.problem, self._algebra(Choice())).memory)
+
     # --- rest ---
 
     def _rest(self) -> dict[str, Fraction]:
@@ -608,7 +613,7 @@ class FormMaker:
             if half is None:
                 ranges[key] = (-math.inf, math.inf)
                 continue
-            algebra.require(variable(name), -half, half, f"'{name}'")
+            algebra.require(variable(name), -half, half, f"the box of '{name}'")
             ranges[key] = _around(self.rest[name], half)
         interface = problem.site.interface
         for key, (address, port) in zip(equations.inputs, interface.inputs.items(), strict=True):
@@ -689,6 +694,32 @@ class FormMaker:
         tail = 2.0 * norm ** (last + 1) / math.factorial(last + 1) * (1.0 + 1e-12)
         total = total + Intervals.between(np.full(unit.shape, -tail), np.full(unit.shape, tail))
         return total[:count]
+
+    def output_between_samples(
+        self, output: str, reach: Mapping[str, float]
+    ) -> tuple[float, float]:
+        """Return where an output can be from one sample to the next, for states within a reach.
+
+        Parameters
+        ----------
+        output : str
+            A port of the plant.
+        reach : mapping of str to float
+            By state, how far it is from rest at the sample.
+        """
+        equations, problem = self.equations, self.problem
+        interface = problem.site.interface
+        ranges = {"t": (-math.inf, math.inf)}
+        for key, span in zip(equations.parameters, problem.parameters.values(), strict=True):
+            ranges[key] = (span.low, span.high)
+        for key, name in zip(equations.states, problem.states, strict=True):
+            ranges[key] = _around(self.rest[name], Fraction(reach[name]))
+        for key, port in zip(equations.inputs, interface.inputs.values(), strict=True):
+            ranges[key] = (port.low, port.high)
+        moving = self._around_motion(ranges)
+        at = list(interface.outputs).index(interface.port(output))
+        low, high = bounds_of(equations.outputs[at], moving)
+        return low, high
 
     def _around_motion(
         self, ranges: Mapping[str, tuple[float, float]]

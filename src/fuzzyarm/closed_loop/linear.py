@@ -50,13 +50,35 @@ class Candidate:
     size: float
 
 
-def candidate(form: Form, *, rounds: int = 4) -> Candidate | None:
-    """Return a Lyapunov function whose level set is large; None where none was found."""
+def candidate(
+    form: Form,
+    *,
+    include: Sequence[Sequence[Fraction]] = (),
+    within: Sequence[tuple[Sequence[Fraction], Fraction]] = (),
+    rate: float = 0.0,
+    rounds: int = 4,
+) -> Candidate | None:
+    """Return a Lyapunov function whose level set is large; None where none was found.
+
+    Parameters
+    ----------
+    form : Form
+        The loop.
+    include : sequence of rows of Fraction
+        Points z that the region has to hold.
+    within : sequence of (row of Fraction, Fraction)
+        Further rows g and limits: the region has to keep |g z| below them.
+    rate : float
+        By what share V has to fall in each period.
+    rounds : int
+        How often the volume is linearised.
+    """
     a, b = _floats(form.a), _floats(form.b)
     c = _floats(form.blocks).reshape(len(form.blocks), form.size + len(form.blocks))
     rows = [
         (np.array([float(x) for x in row]), float(limit)) for row, limit, _ in form.rows_within()
     ]
+    rows += [(np.array([float(x) for x in row]), float(limit)) for row, limit in within]
     rows = [(row / limit, 1.0) for row, limit in rows if np.any(row)]
     n, m = form.size, len(form.blocks)
     step = a if form.period else np.eye(n) + a / np.linalg.norm(a)
@@ -74,10 +96,11 @@ def candidate(form: Form, *, rounds: int = 4) -> Candidate | None:
     c[:, n:] = c[:, n:] * units
     limits = [row @ back for row, _ in rows]
     basis = _symmetric_basis(n)
-    falls = _falling(a, b, c, basis, continuous=form.period == 0.0)
+    falls = _falling(a, b, c, basis, rate, continuous=form.period == 0.0)
     inside = [_containing(row, basis, m) for row in limits]
     positive = [_multiplier(k, len(basis), m) for k in range(m)]
-    inequalities = [falls, *inside, *positive]
+    points = [first @ np.array([float(x) for x in z]) for z in include]
+    inequalities = [falls, *inside, *positive, *(_holding(z, basis, m) for z in points)]
     if not inside:  # everywhere: V has no scale of its own
         inequalities.append(_above_unit(basis, m))
     begin = np.concatenate([_coordinates(np.eye(n) * 1.1), np.full(m, 1e-2)])
@@ -155,7 +178,9 @@ def _coordinates(p: Vector) -> Vector:
     return np.array([p[i, j] for i in range(len(p)) for j in range(i, len(p))])
 
 
-def _falling(a: Vector, b: Vector, c: Vector, basis: Vector, *, continuous: bool) -> Inequality:
+def _falling(
+    a: Vector, b: Vector, c: Vector, basis: Vector, rate: float, *, continuous: bool
+) -> Inequality:
     """Return the inequality that says that V falls, in P and τ."""
     n, m = len(a), b.shape[1]
     move = np.hstack([a, b])
@@ -166,7 +191,7 @@ def _falling(a: Vector, b: Vector, c: Vector, basis: Vector, *, continuous: bool
             half = stay.T @ each @ move
             parts.append(-(half + half.T))
         else:
-            parts.append(stay.T @ each @ stay - move.T @ each @ move)
+            parts.append((1.0 - rate) * stay.T @ each @ stay - move.T @ each @ move)
     for k in range(m):
         answer = np.zeros(n + m)
         answer[n + k] = 1.0
@@ -186,6 +211,12 @@ def _containing(row: Vector, basis: Vector, m: int) -> Inequality:
     parts = np.zeros((len(basis) + m, n + 1, n + 1))
     parts[: len(basis), :n, :n] = basis
     return Inequality(constant, parts)
+
+
+def _holding(z: Vector, basis: Vector, m: int) -> Inequality:
+    """Return 1 − zᵀPz > 0: V ≤ 1 holds a point, with a little to spare."""
+    parts = [-(z @ each @ z) for each in basis] + [0.0] * m
+    return Inequality(np.array([[1.0 - 1e-7]]), np.array(parts).reshape(-1, 1, 1))
 
 
 def _above_unit(basis: Vector, m: int) -> Inequality:

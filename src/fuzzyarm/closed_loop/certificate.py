@@ -1,0 +1,215 @@
+"""Certificates as files: what was chosen and found, all numbers as rationals, and a seal.
+
+A certificate says nothing that is believed: it names the controller, the plant and the claim, what
+a form of the loop may take for granted (:class:`~fuzzyarm.closed_loop.form.Choice`), P, the
+multipliers and the rate. :mod:`fuzzyarm.closed_loop.verdicts` makes the form anew from the files
+and asks :mod:`fuzzyarm.closed_loop.checker`.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+from fuzzyarm.closed_loop.form import Choice, Matrix
+from fuzzyarm.closed_loop.problem import LoopProofError
+from fuzzyarm.controller.text import ControllerText, sheet_files
+from fuzzyarm.model.claims import LoopClaim
+from fuzzyarm.text.files import write_atomically
+
+__all__ = [
+    "Certificate",
+    "CertificateError",
+    "fingerprints_of",
+    "read_certificate",
+    "write_certificate",
+]
+
+FORMAT = "fuzzyarm-certificate 1"
+
+
+class CertificateError(LoopProofError):
+    """A file is not a certificate, or not of this controller."""
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """What proves a claim about a loop, if the checker says so.
+
+    Attributes
+    ----------
+    claim : LoopClaim
+        What is claimed.
+    controller : str
+        The file of the controller, as it was given.
+    fingerprints : dict of str to str
+        SHA-256 of the controller's file and of those that it uses, by name.
+    choice : Choice
+        What the form takes for granted.
+    continuous : bool
+        Whether the loop is taken in continuous time.
+    p : matrix of Fraction
+        Of V; the region is V ≤ 1.
+    multipliers : tuple of Fraction
+        Of the blocks.
+    rate : Fraction
+        By what share V falls in each period.
+    states : tuple of str
+        Names of the rows of P.
+    """
+
+    claim: LoopClaim
+    controller: str
+    fingerprints: Mapping[str, str]
+    choice: Choice
+    continuous: bool
+    p: Matrix
+    multipliers: tuple[Fraction, ...]
+    rate: Fraction
+    states: tuple[str, ...]
+    facts: Mapping[str, Any] = field(default_factory=dict, compare=False)
+
+    def as_data(self) -> dict[str, Any]:
+        """Return it as plain data, sealed."""
+        claim = self.claim
+        data = {
+            "format": FORMAT,
+            "claim": {
+                "plant": claim.plant,
+                "stable": claim.stable,
+                "at": [[name, _text(value)] for name, value in claim.at],
+                "parameters": [[n, _text(a), _text(b)] for n, a, b in claim.parameters],
+                "start": [[n, _text(a), _text(b)] for n, a, b in claim.start],
+                "output": claim.output,
+                "between": [_text(claim.low), _text(claim.high)],
+                "when": claim.when,
+                "from": _text(claim.begin),
+                "to": None if claim.end == float("inf") else _text(claim.end),
+            },
+            "controller": self.controller,
+            "sha256": dict(self.fingerprints),
+            "choice": {
+                "share": str(self.choice.share),
+                "grip": str(self.choice.grip),
+                "box": {name: str(half) for name, half in self.choice.box.items()},
+                "along": self.choice.along,
+                "continuous": self.continuous,
+            },
+            "states": list(self.states),
+            "p": [[str(x) for x in row] for row in self.p],
+            "multipliers": [str(x) for x in self.multipliers],
+            "rate": str(self.rate),
+        }
+        return {**data, "seal": _seal(data)}
+
+    @property
+    def seal(self) -> str:
+        """SHA-256 of all that it says."""
+        return str(self.as_data()["seal"])
+
+
+def _text(value: float) -> str:
+    return str(Fraction(value))
+
+
+def _seal(data: Mapping[str, Any]) -> str:
+    text = json.dumps(data, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def fingerprints_of(text: ControllerText, path: str) -> dict[str, str]:
+    """Return the SHA-256 of the file of a controller and of those that it uses, by name."""
+    files = [Path(path), *sheet_files(text)]
+    return {
+        file.name: hashlib.sha256(file.read_bytes()).hexdigest()
+        for file in dict.fromkeys(files)
+        if file.is_file()
+    }
+
+
+def write_certificate(certificate: Certificate, path: str) -> None:
+    """Write a certificate.
+
+    Parameters
+    ----------
+    certificate : Certificate
+        Which.
+    path : str
+        The file, replaced as a whole.
+    """
+    text = json.dumps(certificate.as_data(), indent=1, ensure_ascii=False)
+    write_atomically(path, (text + "\n").encode())
+
+
+def read_certificate(path: str) -> Certificate:
+    """Read a certificate; whether it proves anything is not asked.
+
+    Parameters
+    ----------
+    path : str
+        The file.
+
+    Raises
+    ------
+    OSError
+        If it cannot be read.
+    CertificateError
+        If it is not a certificate, or is damaged.
+    """
+    try:
+        data = json.loads(Path(path).read_text("utf-8"))
+        if not isinstance(data, dict) or data.get("format") != FORMAT:
+            raise CertificateError(f"{path} is not a certificate")
+        seal = data.pop("seal", None)
+        if seal != _seal(data):
+            raise CertificateError(f"{path} is damaged: its seal is not that of its contents")
+        return _certificate(data)
+    except (KeyError, TypeError, ValueError, ZeroDivisionError, AttributeError) as error:
+        if isinstance(error, CertificateError):
+            raise
+        raise CertificateError(f"{path} is not a certificate: {error}") from error
+
+
+def _certificate(data: Mapping[str, Any]) -> Certificate:
+    claim, choice = data["claim"], data["choice"]
+
+    def number(text: str) -> float:
+        return float(Fraction(text))
+
+    def stretches(rows: Any) -> tuple[tuple[str, float, float], ...]:
+        return tuple((str(n), number(a), number(b)) for n, a, b in rows)
+
+    low, high = map(number, claim["between"])
+    return Certificate(
+        LoopClaim(
+            str(claim["plant"]),
+            bool(claim["stable"]),
+            tuple((str(n), number(x)) for n, x in claim["at"]),
+            stretches(claim["parameters"]),
+            stretches(claim["start"]),
+            str(claim["output"]),
+            low,
+            high,
+            claim["when"],
+            number(claim["from"]),
+            float("inf") if claim["to"] is None else number(claim["to"]),
+        ),
+        str(data["controller"]),
+        dict(data["sha256"]),
+        Choice(
+            Fraction(choice["share"]),
+            Fraction(choice["grip"]),
+            {str(name): Fraction(half) for name, half in choice["box"].items()},
+            bool(choice["along"]),
+        ),
+        bool(choice["continuous"]),
+        tuple(tuple(Fraction(x) for x in row) for row in data["p"]),
+        tuple(Fraction(x) for x in data["multipliers"]),
+        Fraction(data["rate"]),
+        tuple(data["states"]),
+    )

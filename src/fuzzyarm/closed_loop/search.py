@@ -1,0 +1,278 @@
+"""What is tried to prove a claim about a loop: forms that grant less and less, and their P.
+
+Nothing here is trusted: each proposal goes to the checker.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from fractions import Fraction
+
+import numpy as np
+
+from fuzzyarm.closed_loop.affine import NotAffineError
+from fuzzyarm.closed_loop.checker import falls
+from fuzzyarm.closed_loop.form import Choice, Form, FormMaker, Matrix
+from fuzzyarm.closed_loop.linear import Candidate, candidate
+from fuzzyarm.closed_loop.problem import LoopProofError
+from fuzzyarm.model.claims import LoopClaim
+from fuzzyarm.proof.arithmetic import Stop
+from fuzzyarm.proof.bounds import UnprovableError
+
+__all__ = ["Proposal", "proposals"]
+
+WHOLE = 1 - Fraction(1, 2**20)
+"""What limits leave of a signal that they hardly touch."""
+
+SHARES = tuple(Fraction(x) for x in (1, 0.75, 0.5, 0.35, 0.25, 0.125, 0.0625, 0.03125))
+GRIPS = tuple(Fraction(x) for x in (0.7, 0.5, 0.3))
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """What may prove a claim.
+
+    Attributes
+    ----------
+    choice : Choice
+        What the form grants.
+    form : Form
+        The loop under it.
+    p, multipliers, rate
+        See :mod:`fuzzyarm.closed_loop.checker`.
+    size : float
+        The logarithm of the volume of the region, but for a constant.
+    """
+
+    choice: Choice
+    form: Form
+    p: Matrix
+    multipliers: tuple[Fraction, ...]
+    rate: Fraction
+    size: float
+
+
+def proposals(
+    maker: FormMaker,
+    claim: LoopClaim,
+    stop: Stop,
+    *,
+    continuous: bool,
+    wanted: tuple[float, float] | None,
+) -> Iterator[Proposal | str]:
+    """Yield proposals, and in words why an attempt came to nothing.
+
+    Parameters
+    ----------
+    maker : FormMaker
+        Of the loop.
+    claim : LoopClaim
+        What is to be proved.
+    stop : Stop
+        When to give up.
+    continuous : bool
+        Whether the loop is taken in continuous time.
+    wanted : (float, float) or None
+        Where the output of the claim is to stay.
+    """
+    search = _Search(maker, claim, stop, continuous, wanted)
+    yield from search.affine() if maker.is_affine else search.boxes()
+
+
+class _Search:
+    def __init__(
+        self,
+        maker: FormMaker,
+        claim: LoopClaim,
+        stop: Stop,
+        continuous: bool,
+        wanted: tuple[float, float] | None,
+    ) -> None:
+        self.maker, self.claim, self.stop = maker, claim, stop
+        self.continuous, self.wanted = continuous, wanted
+        self.grips = (Fraction(1),) if maker.fixed else (WHOLE,)
+
+    def _form(self, choice: Choice) -> Form | str:
+        try:
+            return self.maker.form(choice, continuous=self.continuous)
+        except (NotAffineError, UnprovableError, LoopProofError) as error:
+            return str(error)
+
+    def _tried(self, choice: Choice) -> Iterator[Proposal | str]:
+        form = self._form(choice)
+        if isinstance(form, str):
+            yield form
+            return
+        from fuzzyarm.closed_loop.verdicts import start_vertices
+
+        include = start_vertices(self.maker, form) if self.claim.start or self.wanted else []
+        if self.wanted is None:
+            found = candidate(form, include=include)
+            yield self._proposal(choice, form, found)
+            return
+        within = self._output_rows(form)
+        if isinstance(within, str):
+            yield within
+            return
+        if not self.claim.begin:
+            for share in (Fraction(1), Fraction(9, 10), Fraction(3, 4)):
+                rows = [(row, limit * share) for row, limit in within]
+                yield self._proposal(choice, form, candidate(form, include=include, within=rows))
+            return
+        yield self._proposal(choice, form, candidate(form, include=include))
+        periods = max(1.0, self.claim.begin / self.maker.problem.period)
+        for factor in (2.0, 4.0, 8.0, 16.0, 32.0):
+            rate = -math.expm1(-factor / periods)
+            yield self._proposal(choice, form, candidate(form, include=include, rate=rate))
+
+    def _output_rows(self, form: Form) -> list[tuple[tuple[Fraction, ...], Fraction]] | str:
+        assert self.wanted is not None
+        port = self.maker.problem.site.interface.port(self.claim.output)
+        signal = form.outputs[port]
+        low, high = (Fraction(x) - signal.constant for x in self.wanted)
+        if not low < 0 < high:
+            return f"{self.claim.output} rests at {float(signal.constant):.6g}, outside"
+        row = form.row(signal.deviation)
+        if any(row[form.size :]):
+            return f"{self.claim.output} is not a state"
+        return [(row[: form.size], min(-low, high))]
+
+    def _proposal(self, choice: Choice, form: Form, found: Candidate | None) -> Proposal | str:
+        if found is None:
+            what = f" with {form.words[0]}" if form.words else ""
+            return f"no quadratic function was found that falls{what}"
+        rate = Fraction(0) if self.continuous else _rate(form, found)
+        return Proposal(choice, form, found.p, found.multipliers, rate, found.size)
+
+    # --- plants whose equations are affine ---
+
+    def affine(self) -> Iterator[Proposal | str]:
+        """Yield proposals for a plant that is affine: rule bases over less and less."""
+        for share in SHARES:
+            for along in (True, False):
+                done = False
+                for grip in self.grips:
+                    if self.stop.now:
+                        return
+                    for proposal in self._tried(Choice(share, grip, {}, along)):
+                        done = done or isinstance(proposal, Proposal)
+                        yield proposal
+                if done:
+                    yield from self._looser(share, along)
+                    return
+
+    def _looser(self, share: Fraction, along: bool) -> Iterator[Proposal | str]:
+        """Yield proposals in which limits may be reached, where the region ends at them."""
+        if self.maker.fixed:
+            return
+        form = self._form(Choice(share, self.grips[0], {}, along))
+        if isinstance(form, str) or not any("limit" in b.words for b in form.bounds):
+            return
+        for grip in GRIPS:
+            if not self.stop.now:
+                yield from self._tried(Choice(share, grip, {}, along))
+
+    # --- plants whose equations are not ---
+
+    def boxes(self) -> Iterator[Proposal | str]:
+        """Yield proposals for a plant that is not affine: larger boxes first, until one holds."""
+        shape = None
+        for share in SHARES[:6]:
+            for along in (True, False):
+                if shape is None:
+                    shape = self._shape(share, along)
+                if isinstance(shape, str):
+                    yield shape
+                    shape = None
+                    continue
+                size = self._largest(share, along, shape)
+                for step in size:
+                    yield step
+                    if isinstance(step, Proposal):
+                        return
+
+    def _shape(self, share: Fraction, along: bool) -> dict[str, float] | str:
+        """Return the half-axes of the region of the loop with the plant nearly linear."""
+        maker = self.maker
+        interface = maker.problem.site.interface
+        typical = dict.fromkeys(maker.problem.states, 1.0)
+        for (_, name), port in interface.outputs.items():
+            if name in typical and math.isfinite(port.high - port.low):
+                typical[name] = 0.5 * (port.high - port.low)
+        box = {name: Fraction(half / 1024) for name, half in typical.items()}
+        form = self._form(Choice(share, self.grips[0], box, along))
+        if isinstance(form, str):
+            return form
+        free = replace(
+            form,
+            bounds=tuple(b for b in form.bounds if not b.words.startswith("the box of")),
+        )
+        found = candidate(free)
+        if found is None:
+            return "no quadratic function was found that falls next to rest"
+        return _half_axes(found.p, form)
+
+    def _largest(
+        self, share: Fraction, along: bool, shape: dict[str, float]
+    ) -> Iterator[Proposal | str]:
+        """Yield attempts with boxes of a shape, and last the largest proposal."""
+        best: Proposal | None = None
+        scale, low, high = 1.0, 0.0, math.inf
+        for _ in range(14):
+            if self.stop.now:
+                break
+            box = {
+                name: Fraction(scale * shape[name]).limit_denominator(10**9)
+                for name in self.maker.problem.states
+            }
+            grips = self.grips if best is None else (*self.grips,)
+            made: Proposal | None = None
+            for grip in grips:
+                for proposal in self._tried(Choice(share, grip, box, along)):
+                    if isinstance(proposal, Proposal):
+                        made = proposal
+                    else:
+                        yield proposal
+            if made is not None and (best is None or made.size > best.size):
+                best, low = made, scale
+                # The region may have another shape than the box: what it does not reach is cut.
+                axes = _half_axes(made.p, made.form)
+                shape = {n: min(x, 1.05 * axes[n] / scale) for n, x in shape.items()}
+            elif made is None:
+                high = scale
+            else:
+                break
+            if math.isinf(high):
+                scale *= 1.3
+            elif not low:
+                scale *= 0.6
+            elif high / low < 1.07:
+                break
+            else:
+                scale = math.sqrt(low * high)
+        if best is not None:
+            yield best
+
+
+def _half_axes(p: Matrix, form: Form) -> dict[str, float]:
+    inverse = np.linalg.inv(np.array([[float(x) for x in row] for row in p]))
+    halves = np.sqrt(np.maximum(np.diag(inverse), 0.0))
+    return dict(zip(form.names, halves.tolist(), strict=True))
+
+
+def _rate(form: Form, found: Candidate) -> Fraction:
+    """Return by what share V falls in each period, as far as some steps of bisection tell."""
+    low, high = Fraction(0), Fraction(1)
+    for _ in range(12):
+        middle = (low + high) / 2
+        if falls(form, found.p, found.multipliers, middle):
+            low = middle
+        else:
+            high = middle
+    if not low:
+        for power in range(13, 40):
+            if falls(form, found.p, found.multipliers, Fraction(1, 2**power)):
+                return Fraction(1, 2**power)
+    return low
