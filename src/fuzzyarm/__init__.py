@@ -49,7 +49,7 @@ Lookup tables
     write_table         Write table whole or not at all; read_table gives back an equal table.
 
 Prove, and run on a plant
-    prove               Prove or refute one statement about a rule base.
+    prove               Prove or refute a statement about a rule base, or about a controller in its loop.
     simulate            Run a controller along a trajectory of the arm, or on any plant.
     simulate_many       Run a controller many times.
 
@@ -130,6 +130,7 @@ if TYPE_CHECKING:
         load_rulebase,
     )
     from fuzzyarm.builder import RuleBaseBuilder
+    from fuzzyarm.closed_loop import prove
     from fuzzyarm.controller import ControllerText
     from fuzzyarm.errors import FuzzyarmError
     from fuzzyarm.expression import kinds, op
@@ -138,7 +139,6 @@ if TYPE_CHECKING:
     from fuzzyarm.live import from_live
     from fuzzyarm.loop import simulate, simulate_many
     from fuzzyarm.model import AnyRuleBase, RuleBase, Shape
-    from fuzzyarm.proof import prove
     from fuzzyarm.shipped_files import shipped
     from fuzzyarm.table import (
         LookupTable,
@@ -187,6 +187,7 @@ __all__ = [
 
 PACKAGES = (
     "api",
+    "closed_loop",
     "controller",
     "export",
     "expression",
@@ -236,6 +237,7 @@ if not TYPE_CHECKING:
                 "load_rulebase",
             ),
             "builder": ("RuleBaseBuilder",),
+            "closed_loop": ("prove",),
             "controller": ("ControllerText",),
             "errors": ("FuzzyarmError",),
             "expression.kinds": ("kinds",),
@@ -245,7 +247,6 @@ if not TYPE_CHECKING:
             "live": ("from_live",),
             "loop": ("simulate", "simulate_many"),
             "model": ("AnyRuleBase", "RuleBase", "Shape"),
-            "proof": ("prove",),
             "shipped_files": ("shipped",),
             "table": (
                 "LookupTable",

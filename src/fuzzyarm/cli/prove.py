@@ -13,8 +13,14 @@ of the table that `compile` makes, or a file).
 for: along each input, and along what a linear law would give. Of a controller it proves the same
 of each drive, with its range, its limits and its linear gains; --plot draws it.
 
+--claim proves a controller in its loop, as a `prove` line of its file would say it; --stable with
+--plant is short for `stable on PLANT`. A proof is written with --certificate; --check asks of such
+a file whether it proves what it says, without searching.
+
   fuzzyarm prove rulebases/pd7.frb --table linear
   fuzzyarm prove rulebases/servo.frb --sector --plot sector.png
+  fuzzyarm prove rulebases/servo.frb --plant motor --stable --certificate servo.json
+  fuzzyarm prove --check servo.json
 """
 
 from __future__ import annotations
@@ -38,9 +44,11 @@ from fuzzyarm.cli.command import (
     read_number,
     say,
 )
+from fuzzyarm.cli.prove_loops import check, loop_data, loops_of, prove_loops, wants_loop
 from fuzzyarm.cli.prove_sectors import drives_of, only_output, print_sectors, progress
 
 if TYPE_CHECKING:
+    from fuzzyarm.closed_loop import LoopVerdict
     from fuzzyarm.proof import Bounds, Prover, Verdict
 
 EXIT_REFUTED = 1
@@ -50,6 +58,10 @@ _MODES = ("linear", "nearest", "bins")
 
 
 def _run(arguments: argparse.Namespace) -> int:
+    if arguments.check is not None:
+        return check(arguments)
+    if not arguments.files:
+        raise WordError("no file is given", hint="a rule base or a controller, or --check")
     _require_files(arguments.files)
     tolerance = None
     if arguments.tolerance is not None:
@@ -63,6 +75,8 @@ def _run(arguments: argparse.Namespace) -> int:
             raise WordError(f"--budget must be above 0 seconds, not {budget:g}")
     if arguments.sector:
         return print_sectors(arguments, tolerance, budget)
+    if wants_loop(arguments):
+        return prove_loops(arguments, budget)
     for word in ("plot", "along"):
         if getattr(arguments, word) is not None:
             raise WordError(f"--{word} goes with --sector")
@@ -86,7 +100,7 @@ def _require_files(words: Sequence[str]) -> None:
 def _files(arguments: argparse.Namespace, tolerance: float | None, budget: float) -> int:
     from fuzzyarm.proof import prove_all
 
-    verdicts: list[tuple[str, Verdict]] = []
+    verdicts: list[tuple[str, Verdict | LoopVerdict]] = []
     data: list[dict[str, Any]] = []
     for path in arguments.files:
         controller = load_controller(path)
@@ -106,6 +120,9 @@ def _files(arguments: argparse.Namespace, tolerance: float | None, budget: float
                         tell("", 0, 0.0)
                         say(*_lines(path, verdict))
         if controller is not None:
+            for verdict in loops_of(path, controller, arguments, budget):
+                verdicts.append((path, verdict))
+                data.append(file | loop_data(verdict))
             data += [file | each for each in drives_of(path, controller, arguments, budget)]
     if arguments.json:
         print_json(data, 2)
@@ -242,7 +259,7 @@ COMMANDS = (
         "prove",
         __doc__,
         _run,
-        argument("files FILE", "rule bases (.frb, .fll, .fcl, .fis) or controllers", nargs="+"),
+        argument("files FILE", "rule bases (.frb, .fll, .fcl, .fis) or controllers", nargs="*"),
         argument("--tolerance T", "how tight bounds are, in units of what is bounded"),
         argument("--budget SECONDS", "how long each statement may take"),
         flag("--exact", "compute in rationals throughout"),
@@ -251,8 +268,16 @@ COMMANDS = (
         argument("--table WHAT", "bound the error of a table: linear, nearest, bins or a file",
                  either="what"),
         flag("--sector", "bound the output by multiples of its inputs", either="what"),
+        flag("--stable", "of a controller on --plant: prove that its loop is stable", either="what"),
+        argument("--claim CLAIM", "of a controller: prove this, as a `prove` line says it",
+                 either="what"),
+        argument("--check CERTIFICATE", "whether a certificate proves what it says", either="what"),
+        argument("--from START", "with --stable: from STATE in LOW .. HIGH, ..."),
+        argument("--at PORT=X,...", "with --stable: constant set points"),
+        flag("--continuous", "of a loop: as if the controller ran without a period"),
+        argument("--certificate OUT", "write the certificate of what is proved of a loop"),
         argument("--along NAME=W,...", "with --sector: along this sum of the inputs only"),
-        argument("--plot FIG", "with --sector: draw it as .png, .svg or .pdf"),
+        argument("--plot FIG", "with --sector, or of a loop: draw it as .png, .svg or .pdf"),
         argument("--plant PLANT", "of a controller: on this one instead of that of its axes"),
         argument("--output NAME", "which output, if there are several"),
         json_of("the verdicts, or the bounds,"),

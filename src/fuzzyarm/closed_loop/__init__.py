@@ -1,12 +1,31 @@
-"""A controller proved with its plant: stable, inside, reached."""
+"""Proofs of a controller together with its plant: stable, inside, reached.
 
-from typing import TYPE_CHECKING
+:func:`prove` takes a rule base or a controller; of a controller a claim about its loop, of which
+:func:`check_certificate` checks the certificate.
+"""
 
-from fuzzyarm.closed_loop.problem import LoopProofError, loop_problem
-from fuzzyarm.closed_loop.tube import Demand, Tube, tube
-from fuzzyarm.lazy import lazily
+from __future__ import annotations
 
-__all__ = ["Demand", "LoopProofError", "Tube", "loop_problem", "tube"]
+from fuzzyarm.closed_loop.asking import prove, read_claim
+from fuzzyarm.closed_loop.certificate import (
+    Certificate,
+    CertificateError,
+    read_certificate,
+    write_certificate,
+)
+from fuzzyarm.closed_loop.problem import LoopProofError
+from fuzzyarm.closed_loop.verdicts import LoopVerdict, check_certificate, claim_text, prove_loop
 
-if not TYPE_CHECKING:
-    __getattr__, __dir__ = lazily(__name__, {}, __all__)
+__all__ = [
+    "Certificate",
+    "CertificateError",
+    "LoopProofError",
+    "LoopVerdict",
+    "check_certificate",
+    "claim_text",
+    "prove",
+    "prove_loop",
+    "read_certificate",
+    "read_claim",
+    "write_certificate",
+]

@@ -58,11 +58,17 @@ def feasible_point(
     cost[-1] = 1.0
     weight = 1.0 / max(1.0, y[-1])
     for _ in range(steps):
-        y, _ = _newton(widened, cost * weight, y)
-        if y[-1] < 0.0 and all(_is_positive(each.at(y[:-1])) for each in inequalities):
-            return y[:-1]
-        weight *= 2.0
-        if weight > 1e14 or not np.isfinite(y).all():
+        for _ in range(6):
+            y, decrement = _newton(widened, cost * weight, y)
+            if y[-1] < 0.0 and all(_is_positive(each.at(y[:-1])) for each in inequalities):
+                return y[:-1]
+            if decrement < 0.3:
+                break
+        # Where the steps have come to rest the least s is within (sum of the sizes) / weight.
+        if decrement < 0.3 and y[-1] > 2.0 * sum(len(i.constant) for i in inequalities) / weight:
+            return None
+        weight *= 3.0
+        if weight > 1e12 or not np.isfinite(y).all():
             return None
     return None
 

@@ -22,9 +22,11 @@ from fuzzyarm.language.controllers import (
     ZoomNode,
 )
 from fuzzyarm.language.declarations import Scope
+from fuzzyarm.language.loop_claims import LoopClaimNode
 from fuzzyarm.language.signals import AmountNode, OptionNode, ProductNode
 from fuzzyarm.language.statements import Broken, StatementNode
 from fuzzyarm.language.tokens import Figure, Word, name_text
+from fuzzyarm.model.claims import LoopClaim
 from fuzzyarm.model.controller import (
     SOURCES,
     Amount,
@@ -121,6 +123,7 @@ class _Reader:
             self._every(),
             heading.description or "",
             own,
+            self._claims(),
         )
         self._judge_whole(heading, axes)
         if (
@@ -176,6 +179,33 @@ class _Reader:
             )
             return 1
         return int(value)
+
+    def _claims(self) -> tuple[LoopClaim, ...]:
+        found = []
+        for node in self.nodes:
+            if not isinstance(node, LoopClaimNode):
+                continue
+            for stretch in node.stretches:
+                if stretch.low.value > stretch.high.value:
+                    self._turned(f"the interval of '{stretch.name.text}'", stretch.low, stretch.high)
+            self._judge_names_of(node)
+            claim = node.claim
+            if claim.begin > claim.end:
+                message = f"the time ends at {claim.end:g} s, before it begins at {claim.begin:g} s"
+                self.scope.report("bad-range", message, node.span)
+            found.append(claim)
+        return tuple(found)
+
+    def _judge_names_of(self, node: LoopClaimNode) -> None:
+        for group in (
+            [stretch.name for stretch in node.parameters],
+            [stretch.name for stretch in node.start],
+            [port for port, _ in node.at],
+        ):
+            for k, word in enumerate(group):
+                if word.text in (each.text for each in group[:k]):
+                    message = f"'{word.text}' stands twice in the claim"
+                    self.scope.report("duplicate-name", message, word.span)
 
     def _use(self, node: UseNode) -> Use:
         self._declare(node.name, self.sheets)

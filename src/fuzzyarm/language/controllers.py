@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NamedTuple
 
+from fuzzyarm.language.loop_claims import LOOP_CLAIM_WORDS, LoopClaimNode
 from fuzzyarm.language.phrases import Kind, Occurrence, declared
 from fuzzyarm.language.signals import (
     AmountNode,
@@ -579,6 +580,14 @@ CONTROLLER_STATEMENTS: dict[str, StatementKind] = {
             "PORT = SUM[, within LOW .. HIGH][, slew N]",
             "what goes to the plant; drives of one port add up",
             {"within": "limits", "slew": "the largest change per second"},
+        ),
+        StatementKind(
+            "prove",
+            LoopClaimNode,
+            "[stable] on PLANT [at PORT = X] [with PARAMETER in A .. B] [from STATE in A .. B]"
+            "[: PORT in A .. B [during A .. B s | after TIME | always]]",
+            "what is to be proved of the closed loop",
+            LOOP_CLAIM_WORDS,
         ),
     )
 }

@@ -12,7 +12,20 @@ from fuzzyarm.language.tokens import Cursor, Figure, Word
 from fuzzyarm.model.claims import LoopClaim
 from fuzzyarm.text.diagnostic import NOWHERE, Span
 
-__all__ = ["LoopClaimNode", "StateStretch", "claim_node"]
+__all__ = ["LOOP_CLAIM_WORDS", "LoopClaimNode", "StateStretch", "claim_node"]
+
+LOOP_CLAIM_WORDS = {
+    "stable": "the loop goes to rest from wherever it starts in a region that the proof says",
+    "on": "",
+    "at": "constant set points; 0 for other ports",
+    "with": "parameters of the plant that may be anywhere in an interval",
+    "from": "",
+    "in": "",
+    "during": "while a time lasts",
+    "after": "from a time on",
+    "always": "from the start on",
+}
+"""The other words of the statement, with one line of help where it is needed."""
 
 
 class StateStretch(NamedTuple):
@@ -115,8 +128,14 @@ class LoopClaimNode(NamedTuple):
         return text
 
     def mentions(self) -> Iterator[Occurrence]:
-        """Yield the names in it."""
+        """Yield the names in it: all are the plant's, of which the language knows nothing."""
         return iter(())
+
+    @property
+    def stretches(self) -> tuple[StateStretch, ...]:
+        """All of its intervals."""
+        claimed = () if self.output is None else (self.output,)
+        return (*self.parameters, *self.start, *claimed)
 
     @property
     def claim(self) -> LoopClaim:

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from fuzzyarm.expression.sources import SOURCES, OptionKind, Setting, SourceKind
+from fuzzyarm.model.claims import LoopClaim
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.text.diagnostic import NOWHERE, Span
 from fuzzyarm.text.mistaken import CONTROLLER, OfKind
@@ -338,6 +339,8 @@ class ControllerModel(OfKind):
         In the order of the text.
     rulebases : tuple of RuleBase
         That stand in the same file; a controller knows them by name.
+    claims : tuple of LoopClaim
+        What is to be proved of it in its loop.
     """
 
     kind_of_value = CONTROLLER
@@ -351,6 +354,7 @@ class ControllerModel(OfKind):
     every: int = 1
     description: str = ""
     rulebases: tuple[RuleBase, ...] = ()
+    claims: tuple[LoopClaim, ...] = ()
 
     def __repr__(self) -> str:
         axes, gains = ", ".join(self.axis_names), ", ".join(each.name for each in self.gains)

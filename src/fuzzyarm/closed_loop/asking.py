@@ -1,0 +1,164 @@
+"""What is asked of a rule base, or of a controller in its loop, in one call."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import overload
+
+from fuzzyarm.closed_loop.verdicts import LoopVerdict, prove_loop
+from fuzzyarm.controller.text import ControllerText
+from fuzzyarm.language.document import parse_document
+from fuzzyarm.language.loop_claims import LoopClaimNode
+from fuzzyarm.language.tokens import name_text
+from fuzzyarm.loop.course import Sensor
+from fuzzyarm.model.claims import LoopClaim
+from fuzzyarm.model.rulebase import AnyRuleBase, Property
+from fuzzyarm.plant.own import find_plant
+from fuzzyarm.plant.plant import Plant
+from fuzzyarm.proof import verdicts
+from fuzzyarm.proof.verdicts import Verdict
+from fuzzyarm.text.diagnostic import RuleBaseError
+
+__all__ = ["prove", "read_claim"]
+
+Tell = Callable[[str, int, float], None]
+
+
+def read_claim(text: str, plant: str = "") -> LoopClaim:
+    """Return the claim in a text such as ``stable on motor``.
+
+    Parameters
+    ----------
+    text : str
+        As behind ``prove`` in the file of a controller.
+    plant : str, optional
+        Its name, where the text leaves ``on PLANT`` out: ``stable``, ``from position in
+        -0.3 .. 0.3: position in -1 .. 1``, ``position in -1 .. 1``.
+
+    Raises
+    ------
+    RuleBaseError
+        With what is wrong with it, and what was probably meant.
+    """
+    words = text.strip().removeprefix("prove ").strip()
+    if plant and not re.match(r"(stable\s+)?on\s", words):
+        stable = re.match(r"stable\b", words)
+        rest = words[stable.end() :].strip() if stable else words
+        head = f"{'stable ' if stable else ''}on {name_text(plant)}"
+        claimed = not rest or re.match(r"(at|with|from)\s|:", rest)
+        words = f"{head} {rest}" if claimed else f"{head}: {rest}"
+    document = parse_document(f"controller x\nprove {words}\n")
+    wrong = tuple(each for each in document.diagnostics if each.line > 1)
+    nodes = [s.node for s in document.statements if isinstance(s.node, LoopClaimNode)]
+    if wrong or not nodes:
+        raise RuleBaseError(wrong or document.diagnostics)
+    return nodes[0].claim
+
+
+@overload
+def prove(
+    thing: ControllerText,
+    statement: str | LoopClaim,
+    *,
+    plant: str | Plant | None = None,
+    connect: Mapping[str, str] | None = None,
+    sensors: Mapping[str, Sensor] | None = None,
+    budget: float = math.inf,
+    continuous: bool = False,
+    tell: Tell | None = None,
+) -> LoopVerdict: ...
+@overload
+def prove(
+    thing: AnyRuleBase,
+    statement: str | Property,
+    *,
+    tolerance: float | None = None,
+    budget: float = math.inf,
+    exact: bool = False,
+    tell: Tell | None = None,
+) -> Verdict: ...
+def prove(
+    thing: ControllerText | AnyRuleBase,
+    statement: str | LoopClaim | Property,
+    *,
+    plant: str | Plant | None = None,
+    connect: Mapping[str, str] | None = None,
+    sensors: Mapping[str, Sensor] | None = None,
+    budget: float = math.inf,
+    tolerance: float | None = None,
+    exact: bool = False,
+    continuous: bool = False,
+    tell: Tell | None = None,
+) -> LoopVerdict | Verdict:
+    """Prove or refute a statement about a rule base, or about a controller in its loop.
+
+    Parameters
+    ----------
+    thing : RuleBase or ControllerText
+        Which.
+    statement : str, Property or LoopClaim
+        As behind ``prove`` in a file: ``"u rises with e"`` of a rule base, ``"stable on motor"``
+        of a controller.
+    plant : str or Plant, optional
+        Of a controller: a shipped plant, a file, or one of your own; then the statement need not
+        say ``on PLANT``.
+    connect : mapping of str to str, optional
+        Of a controller: from its names to ports of the plant, where they differ.
+    sensors : mapping of str to Sensor, optional
+        Of a controller: by port; exact ones by default.
+    budget : float
+        Seconds after which it stays undecided.
+    tolerance : float, optional
+        Of a rule base: how far a bound may be from what is attained, in units of what is bounded;
+        1e-8 of the range of the output by default.
+    exact : bool
+        Of a rule base: compute in rationals throughout, so that bounds are not widened.
+    continuous : bool
+        Of a controller: as if it ran without a period.
+    tell : callable, optional
+        Called with the statement, the number of pieces or attempts and the gap between the bounds;
+        NaN where there is none.
+
+    Returns
+    -------
+    Verdict or LoopVerdict
+        With its evidence.
+
+    Raises
+    ------
+    RuleBaseError
+        If the statement cannot be read.
+    PlantError
+        If there is no such plant.
+
+    Examples
+    --------
+    >>> import fuzzyarm
+    >>> pd7 = fuzzyarm.load(fuzzyarm.shipped("pd7.frb"))
+    >>> fuzzyarm.prove(pd7, "u odd").verdict
+    'proved'
+    >>> servo = fuzzyarm.load(fuzzyarm.shipped("servo.frb"))
+    >>> fuzzyarm.prove(servo, "stable", plant="motor").verdict
+    'proved'
+    """
+    if not isinstance(thing, ControllerText):
+        assert not isinstance(statement, LoopClaim)
+        return verdicts.prove(
+            thing, statement, tolerance=tolerance, budget=budget, exact=exact, tell=tell
+        )
+    own = find_plant(plant) if plant is not None else None
+    name = "" if own is None else plant if isinstance(plant, str) else own.name
+    if isinstance(statement, str):
+        claim = read_claim(statement, str(name))
+    else:
+        assert isinstance(statement, LoopClaim)
+        claim = statement
+    if name and isinstance(plant, str):
+        claim = replace(claim, plant=name)
+    return prove_loop(
+        thing, claim, plant=own, connect=connect, sensors=sensors, budget=budget,
+        continuous=continuous, tell=tell,
+    )  # fmt: skip
