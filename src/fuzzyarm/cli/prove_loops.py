@@ -91,7 +91,9 @@ def _judged(
             if arguments.certificate is not None and verdict.certificate is not None:
                 write_certificate(verdict.certificate, arguments.certificate)
                 if not arguments.json:
-                    say(f"{arguments.certificate}: the certificate, {verdict.certificate.seal[:16]}")
+                    say(
+                        f"{arguments.certificate}: the certificate, {verdict.certificate.seal[:16]}"
+                    )
             if arguments.plot is not None and verdict.proved:
                 _draw(controller, verdict, arguments.plot)
                 if not arguments.json:

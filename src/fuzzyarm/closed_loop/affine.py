@@ -22,6 +22,10 @@ __all__ = ["Affine", "AffineAlgebra", "Block", "Bound", "NotAffineError"]
 
 ZERO, ONE = Fraction(0), Fraction(1)
 
+INFINITY, NO_VALUE = "infinity", "a division by 0"
+VALUELESS = (INFINITY, NO_VALUE)
+"""Variables of what is no number: it may stand in a comparison, or in a branch not taken."""
+
 
 class NotAffineError(LoopProofError):
     """A loop is not affine where it has to be."""
@@ -57,7 +61,9 @@ class Affine:
         if by < 0:
             ends = self.high, self.low
         low, high = (None if end is None else end * by for end in ends)
-        parts = {name: weight * by for name, weight in self.parts.items()} if by else {}
+        parts = {name: weight * by for name, weight in self.parts.items()}
+        if not by:  # what has no value has none times 0
+            parts = {name: ONE for name in self.parts if name in VALUELESS}
         return Affine(self.constant * by, parts, *((ZERO, ZERO) if not by else (low, high)))
 
     def plus(self, other: Affine) -> Affine:
@@ -172,7 +178,7 @@ class AffineAlgebra:
     def number(self, value: float) -> Affine:
         """Return the form of a number."""
         if math.isinf(value):  # the end of a range that has none
-            return Affine(Fraction(0), {"infinity": Fraction(1 if value > 0 else -1)})
+            return Affine(Fraction(0), {INFINITY: Fraction(1 if value > 0 else -1)})
         return number(value)
 
     def add(self, a: Affine, b: Affine) -> Affine:
@@ -195,7 +201,7 @@ class AffineAlgebra:
         if not b.is_constant:
             raise NotAffineError("a signal is divided by one that is not constant")
         if not b.constant:  # no value, in a branch that is not taken
-            return Affine(ZERO, {"a division by 0": ONE})
+            return Affine(ZERO, {NO_VALUE: ONE})
         return a.scaled(ONE / b.constant)
 
     def error(self, x: Affine, size: float) -> Affine:
@@ -325,7 +331,7 @@ class AffineAlgebra:
     def _is_less(self, a: Affine, b: Affine) -> bool:
         """Tell whether a is below b at rest; note that it has to stay so."""
         way = self.subtract(b, a)
-        endless = way.parts.get("infinity", ZERO)
+        endless = way.parts.get(INFINITY, ZERO)
         if endless:
             return endless > 0
         if way.is_constant:

@@ -372,11 +372,13 @@ class FormMaker:
                 region[name] = (float(rest[name]), float(rest[name]))
                 continue
             half = choice.share * min(high - rest[name], rest[name] - low)
-            half = Fraction(float(half))
+            half = half if half <= 0 else Fraction(_ends(half, low=True))
             if half <= 0:
                 raise LoopProofError(f"at rest '{name}' is at the end of its universe")
             region[name] = _around(rest[name], half)
             algebra.require(inputs[name], -half, half, f"'{name}' of {sheet.name}")
+        if prover.without_value(region) is not None:
+            raise LoopProofError(f"'{sheet.name}' has no rule for some of its inputs near rest")
         along = None
         if choice.along and not any(rest.values()) and value == 0:
             along = self._sector(prover, region, [n for n in inputs if not inputs[n].is_constant])

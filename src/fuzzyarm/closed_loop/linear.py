@@ -97,11 +97,15 @@ def candidate(
     limits = [row @ back for row, _ in rows]
     basis = _symmetric_basis(n)
     falls = _falling(a, b, c, basis, rate, continuous=form.period == 0.0)
-    inside = [_containing(row, basis, m) for row in limits]
-    positive = [_multiplier(k, len(basis), m) for k in range(m)]
     points = [first @ np.array([float(x) for x in z]) for z in include]
-    inequalities = [falls, *inside, *positive, *(_holding(z, basis, m) for z in points)]
-    if not inside:  # everywhere: V has no scale of its own
+    inequalities = [falls]
+    if m:
+        inequalities.append(_multipliers(len(basis), m))
+    if limits:
+        inequalities.append(_containing(np.array(limits), basis, m))
+    if points:
+        inequalities.append(_holding(np.array(points), basis, m))
+    if not limits:  # everywhere: V has no scale of its own
         inequalities.append(_above_unit(basis, m))
     begin = np.concatenate([_coordinates(np.eye(n) * 1.1), np.full(m, 1e-2)])
     y = feasible_point(inequalities, begin)
@@ -199,35 +203,37 @@ def _falling(
     made = np.array(parts)
     # Small steps change V little: the scale of what it falls by is taken out.
     pace = np.linalg.norm(move - (0.0 if continuous else stay))
-    return Inequality(np.zeros((n + m, n + m)), made / max(pace, 1e-9))
+    return Inequality(np.zeros((1, n + m, n + m)), made[:, None] / max(pace, 1e-9))
 
 
-def _containing(row: Vector, basis: Vector, m: int) -> Inequality:
-    """Return ``[[P, g], [gᵀ, 1]] > 0``: V ≤ 1 keeps |g z| below 1."""
-    n = len(row)
-    constant = np.zeros((n + 1, n + 1))
-    constant[n, :n] = constant[:n, n] = row
-    constant[n, n] = 1.0
-    parts = np.zeros((len(basis) + m, n + 1, n + 1))
-    parts[: len(basis), :n, :n] = basis
+def _containing(rows: Vector, basis: Vector, m: int) -> Inequality:
+    """Return ``[[P, g], [gᵀ, 1]] > 0`` for each row g: V ≤ 1 keeps |g z| below 1."""
+    count, n = rows.shape
+    constant = np.zeros((count, n + 1, n + 1))
+    constant[:, n, :n] = constant[:, :n, n] = rows
+    constant[:, n, n] = 1.0
+    parts = np.zeros((len(basis) + m, count, n + 1, n + 1))
+    parts[: len(basis), :, :n, :n] = basis[:, None]
     return Inequality(constant, parts)
 
 
-def _holding(z: Vector, basis: Vector, m: int) -> Inequality:
-    """Return 1 − zᵀPz > 0: V ≤ 1 holds a point, with a little to spare."""
-    parts = [-(z @ each @ z) for each in basis] + [0.0] * m
-    return Inequality(np.array([[1.0 - 1e-7]]), np.array(parts).reshape(-1, 1, 1))
+def _holding(points: Vector, basis: Vector, m: int) -> Inequality:
+    """Return 1 - zᵀPz > 0 for each point: V ≤ 1 holds it, with a little to spare."""
+    parts = np.zeros((len(basis) + m, len(points), 1, 1))
+    parts[: len(basis), :, 0, 0] = -np.einsum("ri,kij,rj->kr", points, basis, points)
+    return Inequality(np.full((len(points), 1, 1), 1.0 - 1e-7), parts)
 
 
 def _above_unit(basis: Vector, m: int) -> Inequality:
     n = basis.shape[1]
-    return Inequality(-np.eye(n), np.concatenate([basis, np.zeros((m, n, n))]))
+    return Inequality(-np.eye(n)[None], np.concatenate([basis, np.zeros((m, n, n))])[:, None])
 
 
-def _multiplier(k: int, count: int, m: int) -> Inequality:
-    parts = np.zeros((count + m, 1, 1))
-    parts[count + k] = 1.0
-    return Inequality(np.zeros((1, 1)), parts)
+def _multipliers(count: int, m: int) -> Inequality:
+    """Return τ > 0."""
+    parts = np.zeros((count + m, m, 1, 1))
+    parts[count:, :, 0, 0] = np.eye(m)
+    return Inequality(np.zeros((m, 1, 1)), parts)
 
 
 def _rationals(p: Vector) -> Matrix:

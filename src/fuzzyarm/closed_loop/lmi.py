@@ -24,21 +24,26 @@ Vector = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Inequality:
-    """F₀ + Σ yᵢ Fᵢ > 0.
+    """F₀ + Σ yᵢ Fᵢ > 0, of some matrices of one size at once.
 
     Attributes
     ----------
-    constant : ndarray, shape (n, n)
+    constant : ndarray, shape (r, n, n)
         F₀.
-    parts : ndarray, shape (k, n, n)
+    parts : ndarray, shape (k, r, n, n)
         Fᵢ.
     """
 
     constant: Vector
     parts: Vector
 
+    @property
+    def size(self) -> int:
+        """How many rows all matrices have together."""
+        return self.constant.shape[0] * self.constant.shape[1]
+
     def at(self, y: Vector) -> Vector:
-        """Return F(y)."""
+        """Return F(y), shape (r, n, n)."""
         return np.asarray(self.constant + np.tensordot(y, self.parts, 1))
 
 
@@ -47,10 +52,18 @@ def feasible_point(
 ) -> Vector | None:
     """Return a point at which all inequalities hold; None where none was found."""
     widened = [
-        Inequality(each.constant, np.concatenate([each.parts, np.eye(len(each.constant))[None]]))
+        Inequality(
+            each.constant,
+            np.concatenate(
+                [
+                    each.parts,
+                    np.broadcast_to(np.eye(each.constant.shape[1]), (1, *each.constant.shape)),
+                ]
+            ),
+        )
         for each in inequalities
     ]
-    lowest = min(float(np.linalg.eigvalsh(each.at(start))[0]) for each in inequalities)
+    lowest = min(float(np.linalg.eigvalsh(each.at(start)).min()) for each in inequalities)
     y = np.append(start, max(1.0, 1.5 * -lowest) if lowest <= 0.0 else 0.0)
     if lowest > 0.0:
         return start
@@ -65,7 +78,7 @@ def feasible_point(
             if decrement < 0.3:
                 break
         # Where the steps have come to rest the least s is within (sum of the sizes) / weight.
-        if decrement < 0.3 and y[-1] > 2.0 * sum(len(i.constant) for i in inequalities) / weight:
+        if decrement < 0.3 and y[-1] > 2.0 * sum(i.size for i in inequalities) / weight:
             return None
         weight *= 3.0
         if weight > 1e12 or not np.isfinite(y).all():
@@ -77,7 +90,7 @@ def minimise(
     inequalities: Sequence[Inequality], cost: Vector, start: Vector, *, accuracy: float = 1e-3
 ) -> Vector:
     """Return a point at which the cost is nearly least, inside all inequalities."""
-    size = sum(len(each.constant) for each in inequalities)
+    size = sum(each.size for each in inequalities)
     y = start
     scale = abs(float(cost @ start)) or 1.0
     weight = 1.0 / scale
@@ -98,9 +111,9 @@ def _newton(inequalities: Sequence[Inequality], cost: Vector, y: Vector) -> tupl
     gradient, hessian = cost.copy(), np.zeros((len(y), len(y)))
     for each in inequalities:
         half = np.linalg.inv(np.linalg.cholesky(each.at(y)))
-        scaled = half @ each.parts @ half.T  # (k, n, n)
+        scaled = half @ each.parts @ half.swapaxes(1, 2)  # (k, r, n, n)
         flat = scaled.reshape(len(y), -1)
-        gradient -= np.trace(scaled, axis1=1, axis2=2)
+        gradient -= np.trace(scaled, axis1=2, axis2=3).sum(axis=1)
         hessian += flat @ flat.T
     ridge = 1e-12 * np.trace(hessian) / len(y)
     way = -np.linalg.solve(hessian + ridge * np.eye(len(y)), gradient)
@@ -123,7 +136,7 @@ def _newton(inequalities: Sequence[Inequality], cost: Vector, y: Vector) -> tupl
 
 
 def _barrier(inequalities: Sequence[Inequality], cost: Vector, y: Vector) -> float:
-    logs = [np.linalg.slogdet(each.at(y))[1] for each in inequalities]
+    logs = [np.linalg.slogdet(each.at(y))[1].sum() for each in inequalities]
     return float(cost @ y - sum(logs))
 
 

@@ -21,7 +21,15 @@ from fuzzyarm.controller.program import AXIS, SourceError, of_axis
 from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.expression.evaluation import specialise
-from fuzzyarm.expression.nodes import Node, constant, substituted, symbol
+from fuzzyarm.expression.nodes import (
+    Apply,
+    Node,
+    constant,
+    postorder,
+    substituted,
+    symbol,
+    symbols,
+)
 from fuzzyarm.expression.operations import Interval
 from fuzzyarm.expression.sources import SourceKind, unseen
 from fuzzyarm.loop.course import Sensor, periods_of
@@ -30,6 +38,7 @@ from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.plant.equations import expressions_of
 from fuzzyarm.plant.own import start_of
 from fuzzyarm.plant.plant import Address, Plant, Port, parameter
+from fuzzyarm.proof.laws import JUMPS
 from fuzzyarm.table import LookupTable
 from fuzzyarm.text.names import near_hint
 
@@ -129,6 +138,7 @@ class LoopProblem:
             hint = "arithmetic and functions of math in `derivative`, without `if` on a state"
             raise LoopProofError(f"the equations of {plant.name} cannot be traced", hint=hint)
         rates, outputs = roots
+        self._require_still(rates, outputs)
         states = tuple(f"x{k}" for k in range(len(plant.states)))
         measured = tuple(symbol(name) for name in states[: len(plant.outputs)])
         return PlantEquations(
@@ -138,6 +148,22 @@ class LoopProblem:
             tuple(f"u{k}" for k in range(len(plant.inputs))),
             tuple(f"p{k}" for k in range(len(plant.parameters))),
         )
+
+    def _require_still(self, rates: Sequence[Node], outputs: Sequence[Node] | None) -> None:
+        """Refuse equations that change with time, jump, or let an input through at once."""
+        name = self.plant.name
+        for root in (*rates, *(outputs or ())):
+            if "t" in symbols(root):
+                raise LoopProofError(f"the equations of {name} depend on the time")
+            for node in postorder(root):
+                if isinstance(node, Apply) and node.operation in JUMPS:
+                    raise LoopProofError(f"the equations of {name} may jump: '{node.operation}'")
+        wide = [f"p{k}" for k, span in enumerate(self.parameters.values()) if span.low < span.high]
+        for root in outputs or ():
+            for symbol_name in symbols(root):
+                if symbol_name.startswith("u") or symbol_name in wide:
+                    what = "an input" if symbol_name.startswith("u") else "a parameter that is open"
+                    raise LoopProofError(f"an output of {name} depends on {what}")
 
 
 def loop_problem(
@@ -372,6 +398,9 @@ class ControlPeriod(Generic[T]):
                 if isinstance(sheet, RuleBase) and any(o.no_rule == "hold" for o in sheet.outputs):
                     raise LoopProofError(f"'{source.name}' holds its output where no rule fires")
             given = dict(source.options)
+            if "cleared" in given and self.model.every > 1:
+                message = f"the sum '{line.names[0]}' begins again at each set point"
+                raise LoopProofError(f"{message}: nothing is proved of it")
             for state, begin in zip(kind.states, kind.starts(given), strict=True):
                 self.memory[f"{axis}.{line.names[0]} {state.name}"] = begin
             drive = self._wound(axes, line, source)
@@ -402,6 +431,8 @@ class ControlPeriod(Generic[T]):
             of = self.problem.site.interface.outputs[address].rate_of
             if not of:
                 raise LoopProofError(f"'{label}' is not the rate of another output")
+            if (address[0], of) not in seen:  # it would be that of the last period
+                raise LoopProofError(f"'{label}' stands before the output whose rate it is")
             source = seen[address[0], of]
             before, slope = (
                 self._state(f"{label} sensed before"),

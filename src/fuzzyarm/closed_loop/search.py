@@ -21,7 +21,7 @@ from fuzzyarm.model.claims import LoopClaim
 from fuzzyarm.proof.arithmetic import Stop
 from fuzzyarm.proof.bounds import UnprovableError
 
-__all__ = ["Proposal", "proposals"]
+__all__ = ["Proposal", "proposals", "rate_of"]
 
 WHOLE = 1 - Fraction(1, 2**20)
 """What limits leave of a signal that they hardly touch."""
@@ -143,13 +143,19 @@ class _Search:
         if found is None:
             what = f" with {form.words[0]}" if form.words else ""
             return f"no quadratic function was found that falls{what}"
-        rate = Fraction(0) if self.continuous else _rate(form, found)
+        rate = Fraction(0)
+        if self.claim.begin and not self.continuous:
+            rate = rate_of(form, found.p, found.multipliers)
         return Proposal(choice, form, found.p, found.multipliers, rate, found.size)
 
     # --- plants whose equations are affine ---
 
     def affine(self) -> Iterator[Proposal | str]:
         """Yield proposals for a plant that is affine: rule bases over less and less."""
+        hopeless = self._hopeless({})
+        if hopeless:
+            yield hopeless
+            return
         for share in SHARES:
             for along in (True, False):
                 done = False
@@ -162,6 +168,19 @@ class _Search:
                 if done:
                     yield from self._looser(share, along)
                     return
+
+    def _hopeless(self, box: dict[str, Fraction]) -> str:
+        """Return why nothing will be found: next to rest, where a form grants least."""
+        reason = ""
+        for along in (True, False):
+            form = self._form(Choice(SHARES[-1], self.grips[0], box, along))
+            if isinstance(form, str):
+                reason = reason or form
+            elif candidate(form) is not None:
+                return ""
+            else:
+                reason = "no quadratic function was found that falls, not even next to rest"
+        return reason
 
     def _looser(self, share: Fraction, along: bool) -> Iterator[Proposal | str]:
         """Yield proposals in which limits may be reached, where the region ends at them."""
@@ -262,17 +281,25 @@ def _half_axes(p: Matrix, form: Form) -> dict[str, float]:
     return dict(zip(form.names, halves.tolist(), strict=True))
 
 
-def _rate(form: Form, found: Candidate) -> Fraction:
-    """Return by what share V falls in each period, as far as some steps of bisection tell."""
-    low, high = Fraction(0), Fraction(1)
-    for _ in range(12):
-        middle = (low + high) / 2
-        if falls(form, found.p, found.multipliers, middle):
-            low = middle
-        else:
+def rate_of(form: Form, p: Matrix, multipliers: tuple[Fraction, ...]) -> Fraction:
+    """Return a share by which V falls in each period: a power of 2, then somewhat more.
+
+    Parameters
+    ----------
+    form, p, multipliers
+        See :mod:`fuzzyarm.closed_loop.checker`; in discrete time.
+    """
+    low, high = 0, 48  # exponents: 1 and what is as good as nothing
+    while high - low > 1:
+        middle = (low + high) // 2
+        if falls(form, p, multipliers, Fraction(1, 2**middle)):
             high = middle
-    if not low:
-        for power in range(13, 40):
-            if falls(form, found.p, found.multipliers, Fraction(1, 2**power)):
-                return Fraction(1, 2**power)
-    return low
+        else:
+            low = middle
+    rate = Fraction(1, 2**high)
+    if not falls(form, p, multipliers, rate):
+        return Fraction(0)
+    for eighths in (15, 13, 12, 11, 10, 9):
+        if falls(form, p, multipliers, rate * eighths / 8):
+            return rate * eighths / 8
+    return rate

@@ -28,7 +28,7 @@ from fuzzyarm.closed_loop.checker import is_inside, refutation
 from fuzzyarm.closed_loop.enclosure import EnclosureError
 from fuzzyarm.closed_loop.form import Choice, Form, FormMaker
 from fuzzyarm.closed_loop.problem import LoopProblem, LoopProofError, loop_problem
-from fuzzyarm.closed_loop.search import proposals
+from fuzzyarm.closed_loop.search import proposals, rate_of
 from fuzzyarm.controller.text import ControllerText, read_controller
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.loop.course import Options, Sensor
@@ -240,7 +240,6 @@ class _Case:
     def _searched(self, maker: FormMaker) -> LoopVerdict:
         best: tuple[float, LoopVerdict] | None = None
         reason = "no quadratic function was found that falls"
-        names = maker.problem.states
         prints = fingerprints_of(self.text, self.text.path) if self.text.path else {}
         for proposal in proposals(
             maker,
@@ -274,12 +273,22 @@ class _Case:
                 best = (proposal.size, verdict)
             if self.claim.output:
                 break
-        del names
         if best is not None:
+            verdict = self._with_rate(maker, best[1])
             seconds = time.monotonic() - self.started
-            return replace(best[1], seconds=seconds, pieces=self.attempts)
+            return replace(verdict, seconds=seconds, pieces=self.attempts)
         over = "time ran out" if self.stop.now else reason
         return self._said(UNDECIDED, reason=over, rest=_plain(maker.rest))
+
+    def _with_rate(self, maker: FormMaker, verdict: LoopVerdict) -> LoopVerdict:
+        """Add by how much V falls in each period."""
+        certificate = verdict.certificate
+        assert certificate is not None
+        if certificate.rate or certificate.continuous:
+            return verdict
+        form = maker.form(certificate.choice)
+        rate = rate_of(form, certificate.p, certificate.multipliers)
+        return replace(verdict, certificate=replace(certificate, rate=rate), fall=_float_down(rate))
 
     # --- runs that refute ---
 
@@ -328,6 +337,11 @@ def problem_of(
         sensors=sensors,
         connect=connect,
     )
+
+
+def _float_down(x: Fraction) -> float:
+    near = float(x)
+    return near if Fraction(near) <= x else math.nextafter(near, 0.0)
 
 
 def _sentence(error: Exception) -> str:

@@ -187,7 +187,9 @@ class _Reader:
                 continue
             for stretch in node.stretches:
                 if stretch.low.value > stretch.high.value:
-                    self._turned(f"the interval of '{stretch.name.text}'", stretch.low, stretch.high)
+                    self._turned(
+                        f"the interval of '{stretch.name.text}'", stretch.low, stretch.high
+                    )
             self._judge_names_of(node)
             claim = node.claim
             if claim.begin > claim.end:

@@ -152,7 +152,7 @@ def expressions_of(plant: Any) -> Roots | None:
     outputs : list of Node or None
         None where they are the first states.
     """
-    if plant.derivative is None:
+    if plant.derivative is None or plant.step is not None or plant.dynamics is not None:
         return None
     seeds = (0, 1) if begins_by_itself(plant) else (0,)
     first, *again = (_begun_roots(apart(plant), seed) for seed in seeds)

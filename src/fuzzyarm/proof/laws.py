@@ -18,6 +18,7 @@ from fuzzyarm.table import LookupTable
 from fuzzyarm.text.numbers import number_text
 
 __all__ = [
+    "JUMPS",
     "NOTHING",
     "ONE",
     "Gains",

@@ -1,0 +1,368 @@
+"""Claims about loops: what is proved, what must never be, and runs that try to refute it."""
+
+import json
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from fuzzyarm import load, prove, shipped, simulate
+from fuzzyarm.closed_loop import (
+    CertificateError,
+    check_certificate,
+    read_certificate,
+    write_certificate,
+)
+from fuzzyarm.closed_loop.certificate import _seal
+from fuzzyarm.closed_loop.checker import is_positive_definite, refutation
+from fuzzyarm.closed_loop.form import Form, FormMaker
+from fuzzyarm.closed_loop.linear import candidate
+from fuzzyarm.closed_loop.verdicts import problem_of, verified
+from fuzzyarm.controller import ControllerText
+from fuzzyarm.language import parse
+from fuzzyarm.loop import Sensor
+from fuzzyarm.model.controller import Amount
+from fuzzyarm.plant import Parameter, Plant, Port, find_plant
+from fuzzyarm.plant.own import starting_at
+from tests.budget import cases
+
+
+@pytest.fixture(scope="module")
+def servo():
+    return load(shipped("servo.frb"))
+
+
+@pytest.fixture(scope="module")
+def servo_verdict(servo):
+    return prove(servo, "stable", plant="motor")
+
+
+class Double(Plant):
+    """A mass without friction: force to position."""
+
+    name = "mass"
+    inputs = {"force": Port("N")}
+    outputs = {"x": Port("m", -1.0, 1.0), "v": Port("m/s", -1.0, 1.0, rate_of="x")}
+    states = {"x": "m", "v": "m/s"}
+    parameters = {"m": Parameter(1.0, "kg")}
+
+    def derivative(self, t, x, u, p):
+        return [x[1], u[0] / p[0]]
+
+
+def pd(gain, period="100 ms"):
+    """A linear law, which has a limit that is known exactly."""
+    return load_text(
+        f"""controller pd
+period {period}
+gain K = {gain}
+axis mass
+  e = error of x
+  d = error of v
+  u = e * K + d * K
+  drive force = u
+"""
+    )
+
+
+def load_text(text):
+    """Return a controller from its text."""
+    parsed = parse(text)
+    assert parsed.controller is not None, parsed.diagnostics
+    return ControllerText(parsed.controller)
+
+
+def gains(text, **values):
+    """Return a controller with other gains."""
+    model = text.model
+    changed = tuple(
+        replace(g, values=(Amount(((values[g.name], False),)),)) if g.name in values else g
+        for g in model.gains
+    )
+    return replace(text, model=replace(model, gains=changed), source="")
+
+
+# ── what is proved ───────────────────────────────────────────────────────────────────
+
+
+def test_the_servo_is_stable_from_a_large_region(servo_verdict):
+    assert servo_verdict.proved
+    assert not servo_verdict.continuous
+    position, velocity, current = (high for _, high in servo_verdict.region.values())
+    assert position > 0.3087
+    assert velocity > 8.57
+    assert current > 73.9
+
+
+def test_the_servo_in_continuous_time(servo):
+    verdict = prove(servo, "stable", plant="motor", continuous=True)
+    assert verdict.proved
+    assert verdict.continuous
+    assert verdict.region["position"][1] > 0.3087
+
+
+@pytest.mark.parametrize(
+    ("statement", "expected"),
+    [
+        ("from position in -0.3 .. 0.3: position in -0.35 .. 0.35", "proved"),
+        ("from position in -0.3 .. 0.3: position in -0.25 .. 0.25", "refuted"),
+        ("from position in -0.3 .. 0.3: position in -0.01 .. 0.01 after 1 s", "proved"),
+        ("from position in -0.3 .. 0.3: position in -0.01 .. 0.01 after 50 ms", "refuted"),
+        ("at position = 0.1 from position in 0 .. 0.2: position in -0.05 .. 0.25", "proved"),
+        ("stable from position in -1 .. 1", "undecided"),
+    ],
+)
+def test_where_a_start_goes(servo, statement, expected):
+    verdict = prove(servo, statement, plant="motor")
+    assert verdict.verdict == expected, str(verdict)
+    assert bool(verdict.evidence) == (expected == "refuted")
+    assert (verdict.certificate is not None) == (expected == "proved")
+
+
+def test_integral_filter_slew_and_bounds_of_the_heater():
+    verdict = prove(load(shipped("heater.frb")), "stable at temperature = 21", plant="room")
+    assert verdict.proved
+    assert verdict.rest["room.power total"] == pytest.approx(44.5714285714)
+    assert verdict.region["temperature"][1] - 21.0 > 3.0
+    assert check_certificate(verdict.certificate).proved
+
+
+# ── what attacks it ──────────────────────────────────────────────────────────────────
+
+
+def runs_from(verdict, text, plant, count, duration):
+    """Yield V along runs that begin in the region of a loop without memory, in all samples."""
+    p = np.array([[float(x) for x in row] for row in verdict.certificate.p])
+    rest = np.array(list(verdict.rest.values()))
+    names = list(verdict.region)
+    root = np.linalg.inv(np.linalg.cholesky(p)).T
+    generator = np.random.default_rng(1)
+    for k in range(count):
+        way = generator.standard_normal(len(p))
+        # Most of them at the border of the region, where a mistake would show.
+        way *= (1.0 if k % 4 else generator.uniform()) / np.linalg.norm(way)
+        at = starting_at(find_plant(plant), rest + root @ way)
+        zero = {next(iter(at.outputs)): 0.0}
+        run = simulate(text, at, references=zero, duration=duration)
+        assert run.diverged is None
+        z = np.array([run.outputs[name] for name in names]).T - rest
+        yield np.einsum("ki,ij,kj->k", z, p, z)
+
+
+@pytest.mark.parametrize(
+    ("file", "plant", "duration", "few"),
+    [
+        ("servo", "motor", 0.15, 60),
+        pytest.param("cartpole", "cartpole", 4.0, 30, marks=pytest.mark.slow),
+        pytest.param("ball-and-beam", "ball-and-beam", 4.0, 30, marks=pytest.mark.slow),
+    ],
+)
+def test_no_run_leaves_a_proved_region(file, plant, duration, few):
+    text = load(shipped(f"{file}.frb"))
+    verdict = prove(text, "stable", plant=plant, budget=60)
+    assert verdict.proved, str(verdict)
+    for values in runs_from(verdict, text, plant, cases(few, 33_000), duration):
+        assert values[0] <= 1.0 + 1e-9
+        # It falls in every period; near rest rounding counts.
+        assert (np.diff(values) <= 1e-12).all()
+        assert values[-1] < 0.999 * values[0]
+
+
+def far_gains(gain):
+    return gains(load(shipped("servo.frb")), **gain)
+
+
+def every(period):
+    servo = load(shipped("servo.frb"))
+    return replace(servo, model=replace(servo.model, period=period))
+
+
+def late(delay):
+    return dict.fromkeys(("position", "velocity"), Sensor(delay=delay))
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "options"),
+    [
+        ("sign", lambda: far_gains({"G_u": -4.5}), {}),
+        ("no damping", lambda: far_gains({"G_e": 400.0, "G_ce": 0.0001}), {}),
+        ("delay", lambda: far_gains({}), {"sensors": late(0.05)}),
+        ("slow", lambda: every(0.08), {}),
+    ],
+)
+def test_an_unstable_loop_is_never_proved(name, text, options):
+    verdict = prove(text(), "stable", plant="motor", **options)
+    assert not verdict.proved, name
+
+
+def test_a_delay_that_the_loop_bears_is_proved(servo):
+    verdict = prove(servo, "stable", plant="motor", sensors=late(0.001))
+    assert verdict.proved
+    assert "shaft.position late 1" in verdict.region
+
+
+def test_a_sensor_with_steps_is_not_proved_to_come_to_rest(servo):
+    verdict = prove(servo, "stable", plant="motor", sensors={"position": Sensor(resolution=0.01)})
+    assert verdict.verdict == "undecided"
+    assert "steps" in verdict.reason
+
+
+# ── results that are known ───────────────────────────────────────────────────────────
+
+
+def test_the_limit_of_a_linear_loop_is_found():
+    # With the force held over h the mass under u = -K (x + v) has the characteristic polynomial
+    # z² + (K h²/2 + K h - 2) z + 1 + K h²/2 - K h: Jury's condition at z = -1 gives K < 2 / h.
+    h = 0.1
+    limit = 2.0 / h
+    for share, proved in ((0.05, True), (0.99, True), (1.01, False), (2.0, False)):
+        text = pd(share * limit)
+        assert prove(text, "stable", plant=Double()).proved == proved, share
+
+
+def test_the_circle_criterion_of_a_lure_system():
+    # Khalil, Nonlinear Systems, 7.1: 4 / ((s + 1)(s/2 + 1)(s/3 + 1)) with a gain in [0, k] is
+    # stable where the real part of its frequency response is above -1/k.
+    a = [[0, 1, 0], [0, 0, 1], [-6, -11, -6]]
+    b, c = [0, 0, 1], [24, 0, 0]
+    s = 1j * np.geomspace(1e-3, 1e3, 200_001)
+    least = float((24.0 / ((s + 1) * (s + 2) * (s + 3))).real.min())
+    assert -1.0 / least == pytest.approx(1.166, abs=2e-3)
+    for share, expected in ((0.99, True), (1.01, False)):
+        half = Fraction(-0.5 * share / least)
+        form = lure(a, b, c, half)
+        found = candidate(form)
+        assert (found is not None) == expected
+        if found is not None:
+            assert refutation(form, found.p, found.multipliers) == ""
+
+
+def lure(a, b, c, half):
+    """x' = A x - b w, w = k c x with k in 0 .. 2 half, as the middle of it and a block."""
+    rows = [[Fraction(x) for x in row] for row in a]
+    for i in range(3):
+        for j in range(3):
+            rows[i][j] -= half * b[i] * c[j]
+    zero = tuple((Fraction(0),) * 4 for _ in range(3))
+    names = ("x1", "x2", "x3")
+    return Form(
+        names, dict.fromkeys(names, Fraction(0)), tuple(map(tuple, rows)),
+        tuple((Fraction(-x),) for x in b), zero,
+        ((*(half * x for x in c), Fraction(0)),), ("a gain",), (), {}, {}, 0.0,
+    )  # fmt: skip
+
+
+def test_positive_definite_matrices():
+    generator = np.random.default_rng(2)
+    for _ in range(cases(30, 1000)):
+        root = generator.integers(-5, 6, (4, 4))
+        matrix = root @ root.T
+        as_rationals = [[Fraction(int(x)) for x in row] for row in matrix]
+        positive = round(np.linalg.det(matrix)) > 0
+        assert is_positive_definite(as_rationals) == positive
+    nearly = [[Fraction(1), Fraction(1)], [Fraction(1), 1 + Fraction(1, 10**30)]]
+    assert is_positive_definite(nearly)
+    nearly[1][1] = 1 - Fraction(1, 10**30)
+    assert not is_positive_definite(nearly)
+
+
+# ── plants that are refused ──────────────────────────────────────────────────────────
+
+
+class Driven(Double):
+    """It is pushed by something that depends on the time."""
+
+    def derivative(self, t, x, u, p):
+        return [x[1], u[0] / p[0] + 0.1 * t]
+
+
+class Sticking(Double):
+    """Dry friction: it jumps where the velocity changes its sign."""
+
+    def derivative(self, t, x, u, p):
+        from fuzzyarm import op
+
+        return [x[1], u[0] - 0.1 * op.where(x[1] > 0, 1.0, -1.0)]
+
+
+class Stepped(Double):
+    """It has a step of its own."""
+
+    derivative = None
+
+    def step(self, t, x, u, p, dt):
+        return [x[0] + dt * x[1], x[1] + dt * u[0]]
+
+
+@pytest.mark.parametrize(
+    ("plant", "words"), [(Driven, "depend on the time"), (Sticking, ""), (Stepped, "traced")]
+)
+def test_a_plant_of_which_nothing_is_known_is_refused(plant, words):
+    verdict = prove(pd(1.0), "stable", plant=plant())
+    assert verdict.verdict != "proved"
+    assert words in verdict.reason
+
+
+# ── certificates ─────────────────────────────────────────────────────────────────────
+
+
+@pytest.fixture
+def written(servo_verdict, tmp_path):
+    path = str(tmp_path / "servo.json")
+    write_certificate(servo_verdict.certificate, path)
+    return path
+
+
+def test_a_certificate_is_what_was_written(servo_verdict, written):
+    assert read_certificate(written) == servo_verdict.certificate
+    assert check_certificate(written).proved
+
+
+def numbers_in(data, path=()):
+    """Yield where in a certificate numbers of the proof stand."""
+    for key, value in data.items() if isinstance(data, dict) else enumerate(data):
+        if isinstance(value, dict | list):
+            yield from numbers_in(value, (*path, key))
+        elif isinstance(value, str) and path[:1] in (("p",), ("multipliers",), ("choice",)):
+            yield (*path, key)
+
+
+def test_a_certificate_that_is_damaged_in_one_number_is_rejected(servo, servo_verdict, written):
+    with open(written, encoding="utf-8") as file:
+        whole = file.read()
+    maker = FormMaker(problem_of(servo, servo_verdict.certificate.claim))
+    places = list(numbers_in(json.loads(whole)))
+    assert len(places) > 10
+    for place in places:
+        data = json.loads(whole)
+        part = data
+        for key in place[:-1]:
+            part = part[key]
+        part[place[-1]] = str(Fraction(part[place[-1]]) * Fraction(13, 10) + 1)
+        with open(written, "w", encoding="utf-8") as file:
+            json.dump(data, file)
+        with pytest.raises(CertificateError, match="seal"):  # as it stands
+            read_certificate(written)
+        if place[0] == "multipliers" and place[1] == 1:
+            continue  # any large enough number will do for a limit that is hardly touched
+        data.pop("seal")
+        data["seal"] = _seal(data)  # by somebody who knows how
+        with open(written, "w", encoding="utf-8") as file:
+            json.dump(data, file)
+        damaged = read_certificate(written)
+        try:
+            against, _ = verified(maker, damaged)
+        except Exception as error:  # the form is refused
+            against = str(error)
+        assert against, place
+
+
+def test_a_certificate_of_another_file_is_rejected(servo_verdict, tmp_path):
+    for name in ("servo.frb", "pd7.frb"):
+        text = shipped(name).read_text(encoding="utf-8")
+        (tmp_path / name).write_text(text.replace("G_u  = 4.5", "G_u  = 4.4"), encoding="utf-8")
+    path = str(tmp_path / "servo.json")
+    write_certificate(servo_verdict.certificate, path)
+    with pytest.raises(CertificateError, match="not the file that was proved"):
+        check_certificate(path, load(tmp_path / "servo.frb"))
