@@ -98,7 +98,7 @@ def candidate(
     basis = _symmetric_basis(n)
     falls = _falling(a, b, c, basis, rate, continuous=form.period == 0.0)
     points = [first @ np.array([float(x) for x in z]) for z in include]
-    inequalities = [falls]
+    inequalities = [falls, _at_most(basis, m)]
     if m:
         inequalities.append(_multipliers(len(basis), m))
     if limits:
@@ -229,11 +229,25 @@ def _above_unit(basis: Vector, m: int) -> Inequality:
     return Inequality(-np.eye(n)[None], np.concatenate([basis, np.zeros((m, n, n))])[:, None])
 
 
+LARGEST = 1e4
+"""P and τ where V of the linear loop is about 1: without an end the search would run away."""
+
+
+def _at_most(basis: Vector, m: int) -> Inequality:
+    """Return P < LARGEST."""
+    n = basis.shape[1]
+    parts = np.concatenate([-basis, np.zeros((m, n, n))])
+    return Inequality(LARGEST * np.eye(n)[None], parts[:, None])
+
+
 def _multipliers(count: int, m: int) -> Inequality:
-    """Return τ > 0."""
-    parts = np.zeros((count + m, m, 1, 1))
-    parts[count:, :, 0, 0] = np.eye(m)
-    return Inequality(np.zeros((m, 1, 1)), parts)
+    """Return τ > 0 and τ < LARGEST."""
+    parts = np.zeros((count + m, 2 * m, 1, 1))
+    parts[count:, :m, 0, 0] = np.eye(m)
+    parts[count:, m:, 0, 0] = -np.eye(m)
+    constant = np.zeros((2 * m, 1, 1))
+    constant[m:] = LARGEST
+    return Inequality(constant, parts)
 
 
 def _rationals(p: Vector) -> Matrix:

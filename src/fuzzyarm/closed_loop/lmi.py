@@ -48,7 +48,7 @@ class Inequality:
 
 
 def feasible_point(
-    inequalities: Sequence[Inequality], start: Vector, *, steps: int = 80
+    inequalities: Sequence[Inequality], start: Vector, *, rounds: int = 8
 ) -> Vector | None:
     """Return a point at which all inequalities hold; None where none was found."""
     widened = [
@@ -69,21 +69,22 @@ def feasible_point(
         return start
     cost = np.zeros(len(y))
     cost[-1] = 1.0
-    weight = 1.0 / max(1.0, y[-1])
-    for _ in range(steps):
-        for _ in range(6):
+    size = sum(each.size for each in inequalities)
+    for weight in 10.0 ** np.arange(0, rounds):
+        for _ in range(STEPS):
             y, decrement = _newton(widened, cost * weight, y)
             if y[-1] < 0.0 and all(_is_positive(each.at(y[:-1])) for each in inequalities):
                 return y[:-1]
-            if decrement < 0.3:
+            if decrement < 1e-2 or not np.isfinite(y).all():
                 break
-        # Where the steps have come to rest the least s is within (sum of the sizes) / weight.
-        if decrement < 0.3 and y[-1] > 2.0 * sum(i.size for i in inequalities) / weight:
-            return None
-        weight *= 3.0
-        if weight > 1e12 or not np.isfinite(y).all():
+        # Where the steps have come to rest the least s is within size / weight of this one.
+        if decrement < 1e-2 and y[-1] > 2.0 * size / weight:
             return None
     return None
+
+
+STEPS = 30
+"""Newton's steps at one weight of the cost; fewer, and the path leaves the middle."""
 
 
 def minimise(
@@ -115,8 +116,10 @@ def _newton(inequalities: Sequence[Inequality], cost: Vector, y: Vector) -> tupl
         flat = scaled.reshape(len(y), -1)
         gradient -= np.trace(scaled, axis1=2, axis2=3).sum(axis=1)
         hessian += flat @ flat.T
-    ridge = 1e-12 * np.trace(hessian) / len(y)
-    way = -np.linalg.solve(hessian + ridge * np.eye(len(y)), gradient)
+    # Multipliers differ by many orders of magnitude: each coordinate in units of its curvature.
+    unit = 1.0 / np.sqrt(np.maximum(np.diag(hessian), 1e-300))
+    scaled_hessian = hessian * unit * unit[:, None] + 1e-13 * np.eye(len(y))
+    way = -unit * np.linalg.solve(scaled_hessian, unit * gradient)
     decrement = float(np.sqrt(max(0.0, -gradient @ way)))
     step = 1.0 if decrement < 0.25 else 1.0 / (1.0 + decrement)
     # Damped steps stay inside by theory, longer ones are tried first.
