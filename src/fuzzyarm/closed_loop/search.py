@@ -156,18 +156,24 @@ class _Search:
         if hopeless:
             yield hopeless
             return
+        best = -math.inf
         for share in SHARES:
+            here = -math.inf
             for along in (True, False):
-                done = False
                 for grip in self.grips:
                     if self.stop.now:
                         return
                     for proposal in self._tried(Choice(share, grip, {}, along)):
-                        done = done or isinstance(proposal, Proposal)
+                        if isinstance(proposal, Proposal):
+                            here = max(here, proposal.size)
                         yield proposal
-                if done:
+                if here > -math.inf:
                     yield from self._looser(share, along)
-                    return
+                    break
+            # Less of the universes helps only where not all of them did.
+            if here < best or (here > -math.inf and share == 1):
+                return
+            best = max(best, here)
 
     def _hopeless(self, box: dict[str, Fraction]) -> str:
         """Return why nothing will be found: next to rest, where a form grants least."""
@@ -196,23 +202,36 @@ class _Search:
     # --- plants whose equations are not ---
 
     def boxes(self) -> Iterator[Proposal | str]:
-        """Yield proposals for a plant that is not affine: larger boxes first, until one holds."""
-        shape = None
-        for share in SHARES[:6]:
-            for along in (True, False):
-                if shape is None:
-                    shape = self._shape(share, along)
-                if isinstance(shape, str):
-                    yield shape
-                    shape = None
-                    continue
-                size = self._largest(share, along, shape)
-                for step in size:
-                    yield step
-                    if isinstance(step, Proposal):
-                        return
+        """Yield proposals for a plant that is not affine: larger boxes first, until one holds.
 
-    def _shape(self, share: Fraction, along: bool) -> dict[str, float] | str:
+        A smaller share of the universes makes rule bases more linear and allows a larger box, up
+        to where the universes themselves end the region.
+        """
+        best = -math.inf
+        for share in SHARES[:6]:
+            here = -math.inf
+            for along in (True, False):
+                for grip in (*self.grips, *(GRIPS[1:] if not self.maker.fixed else ())):
+                    if self.stop.now:
+                        return
+                    shape = self._shape(share, along, grip)
+                    if isinstance(shape, str):
+                        yield shape
+                        break
+                    before = here
+                    for step in self._largest(share, along, grip, shape):
+                        yield step
+                        if isinstance(step, Proposal):
+                            here = max(here, step.size)
+                    if here <= before:  # a limit that may be reached helps no more
+                        break
+                if here > -math.inf:
+                    break
+            if here < best:
+                return
+            best = max(best, here)
+
+    def _shape(self, share: Fraction, along: bool, grip: Fraction) -> dict[str, float] | str:
         """Return the half-axes of the region of the loop with the plant nearly linear."""
         maker = self.maker
         interface = maker.problem.site.interface
@@ -221,7 +240,7 @@ class _Search:
             if name in typical and math.isfinite(port.high - port.low):
                 typical[name] = 0.5 * (port.high - port.low)
         box = {name: Fraction(half / 1024) for name, half in typical.items()}
-        form = self._form(Choice(share, self.grips[0], box, along))
+        form = self._form(Choice(share, grip, box, along))
         if isinstance(form, str):
             return form
         free = replace(
@@ -234,7 +253,7 @@ class _Search:
         return _half_axes(found.p, form)
 
     def _largest(
-        self, share: Fraction, along: bool, shape: dict[str, float]
+        self, share: Fraction, along: bool, grip: Fraction, shape: dict[str, float]
     ) -> Iterator[Proposal | str]:
         """Yield attempts with boxes of a shape, and last the largest proposal."""
         best: Proposal | None = None
@@ -246,14 +265,12 @@ class _Search:
                 name: Fraction(scale * shape[name]).limit_denominator(10**9)
                 for name in self.maker.problem.states
             }
-            grips = self.grips if best is None else (*self.grips,)
             made: Proposal | None = None
-            for grip in grips:
-                for proposal in self._tried(Choice(share, grip, box, along)):
-                    if isinstance(proposal, Proposal):
-                        made = proposal
-                    else:
-                        yield proposal
+            for proposal in self._tried(Choice(share, grip, box, along)):
+                if isinstance(proposal, Proposal):
+                    made = proposal
+                else:
+                    yield proposal
             if made is not None and (best is None or made.size > best.size):
                 best, low = made, scale
                 # The region may have another shape than the box: what it does not reach is cut.
