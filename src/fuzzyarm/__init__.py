@@ -49,7 +49,7 @@ Lookup tables
     write_table         Write table whole or not at all; read_table gives back an equal table.
 
 Prove, and run on a plant
-    prove               Prove or refute a statement about a rule base, or about a controller in its loop.
+    prove               Prove or refute what is said of a rule base, or of a controller in its loop.
     simulate            Run a controller along a trajectory of the arm, or on any plant.
     simulate_many       Run a controller many times.
 

@@ -16,9 +16,11 @@ from fuzzyarm.closed_loop import (
 )
 from fuzzyarm.closed_loop.certificate import _seal
 from fuzzyarm.closed_loop.checker import is_positive_definite, refutation
-from fuzzyarm.closed_loop.form import Form, FormMaker
+from fuzzyarm.closed_loop.claims import problem_of
+from fuzzyarm.closed_loop.form import Form
+from fuzzyarm.closed_loop.form_maker import FormMaker
 from fuzzyarm.closed_loop.linear import candidate
-from fuzzyarm.closed_loop.verdicts import problem_of, verified
+from fuzzyarm.closed_loop.verification import verified
 from fuzzyarm.controller import ControllerText
 from fuzzyarm.language import parse
 from fuzzyarm.loop import Sensor

@@ -63,28 +63,34 @@ def _run(arguments: argparse.Namespace) -> int:
     if not arguments.files:
         raise WordError("no file is given", hint="a rule base or a controller, or --check")
     _require_files(arguments.files)
-    tolerance = None
-    if arguments.tolerance is not None:
-        tolerance = read_number(arguments.tolerance, "--tolerance")
-        if not tolerance > 0.0:
-            raise WordError(f"--tolerance must be above 0, not {tolerance:g}")
-    budget = math.inf
-    if arguments.budget is not None:
-        budget = read_number(arguments.budget, "--budget")
-        if not budget > 0.0:
-            raise WordError(f"--budget must be above 0 seconds, not {budget:g}")
+    tolerance = _above_0(arguments.tolerance, "--tolerance")
+    budget = _above_0(arguments.budget, "--budget", " seconds") or math.inf
     if arguments.sector:
         return print_sectors(arguments, tolerance, budget)
     if wants_loop(arguments):
         return prove_loops(arguments, budget)
-    for word in ("plot", "along"):
-        if getattr(arguments, word) is not None:
-            raise WordError(f"--{word} goes with --sector")
+    if arguments.along is not None:
+        raise WordError("--along goes with --sector")
     if arguments.range or arguments.slope or arguments.table:
+        _require_use(arguments.plot, of=False)
         return _single(arguments, tolerance, budget)
     if arguments.output is not None:
         raise WordError("--output goes with --range, --slope, --table or --sector")
     return _files(arguments, tolerance, budget)
+
+
+def _require_use(plot: str | None, *, of: bool) -> None:
+    if plot is not None and not of:
+        raise WordError("--plot goes with --sector, or with a claim about a loop")
+
+
+def _above_0(word: str | None, option: str, unit: str = "") -> float | None:
+    if word is None:
+        return None
+    value = read_number(word, option)
+    if not value > 0.0:
+        raise WordError(f"{option} must be above 0{unit}, not {value:g}")
+    return value
 
 
 def _require_files(words: Sequence[str]) -> None:
@@ -104,9 +110,10 @@ def _files(arguments: argparse.Namespace, tolerance: float | None, budget: float
     data: list[dict[str, Any]] = []
     for path in arguments.files:
         controller = load_controller(path)
+        claims = controller.model.claims if controller else ()
+        _require_use(arguments.plot, of=bool(claims))
         rulebases = controller.model.rulebases if controller else (load_rulebase(path, "prove"),)
-        lines = sum(len(rulebase.properties) for rulebase in rulebases)
-        if not lines and controller is None and not arguments.json:
+        if controller is None and not rulebases[0].properties and not arguments.json:
             say(f"{path}: no `prove` lines", to_errors=True)
         file = {"file": path} if len(arguments.files) > 1 else {}
         with progress() as tell:
@@ -120,9 +127,9 @@ def _files(arguments: argparse.Namespace, tolerance: float | None, budget: float
                         tell("", 0, 0.0)
                         say(*_lines(path, verdict))
         if controller is not None:
-            for verdict in loops_of(path, controller, arguments, budget):
-                verdicts.append((path, verdict))
-                data.append(file | loop_data(verdict))
+            for loop in loops_of(path, controller, arguments, budget):
+                verdicts.append((path, loop))
+                data.append(file | loop_data(loop))
             data += [file | each for each in drives_of(path, controller, arguments, budget)]
     if arguments.json:
         print_json(data, 2)
@@ -268,7 +275,7 @@ COMMANDS = (
         argument("--table WHAT", "bound the error of a table: linear, nearest, bins or a file",
                  either="what"),
         flag("--sector", "bound the output by multiples of its inputs", either="what"),
-        flag("--stable", "of a controller on --plant: prove that its loop is stable", either="what"),
+        flag("--stable", "of a controller on --plant: prove its loop stable", either="what"),
         argument("--claim CLAIM", "of a controller: prove this, as a `prove` line says it",
                  either="what"),
         argument("--check CERTIFICATE", "whether a certificate proves what it says", either="what"),

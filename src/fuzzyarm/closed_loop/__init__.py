@@ -4,17 +4,19 @@
 :func:`check_certificate` checks the certificate.
 """
 
-from __future__ import annotations
+from typing import TYPE_CHECKING
 
-from fuzzyarm.closed_loop.asking import prove, read_claim
+from fuzzyarm.closed_loop.asking import prove
 from fuzzyarm.closed_loop.certificate import (
     Certificate,
     CertificateError,
     read_certificate,
     write_certificate,
 )
+from fuzzyarm.closed_loop.claims import claim_text, read_claim
 from fuzzyarm.closed_loop.problem import LoopProofError
-from fuzzyarm.closed_loop.verdicts import LoopVerdict, check_certificate, claim_text, prove_loop
+from fuzzyarm.closed_loop.verdicts import LoopVerdict, check_certificate, prove_loop
+from fuzzyarm.lazy import lazily
 
 __all__ = [
     "Certificate",
@@ -29,3 +31,6 @@ __all__ = [
     "read_claim",
     "write_certificate",
 ]
+
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = lazily(__name__, {}, __all__)

@@ -219,8 +219,8 @@ class AffineAlgebra:
             return number(min(max(x.constant, _end(low)), _end(high)))
         if self.is_search:
             return x
-        ends = tuple(None if math.isinf(end) else Fraction(end) for end in (low, high))
-        return self._held(x, *ends, f"a limit, {low:g} .. {high:g}")
+        ends = [None if math.isinf(end) else Fraction(end) for end in (low, high)]
+        return self._held(x, ends[0], ends[1], f"a limit, {low:g} .. {high:g}")
 
     def near(self, x: Affine, before: Affine, most: float) -> Affine:
         """Return a signal whose change in one period is limited."""
@@ -253,7 +253,7 @@ class AffineAlgebra:
                     least = ZERO
         if least < self.grip:
             least = self.grip
-            room = tuple(None if end is None else (end - rest) / least for end in (low, high))
+            room = [None if end is None else (end - rest) / least for end in (low, high)]
             self._note(x.deviation, room[0], room[1], words)
         if least == ONE:
             return x
@@ -299,50 +299,39 @@ class AffineAlgebra:
         return found[root]
 
     def _applied(self, operation: str, arguments: list[Affine]) -> Affine:
-        plain = {
-            "add": self.add, "subtract": self.subtract, "multiply": self.multiply,
+        known: dict[str, Callable[..., Affine]] = {
+            "add": self.add,
+            "subtract": self.subtract,
+            "multiply": self.multiply,
             "divide": self.divide,
-        }  # fmt: skip
-        if operation in plain:
-            return plain[operation](*arguments)
-        if operation == "negative":
-            return arguments[0].scaled(-ONE)
-        if operation in ("minimum", "maximum"):
-            a, b = arguments
-            first = self._is_less(a, b) == (operation == "minimum")
-            return a if first else b
-        if operation in ("less", "less_equal"):
-            a, b = arguments
-            if a.is_constant and b.is_constant:
-                return number(
-                    float(
-                        a.constant < b.constant
-                        or (operation == "less_equal" and a.constant == b.constant)
-                    )
-                )
-            return number(float(self._is_less(a, b)))
-        if operation == "where":
-            condition, then, otherwise = arguments
-            return then if condition.constant else otherwise
+            "negative": lambda a: a.scaled(-ONE),
+            "minimum": lambda a, b: a if self._is_less(a, b) else b,
+            "maximum": lambda a, b: b if self._is_less(a, b) else a,
+            "less": lambda a, b: number(float(self._is_less(a, b))),
+            "less_equal": lambda a, b: number(float(self._is_less(a, b, or_equal=True))),
+            "where": lambda condition, then, other: then if condition.constant else other,
+        }
+        if operation in known:
+            return known[operation](*arguments)
         if all(each.is_constant for each in arguments):
             return number(_exactly(operation, [each.constant for each in arguments]))
         raise NotAffineError(f"'{operation}' of a signal is not linear")
 
-    def _is_less(self, a: Affine, b: Affine) -> bool:
+    def _is_less(self, a: Affine, b: Affine, *, or_equal: bool = False) -> bool:
         """Tell whether a is below b at rest; note that it has to stay so."""
         way = self.subtract(b, a)
         endless = way.parts.get(INFINITY, ZERO)
         if endless:
             return endless > 0
         if way.is_constant:
-            return way.constant > 0
+            return way.constant > 0 or (or_equal and not way.constant)
         if self.is_search:
             # A limit: it does not hold, whichever side is a number.
             return a.is_constant or b.is_constant
         if not way.constant:
             raise NotAffineError("at rest two signals are equal, of which the greater one counts")
-        ends = (-way.constant, None) if way.constant > 0 else (None, -way.constant)
-        self._note(way, *ends, "a choice")
+        least, most = (-way.constant, None) if way.constant > 0 else (None, -way.constant)
+        self._note(way, least, most, "a choice")
         return way.constant > 0
 
 

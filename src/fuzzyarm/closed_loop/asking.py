@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import overload
 
+from fuzzyarm.closed_loop.claims import read_claim
 from fuzzyarm.closed_loop.verdicts import LoopVerdict, prove_loop
 from fuzzyarm.controller.text import ControllerText
-from fuzzyarm.language.document import parse_document
-from fuzzyarm.language.loop_claims import LoopClaimNode
-from fuzzyarm.language.tokens import name_text
 from fuzzyarm.loop.course import Sensor
 from fuzzyarm.model.claims import LoopClaim
 from fuzzyarm.model.rulebase import AnyRuleBase, Property
@@ -20,66 +16,12 @@ from fuzzyarm.plant.own import find_plant
 from fuzzyarm.plant.plant import Plant
 from fuzzyarm.proof import verdicts
 from fuzzyarm.proof.verdicts import Verdict
-from fuzzyarm.text.diagnostic import RuleBaseError
 
-__all__ = ["prove", "read_claim"]
+__all__ = ["prove"]
 
 Tell = Callable[[str, int, float], None]
 
 
-def read_claim(text: str, plant: str = "") -> LoopClaim:
-    """Return the claim in a text such as ``stable on motor``.
-
-    Parameters
-    ----------
-    text : str
-        As behind ``prove`` in the file of a controller.
-    plant : str, optional
-        Its name, where the text leaves ``on PLANT`` out: ``stable``, ``from position in
-        -0.3 .. 0.3: position in -1 .. 1``, ``position in -1 .. 1``.
-
-    Raises
-    ------
-    RuleBaseError
-        With what is wrong with it, and what was probably meant.
-    """
-    words = text.strip().removeprefix("prove ").strip()
-    if plant and not re.match(r"(stable\s+)?on\s", words):
-        stable = re.match(r"stable\b", words)
-        rest = words[stable.end() :].strip() if stable else words
-        head = f"{'stable ' if stable else ''}on {name_text(plant)}"
-        claimed = not rest or re.match(r"(at|with|from)\s|:", rest)
-        words = f"{head} {rest}" if claimed else f"{head}: {rest}"
-    document = parse_document(f"controller x\nprove {words}\n")
-    wrong = tuple(each for each in document.diagnostics if each.line > 1)
-    nodes = [s.node for s in document.statements if isinstance(s.node, LoopClaimNode)]
-    if wrong or not nodes:
-        raise RuleBaseError(wrong or document.diagnostics)
-    return nodes[0].claim
-
-
-@overload
-def prove(
-    thing: ControllerText,
-    statement: str | LoopClaim,
-    *,
-    plant: str | Plant | None = None,
-    connect: Mapping[str, str] | None = None,
-    sensors: Mapping[str, Sensor] | None = None,
-    budget: float = math.inf,
-    continuous: bool = False,
-    tell: Tell | None = None,
-) -> LoopVerdict: ...
-@overload
-def prove(
-    thing: AnyRuleBase,
-    statement: str | Property,
-    *,
-    tolerance: float | None = None,
-    budget: float = math.inf,
-    exact: bool = False,
-    tell: Tell | None = None,
-) -> Verdict: ...
 def prove(
     thing: ControllerText | AnyRuleBase,
     statement: str | LoopClaim | Property,
@@ -93,7 +35,7 @@ def prove(
     continuous: bool = False,
     tell: Tell | None = None,
 ) -> LoopVerdict | Verdict:
-    """Prove or refute a statement about a rule base, or about a controller in its loop.
+    """Prove or refute what is said of a rule base, or of a controller in its loop.
 
     Parameters
     ----------

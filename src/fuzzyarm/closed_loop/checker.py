@@ -26,6 +26,7 @@ from fuzzyarm.closed_loop.form import Form
 __all__ = ["falls", "is_inside", "is_positive_definite", "refutation"]
 
 Rows = Sequence[Sequence[Fraction]]
+Matrix = list[list[Fraction]]
 
 BITS = 200
 """Of the entries of a matrix whose minors are found; what is rounded off is off the diagonal."""
@@ -50,12 +51,10 @@ def refutation(
     n, m = form.size, len(form.blocks)
     if len(p) != n or any(len(row) != n for row in p) or len(multipliers) != m:
         return "its matrices are not of the loop's size"
-    if any(p[i][j] != p[j][i] for i in range(n) for j in range(i)):
-        return "its matrix is not symmetric"
-    if not is_positive_definite(p):
-        return "its matrix is not positive definite"
     if any(each < 0 for each in multipliers) or not 0 <= rate < 1:
         return "a multiplier or the rate is out of range"
+    if any(p[i][j] != p[j][i] for i in range(n) for j in range(i)) or not is_positive_definite(p):
+        return "its matrix is not symmetric and positive definite"
     if not falls(form, p, multipliers, rate):
         return "its function does not fall"
     for row, limit, words in form.rows_within():
@@ -77,46 +76,56 @@ def is_inside(
 
 def falls(form: Form, p: Rows, multipliers: Sequence[Fraction], rate: Fraction) -> bool:
     """Tell whether V falls along the form, see 2. above."""
-    n, size = form.size, form.size + len(form.blocks)
-    move = [[*a, *b] for a, b in zip(form.a, form.b, strict=True)]
-    carried = _product(p, move)  # P [A B]
-    radius = form.radius
-    weight = [[abs(x) for x in row] for row in carried]
-    change = _product(_transposed(radius), weight)  # |Eᵀ P [A B]|
-    total = [[Fraction(0)] * size for _ in range(size)]
+    size = form.size + len(form.blocks)
     if form.period:
-        after = _product(_transposed(move), carried)
-        second = _product(
-            _transposed(radius), _product([[abs(x) for x in row] for row in p], radius)
-        )
-        spread = [
-            [change[i][j] + change[j][i] + second[i][j] for j in range(size)] for i in range(size)
-        ]
-        total = [[-after[i][j] for j in range(size)] for i in range(size)]
-        for i in range(n):
-            for j in range(n):
-                total[i][j] += (1 - rate) * p[i][j]
+        total, spread = _fall_in_period(form, p, rate)
+    elif rate:
+        return False
     else:
-        if rate:
-            return False
-        error = _product([[abs(x) for x in row] for row in p], radius)
-        spread = [[Fraction(0)] * size for _ in range(size)]
-        for i in range(n):
-            for j in range(size):
-                total[i][j] -= carried[i][j]
-                total[j][i] -= carried[i][j]
-                spread[i][j] += error[i][j]
-                spread[j][i] += error[i][j]
+        total, spread = _fall_of_rate(form, p)
     for k, tau in enumerate(multipliers):
         v = form.blocks[k]
         for i in range(size):
             if v[i]:
                 for j in range(size):
                     total[i][j] -= tau * v[i] * v[j]
-        total[n + k][n + k] += tau
+        total[form.size + k][form.size + k] += tau
     for i in range(size):
         total[i][i] -= sum(spread[i], Fraction(0))
     return is_positive_definite(total)
+
+
+def _fall_in_period(form: Form, p: Rows, rate: Fraction) -> tuple[Matrix, Matrix]:
+    """Return (1 − ρ) P − [A B]ᵀ P [A B], and how far the true one may be from it."""
+    size = form.size + len(form.blocks)
+    move = [[*a, *b] for a, b in zip(form.a, form.b, strict=True)]
+    carried = _product(p, move)
+    after = _product(_transposed(move), carried)
+    # |(M + E)ᵀ P (M + E) − Mᵀ P M| ≤ |Eᵀ P M| + its transpose + |Eᵀ P E|, entry by entry.
+    first = _product(_transposed(form.radius), _sizes(carried))
+    second = _product(_transposed(form.radius), _product(_sizes(p), form.radius))
+    total = [[-after[i][j] for j in range(size)] for i in range(size)]
+    spread = [[first[i][j] + first[j][i] + second[i][j] for j in range(size)] for i in range(size)]
+    for i in range(form.size):
+        for j in range(form.size):
+            total[i][j] += (1 - rate) * p[i][j]
+    return total, spread
+
+
+def _fall_of_rate(form: Form, p: Rows) -> tuple[Matrix, Matrix]:
+    """Return −(P [A B] + its transpose), and how far the true one may be from it."""
+    size = form.size + len(form.blocks)
+    carried = _product(p, [[*a, *b] for a, b in zip(form.a, form.b, strict=True)])
+    error = _product(_sizes(p), form.radius)
+    total = [[Fraction(0)] * size for _ in range(size)]
+    spread = [[Fraction(0)] * size for _ in range(size)]
+    for i in range(form.size):
+        for j in range(size):
+            total[i][j] -= carried[i][j]
+            total[j][i] -= carried[i][j]
+            spread[i][j] += error[i][j]
+            spread[j][i] += error[i][j]
+    return total, spread
 
 
 def is_positive_definite(matrix: Rows) -> bool:
@@ -160,6 +169,10 @@ def _product(a: Rows, b: Rows) -> list[list[Fraction]]:
         [sum((x * b[k][j] for k, x in enumerate(row) if x), Fraction(0)) for j in range(len(b[0]))]
         for row in a
     ]
+
+
+def _sizes(a: Rows) -> Matrix:
+    return [[abs(x) for x in row] for row in a]
 
 
 def _transposed(a: Rows) -> list[list[Fraction]]:

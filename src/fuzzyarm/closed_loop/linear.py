@@ -135,9 +135,10 @@ def _box_rows(a: Vector, rows: Sequence[tuple[Vector, float]]) -> list[tuple[Vec
     n = len(a)
     seen = np.zeros(n)
     for row, _ in rows:
+        later = row
         for _ in range(n):
-            seen = np.maximum(seen, np.abs(row))
-            row = row @ a
+            seen = np.maximum(seen, np.abs(later))
+            later = later @ a
     return [(np.eye(n)[i] * seen[i] / FAR, 1.0) for i in range(n) if rows and seen[i]]
 
 

@@ -40,7 +40,7 @@ class Inequality:
     @property
     def size(self) -> int:
         """How many rows all matrices have together."""
-        return self.constant.shape[0] * self.constant.shape[1]
+        return int(self.constant.shape[0] * self.constant.shape[1])
 
     def at(self, y: Vector) -> Vector:
         """Return F(y), shape (r, n, n)."""
@@ -70,7 +70,7 @@ def feasible_point(
     cost = np.zeros(len(y))
     cost[-1] = 1.0
     size = sum(each.size for each in inequalities)
-    for weight in 10.0 ** np.arange(0, rounds):
+    for weight in (10.0**power for power in range(rounds)):
         for _ in range(STEPS):
             y, decrement = _newton(widened, cost * weight, y)
             if y[-1] < 0.0 and all(_is_positive(each.at(y[:-1])) for each in inequalities):
@@ -111,7 +111,7 @@ def _newton(inequalities: Sequence[Inequality], cost: Vector, y: Vector) -> tupl
     """Return the next point of Newton's method on the barrier, and the decrement."""
     gradient, hessian = cost.copy(), np.zeros((len(y), len(y)))
     for each in inequalities:
-        half = np.linalg.inv(np.linalg.cholesky(each.at(y)))
+        half: Vector = np.linalg.inv(np.linalg.cholesky(each.at(y)))
         scaled = half @ each.parts @ half.swapaxes(1, 2)  # (k, r, n, n)
         flat = scaled.reshape(len(y), -1)
         gradient -= np.trace(scaled, axis1=2, axis2=3).sum(axis=1)

@@ -21,15 +21,7 @@ from fuzzyarm.controller.program import AXIS, SourceError, of_axis
 from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.expression.evaluation import specialise
-from fuzzyarm.expression.nodes import (
-    Apply,
-    Node,
-    constant,
-    postorder,
-    substituted,
-    symbol,
-    symbols,
-)
+from fuzzyarm.expression.nodes import Node, constant, substituted, symbol
 from fuzzyarm.expression.operations import Interval
 from fuzzyarm.expression.sources import SourceKind, unseen
 from fuzzyarm.loop.course import Sensor, periods_of
@@ -38,7 +30,6 @@ from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.plant.equations import expressions_of
 from fuzzyarm.plant.own import start_of
 from fuzzyarm.plant.plant import Address, Plant, Port, parameter
-from fuzzyarm.proof.laws import JUMPS
 from fuzzyarm.table import LookupTable
 from fuzzyarm.text.names import near_hint
 
@@ -138,7 +129,6 @@ class LoopProblem:
             hint = "arithmetic and functions of math in `derivative`, without `if` on a state"
             raise LoopProofError(f"the equations of {plant.name} cannot be traced", hint=hint)
         rates, outputs = roots
-        self._require_still(rates, outputs)
         states = tuple(f"x{k}" for k in range(len(plant.states)))
         measured = tuple(symbol(name) for name in states[: len(plant.outputs)])
         return PlantEquations(
@@ -148,22 +138,6 @@ class LoopProblem:
             tuple(f"u{k}" for k in range(len(plant.inputs))),
             tuple(f"p{k}" for k in range(len(plant.parameters))),
         )
-
-    def _require_still(self, rates: Sequence[Node], outputs: Sequence[Node] | None) -> None:
-        """Refuse equations that change with time, jump, or let an input through at once."""
-        name = self.plant.name
-        for root in (*rates, *(outputs or ())):
-            if "t" in symbols(root):
-                raise LoopProofError(f"the equations of {name} depend on the time")
-            for node in postorder(root):
-                if isinstance(node, Apply) and node.operation in JUMPS:
-                    raise LoopProofError(f"the equations of {name} may jump: '{node.operation}'")
-        wide = [f"p{k}" for k, span in enumerate(self.parameters.values()) if span.low < span.high]
-        for root in outputs or ():
-            for symbol_name in symbols(root):
-                if symbol_name.startswith("u") or symbol_name in wide:
-                    what = "an input" if symbol_name.startswith("u") else "a parameter that is open"
-                    raise LoopProofError(f"an output of {name} depends on {what}")
 
 
 def loop_problem(
@@ -364,48 +338,50 @@ class ControlPeriod(Generic[T]):
     def _collect(self) -> None:
         """List what is remembered; refuse what is not covered, by name."""
         problem = self.problem
-        for (axis, name), sensor in problem.sensors.items():
+        for (axis, port), sensor in problem.sensors.items():
             if sensor.difference is not None:
-                self.memory[f"{axis}.{name} sensed before"] = math.nan
-                self.memory[f"{axis}.{name} sensed slope"] = 0.0
+                self.memory[f"{axis}.{port} sensed before"] = math.nan
+                self.memory[f"{axis}.{port} sensed slope"] = 0.0
             for late in range(periods_of(sensor.delay, problem.period)):
-                self.memory[f"{axis}.{name} late {late + 1}"] = math.nan
+                self.memory[f"{axis}.{port} late {late + 1}"] = math.nan
         index = 0
         for axes in self.model.axes:
             for axis in axes.names:
                 for line in axes.lines:
                     self._collect_line(axes, axis, index, line)
                 index += 1
-        for (axis, name), port in problem.site.interface.inputs.items():
-            if port.slew < math.inf:
-                self.memory[f"{axis}.{name} driven"] = min(max(0.0, port.low), port.high)
+        for (axis, name), actuator in problem.site.interface.inputs.items():
+            if actuator.slew < math.inf:
+                resting = min(max(0.0, actuator.low), actuator.high)
+                self.memory[f"{axis}.{name} driven"] = resting
 
     def _collect_line(self, axes: Axes, axis: str, index: int, line: object) -> None:
         if isinstance(line, Zoom):
-            raise LoopProofError(
-                f"'zoom {', '.join(line.signals)}' switches: nothing is proved of it"
-            )
+            words = f"'zoom {', '.join(line.signals)}' switches"
+            raise LoopProofError(f"{words}: nothing is proved of it")
         if isinstance(line, Learn):
             raise LoopProofError(f"the table '{line.table}' learns: nothing is proved of it")
-        if isinstance(line, Drive):
-            if line.slew is not None:
-                self.memory[_drive_name(axis, line, "slew")] = 0.0
-        elif isinstance(line, Signal) and line.source is not None:
-            source = line.source
-            kind = source.record
-            if kind.of == "call":
-                sheet = self._sheet(source.name, index)
-                if isinstance(sheet, RuleBase) and any(o.no_rule == "hold" for o in sheet.outputs):
-                    raise LoopProofError(f"'{source.name}' holds its output where no rule fires")
-            given = dict(source.options)
-            if "cleared" in given and self.model.every > 1:
-                message = f"the sum '{line.names[0]}' begins again at each set point"
-                raise LoopProofError(f"{message}: nothing is proved of it")
-            for state, begin in zip(kind.states, kind.starts(given), strict=True):
-                self.memory[f"{axis}.{line.names[0]} {state.name}"] = begin
-            drive = self._wound(axes, line, source)
-            if drive is not None:
-                self.memory[_drive_name(axis, drive, "excess")] = 0.0
+        if isinstance(line, Drive) and line.slew is not None:
+            self.memory[_drive_name(axis, line, "slew")] = 0.0
+        if isinstance(line, Signal) and line.source is not None:
+            self._collect_source(axes, axis, index, line, line.source)
+
+    def _collect_source(
+        self, axes: Axes, axis: str, index: int, line: Signal, source: Source
+    ) -> None:
+        kind, given = source.record, dict(source.options)
+        if kind.of == "call":
+            sheet = self._sheet(source.name, index)
+            if isinstance(sheet, RuleBase) and any(o.no_rule == "hold" for o in sheet.outputs):
+                raise LoopProofError(f"'{source.name}' holds its output where no rule fires")
+        if "cleared" in given and self.model.every > 1:
+            message = f"the sum '{line.names[0]}' begins again at each set point"
+            raise LoopProofError(f"{message}: nothing is proved of it")
+        for state, begin in zip(kind.states, kind.starts(given), strict=True):
+            self.memory[f"{axis}.{line.names[0]} {state.name}"] = begin
+        drive = self._wound(axes, line, source)
+        if drive is not None:
+            self.memory[_drive_name(axis, drive, "excess")] = 0.0
 
     def _wound(self, axes: Axes, line: Signal, source: Source) -> Drive | None:
         """Return the drive whose limits an anti-windup looks at; None without."""
@@ -644,7 +620,7 @@ def _drive_name(axis: str, line: Drive, what: str) -> str:
 
 
 def _seen(root: Node, kind: SourceKind, first: bool) -> Node:
-    """Return an update in which it is known whether a state that starts as NaN has seen some."""
+    """Return an update where it is known whether states that start as NaN have seen anything."""
     for state in kind.states:
         begun = isinstance(state.start, float) and math.isnan(state.start) and first
         root = substituted(root, unseen(symbol(state.name)), constant(float(begun)))

@@ -6,7 +6,7 @@ Nothing here is trusted: each proposal goes to the checker.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
@@ -14,9 +14,11 @@ import numpy as np
 
 from fuzzyarm.closed_loop.affine import NotAffineError
 from fuzzyarm.closed_loop.checker import falls
-from fuzzyarm.closed_loop.form import Choice, Form, FormMaker, Matrix
+from fuzzyarm.closed_loop.form import Choice, Form, Matrix
+from fuzzyarm.closed_loop.form_maker import FormMaker
 from fuzzyarm.closed_loop.linear import Candidate, candidate
 from fuzzyarm.closed_loop.problem import LoopProofError
+from fuzzyarm.closed_loop.verification import start_vertices
 from fuzzyarm.model.claims import LoopClaim
 from fuzzyarm.proof.arithmetic import Stop
 from fuzzyarm.proof.bounds import UnprovableError
@@ -78,7 +80,7 @@ def proposals(
         Where the output of the claim is to stay.
     """
     search = _Search(maker, claim, stop, continuous, wanted)
-    yield from search.affine() if maker.is_affine else search.boxes()
+    yield from search.affine() if maker.plant.is_affine else search.boxes()
 
 
 class _Search:
@@ -94,6 +96,11 @@ class _Search:
         self.continuous, self.wanted = continuous, wanted
         self.grips = (Fraction(1),) if maker.fixed else (WHOLE,)
 
+    @property
+    def _starts(self) -> bool:
+        """Whether the region has to hold a start."""
+        return bool(self.claim.start or self.wanted)
+
     def _form(self, choice: Choice) -> Form | str:
         try:
             return self.maker.form(choice, continuous=self.continuous)
@@ -105,9 +112,11 @@ class _Search:
         if isinstance(form, str):
             yield form
             return
-        from fuzzyarm.closed_loop.verdicts import start_vertices
-
-        include = start_vertices(self.maker, form) if self.claim.start or self.wanted else []
+        include = start_vertices(self.maker, form) if self._starts else []
+        beyond = _beyond(form, include)
+        if beyond:
+            yield beyond
+            return
         if self.wanted is None:
             found = candidate(form, include=include)
             yield self._proposal(choice, form, found)
@@ -211,25 +220,31 @@ class _Search:
         for share in SHARES[:6]:
             here = -math.inf
             for along in (True, False):
-                for grip in (*self.grips, *(GRIPS[1:] if not self.maker.fixed else ())):
-                    if self.stop.now:
-                        return
-                    shape = self._shape(share, along, grip)
-                    if isinstance(shape, str):
-                        yield shape
-                        break
-                    before = here
-                    for step in self._largest(share, along, grip, shape):
-                        yield step
-                        if isinstance(step, Proposal):
-                            here = max(here, step.size)
-                    if here <= before:  # a limit that may be reached helps no more
-                        break
+                for proposal in self._boxes_of(share, along):
+                    if isinstance(proposal, Proposal):
+                        here = max(here, proposal.size)
+                    yield proposal
                 if here > -math.inf:
                     break
-            if here < best:
+            if here < best or self.stop.now:
                 return
             best = max(best, here)
+
+    def _boxes_of(self, share: Fraction, along: bool) -> Iterator[Proposal | str]:
+        """Yield proposals for one share: limits are not reached, then they are, more and more."""
+        best = -math.inf
+        for grip in (*self.grips, *(() if self.maker.fixed else GRIPS[1:])):
+            shape = self._shape(share, along, grip)
+            if isinstance(shape, str):
+                yield shape
+                return
+            before = best
+            for proposal in self._largest(share, along, grip, shape):
+                if isinstance(proposal, Proposal):
+                    best = max(best, proposal.size)
+                yield proposal
+            if best <= before or self.stop.now:  # limits that may be reached help no more
+                return
 
     def _shape(self, share: Fraction, along: bool, grip: Fraction) -> dict[str, float] | str:
         """Return the half-axes of the region of the loop with the plant nearly linear."""
@@ -252,44 +267,78 @@ class _Search:
             return "no quadratic function was found that falls next to rest"
         return _half_axes(found.p, form)
 
+    def _box(self, shape: dict[str, float], scale: float) -> dict[str, Fraction]:
+        return {
+            name: Fraction(scale * shape[name]).limit_denominator(10**9)
+            for name in self.maker.problem.states
+        }
+
+    def _around_start(
+        self, share: Fraction, along: bool, grip: Fraction, shape: dict[str, float]
+    ) -> Iterator[Proposal | str]:
+        """Yield attempts with boxes of a shape that hold the start, larger and larger ones."""
+        maker = self.maker
+        needed = 1e-6
+        for name, span in maker.problem.start.items():
+            far = max(abs(float(Fraction(end) - maker.rest[name])) for end in span)
+            needed = max(needed, far / max(shape[name], 1e-300))
+        for factor in (1.05, 1.3, 1.7, 2.3):
+            if not self.stop.now:
+                yield from self._tried(
+                    Choice(share, grip, self._box(shape, factor * needed), along)
+                )
+
     def _largest(
         self, share: Fraction, along: bool, grip: Fraction, shape: dict[str, float]
     ) -> Iterator[Proposal | str]:
         """Yield attempts with boxes of a shape, and last the largest proposal."""
+        if self._starts:
+            yield from self._around_start(share, along, grip, shape)
+            return
         best: Proposal | None = None
         scale, low, high = 1.0, 0.0, math.inf
         for _ in range(14):
             if self.stop.now:
                 break
-            box = {
-                name: Fraction(scale * shape[name]).limit_denominator(10**9)
-                for name in self.maker.problem.states
-            }
+            box = self._box(shape, scale)
             made: Proposal | None = None
             for proposal in self._tried(Choice(share, grip, box, along)):
                 if isinstance(proposal, Proposal):
                     made = proposal
                 else:
                     yield proposal
-            if made is not None and (best is None or made.size > best.size):
+            if made is None:
+                high = scale
+            elif best is None or made.size > best.size:
                 best, low = made, scale
                 # The region may have another shape than the box: what it does not reach is cut.
                 axes = _half_axes(made.p, made.form)
                 shape = {n: min(x, 1.05 * axes[n] / scale) for n, x in shape.items()}
-            elif made is None:
-                high = scale
             else:
                 break
-            if math.isinf(high):
-                scale *= 1.3
-            elif not low:
-                scale *= 0.6
-            elif high / low < 1.07:
+            scale = _next_scale(scale, low, high)
+            if not scale:
                 break
-            else:
-                scale = math.sqrt(low * high)
         if best is not None:
             yield best
+
+
+def _beyond(form: Form, points: Sequence[Sequence[Fraction]]) -> str:
+    """Return which bound of a form does not hold at some point; empty where all hold."""
+    for row, limit, words in form.rows_within():
+        for z in points:
+            if abs(sum((g * x for g, x in zip(row, z, strict=True)), Fraction(0))) >= limit:
+                return f"the start goes beyond {words}"
+    return ""
+
+
+def _next_scale(scale: float, low: float, high: float) -> float:
+    """Return the size to try between the largest that held and the least that did not; 0: none."""
+    if math.isinf(high):
+        return 1.3 * scale
+    if not low:
+        return 0.6 * scale
+    return 0.0 if high / low < 1.07 else math.sqrt(low * high)
 
 
 def _half_axes(p: Matrix, form: Form) -> dict[str, float]:

@@ -8,40 +8,35 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from itertools import product
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from fuzzyarm.closed_loop.affine import NotAffineError
 from fuzzyarm.closed_loop.certificate import (
     Certificate,
     CertificateError,
     fingerprints_of,
     read_certificate,
 )
-from fuzzyarm.closed_loop.checker import is_inside, refutation
+from fuzzyarm.closed_loop.claims import claim_text, problem_of
 from fuzzyarm.closed_loop.enclosure import EnclosureError
-from fuzzyarm.closed_loop.form import Choice, Form, FormMaker
-from fuzzyarm.closed_loop.problem import LoopProblem, LoopProofError, loop_problem
+from fuzzyarm.closed_loop.form_maker import FormMaker
+from fuzzyarm.closed_loop.problem import LoopProblem
+from fuzzyarm.closed_loop.runs import refuting_run
 from fuzzyarm.closed_loop.search import proposals, rate_of
+from fuzzyarm.closed_loop.verification import verified
 from fuzzyarm.controller.text import ControllerText, read_controller
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.loop.course import Options, Sensor
-from fuzzyarm.loop.run import Run, simulate
+from fuzzyarm.loop.course import Sensor
+from fuzzyarm.loop.run import Run
 from fuzzyarm.model.claims import LoopClaim
-from fuzzyarm.plant.own import find_plant, starting_at
-from fuzzyarm.plant.plant import Plant, with_parameters
+from fuzzyarm.plant.plant import Plant
 from fuzzyarm.proof.arithmetic import Stop
-from fuzzyarm.proof.bounds import UnprovableError
-from fuzzyarm.text.numbers import number_text
 from fuzzyarm.text.shown import Shown, one_line
 
-__all__ = ["LoopVerdict", "check_certificate", "claim_text", "prove_loop", "verified"]
+__all__ = ["LoopVerdict", "check_certificate", "prove_loop"]
 
 PROVED, REFUTED, UNDECIDED = "proved", "refuted", "undecided"
 
@@ -124,19 +119,6 @@ class LoopVerdict(Shown):
         if self.reason:
             lines.append(f"  {self.reason}")
         return "\n".join([*lines, *(f"  {line}" for line in self.evidence)])
-
-
-def claim_text(claim: LoopClaim) -> str:
-    """Return a claim as it stands behind ``prove``.
-
-    Parameters
-    ----------
-    claim : LoopClaim
-        Which.
-    """
-    from fuzzyarm.language.loop_claims import claim_node
-
-    return str(claim_node(claim)).removeprefix("prove ")
 
 
 # ── the case ─────────────────────────────────────────────────────────────────────────
@@ -239,6 +221,7 @@ class _Case:
 
     def _searched(self, maker: FormMaker) -> LoopVerdict:
         best: tuple[float, LoopVerdict] | None = None
+        wanted = (self.claim.low, self.claim.high) if self.claim.output else None
         reason = "no quadratic function was found that falls"
         prints = fingerprints_of(self.text, self.text.path) if self.text.path else {}
         for proposal in proposals(
@@ -246,7 +229,7 @@ class _Case:
             self.claim,
             self.stop,
             continuous=self.continuous,
-            wanted=_wanted(maker, self.claim),
+            wanted=wanted,
         ):
             self.attempts += 1
             self.stop.say(self.attempts)
@@ -290,53 +273,12 @@ class _Case:
         rate = rate_of(form, certificate.p, certificate.multipliers)
         return replace(verdict, certificate=replace(certificate, rate=rate), fall=_float_down(rate))
 
-    # --- runs that refute ---
-
     def _attacked(self, problem: LoopProblem) -> LoopVerdict | None:
         """Return a refutation by a run, if one of some runs is one."""
-        claim = self.claim
-        for start, values in _starts(problem, claim):
-            run = _simulated(problem, self.sensors, self.connect, start, values, claim)
-            if run is None:
-                return None
-            against = _breach(problem, claim, run, start)
-            if against:
-                words = ", ".join(f"{name} = {number_text(x)}" for name, x in start.items())
-                moved = {
-                    n: x
-                    for n, x in values.items()
-                    if x != problem.parameters[n].low
-                    or problem.parameters[n].low != problem.parameters[n].high
-                }
-                words += "".join(f", {name} = {number_text(x)}" for name, x in moved.items())
-                return self._said(REFUTED, evidence=(f"from {words}", against), run=run)
-        return None
-
-
-def problem_of(
-    text: ControllerText,
-    claim: LoopClaim,
-    *,
-    plant: Plant | None = None,
-    connect: Mapping[str, str] | None = None,
-    sensors: Mapping[str, Sensor] | None = None,
-) -> LoopProblem:
-    """Return the loop of a claim.
-
-    Parameters
-    ----------
-    text, claim, plant, connect, sensors
-        As for :func:`prove_loop`.
-    """
-    return loop_problem(
-        text,
-        plant if plant is not None else find_plant(claim.plant),
-        start={name: (low, high) for name, low, high in claim.start},
-        parameters={name: (low, high) for name, low, high in claim.parameters},
-        set_point=dict(claim.at),
-        sensors=sensors,
-        connect=connect,
-    )
+        breach = refuting_run(problem, self.claim)
+        if breach is None:
+            return None
+        return self._said(REFUTED, evidence=breach.words, run=breach.run)
 
 
 def _float_down(x: Fraction) -> float:
@@ -351,184 +293,6 @@ def _sentence(error: Exception) -> str:
 
 def _plain(values: Mapping[str, Fraction]) -> dict[str, float]:
     return {name: float(value) for name, value in values.items()}
-
-
-# ── what a certificate proves ────────────────────────────────────────────────────────
-
-
-def verified(
-    maker: FormMaker, certificate: Certificate, *, form: Form | None = None
-) -> tuple[str, dict[str, Any]]:
-    """Return why a certificate does not prove its claim (empty: it does), and what it proves.
-
-    Parameters
-    ----------
-    maker : FormMaker
-        Of the loop.
-    certificate : Certificate
-        Which.
-    form : Form, optional
-        The loop's form under the certificate's choice, where it has been made already.
-    """
-    if form is None:
-        form = maker.form(certificate.choice, continuous=certificate.continuous)
-    if certificate.states != form.names:
-        return "it is of other states", {}
-    p = certificate.p
-    against = refutation(form, p, certificate.multipliers, certificate.rate)
-    if against:
-        return against, {}
-    level = Fraction(0)
-    claim = certificate.claim
-    if claim.start or claim.output:
-        for vertex in start_vertices(maker, form):
-            level = max(level, _value(p, vertex))
-        if level > 1:
-            return "its region does not hold the whole start", {}
-    reach = _reach(form, Fraction(1), p)
-    facts: dict[str, Any] = {
-        "region": {
-            name: (float(form.rest[name]) - half, float(form.rest[name]) + half)
-            for name, half in reach.items()
-        },
-        "start_region": _along_alone(maker, form, p),
-        "rest": _plain(form.rest),
-        "fall": float(certificate.rate),
-        "continuous": certificate.continuous,
-        "uncertain": form.words,
-    }
-    if claim.output:
-        against = _outside(maker, form, certificate, level)
-        if against:
-            return against, facts
-    return "", facts
-
-
-def _value(p: Sequence[Sequence[Fraction]], z: Sequence[Fraction]) -> Fraction:
-    return sum(
-        (x * weight * y for x, row in zip(z, p, strict=True) if x
-         for weight, y in zip(row, z, strict=True)),
-        Fraction(0),
-    )  # fmt: skip
-
-
-def start_vertices(maker: FormMaker, form: Form) -> list[tuple[Fraction, ...]]:
-    """Return the corners of the start, as deviations from rest; memory as the loop starts with it.
-
-    Parameters
-    ----------
-    maker : FormMaker
-        Of the loop.
-    form : Form
-        Of it.
-    """
-    problem = maker.problem
-    ends = [
-        tuple(
-            dict.fromkeys((Fraction(problem.start[name].low), Fraction(problem.start[name].high)))
-        )
-        for name in problem.states
-    ]
-    if 2 ** sum(len(each) > 1 for each in ends) > 4096:
-        raise LoopProofError("a start of more than 12 intervals")
-    return [
-        _with_memory(maker, form, dict(zip(problem.states, corner, strict=True)))
-        for corner in product(*ends)
-    ]
-
-
-def _with_memory(
-    maker: FormMaker, form: Form, states: Mapping[str, Fraction]
-) -> tuple[Fraction, ...]:
-    """Return z of the moment before the first period, of states of the plant."""
-    begin = maker.begin
-    found = []
-    for name in form.names:
-        if name in states:
-            value = states[name]
-        elif name in form.seeds:
-            seed = form.seeds[name]
-            value = seed.constant + sum(
-                (w * (states[of] - form.rest[of]) for of, w in seed.parts.items()), Fraction(0)
-            )
-        else:
-            value = Fraction(begin[name])
-        found.append(value - form.rest[name])
-    return tuple(found)
-
-
-def _along_alone(maker: FormMaker, form: Form, p: Sequence[Sequence[Fraction]]) -> dict[str, float]:
-    """Return how far the loop may start along each state, the memory as it is at the start."""
-    rest = {name: form.rest[name] for name in maker.problem.states}
-    base = np.array([float(x) for x in _with_memory(maker, form, rest)])
-    plain = np.array([[float(x) for x in row] for row in p])
-    found = {}
-    for name in rest:
-        way = (
-            np.array([float(x) for x in _with_memory(maker, form, {**rest, name: rest[name] + 1})])
-            - base
-        )
-        a, b, c = way @ plain @ way, 2.0 * way @ plain @ base, base @ plain @ base - 1.0
-        inside = b * b - 4.0 * a * c
-        if c < 0.0 and inside >= 0.0:
-            found[name] = min((-b + math.sqrt(inside)) / (2 * a), (b + math.sqrt(inside)) / (2 * a))
-    return found
-
-
-def _reach(form: Form, level: Fraction, p: Sequence[Sequence[Fraction]]) -> dict[str, float]:
-    """Return how far each state is from rest at most where V is at most a level."""
-    inverse = np.linalg.inv(np.array([[float(x) for x in row] for row in p]))
-    found = {}
-    for k, name in enumerate(form.names):
-        half = math.sqrt(float(level) * max(float(inverse[k, k]), 0.0))
-        row = tuple(Fraction(int(i == k)) for i in range(form.size))
-        for wider in (1.0 + 1e-9, 1.0 + 1e-6, 1.01, 2.0):
-            if level and is_inside(p, row, Fraction(half * wider), level):
-                half *= wider
-                break
-        else:
-            half = 0.0 if not level else math.inf
-        found[name] = half
-    return found
-
-
-def _outside(maker: FormMaker, form: Form, certificate: Certificate, level: Fraction) -> str:
-    """Return why an output may leave the claimed interval in the claimed time; empty: it cannot."""
-    claim = certificate.claim
-    if certificate.continuous:
-        return "a claim about an output is proved of the sampled loop"
-    periods = int(Fraction(claim.begin) / Fraction(maker.problem.period)) if claim.begin else 0
-    left = _power_up(1 - certificate.rate, periods) * level
-    reach = _reach(form, left, certificate.p)
-    if any(math.isinf(half) for half in reach.values()):
-        return "its region has no bounds"
-    low, high = maker.output_between_samples(claim.output, reach)
-    if claim.low <= low and high <= claim.high:
-        return ""
-    when = f" {claim.begin:g} s after the start" if claim.begin else ""
-    return f"{claim.output} stays in {low:.6g} .. {high:.6g}{when}, as far as the region says"
-
-
-def _power_up(base: Fraction, exponent: int) -> Fraction:
-    """Return a power, rounded up to 128 bits."""
-    total, factor = Fraction(1), base
-    while exponent:
-        if exponent & 1:
-            total = _up_to_bits(total * factor)
-        factor = _up_to_bits(factor * factor)
-        exponent >>= 1
-    return total
-
-
-def _up_to_bits(x: Fraction, bits: int = 128) -> Fraction:
-    shift = bits - (x.numerator.bit_length() - x.denominator.bit_length())
-    if shift <= 0:
-        return x
-    return Fraction(-((-x.numerator << shift) // x.denominator), 1 << shift)
-
-
-def _wanted(maker: FormMaker, claim: LoopClaim) -> tuple[float, float] | None:
-    return (claim.low, claim.high) if claim.output else None
 
 
 def check_certificate(
@@ -578,7 +342,7 @@ def check_certificate(
     try:
         maker = FormMaker(problem_of(text, certificate.claim, plant=plant))
         against, facts = verified(maker, certificate)
-    except (NotAffineError, UnprovableError, LoopProofError, EnclosureError) as error:
+    except (FuzzyarmError, EnclosureError) as error:
         against, facts = _sentence(error), {}
     verdict = UNDECIDED if against else PROVED
     return LoopVerdict(
@@ -589,119 +353,3 @@ def check_certificate(
         seconds=time.monotonic() - started,
         **({} if against else facts),
     )
-
-
-# ── runs ─────────────────────────────────────────────────────────────────────────────
-
-RUNS = 24
-"""Random starts, beside the corners, from which a claim is attacked."""
-
-
-def _starts(
-    problem: LoopProblem, claim: LoopClaim
-) -> Iterator[tuple[dict[str, float], dict[str, float]]]:
-    """Yield starts and parameters: corners, then drawn."""
-    spans = dict(problem.start)
-    if not claim.start and not claim.output:  # stability: from near the set point
-        spans = _near_set_point(problem)
-    generator = np.random.default_rng(0)
-    corners = list(product(*(dict.fromkeys(span) for span in spans.values())))
-    values = {name: span.low for name, span in problem.parameters.items()}
-    other = {name: span.high for name, span in problem.parameters.items()}
-    for corner in corners[:32]:
-        start = dict(zip(spans, corner, strict=True))
-        yield start, values
-        if other != values:
-            yield start, other
-    if len(corners) > 1 or other != values:
-        for _ in range(RUNS):
-            yield (
-                {n: float(generator.uniform(s.low, s.high)) for n, s in spans.items()},
-                {n: float(generator.uniform(s.low, s.high)) for n, s in problem.parameters.items()},
-            )
-
-
-def _near_set_point(problem: LoopProblem) -> dict[str, Any]:
-    from fuzzyarm.expression.operations import Interval
-
-    interface = problem.site.interface
-    spans = dict(problem.start)
-    for (axis, name), port in interface.outputs.items():
-        if name in spans:
-            wide = port.high - port.low
-            off = 1e-3 * (wide if math.isfinite(wide) else 1.0)
-            at = problem.set_point[axis, name]
-            spans[name] = Interval(at - off, at + off)
-    return spans
-
-
-def _simulated(
-    problem: LoopProblem,
-    sensors: Mapping[str, Sensor],
-    connect: Mapping[str, str] | None,
-    start: Mapping[str, float],
-    values: Mapping[str, float],
-    claim: LoopClaim,
-) -> Run | None:
-    plant = problem.plant
-    if values:
-        plant = with_parameters(plant, values)
-    plant = starting_at(plant, [start[name] for name in problem.states])
-    interface = problem.site.interface
-    references = {
-        interface.label(port): value
-        for port, value in problem.set_point.items()
-        if not interface.references[port].order and port in interface.outputs
-    }
-    duration = plant.duration or 1000 * problem.period
-    if claim.output and claim.when == "during" and math.isfinite(claim.end):
-        duration = claim.end
-    elif claim.begin:
-        duration = max(duration, 1.5 * claim.begin)
-    try:
-        return simulate(
-            problem.text,
-            plant,
-            references=references,
-            duration=max(duration, 2 * problem.period * problem.text.model.every),
-            options=Options(sensors=dict(sensors)),
-            connect=connect,
-        )
-    except FuzzyarmError:
-        return None
-
-
-def _breach(problem: LoopProblem, claim: LoopClaim, run: Run, start: Mapping[str, float]) -> str:
-    """Return in words how a run breaks a claim; empty where it does not."""
-    if run.diverged is not None and not claim.output:
-        return f"the run diverges after {run.diverged:.4g} s: {run.cause}"
-    if claim.output:
-        values = np.asarray(run.outputs[claim.output])
-        end = claim.end if claim.when == "during" else math.inf
-        chosen = (run.time >= claim.begin - 1e-9) & (run.time <= end + 1e-9)
-        slack = 1e-9 * (claim.high - claim.low)
-        wrong = chosen & ((values > claim.high + slack) | (values < claim.low - slack))
-        if wrong.any():
-            k = int(np.argmax(wrong))
-            return f"{claim.output} = {values[k]:.6g} after {run.time[k]:.6g} s"
-        if run.diverged is not None and claim.begin <= run.diverged <= end:
-            return f"the run diverges after {run.diverged:.4g} s: {run.cause}"
-        return ""
-    if claim.start:
-        return ""
-    # From near rest: it is not stable where the loop swings far beyond where it started.
-    interface = problem.site.interface
-    for (axis, name), port in interface.outputs.items():
-        if name not in run.outputs and interface.label((axis, name)) not in run.outputs:
-            continue
-        values = np.asarray(run.outputs[interface.label((axis, name))])
-        at = problem.set_point[axis, name]
-        wide = port.high - port.low
-        far = 0.05 * (wide if math.isfinite(wide) else 50.0)
-        late = np.abs(values[len(values) // 2 :] - at)
-        if name in start and len(late) and late.max() > far and late[-len(late) // 3 :].max() > far:
-            return (
-                f"{name} is still {late.max():.4g} away after half of {run.time[-1]:.4g} s,"
-                f" from {abs(start[name] - at):.4g}"
-            )
-    return ""

@@ -1,4 +1,4 @@
-"""The statement ``prove`` of a controller: a claim about its loop, which reads and writes itself."""
+"""The statement ``prove`` of a controller: a claim about its loop."""
 
 from __future__ import annotations
 
@@ -85,7 +85,8 @@ class LoopClaimNode(NamedTuple):
                 at.append((port, cursor.figure("its set point")))
                 if not cursor.accept(","):
                     break
-        parameters = start = ()
+        parameters: tuple[StateStretch, ...] = ()
+        start: tuple[StateStretch, ...] = ()
         if cursor.accept("with"):
             parameters = StateStretch.read_all(cursor, "a parameter of the plant")
         if cursor.accept("from"):

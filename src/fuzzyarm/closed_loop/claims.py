@@ -1,0 +1,87 @@
+"""Claims about a loop: from text, to text, and the loop that they are about."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+
+from fuzzyarm.closed_loop.problem import LoopProblem, loop_problem
+from fuzzyarm.controller.text import ControllerText
+from fuzzyarm.language.document import parse_document
+from fuzzyarm.language.loop_claims import LoopClaimNode, claim_node
+from fuzzyarm.language.tokens import name_text
+from fuzzyarm.loop.course import Sensor
+from fuzzyarm.model.claims import LoopClaim
+from fuzzyarm.plant.own import find_plant
+from fuzzyarm.plant.plant import Plant
+from fuzzyarm.text.diagnostic import RuleBaseError
+
+__all__ = ["claim_text", "problem_of", "read_claim"]
+
+
+def read_claim(text: str, plant: str = "") -> LoopClaim:
+    """Return the claim in a text such as ``stable on motor``.
+
+    Parameters
+    ----------
+    text : str
+        As behind ``prove`` in the file of a controller.
+    plant : str, optional
+        Its name, where the text leaves ``on PLANT`` out: ``stable``, ``from position in
+        -0.3 .. 0.3: position in -1 .. 1``, ``position in -1 .. 1``.
+
+    Raises
+    ------
+    RuleBaseError
+        With what is wrong with it, and what was probably meant.
+    """
+    words = text.strip().removeprefix("prove ").strip()
+    if plant and not re.match(r"(stable\s+)?on\s", words):
+        stable = re.match(r"stable\b", words)
+        rest = words[stable.end() :].strip() if stable else words
+        head = f"{'stable ' if stable else ''}on {name_text(plant)}"
+        claimed = not rest or re.match(r"(at|with|from)\s|:", rest)
+        words = f"{head} {rest}" if claimed else f"{head}: {rest}"
+    document = parse_document(f"controller x\nprove {words}\n")
+    wrong = tuple(each for each in document.diagnostics if each.line > 1)
+    nodes = [s.node for s in document.statements if isinstance(s.node, LoopClaimNode)]
+    if wrong or not nodes:
+        raise RuleBaseError(wrong or document.diagnostics)
+    return nodes[0].claim
+
+
+def claim_text(claim: LoopClaim) -> str:
+    """Return a claim as it stands behind ``prove``.
+
+    Parameters
+    ----------
+    claim : LoopClaim
+        Which.
+    """
+    return str(claim_node(claim)).removeprefix("prove ")
+
+
+def problem_of(
+    text: ControllerText,
+    claim: LoopClaim,
+    *,
+    plant: Plant | None = None,
+    connect: Mapping[str, str] | None = None,
+    sensors: Mapping[str, Sensor] | None = None,
+) -> LoopProblem:
+    """Return the loop of a claim.
+
+    Parameters
+    ----------
+    text, claim, plant, connect, sensors
+        As for :func:`fuzzyarm.closed_loop.prove_loop`.
+    """
+    return loop_problem(
+        text,
+        plant if plant is not None else find_plant(claim.plant),
+        start={name: (low, high) for name, low, high in claim.start},
+        parameters={name: (low, high) for name, low, high in claim.parameters},
+        set_point=dict(claim.at),
+        sensors=sensors,
+        connect=connect,
+    )

@@ -1,0 +1,252 @@
+"""Rule bases and tables as known gains and blocks, around where their inputs are at rest.
+
+Along the sum of its inputs that its linear law has, a rule base is a gain within a proved sector
+(:mod:`fuzzyarm.proof.sector`), where it vanishes with that sum; else the difference from its value
+at rest is a sum of its inputs with gains among its proved slopes (mean value theorem, on pieces).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from fractions import Fraction
+
+import numpy as np
+
+from fuzzyarm.closed_loop.affine import ONE, ZERO, Affine, AffineAlgebra, Rules, number
+from fuzzyarm.closed_loop.enclosure import Intervals
+from fuzzyarm.closed_loop.form import Choice
+from fuzzyarm.closed_loop.outward import around, end_of
+from fuzzyarm.closed_loop.problem import LoopProofError
+from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.proof.arithmetic import Stop
+from fuzzyarm.proof.bounds import UnprovableError
+from fuzzyarm.proof.prover import Prover
+from fuzzyarm.proof.sector import NoSectorError, sector, slopes_at
+from fuzzyarm.table import LookupTable
+
+__all__ = ["Conclusions"]
+
+Tables = Callable[[AffineAlgebra, LookupTable, Mapping[str, Affine]], Affine]
+
+
+class Conclusions:
+    """The rule bases and tables of one loop; what has been proved of them is kept."""
+
+    def __init__(self, stop: Stop) -> None:
+        self.stop = stop
+        self._known: dict[object, object] = {}
+
+    def _prover(self, sheet: RuleBase, output: str) -> Prover:
+        key = "prover", id(sheet), output
+        if key not in self._known:
+            self._known[key] = Prover(sheet, output)
+        prover = self._known[key]
+        assert isinstance(prover, Prover)
+        prover.stop = self.stop
+        if prover.model is None:
+            raise LoopProofError(
+                f"'{sheet.name}' is not made of straight pieces: {prover.reason}",
+                hint="compile it to a table, interpolated linearly",
+            )
+        return prover
+
+    def resting(
+        self, algebra: AffineAlgebra, sheet: RuleBase, inputs: Mapping[str, Affine]
+    ) -> list[Affine]:
+        """Return the linear law of a rule base, which has the same rest: inputs are 0 there."""
+        found = []
+        for output in sheet.outputs:
+            prover = self._prover(sheet, output.name)
+            at = {n: each.constant if each.is_constant else ZERO for n, each in inputs.items()}
+            total = number(self._value_at(prover, at))
+            slopes = slopes_at(prover, {name: float(x) for name, x in at.items()})
+            for name, each in inputs.items():
+                if not each.is_constant:
+                    low, high = slopes.around(name)
+                    total = total.plus(each.scaled((low + high) / 2))
+            found.append(Affine(total.constant, total.parts))
+        return found
+
+    def _value_at(self, prover: Prover, at: Mapping[str, Fraction]) -> Fraction:
+        for variable_, low, high in self._universes(prover):
+            if not low <= at[variable_] <= high:
+                raise LoopProofError(f"at rest '{variable_}' is outside its universe")
+        value = prover.exactly(at)
+        if value is None:
+            raise LoopProofError("no rule fires at rest")
+        return Fraction(value)
+
+    @staticmethod
+    def _universes(prover: Prover) -> list[tuple[str, Fraction, Fraction]]:
+        found = []
+        for each in prover.inputs:
+            if not (math.isfinite(each.low) and math.isfinite(each.high)):
+                raise LoopProofError(f"the input '{each.name}' of a rule base has no end")
+            found.append((each.name, Fraction(each.low), Fraction(each.high)))
+        return found
+
+    def concluding(self, choice: Choice) -> Rules:
+        """Return what stands for rule bases in a form."""
+
+        def rules(
+            algebra: AffineAlgebra, sheet: RuleBase, inputs: Mapping[str, Affine]
+        ) -> list[Affine]:
+            return [
+                self._conclusion(choice, algebra, sheet, output.name, inputs)
+                for output in sheet.outputs
+            ]
+
+        return rules
+
+    def _conclusion(
+        self,
+        choice: Choice,
+        algebra: AffineAlgebra,
+        sheet: RuleBase,
+        output: str,
+        inputs: Mapping[str, Affine],
+    ) -> Affine:
+        """Return an output as a known gain and blocks, around its inputs at rest."""
+        prover = self._prover(sheet, output)
+        rest = {name: each.constant for name, each in inputs.items()}
+        value = self._value_at(prover, rest)
+        region: dict[str, tuple[float, float]] = {}
+        for name, low, high in self._universes(prover):
+            if inputs[name].is_constant:
+                region[name] = (float(rest[name]), float(rest[name]))
+                continue
+            half = choice.share * min(high - rest[name], rest[name] - low)
+            half = half if half <= 0 else Fraction(end_of(half, low=True))
+            if half <= 0:
+                raise LoopProofError(f"at rest '{name}' is at the end of its universe")
+            region[name] = around(rest[name], half)
+            algebra.require(inputs[name], -half, half, f"'{name}' of {sheet.name}")
+        if prover.without_value(region) is not None:
+            raise LoopProofError(f"'{sheet.name}' has no rule for some of its inputs near rest")
+        along = None
+        if choice.along and not any(rest.values()) and value == 0:
+            along = self._sector(prover, region, [n for n in inputs if not inputs[n].is_constant])
+        if along is not None:
+            weights, low, high = along
+            sigma = Affine(ZERO)
+            for name, weight in weights.items():
+                sigma = sigma.plus(inputs[name].deviation.scaled(weight))
+            parts = _gain(algebra, sigma, low, high, f"{sheet.name}, a gain in")
+        else:
+            parts = Affine(ZERO)
+            for name, each in inputs.items():
+                if not each.is_constant:
+                    low, high = self._slopes(prover, region, name)
+                    words = f"{sheet.name}, its slope along {name} in"
+                    parts = parts.plus(_gain(algebra, each.deviation, low, high, words))
+        ends = self._range(prover, region)
+        return Affine(value, parts.parts, *ends)
+
+    def _sector(
+        self, prover: Prover, region: Mapping[str, tuple[float, float]], names: Sequence[str]
+    ) -> tuple[dict[str, Fraction], Fraction, Fraction] | None:
+        """Return the sector along the linear law: weights, least and greatest gain; or None."""
+        key = "sector", id(prover), tuple(region.items())
+        if key not in self._known:
+            self._known[key] = self._new_sector(prover, region, names)
+        return self._known[key]  # type: ignore[return-value]
+
+    def _new_sector(
+        self, prover: Prover, region: Mapping[str, tuple[float, float]], names: Sequence[str]
+    ) -> tuple[dict[str, Fraction], Fraction, Fraction] | None:
+        try:
+            slopes = slopes_at(prover, {})
+            weights = {}
+            for name in names:
+                low, high = slopes.around(name)
+                ahead = slopes.along({name: ONE})
+                weights[name] = ahead if ahead is not None else (low + high) / 2
+            if not all(weights.values()):
+                return None
+            found = sector(prover, weights, region)
+        except (NoSectorError, UnprovableError):
+            return None
+        if found.slack or not found.complete:
+            return None
+        return weights, Fraction(found.low), Fraction(found.high)
+
+    def _slopes(
+        self, prover: Prover, region: Mapping[str, tuple[float, float]], name: str
+    ) -> tuple[Fraction, Fraction]:
+        key = "slope", id(prover), name, tuple(region.items())
+        if key not in self._known:
+            found = prover.slope(region, name)
+            self._known[key] = Fraction(found.low), Fraction(found.high)
+        return self._known[key]  # type: ignore[return-value]
+
+    def _range(
+        self, prover: Prover, region: Mapping[str, tuple[float, float]]
+    ) -> tuple[Fraction, Fraction]:
+        key = "range", id(prover), tuple(region.items())
+        if key not in self._known:
+            found = prover.value(region)
+            self._known[key] = Fraction(found.low), Fraction(found.high)
+        return self._known[key]  # type: ignore[return-value]
+
+    def resting_table(
+        self, algebra: AffineAlgebra, sheet: LookupTable, inputs: Mapping[str, Affine]
+    ) -> Affine:
+        """Return a table at rest, as a number."""
+        at = [float(each.constant) if each.is_constant else 0.0 for each in inputs.values()]
+        return number(float(sheet.lookup(*at)))
+
+    def tabled(self, choice: Choice) -> Tables:
+        """Return what stands for tables in a form."""
+
+        def table(
+            algebra: AffineAlgebra, sheet: LookupTable, inputs: Mapping[str, Affine]
+        ) -> Affine:
+            return _table_form(choice, algebra, sheet, inputs)
+
+        return table
+
+
+def _gain(
+    algebra: AffineAlgebra, signal: Affine, low: Fraction, high: Fraction, words: str
+) -> Affine:
+    """Return a signal times a gain between two numbers."""
+    middle, radius = (low + high) / 2, (high - low) / 2
+    found = signal.scaled(middle)
+    if radius:
+        words = f"{words} {float(low):.6g} .. {float(high):.6g}"
+        found = found.plus(algebra.block(signal.scaled(radius), words))
+    return found
+
+
+def _table_form(
+    choice: Choice, algebra: AffineAlgebra, sheet: LookupTable, inputs: Mapping[str, Affine]
+) -> Affine:
+    """Return a table that is interpolated as slopes along each input, around rest."""
+    if sheet.default_mode != "linear":
+        raise LoopProofError(f"a table with steps ('{sheet.default_mode}') jumps at rest")
+    rest = [float(each.constant) for each in inputs.values()]
+    for axis, x, each in zip(sheet.axes, rest, inputs.values(), strict=True):
+        if Fraction(x) != each.constant or x not in axis.levels:  # its value would be rounded
+            raise LoopProofError(f"at rest '{axis.name}' of a table is between two levels")
+    values = np.asarray(sheet.values, float)
+    total = Affine(ZERO)
+    for number_, (axis, (name, each)) in enumerate(zip(sheet.axes, inputs.items(), strict=True)):
+        if each.is_constant:
+            continue
+        levels = np.asarray(axis.levels, float)
+        first, last = (Fraction(float(level)) for level in levels[[0, -1]])
+        half = choice.share * min(last - each.constant, each.constant - first)
+        if half <= 0:
+            raise LoopProofError(f"at rest '{name}' is at the end of its table")
+        algebra.require(each, -half, half, f"'{name}' of a table")
+        steps = Intervals.at(np.moveaxis(values, number_, -1))
+        slopes = (steps[..., 1:] - steps[..., :-1]) / (
+            Intervals.at(levels[1:]) - Intervals.at(levels[:-1])
+        )
+        low, high = Fraction(float(slopes.low.min())), Fraction(float(slopes.high.max()))
+        words = f"a table, its slope along {name} in"
+        total = total.plus(_gain(algebra, each.deviation, low, high, words))
+    value = Fraction(float(sheet.lookup(*rest)))
+    ends = Fraction(float(values.min())), Fraction(float(values.max()))
+    return Affine(value, total.parts, *ends)

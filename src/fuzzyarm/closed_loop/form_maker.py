@@ -1,0 +1,281 @@
+"""How the form of a loop is made: where it rests, then one period around that in affine forms."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+
+from fuzzyarm.closed_loop.affine import (
+    ONE,
+    ZERO,
+    Affine,
+    AffineAlgebra,
+    NotAffineError,
+    number,
+    variable,
+)
+from fuzzyarm.closed_loop.conclusions import Conclusions
+from fuzzyarm.closed_loop.form import Choice, Form, row_of
+from fuzzyarm.closed_loop.outward import exact_bounds
+from fuzzyarm.closed_loop.problem import ControlPeriod, LoopProblem, LoopProofError
+from fuzzyarm.closed_loop.sampled_plant import SampledPlant, require_still
+from fuzzyarm.expression.nodes import Symbol
+from fuzzyarm.plant.plant import Address
+from fuzzyarm.proof.arithmetic import Stop
+
+__all__ = ["FormMaker"]
+
+
+class FormMaker:
+    """Makes forms of one loop; what has been proved of its rule bases is kept.
+
+    Parameters
+    ----------
+    problem : LoopProblem
+        The loop.
+    stop : Stop, optional
+        When to give up.
+
+    Raises
+    ------
+    LoopProofError
+        If the loop is not covered, or does not rest anywhere that is known.
+    """
+
+    def __init__(self, problem: LoopProblem, stop: Stop | None = None) -> None:
+        self.problem = problem
+        require_still(problem)
+        self.equations = problem.equations
+        self._conclusions = Conclusions(stop or Stop())
+        self.fixed = [name for name in self._memory_names() if " excess " in name]
+        self.rest = self._rest()
+        self.plant = SampledPlant(problem, self.rest)
+
+    def _memory_names(self) -> list[str]:
+        return list(ControlPeriod(self.problem, self._algebra(Choice())).memory)
+
+    def _algebra(self, choice: Choice, *, is_search: bool = False) -> AffineAlgebra:
+        of = self._conclusions
+        rules = of.resting if is_search else of.concluding(choice)
+        table = of.resting_table if is_search else of.tabled(choice)
+        return AffineAlgebra(rules, table, grip=choice.grip, is_search=is_search)
+
+    # --- the loop as it is, over affine forms ---
+
+    def _one_period(
+        self, algebra: AffineAlgebra, states: Mapping[str, Affine], *, first: bool = False
+    ) -> tuple[dict[Address, Affine], dict[str, Affine], dict[Address, Affine]]:
+        """Return inputs of the plant, memory and outputs of a period."""
+        period = ControlPeriod(self.problem, algebra)
+        values = self._plant_values(states)
+        outputs = {
+            address: algebra.expression(root, values)
+            for address, root in zip(
+                self.problem.site.interface.outputs, self.equations.outputs, strict=True
+            )
+        }
+        memory = {name: states[name] for name in period.memory if name in states}
+        memory |= {name: number(period.memory[name]) for name in self.fixed}
+        inputs, after = period.run(outputs, {} if first else memory, first=first)
+        for name in self.fixed:
+            left = after.pop(name)
+            if not first and (not left.is_constant or left.constant != period.memory[name]):
+                raise NotAffineError("an anti-windup counts while a limit holds")
+        return inputs, after, outputs
+
+    def _plant_values(self, states: Mapping[str, Affine]) -> dict[str, Affine]:
+        equations, problem = self.equations, self.problem
+        values = {"t": number(0.0)}
+        values |= {
+            key: states[name] for key, name in zip(equations.states, problem.states, strict=True)
+        }
+        for key, at in zip(equations.parameters, problem.parameters.values(), strict=True):
+            values[key] = number(0.5 * at.low + 0.5 * at.high)
+        return values
+
+    @property
+    def memory(self) -> list[str]:
+        """What is remembered and moves."""
+        return [name for name in self._memory_names() if name not in self.fixed]
+
+    @property
+    def begin(self) -> dict[str, float]:
+        """What is remembered before the first period; NaN for what begins as it first sees."""
+        return dict(ControlPeriod(self.problem, self._algebra(Choice())).memory)
+
+    # --- rest ---
+
+    def _rest(self) -> dict[str, Fraction]:
+        """Return where the loop rests: states and memory, exactly."""
+        names = [*self.problem.states, *self.memory]
+        try:
+            return self._rest_of_affine(names)
+        except NotAffineError:
+            return self._rest_at_set_point(names)
+
+    def _rest_of_affine(self, names: Sequence[str]) -> dict[str, Fraction]:
+        algebra = self._algebra(Choice(), is_search=True)
+        states = {name: variable(name) for name in names}
+        inputs, after, _ = self._one_period(algebra, states)
+        rates = self._rates(algebra, states, inputs)
+        left = [*rates, *(after[name].plus(states[name].scaled(-ONE)) for name in self.memory)]
+        solution = _solved(left, names)
+        if solution is None:
+            raise LoopProofError("the loop does not rest at one point: its equations leave it open")
+        return dict(zip(names, solution, strict=True))
+
+    def _rates(
+        self,
+        algebra: AffineAlgebra,
+        states: Mapping[str, Affine],
+        inputs: Mapping[Address, Affine],
+    ) -> list[Affine]:
+        values = self._plant_values(states)
+        values |= dict(zip(self.equations.inputs, inputs.values(), strict=True))
+        return [algebra.expression(root, values) for root in self.equations.rates]
+
+    def _rest_at_set_point(self, names: Sequence[str]) -> dict[str, Fraction]:
+        """Return the rest of a plant that is not affine: its set point and 0, if it rests there."""
+        problem, interface = self.problem, self.problem.site.interface
+        rest = dict.fromkeys(names, ZERO)
+        for address, root in zip(interface.outputs, self.equations.outputs, strict=True):
+            for key, name in zip(self.equations.states, problem.states, strict=True):
+                if isinstance(root, Symbol) and root.name == key:
+                    rest[name] = Fraction(problem.set_point[address])
+        algebra = self._algebra(Choice(), is_search=True)
+        states = {name: number(value) for name, value in rest.items()}
+        inputs, after, _ = self._one_period(algebra, states)
+        moves = self._rates(algebra, states, inputs)
+        moves += [after[name].plus(states[name].scaled(-ONE)) for name in self.memory]
+        if any(each.constant for each in moves):
+            raise LoopProofError(
+                "the loop does not rest at its set point with everything else at 0",
+                hint="of a plant that is not affine that is the rest which is looked at",
+            )
+        return rest
+
+    # --- the form ---
+
+    def form(self, choice: Choice, *, continuous: bool = False) -> Form:
+        """Return the loop as matrices.
+
+        Parameters
+        ----------
+        choice : Choice
+            What may be taken for granted.
+        continuous : bool
+            As if the controller ran without a period: of one without memory.
+
+        Raises
+        ------
+        NotAffineError
+            If the loop is not covered.
+        UnprovableError
+            If a rule base is not.
+        """
+        algebra = self._algebra(choice)
+        if continuous and self.memory:
+            raise NotAffineError(f"in continuous time it has no {self.memory[0]}")
+        names = [*self.problem.states, *self.memory]
+        states = {name: variable(name, self.rest[name]) for name in names}
+        inputs, after, outputs = self._one_period(algebra, states)
+        for name in self.memory:
+            if after[name].constant != self.rest[name]:
+                raise NotAffineError(f"{name} does not rest")
+        deviations = {name: variable(name) for name in names}
+        drives = {f"u{k}": each.deviation for k, each in enumerate(inputs.values())}
+        self._check_rest(algebra, states, inputs)
+        rows, radius = self.plant.rows(choice, algebra, deviations, drives, inputs, continuous)
+        rows += [after[name].deviation for name in self.memory]
+        count = len(algebra.blocks)
+        size = len(names)
+        matrix = [row_of(row, names, count) for row in rows]
+        spread = [row_of(row, names, count) for row in radius]
+        spread += [(ZERO,) * (size + count)] * len(self.memory)
+        return Form(
+            tuple(names),
+            dict(self.rest),
+            tuple(row[:size] for row in matrix),
+            tuple(row[size:] for row in matrix),
+            tuple(spread),
+            tuple(row_of(each.v, names, count) for each in algebra.blocks),
+            tuple(each.words for each in algebra.blocks),
+            tuple(algebra.bounds),
+            {**outputs, **inputs},
+            self._seeds(choice),
+            0.0 if continuous else self.problem.period,
+        )
+
+    def _check_rest(
+        self,
+        algebra: AffineAlgebra,
+        states: Mapping[str, Affine],
+        inputs: Mapping[Address, Affine],
+    ) -> None:
+        """Make sure that the plant rests, whatever its parameters are."""
+        at = {name: number(each.constant) for name, each in states.items()}
+        driven = {name: number(each.constant) for name, each in inputs.items()}
+        if any(each.constant for each in self._rates(algebra, at, driven)):
+            raise LoopProofError("the plant does not rest where the controller does")
+        if any(each.low < each.high for each in self.problem.parameters.values()):
+            ranges = self._point_ranges(at, driven)
+            for root in self.equations.rates:
+                low, high = exact_bounds(root, ranges)
+                if low or high:
+                    raise LoopProofError("where the plant rests depends on its parameters")
+
+    def _point_ranges(
+        self, at: Mapping[str, Affine], driven: Mapping[Address, Affine]
+    ) -> dict[str, tuple[Fraction, Fraction]]:
+        equations, problem = self.equations, self.problem
+        ranges = {"t": (ZERO, ZERO)}
+        for key, name in zip(equations.states, problem.states, strict=True):
+            ranges[key] = (at[name].constant, at[name].constant)
+        for key, each in zip(equations.inputs, driven.values(), strict=True):
+            ranges[key] = (each.constant, each.constant)
+        for key, span in zip(equations.parameters, problem.parameters.values(), strict=True):
+            ranges[key] = (Fraction(span.low), Fraction(span.high))
+        return ranges
+
+    def _seeds(self, choice: Choice) -> dict[str, Affine]:
+        """Return memory that starts as what it first sees, by states of the plant."""
+        algebra = self._algebra(choice, is_search=True)
+        states = {name: variable(name, self.rest[name]) for name in self.problem.states}
+        period = ControlPeriod(self.problem, algebra)
+        begun = {name: value for name, value in period.memory.items() if math.isnan(value)}
+        if not begun:
+            return {}
+        values = self._plant_values(states)
+        outputs = {
+            address: algebra.expression(root, values)
+            for address, root in zip(
+                self.problem.site.interface.outputs, self.equations.outputs, strict=True
+            )
+        }
+        inputs, after = period.run(outputs, {}, first=True)
+        # What starts so has remembered what it saw: its first period leaves it. That it is as if
+        # it had remembered that before, too, is tried: both periods must be the same.
+        seeds = {name: after[name] for name in begun}
+        before = {n: number(x) for n, x in period.memory.items() if not math.isnan(x)}
+        again = period.run(outputs, {**before, **seeds})
+        if again != (inputs, after):
+            raise NotAffineError(f"'{next(iter(begun))}' starts in a way of its own")
+        return seeds
+
+
+def _solved(rows: Sequence[Affine], names: Sequence[str]) -> list[Fraction] | None:
+    """Solve rows = 0 in rationals; None where that is not one point."""
+    matrix = [[*row_of(each, names, 0), -each.constant] for each in rows]
+    size = len(names)
+    for column in range(size):
+        pivot = next((k for k in range(column, size) if matrix[k][column]), None)
+        if pivot is None:
+            return None
+        matrix[column], matrix[pivot] = matrix[pivot], matrix[column]
+        head = matrix[column]
+        for k in range(size):
+            if k != column and matrix[k][column]:
+                factor = matrix[k][column] / head[column]
+                matrix[k] = [x - factor * y for x, y in zip(matrix[k], head, strict=True)]
+    return [matrix[k][size] / matrix[k][k] for k in range(size)]

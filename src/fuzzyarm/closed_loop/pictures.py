@@ -1,0 +1,188 @@
+"""What a picture of a proved region shows: its outline, runs in it, and where runs come to rest."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzyarm.closed_loop.claims import problem_of
+from fuzzyarm.closed_loop.form_maker import FormMaker
+from fuzzyarm.closed_loop.problem import LoopProblem
+from fuzzyarm.closed_loop.verdicts import LoopVerdict
+from fuzzyarm.closed_loop.verification import start_quadric
+from fuzzyarm.controller.text import ControllerText
+from fuzzyarm.loop.course import Options
+from fuzzyarm.loop.run import Run, simulate
+from fuzzyarm.plant.own import starting_at
+from fuzzyarm.plant.plant import Plant
+
+__all__ = ["RegionPlane", "region_planes"]
+
+Vector = NDArray[np.float64]
+
+RUNS, GRID = 10, 13
+
+
+@dataclass(frozen=True)
+class RegionPlane:
+    """A proved region in the plane of two states of the plant.
+
+    Attributes
+    ----------
+    names, units : tuple of str
+        Of both states.
+    shadow : ndarray, shape (n, 2)
+        The outline of all that the region holds.
+    start : ndarray, shape (n, 2)
+        The outline of the starts that are proved, the other states at rest.
+    runs : tuple of ndarray, shape (m, 2)
+        Runs from the border of those starts.
+    settled, lost : ndarray, shape (k, 2)
+        Starts on a grid whose runs came to rest in the time of a run, and those that did not.
+    covered : float
+        Share of the settled ones that is proved.
+    """
+
+    names: tuple[str, str]
+    units: tuple[str, str]
+    shadow: Vector
+    start: Vector
+    runs: tuple[Vector, ...]
+    settled: Vector
+    lost: Vector
+    covered: float
+
+
+def region_planes(
+    text: ControllerText, verdict: LoopVerdict, plant: Plant | None = None
+) -> list[RegionPlane]:
+    """Return the planes of a proved region: of the first two states, and of the next two.
+
+    Parameters
+    ----------
+    text : ControllerText
+        The controller.
+    verdict : LoopVerdict
+        One that is proved.
+    plant : Plant, optional
+        In place of the one that the claim names.
+    """
+    certificate = verdict.certificate
+    if certificate is None:
+        return []
+    problem = problem_of(text, certificate.claim, plant=plant)
+    maker = FormMaker(problem)
+    states = list(problem.states)
+    pairs = [(0, 1), (2, 3)] if len(states) > 3 else [(0, 1), (1, 2)][: max(1, len(states) - 1)]
+    return [_plane(problem, maker, verdict, *pair) for pair in pairs if len(states) > 1]
+
+
+def _plane(
+    problem: LoopProblem, maker: FormMaker, verdict: LoopVerdict, first: int, second: int
+) -> RegionPlane:
+    certificate = verdict.certificate
+    assert certificate is not None
+    names = (problem.states[first], problem.states[second])
+    rest = np.array([float(maker.rest[name]) for name in problem.states])
+    middle = rest[[first, second]]
+    p = np.array([[float(x) for x in row] for row in certificate.p])
+    shadow = np.linalg.inv(np.linalg.inv(p)[np.ix_([first, second], [first, second])])
+    angle = np.linspace(0.0, 2.0 * math.pi, 181)
+    circle = np.stack([np.cos(angle), np.sin(angle)])
+    root = np.linalg.inv(np.linalg.cholesky(shadow)).T
+    outline = (root @ circle).T + middle
+    form = maker.form(certificate.choice, continuous=certificate.continuous)
+    quadratic, linear, constant = start_quadric(maker, form, certificate.p, (first, second))
+    start = _outline(quadratic, linear, constant, circle)
+    runs = []
+    for way in start[:: max(1, len(start) // RUNS)][:RUNS]:
+        run = _run(problem, _at(rest, first, second, middle + 0.999 * way))
+        runs.append(np.stack([_state(problem, run, name) for name in names], axis=1))
+    half = _window(problem, names, outline - middle)
+    ticks = np.linspace(-1.0, 1.0, GRID)
+    grid = np.array([(x, y) for x in ticks for y in ticks]) * half
+    settled = np.array(
+        [_settles(problem, _at(rest, first, second, middle + z), rest) for z in grid], bool
+    )
+    proved = np.array([z @ quadratic @ z + linear @ z + constant <= 0.0 for z in grid])
+    covered = float((proved & settled).sum() / max(1, settled.sum()))
+    units = [problem.plant.states[name] for name in names]
+    return RegionPlane(
+        names, (units[0], units[1]), outline, start + middle, tuple(runs),
+        grid[settled] + middle, grid[~settled] + middle, covered,
+    )  # fmt: skip
+
+
+def _outline(quadratic: Vector, linear: Vector, constant: float, circle: Vector) -> Vector:
+    """Return the border of ``zᵀQz + l z + c ≤ 0``; no points where that is empty."""
+    centre = -0.5 * np.linalg.solve(quadratic, linear)
+    level = -(constant + 0.5 * float(linear @ centre))
+    if level <= 0.0:
+        return np.zeros((0, 2))
+    root = np.linalg.inv(np.linalg.cholesky(quadratic)).T
+    return np.asarray(centre + math.sqrt(level) * (root @ circle).T)
+
+
+def _at(rest: Vector, first: int, second: int, values: Vector) -> Vector:
+    states = rest.copy()
+    states[[first, second]] = values
+    return states
+
+
+def _window(problem: LoopProblem, names: tuple[str, str], outline: Vector) -> Vector:
+    """Return half of what the picture shows of each state: the sensors' range, not too far."""
+    far = np.abs(outline).max(axis=0)
+    ports = {name: port for (_, name), port in problem.site.interface.outputs.items()}
+    found = []
+    for name, reach in zip(names, far, strict=True):
+        port = ports.get(name)
+        half = 0.5 * (port.high - port.low) if port is not None else math.inf
+        found.append(min(half, 2.5 * reach) if half > reach else 1.1 * reach)
+    return np.array(found)
+
+
+def _run(problem: LoopProblem, states: Vector) -> Run:
+    plant = starting_at(problem.plant, [float(x) for x in states])
+    interface = problem.site.interface
+    references = {
+        interface.label(port): value
+        for port, value in problem.set_point.items()
+        if not interface.references[port].order and port in interface.outputs
+    }
+    sensors = {".".join(port): each for port, each in problem.sensors.items()}
+    return simulate(
+        problem.text,
+        plant,
+        references=references,
+        duration=plant.duration or 1000 * problem.period,
+        options=Options(sensors=sensors),
+        connect=problem.site.connect,
+    )
+
+
+def _state(problem: LoopProblem, run: Run, name: str) -> Vector:
+    interface = problem.site.interface
+    for address in interface.outputs:
+        if address[1] == name:
+            return np.asarray(run.outputs[interface.label(address)])
+    return np.full(len(run.time), np.nan)
+
+
+def _settles(problem: LoopProblem, states: Vector, rest: Vector) -> bool:
+    """Tell whether a run comes within a tenth of the way that it began away from rest."""
+    run = _run(problem, states)
+    if run.diverged is not None:
+        return False
+    left = begun = 0.0
+    for (_, name), port in problem.site.interface.outputs.items():
+        if name not in problem.states:
+            continue
+        k = problem.states.index(name)
+        wide = port.high - port.low if math.isfinite(port.high - port.low) else 1.0
+        values = _state(problem, run, name)
+        left = max(left, abs(values[-1] - rest[k]) / wide)
+        begun = max(begun, abs(states[k] - rest[k]) / wide)
+    return left <= 0.1 * begun + 1e-6

@@ -1,0 +1,174 @@
+"""Runs that try to refute a claim about a loop, as ``simulate`` gives them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from itertools import product
+from typing import NamedTuple
+
+import numpy as np
+
+from fuzzyarm.closed_loop.problem import LoopProblem
+from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.expression.operations import Interval
+from fuzzyarm.loop.course import Options
+from fuzzyarm.loop.run import Run, simulate
+from fuzzyarm.model.claims import LoopClaim
+from fuzzyarm.plant.own import starting_at
+from fuzzyarm.plant.plant import with_parameters
+from fuzzyarm.text.numbers import number_text
+
+__all__ = ["Breach", "refuting_run"]
+
+
+class Breach(NamedTuple):
+    """A run that breaks a claim, and how, in words."""
+
+    run: Run
+    words: tuple[str, ...]
+
+
+def refuting_run(problem: LoopProblem, claim: LoopClaim) -> Breach | None:
+    """Return a run that breaks a claim, if one of some runs does.
+
+    Parameters
+    ----------
+    problem : LoopProblem
+        The loop.
+    claim : LoopClaim
+        What is claimed of it.
+    """
+    for start, values in _starts(problem, claim):
+        run = _simulated(problem, start, values, claim)
+        if run is None:
+            return None
+        against = _breach(problem, claim, run, start)
+        if against:
+            open_ = {n: x for n, x in values.items() if len(set(problem.parameters[n])) > 1}
+            words = ", ".join(
+                f"{name} = {number_text(x)}" for name, x in {**start, **open_}.items()
+            )
+            return Breach(run, (f"from {words}", against))
+    return None
+
+
+RUNS = 24
+"""Random starts, beside the corners, from which a claim is attacked."""
+
+
+def _starts(
+    problem: LoopProblem, claim: LoopClaim
+) -> Iterator[tuple[dict[str, float], dict[str, float]]]:
+    """Yield starts and parameters: corners, then drawn."""
+    spans = dict(problem.start)
+    if not claim.start and not claim.output:  # stability: from near the set point
+        spans = _near_set_point(problem)
+    generator = np.random.default_rng(0)
+    corners = list(product(*(dict.fromkeys(span) for span in spans.values())))
+    values = {name: span.low for name, span in problem.parameters.items()}
+    other = {name: span.high for name, span in problem.parameters.items()}
+    for corner in corners[:32]:
+        start = dict(zip(spans, corner, strict=True))
+        yield start, values
+        if other != values:
+            yield start, other
+    if len(corners) > 1 or other != values:
+        for _ in range(RUNS):
+            yield (
+                {n: float(generator.uniform(s.low, s.high)) for n, s in spans.items()},
+                {n: float(generator.uniform(s.low, s.high)) for n, s in problem.parameters.items()},
+            )
+
+
+def _near_set_point(problem: LoopProblem) -> dict[str, Interval]:
+    interface = problem.site.interface
+    spans = dict(problem.start)
+    for (axis, name), port in interface.outputs.items():
+        if name in spans:
+            wide = port.high - port.low
+            off = 1e-3 * (wide if math.isfinite(wide) else 1.0)
+            at = problem.set_point[axis, name]
+            spans[name] = Interval(at - off, at + off)
+    return spans
+
+
+def _simulated(
+    problem: LoopProblem,
+    start: Mapping[str, float],
+    values: Mapping[str, float],
+    claim: LoopClaim,
+) -> Run | None:
+    plant = problem.plant
+    if values:
+        plant = with_parameters(plant, values)
+    plant = starting_at(plant, [start[name] for name in problem.states])
+    interface = problem.site.interface
+    references = {
+        interface.label(port): value
+        for port, value in problem.set_point.items()
+        if not interface.references[port].order and port in interface.outputs
+    }
+    duration = plant.duration or 1000 * problem.period
+    if claim.output and claim.when == "during" and math.isfinite(claim.end):
+        duration = claim.end
+    elif claim.begin:
+        duration = max(duration, 1.5 * claim.begin)
+    try:
+        return simulate(
+            problem.text,
+            plant,
+            references=references,
+            duration=max(duration, 2 * problem.period * problem.text.model.every),
+            options=Options(
+                sensors={".".join(port): each for port, each in problem.sensors.items()}
+            ),
+            connect=problem.site.connect,
+        )
+    except FuzzyarmError:
+        return None
+
+
+def _breach(problem: LoopProblem, claim: LoopClaim, run: Run, start: Mapping[str, float]) -> str:
+    """Return in words how a run breaks a claim; empty where it does not."""
+    lost = f"the run diverges after {run.diverged or 0.0:.4g} s: {run.cause}"
+    if claim.output:
+        return _outside(claim, run, lost)
+    if run.diverged is not None:
+        return lost
+    # Of a start that is not named no run tells: it may lie outside a region that there is.
+    return "" if claim.start else _unrest(problem, run, start)
+
+
+def _outside(claim: LoopClaim, run: Run, lost: str) -> str:
+    """Return where an output is outside the claimed interval in the claimed time."""
+    values = np.asarray(run.outputs[claim.output])
+    chosen = (run.time >= claim.begin - 1e-9) & (run.time <= claim.end + 1e-9)
+    slack = 1e-9 * (claim.high - claim.low)
+    wrong = chosen & ((values > claim.high + slack) | (values < claim.low - slack))
+    if wrong.any():
+        k = int(np.argmax(wrong))
+        return f"{claim.output} = {values[k]:.6g} after {run.time[k]:.6g} s"
+    inside = run.diverged is not None and claim.begin <= run.diverged <= claim.end
+    return lost if inside else ""
+
+
+def _unrest(problem: LoopProblem, run: Run, start: Mapping[str, float]) -> str:
+    """Return which output swings far from where it began, next to rest, and goes on doing so."""
+    interface = problem.site.interface
+    for address, port in interface.outputs.items():
+        name, label = address[1], interface.label(address)
+        if label not in run.outputs or name not in start:
+            continue
+        at = problem.set_point[address]
+        wide = port.high - port.low
+        far = 0.05 * (wide if math.isfinite(wide) else 50.0)
+        off = np.abs(np.asarray(run.outputs[label]) - at)
+        late = off[len(off) // 2 :]
+        if len(late) and late[-len(late) // 3 :].max() > far:
+            began = abs(start[name] - at)
+            return (
+                f"{label} is up to {late.max():.4g} away in the last half of"
+                f" {run.time[-1]:.4g} s, from {began:.4g}"
+            )
+    return ""
