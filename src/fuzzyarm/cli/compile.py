@@ -69,7 +69,7 @@ _MODULES = (".mjs", ".js")
 _SOURCE_ONLY = ("direct", "q", "precision", "name")
 _RULES_ONLY = ("direct", "levels", "tolerance", "round", "date", "ends")
 _TABLES_ONLY = ("levels", "tolerance", "round", "date", "mode", "q")
-_CONTROLLERS_ONLY = ("table", "fmi")
+_CONTROLLERS_ONLY = ("table", "fmi", "certificate")
 _MADE_TABLES_ONLY = ("levels", "tolerance", "round", "date", "mode")
 
 
@@ -271,6 +271,17 @@ def _of_file(path: str) -> Iterator[None]:
         raise error.in_file(path) from error
 
 
+def _certified(path: str, controller: ControllerText) -> str:
+    """Check a certificate; return what it proves, for the head of a program."""
+    from fuzzyarm.closed_loop import check_certificate
+
+    verdict = check_certificate(path, controller)
+    if not verdict.proved or verdict.certificate is None:
+        raise WordError(f"{path}: {verdict.reason}")
+    how = "as if it ran without a period" if verdict.continuous else "as sampled"
+    return f"{verdict.statement}, {how}; certificate {verdict.certificate.seal}"
+
+
 def _export_controller(
     controller: ControllerText, suffix: str, arguments: argparse.Namespace
 ) -> None:
@@ -287,6 +298,10 @@ def _export_controller(
     elif arguments.precision not in (None, "float64"):
         raise WordError("an FMU computes in double precision: --precision float64")
     how = _making(arguments)
+    if arguments.certificate is not None:
+        if arguments.table or arguments.q:
+            raise WordError("the certificate is of the rules, not of a table or of whole numbers")
+        how = replace(how, proofs=(_certified(arguments.certificate, controller),))
     with busy("exporting") as progress, _of_file(arguments.file):
         exported, reports = program_of(controller, arguments.out, how, progress)
     exported.write()
@@ -414,6 +429,7 @@ COMMANDS = (
                 choices=("mixed", "float32", "float64"),
             ),
             argument("--name IDENT", "begins every identifier"),
+            argument("--certificate CERT", "of a controller: what it proves goes into the head"),
         ),
     ),
 )

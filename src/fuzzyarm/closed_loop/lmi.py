@@ -11,6 +11,7 @@ and Control Theory*, SIAM 1994, sections 2.4 and 2.5.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -120,7 +121,7 @@ def _newton(inequalities: Sequence[Inequality], cost: Vector, y: Vector) -> tupl
     unit = 1.0 / np.sqrt(np.maximum(np.diag(hessian), 1e-300))
     scaled_hessian = hessian * unit * unit[:, None] + 1e-13 * np.eye(len(y))
     way = -unit * np.linalg.solve(scaled_hessian, unit * gradient)
-    decrement = float(np.sqrt(max(0.0, -gradient @ way)))
+    decrement = float(math.sqrt(max(0.0, -float(gradient @ way))))
     step = 1.0 if decrement < 0.25 else 1.0 / (1.0 + decrement)
     # Damped steps stay inside by theory, longer ones are tried first.
     for factor in (1.0, 0.5, 0.25, step):

@@ -130,11 +130,14 @@ class ControllerProgram:
         ``mixed``, ``float32`` or ``float64``.
     q : int or None
         Fraction bits of tables in whole numbers.
+    proofs : tuple of str
+        What is proved of it in its loop.
     """
 
     text: ControllerText
     precision: str = "mixed"
     q: int | None = None
+    proofs: tuple[str, ...] = ()
 
     @cached_property
     def steps(self) -> Steps:
@@ -233,7 +236,7 @@ class ControllerProgram:
 
     def provenance(self) -> list[tuple[str, str]]:
         """Return where it comes from."""
-        found = []
+        found = [("proved in real arithmetic", words) for words in self.proofs]
         if self.text.path:
             found.append(("source", Path(self.text.path).name))
             content = Path(self.text.path).read_bytes() if Path(self.text.path).is_file() else b""

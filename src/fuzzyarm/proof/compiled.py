@@ -58,6 +58,8 @@ class Making:
         Begins every identifier.
     fmi : int
         Version of FMI.
+    proofs : tuple of str
+        Of a controller: what is proved of it in its loop, for the head.
     """
 
     source: str = ""
@@ -73,6 +75,7 @@ class Making:
     precision: str | None = None
     name: str | None = None
     fmi: int = 2
+    proofs: tuple[str, ...] = ()
 
 
 def compiled(
@@ -185,7 +188,7 @@ def program_of(
 
     if how.table:
         controller = with_tables(controller, compile_output)
-    program = ControllerProgram(controller, how.precision or default, how.q)
+    program = ControllerProgram(controller, how.precision or default, how.q, how.proofs)
     if progress is not None:
         progress("exporting")
     return export_controller(program, path, how.name, fmi=how.fmi), tuple(reports)
