@@ -170,6 +170,12 @@ def draw_sector() -> None:
     do(["prove", str(shipped("servo.frb")), "--sector", "--plot", out])
 
 
+def draw_region() -> None:
+    """Draw the proved region of the shipped servo, for the page of closed loops."""
+    out = str(PICTURES / "servo-region.png")
+    do(["prove", str(shipped("servo.frb")), "--plant", "motor", "--stable", "--plot", out])
+
+
 # --- Of docs/authoring.md: what the editor and the commands show ---
 
 _FONT_FACE = re.compile(r"@font-face\s*\{.*?\}", re.DOTALL)
@@ -327,6 +333,7 @@ if __name__ == "__main__":
         draw_map()
         draw_phase()
         draw_sector()
+        draw_region()
     if words == ["controllers"]:
         draw_controllers()
     if not words or words == ["authoring"]:

@@ -64,6 +64,7 @@ What goes wrong
 
 Packages with public names of their own
     api                 The short way in: load any file, check it, whatever kind it is.
+    closed_loop         Proofs of a controller together with its plant: stable, inside, reached.
     controller          Controllers of the arm: the study's, and yours.
     export              Controllers as source text for small machines: C99 and IEC 61131-3
                         Structured Text.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from dataclasses import replace
 
 from fuzzyarm.closed_loop.problem import LoopProblem, loop_problem
 from fuzzyarm.controller.text import ControllerText
@@ -14,7 +15,7 @@ from fuzzyarm.loop.course import Sensor
 from fuzzyarm.model.claims import LoopClaim
 from fuzzyarm.plant.own import find_plant
 from fuzzyarm.plant.plant import Plant
-from fuzzyarm.text.diagnostic import RuleBaseError
+from fuzzyarm.text.diagnostic import NOWHERE, RuleBaseError
 
 __all__ = ["claim_text", "problem_of", "read_claim"]
 
@@ -47,7 +48,7 @@ def read_claim(text: str, plant: str = "") -> LoopClaim:
     nodes = [s.node for s in document.statements if isinstance(s.node, LoopClaimNode)]
     if wrong or not nodes:
         raise RuleBaseError(wrong or document.diagnostics)
-    return nodes[0].claim
+    return replace(nodes[0].claim, span=NOWHERE)
 
 
 def claim_text(claim: LoopClaim) -> str:

@@ -118,7 +118,7 @@ class Conclusions:
                 continue
             half = choice.share * min(high - rest[name], rest[name] - low)
             half = half if half <= 0 else Fraction(end_of(half, low=True))
-            if half <= 0:
+            if half <= 0 or not low <= rest[name] - half <= rest[name] + half <= high:
                 raise LoopProofError(f"at rest '{name}' is at the end of its universe")
             region[name] = around(rest[name], half)
             algebra.require(inputs[name], -half, half, f"'{name}' of {sheet.name}")

@@ -47,6 +47,11 @@ class Choice:
     box: Mapping[str, Fraction] = field(default_factory=dict)
     along: bool = True
 
+    def __post_init__(self) -> None:
+        halves = self.box.values()
+        if not (0 < self.share <= 1 and 0 < self.grip <= 1 and all(half > 0 for half in halves)):
+            raise LoopProofError("a share, a grip or a box that is out of range")
+
 
 @dataclass(frozen=True)
 class Form:

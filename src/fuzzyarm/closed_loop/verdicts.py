@@ -34,6 +34,7 @@ from fuzzyarm.loop.run import Run
 from fuzzyarm.model.claims import LoopClaim
 from fuzzyarm.plant.plant import Plant
 from fuzzyarm.proof.arithmetic import Stop
+from fuzzyarm.text.diagnostic import NOWHERE
 from fuzzyarm.text.shown import Shown, one_line
 
 __all__ = ["LoopVerdict", "check_certificate", "prove_loop"]
@@ -215,7 +216,7 @@ class _Case:
             verdict,
             pieces=self.attempts,
             seconds=time.monotonic() - self.started,
-            line=max(0, self.claim.span.line),
+            line=0 if self.claim.span == NOWHERE else self.claim.span.line,
             **facts,
         )
 
