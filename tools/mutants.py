@@ -80,7 +80,7 @@ TESTS = {
     **{
         f"{package}/": [f"tests/{package}"]
         for package in (
-            "cli", "designer", "export", "language", "learning", "lsp", "proof", "study",
+            "cli", "closed_loop", "designer", "export", "language", "learning", "lsp", "proof", "study",
             "tuning", "watch",
         )
     },

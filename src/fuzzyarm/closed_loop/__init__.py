@@ -14,21 +14,26 @@ from fuzzyarm.closed_loop.certificate import (
     write_certificate,
 )
 from fuzzyarm.closed_loop.claims import claim_text, read_claim
-from fuzzyarm.closed_loop.problem import LoopProofError
+from fuzzyarm.closed_loop.problem import LoopProofError, loop_problem
+from fuzzyarm.closed_loop.tube import Demand, Tube, tube
 from fuzzyarm.closed_loop.verdicts import LoopVerdict, check_certificate, prove_loop
 from fuzzyarm.lazy import lazily
 
 __all__ = [
     "Certificate",
     "CertificateError",
+    "Demand",
     "LoopProofError",
     "LoopVerdict",
+    "Tube",
     "check_certificate",
     "claim_text",
+    "loop_problem",
     "prove",
     "prove_loop",
     "read_certificate",
     "read_claim",
+    "tube",
     "write_certificate",
 ]
 
