@@ -80,8 +80,8 @@ TESTS = {
     **{
         f"{package}/": [f"tests/{package}"]
         for package in (
-            "cli", "closed_loop", "designer", "export", "language", "learning", "lsp", "proof", "study",
-            "tuning", "watch",
+            "cli", "closed_loop", "designer", "export", "language", "learning", "lsp", "proof",
+            "study", "tuning", "watch",
         )
     },
 }  # fmt: skip
