@@ -50,7 +50,7 @@ Lookup tables
 
 Prove, and run on a plant
     prove               Prove or refute what is said of a rule base, or of a controller in its loop.
-    simulate            Run a controller along a trajectory of the arm, or on any plant.
+    simulate            Run a controller on a plant, along a trajectory or references.
     simulate_many       Run a controller many times.
 
 Tune

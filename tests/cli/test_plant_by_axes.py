@@ -135,23 +135,86 @@ def test_compare_gives_what_simulate_gives(run, tmp_path):
     assert (tmp_path / "runs.png").read_bytes().startswith(b"\x89PNG")
 
 
-def test_options_of_the_other_kind_of_plant_are_refused(run):
-    assert "--cost is for the arm; motor takes --reference" in run(f"compare {SERVO} --cost", 1)
-    assert "--angles is for the arm" in run(f"compare {SERVO} --angles 1 2", 1)
-    assert "--step is for other plants" in run("compare pd --step 1", 1)
-    assert "--sensor-delay is for other plants" in run("compare pd --sensor-delay position=1ms", 1)
-    assert "--step is for other plants" in run("compare pd --step 0", 1)
-    assert "--step is for other plants" in run("simulate pd --step 0", 1)
+ALONG = "is for plants that follow trajectories; motor takes --reference"
+LOAD = "is for plants that carry a load; motor does not, --set changes its parameters: J, b, k, R,"
 
 
 @pytest.mark.parametrize(
-    "option",
-    ["--conventions study", "--no-payload", "--no-load-in-hold", "--pi 0", "--segment 0",
-     "--supply 24", "--inductance 0", "--limits 5 5", "--precision float32"],
+    ("option", "said"),
+    [
+        ("--trajectory reach-return", f"--trajectory {ALONG}"),
+        ("--angles 1 2", f"--angles {ALONG}"),
+        ("--segment 0", f"--segment {ALONG}"),
+        ("--payload", f"--payload {LOAD}"),
+        ("--no-payload", f"--no-payload {LOAD}"),
+        ("--no-load-in-hold", f"--no-load-in-hold {LOAD}"),
+        ("--supply 24", "motor has no --supply; --actuator INPUT=LOW..HIGH bounds a drive: v"),
+        ("--inductance 0", "motor has no --inductance; --actuator INPUT=LOW..HIGH bounds a drive"),
+        ("--limits 5 5", "motor has no --limits; --actuator INPUT=LOW..HIGH bounds a drive"),
+        ("--conventions study", "motor has no --conventions; it counts in double precision"),
+        ("--precision float32", "motor has no --precision; it counts in double precision"),
+        ("--pi 0", "motor has no --pi; it counts in double precision with the true π"),
+    ],
 )  # fmt: skip
 @pytest.mark.parametrize("command", ["compare", "simulate", "sweep --sweep K_p=1,2", "tune"])
-def test_no_option_of_the_arm_is_dropped_on_another_plant(option, command, run):
+def test_no_option_is_dropped_that_a_plant_does_not_understand(option, said, command, run):
+    if option in ("--trajectory reach-return", "--payload") and command == "compare":
+        return  # which has no such option, and carries loads by itself
     if option == "--no-payload" and command[0] == "s":
         return  # which is what they do by themselves
-    said = run(f"{command} {SERVO} --plant motor {option}", 1)
-    assert f"{option.split()[0]} is for the arm; motor takes --reference" in said
+    err = run(f"{command} {SERVO} --plant motor {option}", 1)
+    assert said in err
+    assert len(err.splitlines()) == 1
+
+
+def test_options_of_costs_and_senses_are_for_trajectories(run):
+    refused = run(f"compare {SERVO} --cost", 1)
+    assert "--cost counts along the trajectories of the study's arm; motor is compared" in refused
+    assert "--errors chooses among those along" in run(f"compare {SERVO} --errors path", 1)
+
+
+# --- References where there are trajectories ---
+
+
+def test_the_arm_follows_references_too(run):
+    said = "--step 0.2 --for 300ms"
+    one = json.loads(run(f"simulate pd {said} --json"))
+    assert one["trajectory"] == "joint1.position step:0.2"
+    assert one["samples"] == 100  # set points of 3 ms, as laws have them
+    python = fuzzyarm.simulate("pd", "arm", references={"joint1.position": 0.2}, duration=0.3)
+    assert one["rms"] == pytest.approx(list(python.rms), rel=1e-12)
+    both = json.loads(run(f"compare pd {said} --json"))
+    assert both[0]["rms"] == one["rms"]
+    text = run(f"compare pd cdid {said} --sensor-delay joint1.position=1ms")
+    assert text.startswith("arm, joint1.position step:0.2")
+    assert " on arm, joint1.position step:0.2: 2 runs" in run(
+        f"sweep pd {said} --sweep K_P=9..99:2"
+    )
+    tuned = json.loads(run(f"tune {DIRECT} {said} --evals 1 --unseen 0 --no-linear --json"))
+    assert tuned["scenarios"] == ["joint1.position step:0.2"]
+    assert "--step and --reference" in run(f"simulate pd {said} --reference joint1.position=1", 1)
+
+
+@pytest.mark.parametrize(
+    "command", ["simulate pd", "compare pd", "sweep pd --random 1", "tune stfc"]
+)
+def test_a_trajectory_and_references_are_two_things(command, run):
+    assert "--step is for references, and --segment" in run(f"{command} --step 0 --segment 1", 1)
+    assert "--for says how long --reference or --step" in run(f"{command} --for 2s", 1)
+
+
+def test_sensors_count_in_comparisons_along_trajectories(run):
+    words = "--angles 5 5 --segment 0.05 --noise joint1.position=0.01 --seed 3 --no-payload"
+    found = json.loads(run(f"compare pd {words} --json"))[0]
+    ways = [("reach-return", "--hold 5"), ("pick-and-place", "")]
+    for at, (way, hold) in enumerate(ways):
+        one = json.loads(
+            run(f"simulate pd --trajectory {way} {words} {hold} --json".replace("--no-payload", ""))
+        )
+        assert found["rms"][2 * at : 2 * at + 2] == one["rms"]
+
+
+def test_an_unknown_trajectory_is_wrong_usage(run):
+    for command in ("simulate pd", "sweep pd --random 1 --sweep K_P=1..2", "learn", "tune stfc"):
+        err = run(f"{command} --trajectory reech", 2)
+        assert "the arm has no trajectory 'reech' (did you mean 'reach'?)" in err

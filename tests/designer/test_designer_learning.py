@@ -175,11 +175,15 @@ def test_shipped_soc_runs_on_the_arm_and_saving_asks(page, monkeypatch, capsys):
 def test_what_cannot_learn_is_said(page):
     facts = page.do("learnable", "servo-soc.frb")[0]
     assert facts["own"]
-    (motor,) = facts["texts"][0]["plants"]
-    assert motor["name"] == "motor"
-    assert motor["fits"]
-    assert motor["reference"] == "position=step:1"
-    assert motor["trajectories"] == []
+    assert facts["texts"][0]["plants"] == [
+        {"name": "motor", "fits": True, "trajectories": [], "shown": "", "carries": False,
+         "reference": "position=step:1"}
+    ]  # fmt: skip
+    soc = next(each for each in facts["texts"] if each["name"] == "soc-zero")["plants"][0]
+    assert soc == {
+        "name": "arm", "fits": True, "trajectories": ["reach-return", "pick-and-place", "reach"],
+        "shown": "pick-and-place", "carries": True, "reference": "",
+    }  # fmt: skip
     room = page.do("tunable", "heater.frb")[0]["plants"][0]
     assert room["reference"] == "temperature=step:21"  # as Run offers it
     assert not page.do("learnable", "thesis-6.1.lut")[0]["own"]

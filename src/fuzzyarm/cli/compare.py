@@ -9,7 +9,16 @@ from itertools import zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fuzzyarm.cli.command import JSON, WordError, argument, command, flag, print_json, progress_bar
+from fuzzyarm.cli.command import (
+    JSON,
+    WordError,
+    argument,
+    command,
+    flag,
+    print_error,
+    print_json,
+    progress_bar,
+)
 from fuzzyarm.cli.experiment import CONVENTIONS, DIVERGED, conventions_of
 from fuzzyarm.cli.plants import (
     MOTORS,
@@ -140,6 +149,7 @@ def _compare_trajectories(
         save_figure(draw_cost(compared, costs), arguments.plot)
     elif arguments.plot:
         _plot_runs(_runs_along(arguments, controllers, plant, trajectories[0]), arguments.plot)
+    _print_notes(compared)
     senses = [arguments.errors] if arguments.errors else list(_SENSES)
     if arguments.json:
         print_json([_compared_json(*pair) for pair in zip_longest(compared, costs)], 1)
@@ -151,6 +161,11 @@ def _compare_trajectories(
         print(f"{ways}{load}, {_counting(conventions)}")
         print("\n".join(_compared_lines(compared, costs, senses)))
     return 0
+
+
+def _print_notes(compared: Sequence[Compared | Run]) -> None:
+    for note in dict.fromkeys(note for each in compared for note in each.notes):
+        print_error(f"note: {note}")
 
 
 def _load(conventions: Conventions, *, payload: bool) -> str:
@@ -332,6 +347,7 @@ def _compare_references(
             motion = motion_of(arguments, controller, plant)
             runs.append(run_along(controller, motion, conventions, options, connect))
             bar(1)
+    _print_notes(runs)
     if arguments.plot:
         _plot_runs(runs, arguments.plot)
     if arguments.json:

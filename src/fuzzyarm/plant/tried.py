@@ -27,6 +27,7 @@ from fuzzyarm.plant.plant import (
     measure_states,
     runge_kutta_4,
 )
+from fuzzyarm.plant.trajectory import Trajectory
 from fuzzyarm.text.names import nearest
 
 EXAMPLES = {
@@ -85,6 +86,7 @@ def require_ports(plant: Plant) -> None:
         hint = "def derivative(self, t, x, u, p):  returns the rate of each state"
         raise _fault(plant, near or "states", f"it has no derivative{said}", hint=hint)
     _require_no_slip(plant)
+    _require_followable(plant)
     for what in ("longest_step", "duration"):
         number = getattr(plant, what)
         if number is not None and not (_is_number(number) and number > 0.0):
@@ -94,9 +96,39 @@ def require_ports(plant: Plant) -> None:
 def _require_no_slip(plant: Plant) -> None:
     """Raise PlantError for an attribute that is a misspelt one of those that need not be there."""
     own = [kind for kind in type(plant).__mro__ if not is_of_package(kind)]
-    for name in [name for kind in own for name in vars(kind)]:
-        if name != "longest_step" and nearest(name, ("longest_step",)):
-            raise _fault(plant, name, f"'{name}' is not read", hint="did you mean 'longest_step'?")
+    for name, value in [pair for kind in own for pair in vars(kind).items()]:
+        options = ["longest_step"]
+        if isinstance(value, Mapping | Trajectory) and not hasattr(Plant, name):
+            options.append("trajectories")
+        near = "" if name in options else nearest(name, options)
+        if near:
+            raise _fault(plant, name, f"'{name}' is not read", hint=f"did you mean '{near}'?")
+
+
+def _require_followable(plant: Plant) -> None:
+    """Raise PlantError where trajectories or the load of a plant are not what they are."""
+    ways: object = plant.trajectories
+    hint = 'write  trajectories = {"up": through([(1.0,)], segment=2.0)}'
+    if not isinstance(ways, Mapping):
+        message = f"trajectories are not names with what they are, but {_words(ways)}"
+        raise _fault(plant, "trajectories", message, hint=hint)
+    for name, way in ways.items():
+        if not (isinstance(way, Trajectory) or callable(way)):
+            message = f"trajectory '{name}' is {_words(way)}"
+            raise _fault(plant, "trajectories", message, hint=hint)
+    for name in plant.compared_along:
+        if name not in ways:
+            message = f"compared_along names '{name}', which is not a trajectory"
+            raise _fault(plant, "compared_along", message, hint=f"there are {', '.join(ways)}")
+    load: object = plant.loaded_parameters
+    if not isinstance(load, Mapping):
+        message = f"loaded_parameters are not names with numbers, but {_words(load)}"
+        raise _fault(plant, "loaded_parameters", message, hint='write  {"m": 5.0}')
+    for name, value in load.items():
+        if name not in plant.parameters or not _is_number(value):
+            message = f"loaded_parameters has {_words(name)}: {_words(value)}"
+            hint = f"numbers of its parameters: {', '.join(plant.parameters)}"
+            raise _fault(plant, "loaded_parameters", message, hint=hint)
 
 
 def _require_value(plant: Plant, what: str, name: str, value: object) -> None:

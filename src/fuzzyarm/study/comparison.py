@@ -90,6 +90,8 @@ class Compared:
         joint in N m, from one control period to the next: chatter.
     diverged : tuple of (float or None)
         When the run on each trajectory was stopped, s.
+    notes : tuple of str
+        What was taken otherwise than it was asked for, in sentences.
     """
 
     name: str
@@ -99,6 +101,7 @@ class Compared:
     rms_path: Numbers
     variation: Numbers
     diverged: tuple[float | None, ...]
+    notes: tuple[str, ...] = ()
 
     @property
     def error(self) -> float:
@@ -172,6 +175,7 @@ def compare(
             tuple(error for run in runs for error in run.rms_path),
             tuple(change for run in runs for change in run.variation),
             tuple(run.diverged for run in runs),
+            tuple(dict.fromkeys(note for run in runs for note in run.notes)),
         )
 
 
@@ -185,6 +189,7 @@ class Watched:
     rms_path: Numbers
     variation: Numbers
     diverged: float | None
+    notes: tuple[str, ...] = ()
 
 
 def watched_run(
@@ -224,6 +229,7 @@ def watched_run(
         plainly(shown_means(course, record, LED)),
         plainly(record.changes(MAGNITUDES)[first]),
         record.diverged(),
+        loop.notes(),
     )
 
 

@@ -129,8 +129,13 @@ def plant_scenarios(plant: Plant, payload: float = 1.0) -> tuple[Scenario, ...]:
 
 def scenario_along(plant: Plant, trajectory: Trajectory, payload: float = 1.0) -> Scenario:
     """Return a trajectory of a plant, with its load where it carries one."""
-    changes = {"payload": payload} if payload and carries(plant) else {}
+    changes = {"payload": payload} if payload and _is_loaded(plant, trajectory) else {}
     return Scenario(trajectory.name, plant, changes, trajectory)
+
+
+def _is_loaded(plant: Plant, trajectory: Trajectory) -> bool:
+    """Whether a plant that carries a load does so on a trajectory."""
+    return carries(plant) and any(trajectory.loaded)
 
 
 def train_scenarios(stage: Stage, count: int, controller: Controller) -> tuple[Scenario, ...]:
@@ -168,7 +173,7 @@ def _move(
     """Draw a trajectory of a plant, and a load where it carries one."""
     way = replace(drawn_trajectory(plant, generator), name=f"move {at + 1}")
     name = f"{at + 1}: {way.words}"
-    if carries(plant):
+    if _is_loaded(plant, way):
         changes.setdefault("payload", round(float(generator.uniform(0.0, HEAVIEST)), 3))
         name += f", load {changes['payload']:g}"
     return Scenario(name, plant, changes, way)
