@@ -340,6 +340,43 @@ def point_routines(
     return at, named
 
 
+def sweep_routine(
+    function: Callable[..., None],
+    block: Any,
+    shape: tuple[int, int],
+    inputs: tuple[int, int],
+    outputs: tuple[int, int],
+    counts: tuple[int, int],
+) -> Callable[[tuple[Any, ...], int, int], int]:
+    """Return what evaluates arrays of points as machine code, chunk by chunk.
+
+    Parameters
+    ----------
+    function : kernel
+        Of one block.
+    block : ndarray of float64
+        With room for a chunk of points.
+    shape : tuple of int
+        Points of a chunk, and numbers from one row of the block to the next.
+    inputs, outputs : tuple of int
+        How many they are, and where in the block their first row begins.
+    counts : tuple of int
+        Where in the block, as whole numbers, the number of points and that of outputs without a
+        value are.
+
+    Returns
+    -------
+    callable
+        Takes the arrays (contiguous, of float64; the inputs, then the outputs), the first element
+        and the one behind the last; returns how many outputs have no value. One at a time: there is
+        one block.
+    """
+    module: Any = _module()
+    address = address_of(function, 1, compiled=True)
+    sweeper = module.sweeper(address, block, shape, inputs, outputs, counts)
+    return cast(Callable[[tuple[Any, ...], int, int], int], sweeper)
+
+
 # --- Several processors ---
 
 

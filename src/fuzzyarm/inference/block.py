@@ -85,30 +85,38 @@ class Block(NamedTuple):
     points: NDArray[np.int64]
 
 
+GAP = 24
+"""Floats between two long rows. Rows that began a power of two apart would have the same lines of
+the cache, and a program works in more rows at once than a line has places."""
+
+
 def make_block(layout: Layout, points: int) -> Block:
     """Give the numbers of a rule base room for so many points."""
     inputs, outputs = layout.whole[at.INPUTS], layout.whole[at.OUTPUTS]
+    width = points if points == 1 else points + GAP
     # In the order of memory: each name is where the next part begins.
     lengths = {
         at.FLOATS: len(layout.whole),
         at.ROOM: len(layout.floats),
-        at.COLUMNS: layout.rows * points + 2 * layout.samples,
-        at.RESULTS: inputs * points,
-        at.ORDERED: outputs * points,
-        at.ORDER: inputs * points,
-        at.ENDS: 2 * points,
+        at.COLUMNS: layout.rows * width + 2 * layout.samples,
+        at.RESULTS: inputs * width,
+        at.ORDERED: outputs * width,
+        at.ORDER: inputs * width,
+        at.ENDS: 2 * width,
         at.SIZE: layout.programs + 2,
     }
     ends = dict(zip(lengths, accumulate(lengths.values()), strict=True))
     numbers = np.zeros(ends[at.SIZE])
     whole = numbers.view(np.int64)
     whole[: len(layout.whole)] = layout.whole
-    whole[at.POINTS], whole[at.WIDTH] = points, points
+    whole[at.POINTS], whole[at.WIDTH] = points, width
     for name, end in ends.items():
         whole[name] = end
     numbers[ends[at.FLOATS] : ends[at.ROOM]] = layout.floats
-    ones = ends[at.ROOM] + at.ONES * points
+    ones = ends[at.ROOM] + at.ONES * width
     numbers[ones : ones + points] = 1.0
-    columns = numbers[ends[at.COLUMNS] : ends[at.RESULTS]].reshape(inputs, points)
-    results = numbers[ends[at.RESULTS] : ends[at.ORDERED]].reshape(outputs, points)
-    return Block(numbers, columns, results, whole[at.POINTS : at.POINTS + 1])
+    columns = numbers[ends[at.COLUMNS] : ends[at.RESULTS]].reshape(inputs, width)
+    results = numbers[ends[at.RESULTS] : ends[at.ORDERED]].reshape(outputs, width)
+    return Block(
+        numbers, columns[:, :points], results[:, :points], whole[at.POINTS : at.POINTS + 1]
+    )

@@ -16,12 +16,26 @@ from numpy.typing import NDArray
 from fuzzyarm.inference.arrays import blocks, infer_arrays, part_of, working_shape
 from fuzzyarm.inference.block import Block, Layout, NotCoveredError, make_block
 from fuzzyarm.inference.errors import NotANumberError
-from fuzzyarm.inference.kernel import COLUMNS, MISSING, RESULTS, evaluate, sweep
+from fuzzyarm.inference.kernel import (
+    COLUMNS,
+    MISSING,
+    POINTS,
+    RESULTS,
+    WIDTH,
+    evaluate,
+    sweep,
+)
 from fuzzyarm.inference.labelled import gathered
 from fuzzyarm.inference.layout import lay_out
 from fuzzyarm.inference.plan import plan, remembered
 from fuzzyarm.inference.point import check_names, holds_arrays, number_of, prepare
-from fuzzyarm.kernels import bound_routine, has_machine_code, in_threads, point_routines
+from fuzzyarm.kernels import (
+    bound_routine,
+    has_machine_code,
+    in_threads,
+    point_routines,
+    sweep_routine,
+)
 from fuzzyarm.model.rulebase import AnyRuleBase, RuleBase
 
 CHUNK = 8192
@@ -36,6 +50,12 @@ LONGEST_CHUNK = 1 << 17
 
 MANY = 100_000
 """Points from which on all processors are used."""
+
+SHARES = 4
+"""Parts for each of them."""
+
+MOST_COLUMNS = 64
+"""Inputs, and outputs, for which the machine code over arrays has room."""
 
 
 def on_block(
@@ -182,6 +202,11 @@ def _at_plainly(rulebase: RuleBase, *values: Any) -> tuple[float, ...]:
     return tuple(prepare(rulebase).evaluate(_by_name(names, values)).values())
 
 
+def _is_plain(array: NDArray[Any], shape: tuple[int, ...]) -> bool:
+    """Whether the machine code can read an array as it is."""
+    return array.dtype == np.float64 and array.shape == shape and array.flags.c_contiguous
+
+
 def _is_by_name(value: Any) -> bool:
     """Whether a value has inputs by name: a mapping, a DataFrame, a Dataset."""
     return isinstance(value, Mapping) or (hasattr(value, "columns") and hasattr(value, "index"))
@@ -197,6 +222,7 @@ class _Engine:
         wanted = min(POINTS_PER_PROGRAM * layout.programs, LONGEST_CHUNK)
         self._chunk = max(CHUNK, wanted)
         self._free: list[tuple[Block, Callable[[], None]]] = []
+        self._sweeps: list[Callable[[tuple[Any, ...], int, int], int]] = []
         self.at, self.named = self._point_functions(make_block(layout, 1))
 
     def _point_functions(self, block: Block) -> tuple[Callable[..., tuple[float, ...]], _ByName]:
@@ -251,17 +277,50 @@ class _Engine:
         size = math.prod(shape)
         results = np.empty((len(self.rulebase.outputs), *working))
         workers = (os.cpu_count() or 1) if size >= MANY and self._compiled else 1
-        turns = max(1, math.ceil(size / (workers * self._chunk)))
-        parts = blocks(working, math.ceil(size / (workers * turns))) if size else ()
+        few = max(len(arrays), len(results)) <= MOST_COLUMNS
+        if self._compiled and few and all(_is_plain(each, working) for each in arrays.values()):
+            missing = self._sweep((*arrays.values(), *results), size, workers)
+        else:
+            turns = max(1, math.ceil(size / (workers * self._chunk)))
+            parts = blocks(working, math.ceil(size / (workers * turns))) if size else ()
 
-        def fill(some: Iterator[tuple[slice, ...]]) -> int:
-            return sum(self._fill(arrays, working, results, part) for part in some)
+            def fill(some: Iterator[tuple[slice, ...]]) -> int:
+                return sum(self._fill(arrays, working, results, part) for part in some)
 
-        missing = sum(in_threads(fill, parts, workers))
+            missing = sum(in_threads(fill, parts, workers))
         if missing:
             self._complete(arrays, working, results, held)
         names = [output.name for output in self.rulebase.outputs]
         return {n: result.reshape(shape) for n, result in zip(names, results, strict=True)}
+
+    def _sweep(self, arrays: tuple[NDArray[np.float64], ...], size: int, workers: int) -> int:
+        """Evaluate plain arrays; return how many outputs have no ordinary value."""
+        # A few shares for each thread: another process may hold one of them up.
+        share = max(self._chunk, math.ceil(size / (SHARES * workers)))
+
+        def fill(starts: Iterator[int]) -> int:
+            try:
+                sweep_arrays = self._sweeps.pop()
+            except IndexError:
+                sweep_arrays = self._sweeper()
+            missing = sum(sweep_arrays(arrays, at, min(at + share, size)) for at in starts)
+            self._sweeps.append(sweep_arrays)
+            return missing
+
+        return sum(in_threads(fill, range(0, size, share), workers))
+
+    def _sweeper(self) -> Callable[[tuple[Any, ...], int, int], int]:
+        numbers = make_block(self._layout, self._chunk).numbers
+        whole = numbers.view(np.int64)
+        inputs, outputs = len(self.rulebase.inputs), len(self.rulebase.outputs)
+        return sweep_routine(
+            sweep,
+            numbers,
+            (self._chunk, int(whole[WIDTH])),
+            (inputs, int(whole[COLUMNS])),
+            (outputs, int(whole[RESULTS])),
+            (POINTS, MISSING),
+        )
 
     def _fill(
         self,

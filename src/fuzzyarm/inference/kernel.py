@@ -200,9 +200,14 @@ def sweep(block: Any) -> None:
     ends = k[begin : begin + k[PROGRAMS] + 2]
     for point in range(points):
         programs[point] = 0
+    some_failed = False
     for i in range(k[INPUTS]):
         begin = k[COLUMNS] + i * width
-        _locate(k, f, i, block[begin : begin + points], programs)
+        if _locate(k, f, i, block[begin : begin + points], origin, programs):
+            some_failed = True
+    if some_failed:  # whatever other inputs have added
+        for point in range(points):
+            programs[point] = max(programs[point], FAILED)
     sort(block, k, programs, origin, ends)
     k[MISSING] = ends[0] * k[OUTPUTS]
     # The sorted points of program p are [ends[p], ends[p + 1]): one call for all of them, so
@@ -250,37 +255,53 @@ def sort(block: Any, k: Any, programs: Any, origin: Any, ends: Any) -> None:
 
 
 @kernel
-def _locate(k: Any, f: Any, i: int, x: Any, programs: Any) -> None:
-    """Bring an input into its range; add its share to the numbers of the programs."""
+def _locate(k: Any, f: Any, i: int, x: Any, buckets: Any, programs: Any) -> bool:
+    """Bring an input into its range; add its share to the numbers of the programs.
+
+    Return whether it may have failed somewhere: there the numbers are below zero.
+    """
     head = HEAD + INPUT_HEAD * i
-    clamped = k[head + CLAMPED] != 0
     at = RANGE * i
     low, high, first, scale = f[at], f[at + 1], f[at + 2], f[at + 3]
     last = k[head + BUCKETS] - 1.0
-    starts = k[head + STARTS_AT]
-    edges = k[head + EDGES_AT]
-    stride = k[head + STRIDE]
-    # Input by input, not point by point: its numbers stay in registers. A point that failed
-    # at one input stays failed; NaN fails, as no comparison holds for it.
-    for point in range(programs.shape[0]):
+    starts, edges, stride = k[head + STARTS_AT], k[head + EDGES_AT], k[head + STRIDE]
+    count = programs.shape[0]
+    # Input by input, not point by point: its numbers stay in registers. And loop by loop, for all
+    # but the last take several points at once.
+    if k[head + CLAMPED] != 0:
+        for point in range(count):
+            x[point] = min(max(x[point], low), high)
+    for point in range(count):
+        buckets[point] = np.int32(bucket_of(x[point], first, scale, last))
+    failed = False
+    for point in range(count):
         value = x[point]
-        if clamped:
-            value = min(max(value, low), high)
-            x[point] = value
-        if not low <= value <= high:
-            programs[point] = FAILED
-        elif programs[point] >= 0:
-            programs[point] += cell_of(k, f, starts, edges, value, first, scale, last) * stride
+        cell = k[starts + buckets[point]]
+        if not f[edges + cell] <= value < f[edges + cell + 1]:
+            cell = next_cell(f, edges, value, cell)
+            failed = failed or cell < 0
+        programs[point] += cell * stride
+    if k[head + CLAMPED] == 0:
+        failed = True
+    if failed:
+        for point in range(count):
+            # What other inputs add is less than the number of programs. NaN is in no range.
+            if not low <= x[point] <= high or not abs(x[point]) < math.inf:
+                programs[point] = -k[PROGRAMS]
+    return failed
 
 
 @kernel
-def cell_of(
-    k: Any, f: Any, starts: int, edges: int, value: float, first: float, scale: float, last: float
-) -> int:
-    """Return the cell in which a value lies."""
-    # Even buckets lead near the cell; the rest of the way is a step or none.
-    bucket = int(min(max((value - first) * scale, 0.0), last))
-    cell: int = k[starts + bucket]
+def bucket_of(value: float, first: float, scale: float, last: float) -> float:
+    """Return the even bucket of a value, in front of its fraction; 0 for what is not a number."""
+    return min(max(0.0, (value - first) * scale), last)
+
+
+@kernel
+def next_cell(f: Any, edges: int, value: float, cell: int) -> int:
+    """Return the cell in which a value lies, from one near it on; FAILED if it is in none."""
+    if not abs(value) < math.inf:
+        return FAILED
     while value < f[edges + cell]:
         cell -= 1
     while value >= f[edges + cell + 1]:
@@ -299,17 +320,19 @@ def _program_of_point(block: Any, k: Any, f: Any, inputs: int, columns: int) -> 
         if k[head + CLAMPED] != 0:
             value = min(max(value, f[at]), f[at + 1])
             block[column] = value
-        if not f[at] <= value <= f[at + 1]:
-            program = FAILED
-        elif program >= 0:
-            # A loop stays in a cell for many periods. Where that of the last point will do, what
-            # follows waits for a comparison only, which the processor foresees.
-            edges, cell = k[head + EDGES_AT], k[head + LAST_CELL]
-            if not f[edges + cell] <= value < f[edges + cell + 1]:
-                starts, last = k[head + STARTS_AT], k[head + BUCKETS] - 1.0
-                cell = cell_of(k, f, starts, edges, value, f[at + 2], f[at + 3], last)
-                k[head + LAST_CELL] = cell
-            program += cell * k[head + STRIDE]
+        elif not f[at] <= value <= f[at + 1]:
+            return FAILED
+        # A loop stays in a cell for many periods. Where that of the last point will do, what
+        # follows waits for a comparison only, which the processor foresees.
+        edges, cell = k[head + EDGES_AT], k[head + LAST_CELL]
+        if not f[edges + cell] <= value < f[edges + cell + 1]:
+            last = k[head + BUCKETS] - 1.0
+            bucket = int(bucket_of(value, f[at + 2], f[at + 3], last))
+            cell = next_cell(f, edges, value, k[k[head + STARTS_AT] + bucket])
+            if cell < 0:
+                return FAILED
+            k[head + LAST_CELL] = cell
+        program += cell * k[head + STRIDE]
         head += INPUT_HEAD
         at += RANGE
     return program
@@ -608,12 +631,15 @@ def join(norm: int, a: Any, b: Any, into: Any) -> None:
 def settle(mode: int, bounds: Any, total: Any, value: Any, result: Any, origin: Any) -> int:
     """Bring values into the range, say what holds where nothing fired; count the NaN."""
     low, high, silent = bounds[0], bounds[1], bounds[2]
+    count = total.shape[0]
+    for point in range(count):
+        value[point] = settled(mode, low, high, silent, total[point], value[point])
     missing = 0
-    for point in range(total.shape[0]):
-        found = settled(mode, low, high, silent, total[point], value[point])
-        result[origin[point]] = found
-        if math.isnan(found):
+    for point in range(count):
+        if math.isnan(value[point]):
             missing += 1
+    for point in range(count):
+        result[origin[point]] = value[point]
     return missing
 
 

@@ -467,7 +467,8 @@ class _Writer:
             clamped = variable.outside == "clamp"
         self.floats[at.RANGE * i : at.RANGE * (i + 1)] = [low, high, cells.first, cells.scale]
         edges = len(self.floats)
-        self.floats += cells.edges
+        # An infinite value lies in no cell: to other engines its lines have degrees, too.
+        self.floats += [-sys.float_info.max, *cells.edges[1:]]
         listed = [sorted(lines) for lines in cells.lines]
         most = max(map(len, listed))
         here: list[tuple[int, int]] = []

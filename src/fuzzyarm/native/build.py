@@ -8,7 +8,6 @@ package does it, and `make native`. The compiler is the platform's; where there 
 from __future__ import annotations
 
 import argparse
-import json
 import os
 import platform
 import shlex
@@ -17,19 +16,16 @@ import subprocess
 import sys
 import sysconfig
 import tempfile
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import NamedTuple
 
 from fuzzyarm.kernels import digest_of_sources
-from fuzzyarm.native.roots import Root, roots
-from fuzzyarm.native.walker import WALKER
-from fuzzyarm.translation.functions import Translation
-from fuzzyarm.translation.targets import C99, HEAD_OF_C, POINTERS
-from fuzzyarm.translation.types import ARRAYS, Array
+from fuzzyarm.native.printing import UNITS, kernels_in_c
+from fuzzyarm.native.roots import roots
 
-__all__ = ["BuildError", "Compiler", "build", "kernels_in_c"]
+__all__ = ["BuildError", "Compiler", "build", "find_compiler", "zig"]
 
 FLAGS = (
     # The bits of Python: nothing is fused or reordered. That no error number is set and no trap is
@@ -44,76 +40,9 @@ FLAGS = (
 LEVELS = {"baseline": "", "v3": "x86-64-v3"}
 """Processors of the levels; the second for x86-64 only."""
 
-UNITS: dict[str, tuple[str, ...]] = {
-    "rows": (),
-    # Loops over a few numbers that were written one by one: read as a vector they would wait for
-    # each other, and a call to fill four of them with zeros costs more than to write them.
-    "numbers": ("-fno-tree-vectorize", "-fno-tree-loop-distribute-patterns"),
-}
-"""Files of a level, with flags of their own; see :attr:`Root.over_rows`."""
-
 
 class BuildError(RuntimeError):
     """No compiler was found, or it failed."""
-
-
-def kernels_in_c(level: str, unit: str, kernels: Iterable[Root]) -> str:
-    """Return the C of kernels, with a table of their entries.
-
-    Parameters
-    ----------
-    level, unit : str
-        Under which the table is known, see :data:`LEVELS` and :data:`UNITS`.
-    kernels : iterable of Root
-        All, of which those of the unit are taken.
-    """
-    translation = Translation(C99)
-    entries, rows = [], []
-    taken = (root for root in kernels if root.over_rows == (unit == "rows"))
-    for index, root in enumerate(taken):
-        types = [ARRAYS[letter] for letter in root.types]
-        function = translation.function(root.function, types, root.bindings)
-        entries.append(_entries(index, function.name, types))
-        rows.append(f"  {{{json.dumps(root.key)}, (void (*)(void))entry_{index}, spread_{index}}},")
-    table = [
-        _ROW,
-        f"const table_row fuzzyarm_{level}_{unit}[] = {{", *rows, "  {0, 0, 0},", "};", "",
-    ]  # fmt: skip
-    body = translation.text()  # names the structures
-    if (level, unit) == ("baseline", "rows"):  # for Python, which asks for one only
-        table.append(_WALK)
-    return "\n".join([HEAD_OF_C, WALKER, *translation.structures, body, *entries, *table])
-
-
-_WALK = """\
-void fuzzyarm_run_program(int64_t address, const reals *arrays, int count) {
-  run_program(address, arrays, count);
-}
-"""
-
-
-_ROW = """\
-typedef struct {
-  const char *key;
-  void (*entry)(void);
-  void (*spread)(void *const *, const int64_t *);
-} table_row;
-"""
-
-
-def _entries(index: int, function: str, types: Sequence[Array]) -> str:
-    """Return a function as kernels call it, with each array by itself; and as Python does."""
-    listed = ", ".join(
-        f"{POINTERS[type_]} *at_{k}, int64_t length_{k}" for k, type_ in enumerate(types)
-    )
-    names = [C99.types[type_] for type_ in types]
-    passed = ", ".join(f"({name}){{at_{k}, length_{k}}}" for k, name in enumerate(names))
-    spread = ", ".join(f"at[{k}], lengths[{k}]" for k in range(len(types)))
-    return (
-        f"static void entry_{index}({listed}) {{ {function}({passed}); }}\n"
-        f"static void spread_{index}(void *const *at, const int64_t *lengths) "
-        f"{{ entry_{index}({spread}); }}\n"
-    )
 
 
 class Compiler(NamedTuple):
@@ -240,37 +169,39 @@ def build(folder: Path, compiler: Compiler | None = None) -> Path:
     result = folder / f"_kernels{SUFFIXES[compiler.system]}"
     with tempfile.TemporaryDirectory(prefix="fuzzyarm-") as room:
         work = Path(room)
-        flags_of = dict(_sources(work, compiler))
-        objects = [source.with_suffix(".o") for source in flags_of]
+        jobs = list(_jobs(work, compiler))
         with ThreadPoolExecutor(os.cpu_count() or 1) as pool:  # the compiler is another process
-            jobs = [
-                pool.submit(compiler.compile, source, into, *flags)
-                for (source, flags), into in zip(flags_of.items(), objects, strict=True)
-            ]
-            for job in jobs:
-                job.result()
+            list(pool.map(lambda job: compiler.compile(job.source, job.result, *job.flags), jobs))
         linked = work / result.name
-        compiler.link(objects, linked)
+        compiler.link([job.result for job in jobs], linked)
         unfinished = result.with_name(f".{result.name}.{os.getpid()}")
         shutil.copy2(linked, unfinished)
         unfinished.replace(result)  # a process that has it open keeps the old one
     return result
 
 
-def _sources(work: Path, compiler: Compiler) -> Iterator[tuple[Path, tuple[str, ...]]]:
-    """Write the files that are compiled; iterate over them and their flags."""
-    kernels = list(roots())
-    for level, of_level in compiler.levels.items():
-        for unit, of_unit in UNITS.items():
-            source = work / f"{level}_{unit}.c"
-            source.write_text(kernels_in_c(level, unit, kernels), encoding="utf-8")
-            yield source, (*of_level, *of_unit)
+class Job(NamedTuple):
+    """A file that is compiled: what of, what into, with which flags beside those of all."""
+
+    source: Path
+    result: Path
+    flags: tuple[str, ...]
+
+
+def _jobs(work: Path, compiler: Compiler) -> Iterator[Job]:
+    """Write the files that are compiled; iterate over what is to be done with them."""
+    for unit, text in kernels_in_c(roots()).items():
+        source = work / f"{unit}.c"
+        source.write_text(text, encoding="utf-8")
+        for level, flags in compiler.levels.items():
+            words = (f"-DTABLE={level}_{unit}", f"-DRUN_PROGRAM={level}_{unit}_program")
+            yield Job(source, work / f"{level}_{unit}.o", (*flags, *UNITS[unit], *words))
     module = work / "module.c"
     sources = f'const char fuzzyarm_sources[] = "{digest_of_sources()}";\n'
     own = Path(__file__).with_name("module.c").read_text(encoding="utf-8")
     module.write_text(own + sources, encoding="utf-8")
     v3 = ["-DFUZZYARM_V3"] if "v3" in compiler.levels else []
-    yield module, (f"-I{sysconfig.get_path('include')}", *v3)
+    yield Job(module, work / "module.o", (f"-I{sysconfig.get_path('include')}", *v3))
 
 
 SUFFIXES = {"linux": ".abi3.so", "macos": ".abi3.so", "windows": ".pyd"}

@@ -16,16 +16,17 @@ typedef struct {
   const char *key;
   void (*entry)(void);  /* as kernels call it: a pointer and a length for each array */
   spread_entry spread;  /* as Python does */
+  unsigned filled;      /* a bit for each array that it writes into */
 } table_row;
 
-extern const table_row fuzzyarm_baseline_rows[], fuzzyarm_baseline_numbers[];
+extern const table_row baseline_rows[], baseline_numbers[];
 #ifdef FUZZYARM_V3
-extern const table_row fuzzyarm_v3_rows[], fuzzyarm_v3_numbers[];
+extern const table_row v3_rows[], v3_numbers[];
 #endif
 extern const char fuzzyarm_sources[];
 
 typedef struct { double *at; int64_t length; } fuzzyarm_reals;
-void fuzzyarm_run_program(int64_t address, const fuzzyarm_reals *arrays, int count);
+void baseline_rows_program(int64_t address, const fuzzyarm_reals *arrays, int count);
 
 typedef struct {
   const char *level;
@@ -33,11 +34,11 @@ typedef struct {
 } table;
 
 static const table tables[] = {
-    {"baseline", fuzzyarm_baseline_rows},
-    {"baseline", fuzzyarm_baseline_numbers},
+    {"baseline", baseline_rows},
+    {"baseline", baseline_numbers},
 #ifdef FUZZYARM_V3
-    {"x86-64-v3", fuzzyarm_v3_rows},
-    {"x86-64-v3", fuzzyarm_v3_numbers},
+    {"x86-64-v3", v3_rows},
+    {"x86-64-v3", v3_numbers},
 #endif
     {NULL, NULL}};
 
@@ -94,7 +95,7 @@ enum { MOST_ARRAYS = 32 };
 
 typedef struct {
   PyObject_HEAD
-  spread_entry spread;
+  const table_row *row;
   int count;                  /* of arrays */
   int held;                   /* buffers that are to be released */
   int brief;                  /* whether it keeps the lock of the interpreter */
@@ -132,16 +133,17 @@ static int fits(const Py_buffer *buffer, char letter) {
   return *format == 'i' || *format == 'l' || *format == 'q';
 }
 
-static int take(PyObject *array, char letter, Py_buffer *buffer) {
-  if (PyObject_GetBuffer(array, buffer, PyBUF_C_CONTIGUOUS | PyBUF_FORMAT | PyBUF_WRITABLE) < 0) {
-    /* Kernels write into some of their arrays only; what is read may be read-only. */
+/* Take hold of an array; of one that is written it is demanded that this is allowed. */
+static int take(PyObject *array, char letter, int written, Py_buffer *buffer) {
+  if (PyObject_GetBuffer(array, buffer, PyBUF_C_CONTIGUOUS | PyBUF_FORMAT) < 0) {
     PyErr_Clear();
-    if (PyObject_GetBuffer(array, buffer, PyBUF_C_CONTIGUOUS | PyBUF_FORMAT) < 0) {
-      PyErr_Clear();
-      PyErr_Format(PyExc_TypeError, "a contiguous array of %s is needed",
-                   kind_of(letter));
-      return -1;
-    }
+    PyErr_Format(PyExc_TypeError, "a contiguous array of %s is needed", kind_of(letter));
+    return -1;
+  }
+  if (written && buffer->readonly) {
+    PyErr_Format(PyExc_ValueError, "an array that is filled in is read-only");
+    PyBuffer_Release(buffer);
+    return -1;
   }
   if (!fits(buffer, letter)) {
     PyErr_Format(PyExc_TypeError, "a contiguous array of %s is needed, not one of format '%s'",
@@ -152,11 +154,12 @@ static int take(PyObject *array, char letter, Py_buffer *buffer) {
   return 0;
 }
 
-/* What runs an entry on arrays in a row; NULL for an address that is in no table. */
-static spread_entry spread_of(void *entry) {
+/* The row of an entry; NULL for an address that is in no table. */
+static const table_row *row_of(unsigned long long address) {
+  void *entry = (void *)(uintptr_t)address;
   for (const table *part = tables; part->level != NULL; part++)
     for (const table_row *row = part->rows; row->key != NULL; row++)
-      if ((void *)row->entry == entry) return row->spread;
+      if ((void *)row->entry == entry) return row;
   return NULL;
 }
 
@@ -167,7 +170,11 @@ static void run_entry(const Routine *self, const Py_buffer *buffers) {
     at[k] = buffers[k].buf;
     lengths[k] = buffers[k].len / buffers[k].itemsize;
   }
-  self->spread(at, lengths);
+  self->row->spread(at, lengths);
+}
+
+static int take_one(const Routine *self, int k, PyObject *array, Py_buffer *buffer) {
+  return take(array, self->letters[k], self->row->filled >> k & 1, buffer);
 }
 
 static PyObject *routine_call(PyObject *object, PyObject *const *arrays, Py_ssize_t count) {
@@ -176,7 +183,7 @@ static PyObject *routine_call(PyObject *object, PyObject *const *arrays, Py_ssiz
   if (count != self->count)
     return PyErr_Format(PyExc_TypeError, "%d arrays are needed, not %zd", self->count, count);
   int taken = 0;
-  while (taken < count && take(arrays[taken], self->letters[taken], &buffers[taken]) == 0) taken++;
+  while (taken < count && take_one(self, taken, arrays[taken], &buffers[taken]) == 0) taken++;
   if (taken == count) {
     Py_BEGIN_ALLOW_THREADS
     run_entry(self, buffers);
@@ -207,14 +214,14 @@ static PyMethodDef again_method = {
 
 static Routine *new_routine(unsigned long long address, const char *letters) {
   const size_t count = strlen(letters);
-  const spread_entry spread = spread_of((void *)(uintptr_t)address);
-  if (spread == NULL || count > MOST_ARRAYS) {
+  const table_row *row = row_of(address);
+  if (row == NULL || count > MOST_ARRAYS) {
     PyErr_Format(PyExc_ValueError, "no kernel of %zu arrays stands at this address", count);
     return NULL;
   }
   Routine *self = PyObject_New(Routine, routine_type);
   if (self == NULL) return NULL;
-  self->spread = spread;
+  self->row = row;
   self->count = (int)count;
   self->held = self->brief = 0;
   memcpy(self->letters, letters, count);
@@ -250,7 +257,7 @@ static PyObject *bind(PyObject *module, PyObject *arguments) {
   }
   while (self->held < self->count) {
     PyObject *array = PyTuple_GetItem(arrays, self->held);
-    if (take(array, self->letters[self->held], &self->buffers[self->held]) < 0) {
+    if (take_one(self, self->held, array, &self->buffers[self->held]) < 0) {
       Py_DECREF(self);
       return NULL;
     }
@@ -261,9 +268,130 @@ static PyObject *bind(PyObject *module, PyObject *arguments) {
   return function;
 }
 
-/* --- One point of a rule base --- */
+/* --- Many points of a rule base --- */
 
 enum { MOST_INPUTS = 64 };
+
+/* A kernel on a block with room for a chunk of points: it is run chunk by chunk over arrays. */
+typedef struct {
+  PyObject_HEAD
+  spread_entry spread;
+  Py_buffer block;
+  int held;
+  Py_ssize_t chunk, width;              /* points of a chunk, and from one row to the next */
+  Py_ssize_t inputs, outputs;           /* how many there are */
+  double *columns, *results;            /* their rows in the block */
+  int64_t *points, *missing;            /* how many points there are; outputs without a value */
+} Sweep;
+
+static PyTypeObject *sweep_type;
+
+static void sweep_free(PyObject *object) {
+  Sweep *self = (Sweep *)object;
+  PyTypeObject *type = Py_TYPE(object);
+  if (self->held) PyBuffer_Release(&self->block);
+  PyObject_Free(object);
+  Py_DECREF(type);
+}
+
+static PyType_Slot sweep_slots[] = {{Py_tp_dealloc, sweep_free}, {0, NULL}};
+static PyType_Spec sweep_spec = {
+    "fuzzyarm._kernels.Sweep", sizeof(Sweep), 0, Py_TPFLAGS_DEFAULT, sweep_slots};
+
+/* Evaluate elements of arrays from `begin` on; return how many outputs have no value. */
+static long long sweep_over(Sweep *self, const Py_buffer *arrays, Py_ssize_t begin, Py_ssize_t end) {
+  void *at[1] = {self->block.buf};
+  const int64_t lengths[1] = {self->block.len / self->block.itemsize};
+  long long missing = 0;
+  for (; begin < end; begin += self->chunk) {
+    const Py_ssize_t left = end - begin, count = left < self->chunk ? left : self->chunk;
+    const size_t bytes = (size_t)count * sizeof(double);
+    for (Py_ssize_t i = 0; i < self->inputs; i++)
+      memcpy(self->columns + i * self->width, (double *)arrays[i].buf + begin, bytes);
+    *self->points = count;
+    self->spread(at, lengths);
+    for (Py_ssize_t o = 0; o < self->outputs; o++)
+      memcpy((double *)arrays[self->inputs + o].buf + begin, self->results + o * self->width, bytes);
+    missing += *self->missing;
+  }
+  return missing;
+}
+
+/* From the arrays of the inputs and those of the outputs, and the first and the last element. */
+static PyObject *sweep_arrays(PyObject *object, PyObject *arguments) {
+  Sweep *self = (Sweep *)object;
+  PyObject *arrays;
+  Py_ssize_t begin, end;
+  Py_buffer buffers[2 * MOST_INPUTS];
+  if (!PyArg_ParseTuple(arguments, "O!nn", &PyTuple_Type, &arrays, &begin, &end)) return NULL;
+  const Py_ssize_t count = self->inputs + self->outputs;
+  if (PyTuple_Size(arrays) != count)
+    return PyErr_Format(PyExc_TypeError, "%zd arrays are needed", count);
+  Py_ssize_t taken = 0;
+  int fit = 1;
+  while (fit && taken < count) {
+    const int written = taken >= self->inputs;
+    if (take(PyTuple_GetItem(arrays, taken), 'f', written, &buffers[taken]) < 0) break;
+    fit = begin >= 0 && end <= buffers[taken].len / buffers[taken].itemsize;
+    taken++;
+  }
+  long long missing = 0;
+  if (fit && taken == count) {
+    Py_BEGIN_ALLOW_THREADS
+    missing = sweep_over(self, buffers, begin, end);
+    Py_END_ALLOW_THREADS
+  }
+  for (Py_ssize_t k = 0; k < taken; k++) PyBuffer_Release(&buffers[k]);
+  if (!fit) return PyErr_Format(PyExc_ValueError, "an array ends before element %zd", end);
+  return taken < count ? NULL : PyLong_FromLongLong(missing);
+}
+
+static PyMethodDef sweep_method = {
+    "sweep", sweep_arrays, METH_VARARGS, "Evaluate elements of arrays, chunk by chunk."};
+
+/* Return what runs a kernel over arrays: its block, and where in that the parts are. */
+static PyObject *sweeper(PyObject *module, PyObject *arguments) {
+  (void)module;
+  unsigned long long address;
+  PyObject *block;
+  Py_ssize_t chunk, width, inputs, outputs, columns, results, points, missing;
+  if (!PyArg_ParseTuple(arguments, "KO(nn)(nn)(nn)(nn)", &address, &block, &chunk, &width, &inputs,
+                        &columns, &outputs, &results, &points, &missing))
+    return NULL;
+  const table_row *row = row_of(address);
+  if (row == NULL || chunk < 1 || width < chunk || inputs < 0 || inputs > MOST_INPUTS ||
+      outputs < 0 || outputs > MOST_INPUTS)
+    return PyErr_Format(PyExc_ValueError, "no kernel for points of %zd inputs", inputs);
+  Sweep *self = PyObject_New(Sweep, sweep_type);
+  if (self == NULL) return NULL;
+  self->spread = row->spread;
+  self->held = 0;
+  PyObject *function = NULL;
+  if (take(block, 'f', 1, &self->block) == 0) {
+    self->held = 1;
+    const Py_ssize_t length = self->block.len / self->block.itemsize;
+    double *numbers = self->block.buf;
+    if (columns < 0 || results < 0 || columns + inputs * width > length ||
+        results + outputs * width > length || points < 0 || points >= length || missing < 0 ||
+        missing >= length) {
+      PyErr_Format(PyExc_ValueError, "inputs or outputs lie outside the block");
+    } else {
+      self->chunk = chunk;
+      self->width = width;
+      self->inputs = inputs;
+      self->outputs = outputs;
+      self->columns = numbers + columns;
+      self->results = numbers + results;
+      self->points = (int64_t *)numbers + points;
+      self->missing = (int64_t *)numbers + missing;
+      function = PyCFunction_NewEx(&sweep_method, (PyObject *)self, NULL);
+    }
+  }
+  Py_DECREF(self);
+  return function;
+}
+
+/* --- One point of a rule base --- */
 
 /* A kernel on a block with the numbers of a rule base. It keeps the lock of the interpreter, so that
    one block serves all threads: to give the lock away would cost as much as the work. */
@@ -381,13 +509,13 @@ static PyObject *point(PyObject *module, PyObject *arguments) {
   if (!PyArg_ParseTuple(arguments, "KOnO!nO!O", &address, &block, &x, &PyTuple_Type, &input_names,
                         &y, &PyTuple_Type, &output_names, &otherwise))
     return NULL;
-  const spread_entry spread = spread_of((void *)(uintptr_t)address);
+  const table_row *row = row_of(address);
   const Py_ssize_t inputs = PyTuple_Size(input_names), outputs = PyTuple_Size(output_names);
-  if (spread == NULL || inputs > MOST_INPUTS)
+  if (row == NULL || inputs > MOST_INPUTS)
     return PyErr_Format(PyExc_ValueError, "no kernel for a point of %zd inputs", inputs);
   Point *self = PyObject_New(Point, point_type);
   if (self == NULL) return NULL;
-  self->spread = spread;
+  self->spread = row->spread;
   self->inputs = inputs;
   self->outputs = outputs;
   self->held = 0;
@@ -395,7 +523,7 @@ static PyObject *point(PyObject *module, PyObject *arguments) {
   Py_INCREF(self->output_names = output_names);
   Py_INCREF(self->otherwise = otherwise);
   PyObject *pair = NULL;
-  if (take(block, 'f', &self->block) == 0) {
+  if (take(block, 'f', 1, &self->block) == 0) {
     self->held = 1;
     const Py_ssize_t length = self->block.len / self->block.itemsize;
     if (x < 0 || y < 0 || x + inputs > length || y + outputs > length) {
@@ -414,6 +542,20 @@ static PyObject *point(PyObject *module, PyObject *arguments) {
   return pair;
 }
 
+/* Whether arrays are as long as a program of operations reads and fills them, see
+   fuzzyarm/expression/programs.py; with rows it has one array of numbers, without them any. */
+static int are_long_enough(int64_t address, const fuzzyarm_reals *arrays, Py_ssize_t count) {
+  const double *program = (const double *)(uintptr_t)(address - 1);
+  const Py_ssize_t rows = (Py_ssize_t)program[0];
+  const int64_t filled = arrays[count - 1].length;
+  int64_t numbers = 0;
+  if (rows > 0 && count != rows + 2) return 0;
+  for (Py_ssize_t k = 0; k < rows; k++)
+    if (arrays[k].length < filled) return 0;
+  for (Py_ssize_t k = rows; k < count - 1; k++) numbers += arrays[k].length;
+  return numbers == (int64_t)program[1] && (rows > 0 || filled >= (int64_t)program[4]);
+}
+
 /* Run a program of operations by itself, as kernels call it: rows, numbers, and what is filled. */
 static PyObject *walk(PyObject *module, PyObject *arguments) {
   (void)module;
@@ -426,15 +568,18 @@ static PyObject *walk(PyObject *module, PyObject *arguments) {
   if (address % 2 == 0 || count < 2 || count > MOST_ARRAYS)
     return PyErr_Format(PyExc_ValueError, "not a program of operations");
   int taken = 0;
-  while (taken < count && take(PyTuple_GetItem(arrays, taken), 'f', &buffers[taken]) == 0) {
+  while (taken < count &&
+         take(PyTuple_GetItem(arrays, taken), 'f', taken == count - 1, &buffers[taken]) == 0) {
     given[taken].at = buffers[taken].buf;
     given[taken].length = buffers[taken].len / buffers[taken].itemsize;
     taken++;
   }
-  if (taken == count) fuzzyarm_run_program((int64_t)address, given, (int)count);
+  const int fit = taken == count && are_long_enough((int64_t)address, given, count);
+  if (fit) baseline_rows_program((int64_t)address, given, (int)count);
   for (int k = 0; k < taken; k++) PyBuffer_Release(&buffers[k]);
+  if (fit) Py_RETURN_NONE;
   if (taken < count) return NULL;
-  Py_RETURN_NONE;
+  return PyErr_Format(PyExc_ValueError, "the arrays of a program of operations do not fit it");
 }
 
 static PyMethodDef methods[] = {
@@ -443,13 +588,15 @@ static PyMethodDef methods[] = {
     {"routine", routine, METH_VARARGS, "Return a function of arrays that runs an entry."},
     {"bind", bind, METH_VARARGS, "Return a function that runs an entry on the same arrays."},
     {"point", point, METH_VARARGS, "Return what evaluates one point, by position and by name."},
+    {"sweeper", sweeper, METH_VARARGS, "Return what evaluates arrays of points."},
     {"walk", walk, METH_VARARGS, "Run a program of operations on arrays."},
     {NULL, NULL, 0, NULL}};
 
 static int execute(PyObject *module) {
   routine_type = (PyTypeObject *)PyType_FromSpec(&routine_spec);
   point_type = (PyTypeObject *)PyType_FromSpec(&point_spec);
-  if (routine_type == NULL || point_type == NULL) return -1;
+  sweep_type = (PyTypeObject *)PyType_FromSpec(&sweep_spec);
+  if (routine_type == NULL || point_type == NULL || sweep_type == NULL) return -1;
   return PyModule_AddStringConstant(module, "SOURCES", fuzzyarm_sources);
 }
 

@@ -149,6 +149,11 @@ class _Function:
         What it returns.
     text : str
         The definition.
+    writes : set of str
+        Arguments that it writes into.
+    asks : set of tuple of (Array, frozenset of str)
+        For each call by address, the arrays that are handed over: type, and the arguments in which
+        they may lie.
     """
 
     def __init__(
@@ -167,14 +172,17 @@ class _Function:
         self.types: dict[str, Type] = dict(zip(self.parameters, types, strict=True))
         self.returned: Type = Nothing.NOTHING
         self.text = ""
+        self.writes: set[str] = set()
+        self.asks: set[tuple[tuple[Array, frozenset[str]], ...]] = set()
+        self._memory = {name: frozenset((name,)) for name in self.parameters}
         self._returns: Type | None = None
         self._temporaries = 0
 
     def translate(self) -> None:
         """Write the text: again, until no name has become wider meanwhile."""
         before: Any = None
-        while before != (self.types, self._returns):
-            before = dict(self.types), self._returns
+        while before != (self.types, self._returns, self._memory):
+            before = dict(self.types), self._returns, dict(self._memory)
             self._temporaries = 0
             body = self.block(self.source.body)
         parameters = [self.declared(self.target.parameter, name) for name in self.parameters]
@@ -225,7 +233,7 @@ class _Function:
         name = self.temporary()
         lines = [self.named(name, value)]
         for target in node.targets:
-            lines += self.stored(target, Value(name, value.type))
+            lines += self.stored(target, value._replace(text=name))
         return _together(lines)
 
     def typed_assignment(self, node: ast.AnnAssign) -> list[str]:
@@ -240,7 +248,7 @@ class _Function:
         names = [self.temporary() for _ in values]
         lines = [self.named(*pair) for pair in zip(names, values, strict=True)]
         for part, name, value in zip(target.elts, names, values, strict=True):
-            lines += self.stored(part, Value(name, value.type))
+            lines += self.stored(part, value._replace(text=name))
         return _together(lines)
 
     def stored(self, target: ast.expr, value: Value) -> list[str]:
@@ -249,6 +257,7 @@ class _Function:
             return []
         if isinstance(target, ast.Name):
             self.widen(target.id, value.type)
+            self._memory[target.id] = self._memory.get(target.id, frozenset()) | value.memory
             name = self.variable(target.id)
             return [f"{name} = {self.as_type(value, self.types[target.id])};"]
         if isinstance(target, ast.Tuple):
@@ -256,9 +265,11 @@ class _Function:
             name = self.temporary()
             lines = [self.named(name, value)]
             for index, part in enumerate(target.elts):
-                lines += self.stored(part, self.part_of(Value(name, value.type), index))
+                lines += self.stored(part, self.part_of(value._replace(text=name), index))
             return _together(lines)
         place = self.value(target)
+        assert isinstance(target, ast.Subscript)
+        self.writes |= self.value(target.value).memory
         return [f"{place.text} = {self.as_type(value, place.type)};"]
 
     def changed(self, node: ast.AugAssign) -> list[str]:
@@ -361,7 +372,9 @@ class _Function:
 
     def name_(self, node: ast.Name) -> Value:
         if node.id in self.types:
-            return Value(self.variable(node.id), self.types[node.id])
+            type_ = self.types[node.id]
+            memory = frozenset() if isinstance(type_, Scalar) else self._memory[node.id]
+            return Value(self.variable(node.id), type_, memory)
         return self.number(self.globals.get(node.id), node)  # a constant of the module
 
     def binary(self, node: ast.BinOp) -> Value:
@@ -404,7 +417,8 @@ class _Function:
 
     def record(self, values: Sequence[Value], names: tuple[str, ...] = ()) -> Value:
         type_ = Record(tuple(value.type for value in values), names)
-        return Value(self.tuple_of([value.text for value in values], type_), type_)
+        memory = frozenset().union(*(value.memory for value in values))
+        return Value(self.tuple_of([value.text for value in values], type_), type_, memory)
 
     def tuple_of(self, parts: Sequence[str], type_: Record) -> str:
         template = self.target.uniform_record if type_.uniform else self.target.record
@@ -423,7 +437,7 @@ class _Function:
                 start=start or "0",
                 end=end or self.target.length.format(whole.text),
             )
-            return Value(text, whole.type)
+            return Value(text, whole.type, whole.memory)
         if isinstance(whole.type, Array):
             index = self.value(node.slice).text
             return Value(self.target.element.format(whole.text, index), whole.type.element)
@@ -437,7 +451,9 @@ class _Function:
     def part_of(self, whole: Value, index: int) -> Value:
         assert isinstance(whole.type, Record)
         template = self.target.uniform_part if whole.type.uniform else self.target.part
-        return Value(template.format(whole.text, index), whole.type.parts[index])
+        type_ = whole.type.parts[index]
+        memory = frozenset() if isinstance(type_, Scalar) else whole.memory
+        return Value(template.format(whole.text, index), type_, memory)
 
     def attribute(self, node: ast.Attribute) -> Value:
         if ast.unparse(node.value) == "math":
@@ -458,7 +474,8 @@ class _Function:
 
     def called(self, node: ast.Call) -> Value:
         if isinstance(node.func, ast.Attribute) and node.func.attr == "view":
-            return Value(self.target.wholes.format(self.value(node.func.value).text), Array.WHOLES)
+            viewed = self.value(node.func.value)
+            return Value(self.target.wholes.format(viewed.text), Array.WHOLES, viewed.memory)
         if isinstance(node.func, ast.Attribute) and ast.unparse(node.func.value) in {"math", "np"}:
             return self.function_called(node, getattr(_module(node), node.func.attr))
         if not isinstance(node.func, ast.Name):
@@ -472,6 +489,7 @@ class _Function:
     def function_called(self, node: ast.Call, function: Any) -> Value:
         arguments = [self.value(argument) for argument in node.args]
         if function is call:
+            self.asks.add(tuple((Array(array.type), array.memory) for array in arguments[1:]))
             return Value(self.target.call(arguments[0].text, arguments[1:]), Nothing.NOTHING)
         if isinstance(function, type) and issubclass(function, tuple):
             return self.record(arguments, function._fields)  # type: ignore[attr-defined]
@@ -480,10 +498,23 @@ class _Function:
             made = self.whole.function(function, types, self.bindings)
             kinds = [made.types[name] for name in made.parameters]
             texts = [self.as_type(*pair) for pair in zip(arguments, kinds, strict=True)]
-            return Value(f"{made.name}({', '.join(texts)})", made.returned)
+            memory = self.handed_over(made, arguments)
+            return Value(f"{made.name}({', '.join(texts)})", made.returned, memory)
         if function is len:
             return self.length(arguments[0])
         return self.spelled(node, function, arguments)
+
+    def handed_over(self, made: _Function, arguments: Sequence[Value]) -> frozenset[str]:
+        """Note what a function does with what it is handed; return where its value may lie."""
+        memory = {
+            name: value.memory for name, value in zip(made.parameters, arguments, strict=True)
+        }
+        for name in made.writes:
+            self.writes |= memory[name]
+        for asked in made.asks:
+            self.asks.add(tuple((type_, _together_in(memory, names)) for type_, names in asked))
+        returns_arrays = isinstance(made.returned, Array | Record)
+        return _together_in(memory, memory) if returns_arrays else frozenset()
 
     def spelled(self, node: ast.Call, function: Any, arguments: Sequence[Value]) -> Value:
         """Return a call of a function of Python or NumPy, as the language spells it."""
@@ -523,6 +554,11 @@ _BUILTINS: dict[str, Any] = {
 def _together(lines: Sequence[str]) -> list[str]:
     """Return statements whose names nobody else sees."""
     return ["{", *(f"  {line}" for line in lines), "}"]
+
+
+def _together_in(memory: Mapping[str, frozenset[str]], names: Iterable[str]) -> frozenset[str]:
+    """Return all memory that goes by some names."""
+    return frozenset(part for name in names for part in memory[name])
 
 
 def _counted(type_: Type) -> Type:

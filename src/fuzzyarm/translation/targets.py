@@ -290,6 +290,7 @@ JAVASCRIPT = Target(
         "Math.",
         {
             int: ("Math.trunc({})", WHOLE),
+            np.int32: ("Math.trunc({})", SHORT),
             float: ("{}", REAL),
             math.isnan: ("Number.isNaN({})", TRUTH),
             math.floor: ("Math.floor({})", REAL),

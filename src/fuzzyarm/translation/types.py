@@ -71,10 +71,21 @@ Type = Scalar | Array | Record | Nothing
 
 
 class Value(NamedTuple):
-    """The text of an expression in some language, and its type."""
+    """The text of an expression in some language, its type, and whose memory it is.
+
+    Attributes
+    ----------
+    text : str
+        In the language.
+    type : Type
+        Of the value.
+    memory : frozenset of str
+        Arguments of the function in which arrays of the value may lie.
+    """
 
     text: str
     type: Type
+    memory: frozenset[str] = frozenset()
 
 
 _WIDTH = list(Scalar)

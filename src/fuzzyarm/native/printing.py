@@ -1,0 +1,138 @@
+"""The kernels in C: for each unit a file with the functions and a table of entries.
+
+An entry takes a pointer and a length for each array; its address is what kernels call each other
+by. Beside it stand its name, how Python calls it, and which arrays it fills in: that follows from
+the kernels' own source, and for what they call by address from all that may stand there.
+"""
+
+from __future__ import annotations
+
+import json
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any, NamedTuple
+
+from fuzzyarm.native.roots import Root
+from fuzzyarm.native.walker import WALKER
+from fuzzyarm.translation.functions import Translation
+from fuzzyarm.translation.targets import C99, HEAD_OF_C, POINTERS
+from fuzzyarm.translation.types import ARRAYS, Array
+
+__all__ = ["UNITS", "filled_arrays", "kernels_in_c"]
+
+UNITS: dict[str, tuple[str, ...]] = {
+    "rows": (),
+    # Loops over a few numbers that were written one by one: read as a vector they would wait for
+    # each other, and a call to fill four of them with zeros costs more than to write them.
+    "numbers": ("-fno-tree-vectorize", "-fno-tree-loop-distribute-patterns"),
+}
+"""Files of a level, with flags of their own; see :attr:`Root.over_rows`."""
+
+
+def kernels_in_c(kernels: Iterable[Root]) -> dict[str, str]:
+    """Return the C of kernels, for each unit.
+
+    The macros ``TABLE`` and ``RUN_PROGRAM`` name what others see of a file: it is compiled for each
+    level of the processor.
+
+    Parameters
+    ----------
+    kernels : iterable of Root
+        What is printed.
+    """
+    units = {unit: _Unit() for unit in UNITS}
+    for root in kernels:
+        units["rows" if root.over_rows else "numbers"].add(root)
+    filled = dict(filled_arrays([entry for unit in units.values() for entry in unit.entries]))
+    return {name: unit.text(filled) for name, unit in units.items()}
+
+
+class Entry(NamedTuple):
+    """A kernel that was translated: it is known by its key and takes arrays of some types."""
+
+    key: str
+    types: tuple[Array, ...]
+    function: Any
+
+
+class _Unit:
+    """Kernels of one file."""
+
+    def __init__(self) -> None:
+        self.translation = Translation(C99)
+        self.entries: list[Entry] = []
+
+    def add(self, root: Root) -> None:
+        """Translate a kernel."""
+        types = tuple(ARRAYS[letter] for letter in root.types)
+        function = self.translation.function(root.function, types, root.bindings)
+        self.entries.append(Entry(root.key, types, function))
+
+    def text(self, filled: dict[str, set[int]]) -> str:
+        """Return the file."""
+        entries, rows = [], []
+        for index, (key, types, function) in enumerate(self.entries):
+            entries.append(_entries(index, function.name, types))
+            bits = sum(1 << position for position in filled[key])
+            both = f"(void (*)(void))entry_{index}, spread_{index}"
+            rows.append(f"  {{{json.dumps(key)}, {both}, {bits}u}},")
+        table = ["const table_row TABLE[] = {", *rows, "  {0, 0, 0, 0},", "};", ""]
+        body = self.translation.text()  # names the structures
+        head = [HEAD_OF_C, WALKER, *self.translation.structures]
+        return "\n".join([*head, body, *entries, _ROW, *table, _WALK])
+
+
+def filled_arrays(entries: Sequence[Entry]) -> Iterator[tuple[str, set[int]]]:
+    """Iterate over kernels by their keys, and which of their arrays they fill in."""
+    # Where one calls another by address, all that takes such arrays may stand there, and a program
+    # of operations, which fills in the last. What they fill in may be known in the next turn only.
+    by_types: dict[tuple[Array, ...], set[int]] = defaultdict(set)
+    for entry in entries:
+        by_types[entry.types].add(len(entry.types) - 1)
+    before = -1
+    while before != (before := sum(map(len, by_types.values()))):
+        for entry in entries:
+            by_types[entry.types] |= set(_filled_by(entry, by_types))
+    for entry in entries:
+        yield entry.key, set(_filled_by(entry, by_types))
+
+
+def _filled_by(entry: Entry, by_types: dict[tuple[Array, ...], set[int]]) -> Iterator[int]:
+    """Iterate over what a kernel fills in, by itself or by what it calls by address."""
+    parameters = entry.function.parameters
+    yield from map(parameters.index, entry.function.writes)
+    for asked in entry.function.asks:
+        for position in by_types[tuple(type_ for type_, _ in asked)]:
+            yield from map(parameters.index, asked[position][1])
+
+
+_WALK = """\
+void RUN_PROGRAM(int64_t address, const reals *arrays, int count) {
+  run_program(address, arrays, count);
+}
+"""
+
+
+_ROW = """\
+typedef struct {
+  const char *key;
+  void (*entry)(void);
+  void (*spread)(void *const *, const int64_t *);
+  unsigned filled;
+} table_row;
+"""
+
+
+def _entries(index: int, function: str, types: Sequence[Array]) -> str:
+    """Return a function as kernels call it, with each array by itself; and as Python does."""
+    listed = ", ".join(
+        f"{POINTERS[type_]} *at_{k}, int64_t length_{k}" for k, type_ in enumerate(types)
+    )
+    names = [C99.types[type_] for type_ in types]
+    passed = ", ".join(f"({name}){{at_{k}, length_{k}}}" for k, name in enumerate(names))
+    spread = ", ".join(f"at[{k}], lengths[{k}]" for k in range(len(types)))
+    return (
+        f"static void entry_{index}({listed}) {{ {function}({passed}); }}\n"
+        f"static void spread_{index}(void *const *at, const int64_t *lengths) "
+        f"{{ entry_{index}({spread}); }}\n"
+    )
