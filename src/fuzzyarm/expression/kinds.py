@@ -1,4 +1,4 @@
-"""Kinds of shapes, norms and hedges, the built-in ones and a user's own.
+"""Kinds of shapes, norms, hedges and defuzzifiers, the built-in ones and a user's own.
 
 A kind is one definition, and everything else follows from it::
 
@@ -12,10 +12,11 @@ function that does) under the entry point ``fuzzyarm.kinds``; it is imported whe
 a kind that is not built in.
 """
 
-from fuzzyarm.expression import norms, records, shapes
+from fuzzyarm.expression import defuzzifiers, norms, records, shapes
+from fuzzyarm.expression.defuzzifiers import *  # noqa: F403 - whose names those are
 from fuzzyarm.expression.records import *  # noqa: F403 - those names, once the kinds stand there
 
-__all__ = records.__all__
+__all__ = records.__all__ + defuzzifiers.__all__
 
 shapes.register()
 norms.register()

@@ -14,6 +14,7 @@ from itertools import chain
 from typing import NamedTuple
 
 from fuzzyarm.expression import formulas
+from fuzzyarm.expression.kinds import DEFUZZIFIERS
 from fuzzyarm.expression.records import Kind
 
 MACHINE_EPSILON = 1e-6
@@ -49,8 +50,8 @@ class Dialect:
         Key of the names of shapes, norms and hedges in their records.
     hedges : str
         Key of the names of hedges that are read in a rule; that of `kinds` by default.
-    integral, weighted : mapping of str to str
-        Words for defuzzifiers, of sets and of values, and what the model calls them.
+    defuzzifiers : str
+        Key of the names of defuzzifiers; that of `kinds` by default.
     samples : tuple of int and str
         How many samples of an output, and where.
     threshold : float
@@ -95,8 +96,7 @@ class Dialect:
     program: str
     kinds: str
     hedges: str = ""
-    integral: Mapping[str, str]
-    weighted: Mapping[str, str]
+    defuzzifiers: str = ""
     samples: tuple[int, str]
     threshold: float = 0.0
     activates: bool = False
@@ -115,36 +115,28 @@ class Dialect:
     heights: bool = False
     unordered: bool = False
 
+    @property
+    def integral(self) -> dict[str, str]:
+        """Words for defuzzifiers of sets, and what the model calls them."""
+        return self._those_that(weighs=False)
 
-_FLL_INTEGRAL = {
-    "Bisector": "bisector",
-    "Centroid": "centroid",
-    "LargestOfMaximum": "largest-of-maximum",
-    "MeanOfMaximum": "mean-of-maximum",
-    "SmallestOfMaximum": "smallest-of-maximum",
-}
-_FCL_INTEGRAL = {
-    "COG": "centroid",
-    "COA": "bisector",
-    "LM": "smallest-of-maximum",
-    "RM": "largest-of-maximum",
-    "MM": "mean-of-maximum",
-}
-_FCL_WEIGHTED = {"COGS": "weighted-average", "COGF": "weighted-average", "COGSS": "weighted-sum"}
-_FIS_INTEGRAL = {
-    "centroid": "centroid",
-    "centroid_integral": "centroid",  # Octave's second method, by the trapezoid rule
-    "bisector": "bisector",
-    "mom": "mean-of-maximum",
-    "som": "smallest-of-maximum",
-    "lom": "largest-of-maximum",
-}
-_FIS_WEIGHTED = {"wtaver": "weighted-average", "wtsum": "weighted-sum"}
+    @property
+    def weighted(self) -> dict[str, str]:
+        """Words for defuzzifiers of values."""
+        return self._those_that(weighs=True)
+
+    def _those_that(self, *, weighs: bool) -> dict[str, str]:
+        known = words(DEFUZZIFIERS, self.methods)
+        return {word: name for word, name in known.items() if DEFUZZIFIERS[name].weighs == weighs}
+
+    @property
+    def methods(self) -> str:
+        """Key of the names of defuzzifiers."""
+        return self.defuzzifiers or self.kinds
+
 
 FLL = Dialect(
     suffix=".fll", producer="fuzzylite", program="fuzzylite", kinds="fll",
-    integral=_FLL_INTEGRAL,
-    weighted={"WeightedAverage": "weighted-average", "WeightedSum": "weighted-sum"},
     samples=(1000, "midpoints"),  # of fuzzylite 7 and 8; version 6 took 100 and always wrote it
     activates=True, chains=True, thresholds=True, clamps=("inputs", "outputs"), heights=True,
     unordered=True,
@@ -154,7 +146,7 @@ FCL = {
     "jfuzzylogic": Dialect(
         suffix=".fcl", producer="jfuzzylogic", program="jFuzzyLogic", kinds="jfl",
         hedges="fcl",  # jFuzzyLogic has none; those of fuzzylite are read with a warning
-        integral=_FCL_INTEGRAL, weighted=_FCL_WEIGHTED, samples=(1000, "left"),
+        samples=(1000, "left"),
         formula=formulas.JFUZZYLOGIC,
         assumed="read as jFuzzyLogic does: 1000 left samples, ACCU is SUM unless given",
         negates=False, equal_precedence=True, any_case=True, separators=(",", "and"),
@@ -162,15 +154,15 @@ FCL = {
     ),
     "fuzzylite": Dialect(
         suffix=".fcl", producer="fuzzylite", program="fuzzylite", kinds="fcl",
-        integral=_FCL_INTEGRAL, weighted=_FCL_WEIGHTED, samples=(1000, "midpoints"),
+        samples=(1000, "midpoints"),
         threshold=MACHINE_EPSILON, activates=True, chains=True, clamps=("outputs",),
         assumed="read as fuzzylite does: 1000 midpoints, nan where no rule fires",
         any_case=True, separators=("and", ","), heights=True, unordered=True,
     ),
     "scikit-fuzzy": Dialect(
         suffix=".fcl", producer="scikit-fuzzy", program="fcl-for-scikit-fuzzy", kinds="fcl",
-        hedges="fml", integral=_FCL_INTEGRAL | {"MOM": "mean-of-maximum", "COGS": "centroid"},
-        weighted={}, samples=(0, "joined"), outside="clamp", negates=False,
+        hedges="fml", defuzzifiers="fcl-scikit", samples=(0, "joined"), outside="clamp",
+        negates=False,
         assumed="read as fcl-for-scikit-fuzzy does: straight lines between the points of each "
         "RANGE, clamped inputs, min and max beneath the rules",
         commas=True, any_case=True, separators=("and", ","),
@@ -180,20 +172,20 @@ FCL = {
 FIS = {
     "matlab": Dialect(
         suffix=".fis", producer="matlab", program="MATLAB", kinds="matlab",
-        integral=_FIS_INTEGRAL, weighted=_FIS_WEIGHTED, samples=(101, "endpoints"),
+        samples=(101, "endpoints"),
         assumed="read with the defaults of MATLAB: sums over 101 points, the middle of the "
         "range where no rule fires",
     ),
     "octave": Dialect(
         suffix=".fis", producer="octave", program="Octave's toolkit", kinds="octave",
-        integral=_FIS_INTEGRAL, weighted=_FIS_WEIGHTED, samples=(101, "endpoints"),
+        samples=(101, "endpoints"),
         outside="error",
         assumed="read with the defaults of Octave's toolkit: sums over 101 points, nan "
         "where no rule fires, no values outside a range",
     ),
     "fuzzylite": Dialect(
         suffix=".fis", producer="fuzzylite", program="fuzzylite", kinds="fis",
-        integral=_FIS_INTEGRAL, weighted=_FIS_WEIGHTED, samples=(1000, "midpoints"),
+        samples=(1000, "midpoints"),
         threshold=MACHINE_EPSILON, activates=True, clamps=("outputs",), heights=True,
         unordered=True,
         assumed="read with the defaults of fuzzylite: 1000 midpoints, nan where no rule "
@@ -203,11 +195,7 @@ FIS = {
 
 FML = Dialect(
     suffix=".fml", producer="ieee1855", program="the standard IEEE 1855", kinds="fml",
-    integral={
-        "COG": "centroid", "COA": "bisector", "LM": "smallest-of-maximum",
-        "RM": "largest-of-maximum", "MOM": "mean-of-maximum",
-    },
-    weighted={"WA": "weighted-average"}, samples=(0, "endpoints"), unordered=True,
+    samples=(0, "endpoints"), unordered=True,
     assumed="read as IEEE 1855 defines it: exact integrals (JFML takes sums over about 2000 "
     "points)",
 )  # fmt: skip

@@ -10,7 +10,7 @@ from itertools import groupby
 from operator import itemgetter
 
 from fuzzyarm.expression.formulas import read_formula
-from fuzzyarm.expression.kinds import SHAPES
+from fuzzyarm.expression.kinds import DEFUZZIFIERS, SHAPES
 from fuzzyarm.formats.dialects import Dialect
 from fuzzyarm.formats.findings import (
     MAX_CHARACTERS,
@@ -23,7 +23,6 @@ from fuzzyarm.formats.findings import (
 )
 from fuzzyarm.model.rulebase import (
     POSITION,
-    TAKAGI_SUGENO,
     Consequent,
     Defuzzifier,
     Input,
@@ -83,7 +82,8 @@ def imported(
 
 def _refuse_unknown_names(rulebase: RuleBase, findings: Findings) -> None:
     """Report formulas of values that name no variable, and of sets that name one."""
-    values = [o for o in rulebase.outputs if o.defuzzifier.method in TAKAGI_SUGENO]
+    records = [(output, output.defuzzifier.record) for output in rulebase.outputs]
+    values = [output for output, record in records if record.weighs and not record.inverts]
     known = {each.name for each in (*rulebase.inputs, *rulebase.outputs)}
     for variable in (*rulebase.inputs, *values):
         is_set = isinstance(variable, Input)
@@ -97,7 +97,7 @@ def _refuse_unknown_names(rulebase: RuleBase, findings: Findings) -> None:
 
 def _refuse_without_inverse(rulebase: RuleBase, findings: Findings) -> None:
     """Report terms that rules conclude for Tsukamoto's method, which cannot invert them."""
-    tsukamoto = {o.name for o in rulebase.outputs if o.defuzzifier.method == "tsukamoto"}
+    tsukamoto = {o.name for o in rulebase.outputs if o.defuzzifier.record.inverts}
     concluded = {(c.variable, c.term) for rule in rulebase.rules for c in rule.consequents}
     for name, word in sorted(each for each in concluded if each[0] in tsukamoto):
         term = rulebase.variable(name).term(word)
@@ -323,7 +323,7 @@ def settle_weighted(draft: Draft, method: str, kind: str, at: Word, findings: Fi
         monotonic = draft.kinds and all_invertible(draft.kinds)
         kind = "Tsukamoto" if monotonic else "TakagiSugeno"
     if kind == "Tsukamoto":
-        if method == "weighted-sum":
+        if DEFUZZIFIERS[method].of == "sum":
             message = "a weighted sum of Tsukamoto terms cannot be carried"
             findings.loss("weighted-sum-of-tsukamoto", message, at)
         draft.defuzzifier = Defuzzifier("tsukamoto")
@@ -343,7 +343,7 @@ def settle_maximum(draft: Draft, at: Word, findings: Findings) -> None:
     A maximum is then that of nothing, which is a number, so that neither a default nor the
     value before ever counts.
     """
-    if not draft.defuzzifier.method.endswith("of-maximum"):
+    if draft.defuzzifier.record.of != "top":
         return
     note_ties(draft, at, findings)
     if not draft.bounded:
@@ -381,11 +381,8 @@ def maximum_of_nothing(output: Draft | Output) -> float:
     half_step = 0.0
     if defuzzifier.sampling == "midpoints":
         half_step = 0.5 * (output.high - output.low) / (defuzzifier.resolution or 1)
-    match defuzzifier.method:
-        case "mean-of-maximum":
-            return 0.5 * (output.low + output.high)
-        case "smallest-of-maximum":
-            return output.low + half_step
-        case "largest-of-maximum":
-            return output.high - half_step
-    return math.nan
+    if defuzzifier.record.of != "top":
+        return math.nan
+    figures = {"mean": 0.5 * (output.low + output.high)}
+    figures |= {"first": output.low + half_step, "last": output.high - half_step}
+    return float(defuzzifier.record.value(figures))

@@ -156,10 +156,9 @@ class ScikitReader(Reader):
         if draft.is_output:
             self._finish_output(draft, self.block.methods.get(draft.name))
             method = draft.defuzzifier.method
-            exact = "maximum" in method
-            draft.defuzzifier = (
-                Defuzzifier(method) if exact else Defuzzifier(method, len(xs), "joined")
-            )
+            draft.defuzzifier = Defuzzifier(method)
+            if draft.defuzzifier.record.joins:
+                draft.defuzzifier = Defuzzifier(method, len(xs), "joined")
 
     def _note_habits(self, draft: Draft, name: str, at: Word) -> None:
         if self.dialect.integral[name] == "mean-of-maximum":

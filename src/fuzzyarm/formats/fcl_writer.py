@@ -31,12 +31,11 @@ from fuzzyarm.formats.writing import (
     identifiers,
     written_sentences,
 )
-from fuzzyarm.model.rulebase import TAKAGI_SUGENO, Input, Output, RuleBase, RuleBlock, Shape, Term
+from fuzzyarm.model.rulebase import Input, Output, RuleBase, RuleBlock, Shape, Term
 
 _RESERVED = FUZZYLITE_WORDS | frozenset(word.lower() for word in KEYWORDS) | {
     "real", "nan", "nc", "constant", "function", "linear", "discrete", "points",
 }  # fmt: skip
-_METHODS = {method: word for word, method in FCL["fuzzylite"].integral.items()}
 
 
 def write_fcl(
@@ -134,7 +133,7 @@ class _Writer(Writer):
         if self.own or math.isfinite(output.low + output.high):
             lines.insert(1, f"  {_range(output)}")
         lines.append(f"  METHOD : {self._method(output)};")
-        weighted = output.defuzzifier.method not in _METHODS
+        weighted = output.defuzzifier.record.weighs
         if self.own and not (weighted and output.aggregation == "sum"):
             lines.append(f"  ACCU : {self.snorm(output.aggregation)};")
         lines += self._default(output)
@@ -152,11 +151,11 @@ class _Writer(Writer):
         return [f"  DEFAULT := {written(value)};"] if self.own or math.isfinite(value) else []
 
     def _method(self, output: Output) -> str:
-        method = output.defuzzifier.method
-        if method not in _METHODS:
+        if output.defuzzifier.record.weighs:
             return self._weighted(output) if self.own else self._plain_weighted(output)
         self.need_sets(output)
-        if method == "mean-of-maximum" and not self.own:
+        word = self.method(output)
+        if word == "MM" and not self.own:
             self.findings.loss("mean-of-maximum", MEAN_OF_MAXIMUM, slight=True)
         resolution, sampling = self.dialect.samples
         if (output.defuzzifier.resolution, output.defuzzifier.sampling) != self.dialect.samples:
@@ -165,10 +164,10 @@ class _Writer(Writer):
                 f"{self.program} does"
             )
             self.findings.loss("sampling", message, slight=True)
-        return _METHODS[method]
+        return word
 
     def _weighted(self, output: Output) -> str:
-        if output.defuzzifier.method in TAKAGI_SUGENO:
+        if not output.defuzzifier.record.inverts:
             self.need_values(output)
         elif not all_invertible({term.shape.kind for term in output.terms}):
             message = (
@@ -176,14 +175,14 @@ class _Writer(Writer):
                 "which some have not"
             )
             self.findings.loss("unsupported-defuzzifier", message)
-        return "COGSS" if output.defuzzifier.method == "weighted-sum" else "COGS"
+        return self.method(output)
 
     def _plain_weighted(self, output: Output) -> str:
         """Return the method of jFuzzyLogic that takes the terms as they are."""
         kinds = {term.shape.kind for term in output.terms}
-        method = output.defuzzifier.method
-        if method != "weighted-average":
-            message = f"jFuzzyLogic has no {method} for '{output.name}'"
+        record = output.defuzzifier.record
+        if record.figure != "average" or record.inverts:
+            message = f"jFuzzyLogic has no {record.name} for '{output.name}'"
             self.findings.loss("unsupported-defuzzifier", message)
         if kinds <= VALUES:
             return "COGS" if kinds <= {"singleton"} else "COGF"

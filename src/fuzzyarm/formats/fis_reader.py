@@ -47,10 +47,10 @@ from fuzzyarm.formats.fis_text import (
 from fuzzyarm.formats.fis_type2 import (
     LOWER_KEY,
     MEMBERSHIP_KEY,
-    REDUCTIONS,
     interval_shapes,
     is_of_toolbox,
     note_toolbox,
+    reductions,
 )
 from fuzzyarm.formats.meaning import Block, blocks_in_model
 from fuzzyarm.formats.sentences import NOT, RuleText
@@ -272,10 +272,9 @@ class _Reader:
         resolution, sampling = self.dialect.samples
         if name == "centroid_integral":
             sampling = "trapezoid"
-        method = self.dialect.integral[name]
         if self.dialect.producer == "matlab":
-            method = self._by_magnitude(draft, method, at)
-        draft.defuzzifier = Defuzzifier(method, resolution, sampling)
+            name = self._by_magnitude(draft, name, at)
+        draft.defuzzifier = Defuzzifier(self.dialect.integral[name], resolution, sampling)
         if self.dialect.producer == "fuzzylite":
             settle_maximum(draft, at, self.findings)
         elif _is_nan(draft.no_rule):
@@ -292,11 +291,12 @@ class _Reader:
         is_weighted = is_sugeno or self.text_of("defuzzmethod").lower() in self.dialect.weighted
         keys = ("typeredmethod", "typereductionmethod")
         word = next((self.settings[key] for key in keys if key in self.settings), draft.word)
-        known = any(key in self.settings for key in keys)
-        name = word.text.strip().lower() if known else ""
-        method = REDUCTIONS.get(name)
+        is_said = any(key in self.settings for key in keys)
+        name = word.text.strip().lower() if is_said else ""
+        known = reductions()
+        method = known.get(name)
         if method is None:
-            self.findings.unknown("unknown-defuzzifier", "the type reduction", word, REDUCTIONS)
+            self.findings.unknown("unknown-defuzzifier", "the type reduction", word, known)
             return
         if self.is_toolbox:
             # The toolbox starts from 0 where nothing fires; Nie and Tan divide by 0.
@@ -309,16 +309,16 @@ class _Reader:
         else:
             draft.defuzzifier = Defuzzifier(method, *self.dialect.samples)
 
-    def _by_magnitude(self, draft: Draft, method: str, at: Word) -> str:
-        """Return the method of an output for which MATLAB compares the magnitudes of maxima."""
-        found = by_magnitude(method, draft.low, draft.high)
+    def _by_magnitude(self, draft: Draft, name: str, at: Word) -> str:
+        """Return the word of an output for which MATLAB compares the magnitudes of maxima."""
+        found = by_magnitude(name, draft.low, draft.high)
         if found is None:
             message = (
                 f"MATLAB takes the maximum of '{draft.name}' that is nearest to 0 for som and the "
                 "farthest for lom; here the lowest and the highest are taken"
             )
             self.findings.loss("maximum-by-magnitude", message, at, slight=True)
-        return found or method
+        return found or name
 
     def _weighted(self, draft: Draft, method: str, at: Word) -> None:
         if self.dialect.producer == "matlab":

@@ -295,14 +295,14 @@ def hedges_of(fraction: float, dialect: Dialect) -> tuple[Hedge, ...] | None:
 
 # --- Maxima ---
 
-_OTHER_END = {
-    "smallest-of-maximum": "largest-of-maximum",
-    "largest-of-maximum": "smallest-of-maximum",
-}
+_OTHER_END = {"som": "lom", "lom": "som"}
 
 
-def by_magnitude(method: str, low: float, high: float) -> str | None:
-    """Return MATLAB's som or lom, which compare magnitudes, for a range on one side of 0."""
-    if low >= 0.0 or method not in _OTHER_END:
-        return method
-    return _OTHER_END[method] if high <= 0.0 else None
+def by_magnitude(word: str, low: float, high: float) -> str | None:
+    """Return what MATLAB's som and lom, which compare magnitudes, are over a range.
+
+    None over a range on both sides of 0.
+    """
+    if low >= 0.0 or word not in _OTHER_END:
+        return word
+    return _OTHER_END[word] if high <= 0.0 else None

@@ -9,6 +9,8 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 
+from fuzzyarm.expression.kinds import DEFUZZIFIERS
+from fuzzyarm.formats.dialects import words
 from fuzzyarm.formats.findings import Findings, Word, numbers
 from fuzzyarm.formats.fis_text import BRACKETED
 from fuzzyarm.formats.meaning import Block
@@ -19,20 +21,11 @@ from fuzzyarm.model.rulebase import Shape, propositions
 __all__ = [
     "LOWER_KEY",
     "MEMBERSHIP_KEY",
-    "REDUCTIONS",
     "interval_shapes",
     "is_of_toolbox",
     "note_toolbox",
+    "reductions",
 ]
-
-REDUCTIONS = {
-    **dict.fromkeys(
-        ("", "km", "ekm", "iasc", "eiasc", "eods", "karnikmendel", "karnik-mendel"),
-        "karnik-mendel",
-    ),
-    **dict.fromkeys(("nt", "nietan", "nie-tan"), "nie-tan"),
-}
-"""Words for type reduction: the algorithms of one row find the same ends."""
 
 MEMBERSHIP_KEY = re.compile(r"MF(\d{1,6})U?\Z", re.IGNORECASE)
 LOWER_KEY = re.compile(r"MF(\d{1,6})L\Z", re.IGNORECASE)
@@ -41,6 +34,11 @@ LOWER_KEY = re.compile(r"MF(\d{1,6})L\Z", re.IGNORECASE)
 _OF_TOOLBOX = re.compile(
     r"^[^\S\n]*(MF\d+[UL]|TypeRedMethod|CrispInterval)\s*=", re.IGNORECASE | re.MULTILINE
 )
+
+
+def reductions() -> dict[str, str]:
+    """Return words for type reduction, and what the model calls it: several find the same ends."""
+    return {"": "karnik-mendel"} | words(DEFUZZIFIERS, "t2fis")
 
 
 def is_of_toolbox(text: str) -> bool:

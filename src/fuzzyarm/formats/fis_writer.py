@@ -19,7 +19,6 @@ from fuzzyarm.formats.writing import (
     weight_before,
 )
 from fuzzyarm.model.rulebase import (
-    TAKAGI_SUGENO,
     And,
     Consequent,
     Expression,
@@ -33,11 +32,6 @@ from fuzzyarm.model.rulebase import (
     RuleBase,
     Term,
 )
-
-_METHODS = {
-    method: word for word, method in FIS["matlab"].integral.items() if word != "centroid_integral"
-}
-
 
 _Group = dict[str, tuple[Consequent, tuple[Hedge, ...]]]
 """Output → its conclusion and the hedges before it."""
@@ -113,10 +107,10 @@ class _Writer(Writer):
         ]
 
     def _type(self) -> str:
-        methods = {output.defuzzifier.method for output in self.rulebase.outputs}
-        if methods <= TAKAGI_SUGENO:
+        records = [output.defuzzifier.record for output in self.rulebase.outputs]
+        if all(record.weighs and not record.inverts for record in records):
             return "sugeno"
-        return "tsukamoto" if methods == {"tsukamoto"} else "mamdani"
+        return "tsukamoto" if all(record.inverts for record in records) else "mamdani"
 
     def _one(self, values: list[str], what: str, default: str) -> str:
         if len(set(values)) > 1:
@@ -133,20 +127,20 @@ class _Writer(Writer):
         return method
 
     def _defuzzifier(self, output: Output) -> str:
-        method = output.defuzzifier.method
+        record = output.defuzzifier.record
         kinds = {term.shape.kind for term in output.terms}
-        if method == "tsukamoto":
+        if record.inverts:
             if not self.is_own or not all_invertible(kinds):
                 message = f"{self.program} has no Tsukamoto inference for '{output.name}'"
                 self.findings.loss("unsupported-defuzzifier", message)
             return "wtaver"
-        if method in TAKAGI_SUGENO:
+        if record.weighs:
             self.need_values(output, refused=not self.is_own)
             if self.dialect.producer == "matlab" and output.aggregation != "sum":
                 message = f"MATLAB adds up the rules of '{output.name}' whatever the aggregation"
                 self.findings.loss("unsupported-norm", message)
             self._check_equal_values(output)
-            return "wtaver" if method == "weighted-average" else "wtsum"
+            return self.method(output)
         self.need_sets(output)
         return self._sampled(output)
 
@@ -170,16 +164,17 @@ class _Writer(Writer):
                 f"{self.program} does"
             )
             self.findings.loss("sampling", message, slight=True)
-        method: str | None = defuzzifier.method
+        word = self.method(output)
+        of_range: str | None = word
         if self.dialect.producer == "matlab":
-            method = by_magnitude(defuzzifier.method, output.low, output.high)
-        if method is None:
+            of_range = by_magnitude(word, output.low, output.high)
+        if of_range is None:
             message = (
                 f"MATLAB takes the maximum of '{output.name}' that is nearest to 0 for som and "
                 "the farthest for lom, not the lowest and the highest"
             )
             self.findings.loss("maximum-by-magnitude", message, slight=True)
-        return _METHODS[method or defuzzifier.method]
+        return word if of_range is None else of_range
 
     def _variable(self, variable: Input | Output) -> list[str]:
         lines = [
@@ -269,10 +264,7 @@ class _Writer(Writer):
         conclusions = tuple((c, c.hedges) for c in rule.consequents)
         plain = Sentence(rule.antecedent, conclusions, rule.weight, rule)
         antecedent = rule.antecedent
-        values = all(
-            self.outputs[c.variable].defuzzifier.method in TAKAGI_SUGENO and not c.hedges
-            for c in rule.consequents
-        )
+        values = all(self._takes_value(c) and not c.hedges for c in rule.consequents)
         if self.dialect.producer != "octave" or not isinstance(antecedent, Hedged) or not values:
             return plain
         roots = tuple(map(root, antecedent.hedges))
@@ -281,6 +273,10 @@ class _Writer(Writer):
             return plain
         rooted = tuple((c, roots) for c in rule.consequents)
         return Sentence(antecedent.operand, rooted, weight, rule)
+
+    def _takes_value(self, consequent: Consequent) -> bool:
+        record = self.outputs[consequent.variable].defuzzifier.record
+        return record.weighs and not record.inverts
 
     def _rule_lines(self, sentence: Sentence) -> list[str]:
         """Return the line of a rule, several where an output stands twice."""

@@ -37,7 +37,6 @@ from fuzzyarm.formats.shapes import formula_shape, spelled_shape
 from fuzzyarm.formats.values import formulas_of_input, values_as_sets
 from fuzzyarm.formats.writing import FUZZYLITE_WORDS, HEADER, Writer, identifiers, written_sentences
 from fuzzyarm.model.rulebase import (
-    TAKAGI_SUGENO,
     Defuzzifier,
     Input,
     Output,
@@ -127,7 +126,7 @@ def _settle_defuzzifier(
     if method in FLL.integral:
         resolution = _resolution(words, findings)
         draft.defuzzifier = Defuzzifier(FLL.integral[method], resolution, "midpoints")
-        if method.endswith("OfMaximum"):
+        if draft.defuzzifier.record.of == "top":
             note_ties(draft, line.value, findings)
         values_as_sets(draft, implication, line.value, findings)
     elif method in FLL.weighted:
@@ -445,9 +444,6 @@ def write_fll(rulebase: RuleBase, *, lossy: bool = False, strict: bool = False) 
     return _Writer(rulebase, FLL, lossy=lossy, strict=strict).export()
 
 
-_METHODS = {method: word for word, method in FLL.integral.items()}
-
-
 class _Writer(Writer):
     file = "fuzzylite"
     descriptions = True
@@ -484,8 +480,7 @@ class _Writer(Writer):
         return lines
 
     def _output(self, output: Output) -> list[str]:
-        weighted = output.defuzzifier.method not in _METHODS
-        plain = weighted and output.aggregation == "sum"
+        plain = output.defuzzifier.record.weighs and output.aggregation == "sum"
         aggregation = "none" if plain else self.snorm(output.aggregation)
         self.warn_of_error(output, "fuzzylite gives nan")
         no_rule = output.no_rule if isinstance(output.no_rule, float | int) else math.nan
@@ -498,17 +493,16 @@ class _Writer(Writer):
 
     def _defuzzifier(self, output: Output) -> str:
         defuzzifier = output.defuzzifier
-        if defuzzifier.method == "tsukamoto":
-            return "WeightedAverage Tsukamoto"
-        if defuzzifier.method in TAKAGI_SUGENO:
+        if defuzzifier.record.inverts:
+            return f"{self.method(output)} Tsukamoto"
+        if defuzzifier.record.weighs:
             self.need_values(output)
-            word = "Average" if defuzzifier.method == "weighted-average" else "Sum"
-            return f"Weighted{word} TakagiSugeno"
+            return f"{self.method(output)} TakagiSugeno"
         self.need_sets(output, "which fuzzylite takes for sets")
         if defuzzifier.resolution is None or defuzzifier.sampling != "midpoints":
             message = f"'{output.name}' is not defuzzified at midpoints, as fuzzylite does"
             self.findings.loss("sampling", message, slight=True)
-        return f"{_METHODS[defuzzifier.method]} {defuzzifier.resolution or FLL.samples[0]}"
+        return f"{self.method(output)} {defuzzifier.resolution or FLL.samples[0]}"
 
     def _block(self, block: RuleBlock) -> list[str]:
         above = block.threshold

@@ -489,7 +489,7 @@ class _Reader:
 
     def _finish_singletons(self, draft: Draft, method: Word) -> None:
         """Let the average of singletons be their centre of gravity, the highest one the winner."""
-        if draft.defuzzifier.method.endswith("of-maximum"):
+        if draft.defuzzifier.record.of == "top":
             return
         draft.defuzzifier = Defuzzifier("weighted-average")
         if method.text != "COG":

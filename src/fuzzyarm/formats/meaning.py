@@ -18,7 +18,6 @@ from fuzzyarm.formats.drafts import VALUES, Draft, same_value
 from fuzzyarm.formats.findings import Findings
 from fuzzyarm.formats.sentences import NOT, RuleText, hedged
 from fuzzyarm.model.rulebase import (
-    TAKAGI_SUGENO,
     And,
     Consequent,
     Expression,
@@ -145,10 +144,9 @@ def _rules_of_values(
     plain: list[Consequent] = []
     hedged_ones: list[Consequent] = []
     for consequent in rule.consequents:
-        method = drafts[consequent.variable].defuzzifier.method
+        is_value = drafts[consequent.variable].defuzzifier.record.weighs
         is_octave = dialect.producer == "octave"
         named = same_value(consequent, drafts) if is_octave else consequent
-        is_value = method in TAKAGI_SUGENO or method == "tsukamoto"
         (hedged_ones if is_value and named.hedges else plain).append(named)
         if not is_octave and hedged_ones and hedged_ones[-1] is named:
             message = (

@@ -18,6 +18,8 @@ from operator import contains
 from typing import Any, NamedTuple
 
 from fuzzyarm.expression.formulas import FormulaError
+from fuzzyarm.expression.kinds import DEFUZZIFIERS
+from fuzzyarm.formats.dialects import words
 from fuzzyarm.formats.findings import Findings, Imported, reading, unique_name
 from fuzzyarm.formats.python_formulas import function_shape
 from fuzzyarm.formats.recovery import TOLERANCE, constant_beyond, joined, shape_of
@@ -117,14 +119,6 @@ _S_NORMS = {
     "nilpotent_maximum_s_norm": "nilpotent",
     "einstein_sum_s_norm": "einstein",
 }
-_ALGORITHMS = {
-    "KM_algorithm": "karnik-mendel",
-    "EKM_algorithm": "karnik-mendel",
-    "EIASC_algorithm": "karnik-mendel",
-    "NT_algorithm": "nie-tan",
-}
-
-
 # --- What an object is, and what it was told when it computed ---
 
 
@@ -521,7 +515,7 @@ class _Reader:
             word = f"{function or 'EIASC'}_algorithm"
         else:
             word = str(getattr(function, "__name__", ""))
-        found = _ALGORITHMS.get(word)
+        found = words(DEFUZZIFIERS, "pyit2fls").get(word)
         if found is None:
             message = f"the algorithm '{word or _called(function)}' is not supported"
             self.findings.error("unknown-defuzzifier", message)

@@ -20,7 +20,8 @@ from itertools import chain, pairwise, product
 from types import SimpleNamespace
 from typing import Any
 
-from fuzzyarm.expression.kinds import SHAPES, SNORMS, TNORMS
+from fuzzyarm.expression.kinds import DEFUZZIFIERS, SHAPES, SNORMS, TNORMS
+from fuzzyarm.formats.dialects import words
 from fuzzyarm.formats.drafts import VALUES, blocks_by_norms
 from fuzzyarm.formats.findings import Findings, Imported, reading
 from fuzzyarm.formats.recovery import (
@@ -32,7 +33,13 @@ from fuzzyarm.formats.recovery import (
     recovered,
 )
 from fuzzyarm.formats.sentences import NOT, hedged
-from fuzzyarm.formats.writing import note_chaining, note_left_out, note_threshold, refuse_type_2
+from fuzzyarm.formats.writing import (
+    note_chaining,
+    note_left_out,
+    note_threshold,
+    refuse_type_2,
+    word_of_method,
+)
 from fuzzyarm.model.rulebase import (
     And,
     Consequent,
@@ -55,15 +62,6 @@ from fuzzyarm.text.diagnostic import Diagnostic
 __all__ = ["from_skfuzzy", "skfuzzy_numbers", "to_skfuzzy"]
 
 # --- From a control system of scikit-fuzzy to a rule base ---
-
-METHODS = {
-    "centroid": "centroid",
-    "bisector": "bisector",
-    "mom": "mean-of-maximum",
-    "som": "smallest-of-maximum",
-    "lom": "largest-of-maximum",
-}
-"""Defuzzifiers of scikit-fuzzy."""
 
 MEAN_OF_POINTS = (
     "scikit-fuzzy takes the mean of the points that are greatest, and of the cuts between them; "
@@ -155,7 +153,7 @@ def skfuzzy_numbers(system: Any) -> Callable[[Mapping[str, float]], dict[str, fl
 
 def _output(variable: Any, terms: tuple[Term, ...], findings: Findings) -> Output:
     low, high = _range(variable)
-    method = METHODS.get(variable.defuzzify_method)
+    method = words(DEFUZZIFIERS, "skfuzzy").get(variable.defuzzify_method)
     if method is None:
         message = f"'{variable.label}' has the defuzzifier '{variable.defuzzify_method}'"
         findings.error("unknown-defuzzifier", message)
@@ -178,7 +176,7 @@ def _defuzzifier(variable: Any, method: str, findings: Findings) -> Defuzzifier:
     xs = [float(x) for x in variable.universe]
     if method == "mean-of-maximum":
         findings.info("mean-of-maximum", f"'{variable.label}': {MEAN_OF_POINTS}")
-    if len(xs) < 2 or "maximum" in method:
+    if len(xs) < 2 or not DEFUZZIFIERS[method].joins:
         return Defuzzifier(method)
     if _are_even(xs):
         return Defuzzifier(method, len(xs), "joined")
@@ -322,8 +320,6 @@ def _expression(part: Any) -> Expression:
 
 # --- From a rule base to a control system of scikit-fuzzy ---
 
-_BACK = {method: word for word, method in METHODS.items()}
-
 
 def to_skfuzzy(
     rulebase: RuleBase, *, samples: int = 101, lossy: bool = False
@@ -391,9 +387,7 @@ def _check_terms(variable: Input | Output, findings: Findings) -> None:
 
 
 def _check_output(output: Output, findings: Findings) -> None:
-    if output.defuzzifier.method not in _BACK:
-        message = f"scikit-fuzzy has no {output.defuzzifier.method} for '{output.name}'"
-        findings.error("unsupported-defuzzifier", message)
+    word_of_method(output, "skfuzzy", "scikit-fuzzy", findings)
     if output.defuzzifier.resolution is not None and not output.defuzzifier.joined:
         message = f"'{output.name}' is sampled; scikit-fuzzy integrates between its points"
         findings.loss("sampling", message)
@@ -431,7 +425,9 @@ def _system(rulebase: RuleBase, samples: int) -> Any:
         variables[variable.name] = _with_terms(made, variable)
     for output in rulebase.outputs:
         made = control.Consequent(
-            _universe(output, samples), output.name, _BACK[output.defuzzifier.method]
+            _universe(output, samples),
+            output.name,
+            word_of_method(output, "skfuzzy", "scikit-fuzzy", Findings(lossy=True)),
         )
         variables[output.name] = _with_terms(made, output)
     rules = [

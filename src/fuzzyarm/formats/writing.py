@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 
 from fuzzyarm.expression import formulas
 from fuzzyarm.expression.formulas import FormulaError
-from fuzzyarm.expression.kinds import HEDGES, SNORMS, TNORMS
+from fuzzyarm.expression.kinds import DEFUZZIFIERS, HEDGES, SNORMS, TNORMS
 from fuzzyarm.expression.records import Norm
 from fuzzyarm.formats.dialects import MACHINE_EPSILON, Dialect, word_of, words
 from fuzzyarm.formats.drafts import VALUES, maximum_of_nothing, same_number
@@ -28,7 +28,6 @@ from fuzzyarm.formats.meaning import (
 from fuzzyarm.formats.sentences import NOT, hedged
 from fuzzyarm.formats.shapes import class_and_numbers, fuzzylite_shape
 from fuzzyarm.model.rulebase import (
-    TYPE_2,
     And,
     Consequent,
     Expression,
@@ -121,7 +120,7 @@ class Writer:
 
     def takes_maximum_of_nothing(self, output: Output) -> bool:
         """Whether the C++ program of fuzzylite has its own value where no rule concludes this."""
-        if not output.defuzzifier.method.endswith("of-maximum"):
+        if output.defuzzifier.record.of != "top":
             return False
         self.warn_of_error(output)
         value = maximum_of_nothing(output)
@@ -197,6 +196,10 @@ class Writer:
 
     # --- Defuzzifiers ---
 
+    def method(self, output: Output) -> str:
+        """Return the word for a defuzzifier, or for that which it is like, or refuse it by name."""
+        return word_of_method(output, self.dialect.methods, self.program, self.findings)
+
     def need_values(self, output: Output, *, refused: bool = False) -> None:
         """Report sets where a weighted defuzzifier needs values; some programs refuse them."""
         if not {term.shape.kind for term in output.terms} <= VALUES:
@@ -216,6 +219,23 @@ class Writer:
         if output.no_rule == "error":
             message = f"'{output.name}' is an error where no rule fires; {instead}"
             self.findings.warn("no-rule", message)
+
+
+def word_of_method(output: Output, key: str, program: str, findings: Findings) -> str:
+    """Return the word for a defuzzifier, or that for what it is like, with a loss.
+
+    Refused by name where a program has neither.
+    """
+    record = output.defuzzifier.record
+    word, like = (word_of(DEFUZZIFIERS, name, key) for name in (record.name, record.like))
+    if word is None:
+        message = f"{program} has no {record.name} for '{output.name}'"
+        if like is None:
+            findings.error("unsupported-defuzzifier", message)
+        else:
+            message += f"; {like}, which it has, is {record.like}"
+            findings.loss("unsupported-defuzzifier", message)
+    return word or like or ""
 
 
 def best(attempts: list[Exported]) -> Exported:
@@ -312,7 +332,7 @@ def refuse_type_2(rulebase: RuleBase, findings: Findings, program: str) -> bool:
         return False
     variables = (*rulebase.inputs, *rulebase.outputs)
     what = [f"'{v.name} is {t.name}'" for v in variables for t in v.terms if t.lower is not None]
-    ways = [o for o in rulebase.outputs if o.defuzzifier.method in TYPE_2]
+    ways = [o for o in rulebase.outputs if o.defuzzifier.record.type2]
     what += [f"{each.defuzzifier.method} of '{each.name}'" for each in ways]
     message = f"{what[0]} is of interval type 2, which is not written for {program}"
     findings.error("unsupported-type", message)

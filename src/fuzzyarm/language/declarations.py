@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterable
 from typing import TypedDict
 
-from fuzzyarm.expression.kinds import SHAPES
+from fuzzyarm.expression.kinds import DEFUZZIFIERS, SHAPES
 from fuzzyarm.language.phrases import SETTINGS, SettingNode, ShapeNode
 from fuzzyarm.language.statements import (
     BlockNode,
@@ -16,7 +16,7 @@ from fuzzyarm.language.statements import (
     VariableNode,
 )
 from fuzzyarm.language.tokens import Word, name_text
-from fuzzyarm.model.rulebase import JOINED, POSITION, WEIGHTED, Defuzzifier, Shape, Term
+from fuzzyarm.model.rulebase import POSITION, Defuzzifier, Shape, Term
 from fuzzyarm.model.shapes import first_above, first_sample_above, membership_function
 from fuzzyarm.text.diagnostic import (
     MAX_DIAGNOSTICS,
@@ -582,7 +582,8 @@ def _defuzzifier(setting: SettingNode, scope: Scope) -> Defuzzifier:
     if setting.resolution is None:
         return Defuzzifier(method)
     samples = setting.resolution.value
-    if method in WEIGHTED:
+    record = DEFUZZIFIERS[method]
+    if record.weighs:
         scope.report(
             "misplaced-setting", f"{method} takes no number of samples", setting.resolution.span
         )
@@ -594,7 +595,7 @@ def _defuzzifier(setting: SettingNode, scope: Scope) -> Defuzzifier:
         )
         return Defuzzifier(method)
     sampling = setting.sampling.text if setting.sampling else "endpoints"
-    if setting.sampling is not None and sampling == "joined" and method not in JOINED:
+    if setting.sampling is not None and sampling == "joined" and not record.joins:
         message = f"{method} does not know joined samples"
         scope.report("misplaced-setting", message, setting.sampling.span)
     return Defuzzifier(method, int(samples), sampling)

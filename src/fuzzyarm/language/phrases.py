@@ -6,14 +6,13 @@ is written (``str``, canonical) and which variables and terms it names (``mentio
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from enum import StrEnum
-from types import MappingProxyType
 from typing import NamedTuple
 
-from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
+from fuzzyarm.expression.kinds import DEFUZZIFIERS, HEDGES, SHAPES, SNORMS, TNORMS
 from fuzzyarm.language.tokens import Cursor, Fault, Figure, Word
-from fuzzyarm.model.rulebase import DEFUZZIFIERS, SAMPLINGS
+from fuzzyarm.model.rulebase import SAMPLINGS
 from fuzzyarm.text.diagnostic import (
     MAX_LINE,
     MAX_NESTING,
@@ -438,8 +437,7 @@ class Setting(NamedTuple):
     """A record: what a setting is called, what it means, what it belongs to, what it takes.
 
     `of` is ``rules``, ``outputs`` or ``variables``; `number` says what a number in place of
-    a word means, empty where there is none; `infinite` whether that may be infinite or NaN;
-    `elsewhere` has the words of other programs, in small letters.
+    a word means, empty where there is none; `infinite` whether that may be infinite or NaN.
     """
 
     word: str
@@ -450,7 +448,6 @@ class Setting(NamedTuple):
     infinite: bool = False
     unknown: str = "unknown-choice"
     expected: str = "one of"
-    elsewhere: Mapping[str, str] = MappingProxyType({})
 
 
 class _Disjunctions(Collection[str]):
@@ -495,15 +492,6 @@ SETTINGS: dict[str, Setting] = {
             DEFUZZIFIERS,
             unknown="unknown-defuzzifier",
             expected="a defuzzifier:",
-            elsewhere={
-                **dict.fromkeys(("cog", "coa", "cofg", "cogf", "centerofgravity"), "centroid"),
-                **dict.fromkeys(("boa", "bisectorofarea"), "bisector"),
-                **dict.fromkeys(("mom", "mm", "meanofmaximum"), "mean-of-maximum"),
-                **dict.fromkeys(("som", "lm", "smallestofmaximum"), "smallest-of-maximum"),
-                **dict.fromkeys(("lom", "rm", "largestofmaximum"), "largest-of-maximum"),
-                **dict.fromkeys(("wtaver", "cogs", "weightedaverage"), "weighted-average"),
-                **dict.fromkeys(("wtsum", "weightedsum"), "weighted-sum"),
-            },
         ),
         Setting(
             "outside",
@@ -563,7 +551,7 @@ class SettingNode(NamedTuple):
             if token is None or token.kind != "name" or token.text not in setting.values:
                 return cls(key, figure=cursor.figure(setting.number, finite=not setting.infinite))
         what = f"{setting.expected} {', '.join(setting.values)}"
-        value = cursor.word(what, setting.values, setting.unknown, setting.elsewhere)
+        value = cursor.word(what, setting.values, setting.unknown)
         if key.text == "defuzzifier":
             return cls._read_samples(cursor, key, value)
         return cls(key, value)

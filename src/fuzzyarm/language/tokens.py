@@ -10,8 +10,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Collection, Mapping, Sequence
-from types import MappingProxyType
+from collections.abc import Collection, Sequence
 from typing import NamedTuple, NoReturn
 
 from fuzzyarm.expression.kinds import HEDGES
@@ -288,23 +287,11 @@ class Cursor:
             self.fail(f"'{text}' {where}", (text,) if text.isalpha() else ())
         return self.take()
 
-    def fail(
-        self,
-        wanted: str,
-        choices: Collection[str] = (),
-        name: str = "",
-        elsewhere: Mapping[str, str] = MappingProxyType({}),
-    ) -> NoReturn:
-        """Raise the fault *expected …, found …*, with a hint if one of `choices` is near.
-
-        `elsewhere` has words of other programs, in small letters, and what they are here.
-        """
+    def fail(self, wanted: str, choices: Collection[str] = (), name: str = "") -> NoReturn:
+        """Raise the fault *expected …, found …*, with a hint if one of `choices` is near."""
         token = self.peek()
         found = "the end of the line" if token is None else f"'{token.text}'"
         hint, replacement = near_hint(token.text, choices) if token else ("", None)
-        if token is not None and token.text.casefold() in elsewhere:
-            replacement = elsewhere[token.text.casefold()]
-            hint = f"write  {replacement}"
         name = name or ("incomplete-statement" if token is None else "unexpected-token")
         message = f"expected {wanted}, found {found}"
         raise Fault(Diagnostic(name, message, self.span, hint=hint, replacement=replacement))
@@ -368,17 +355,11 @@ class Cursor:
     def suggest(self, what: str, *about: object) -> None:
         """Name something longer that could stand here, for an editor to offer."""
 
-    def word(
-        self,
-        what: str,
-        choices: Collection[str],
-        name: str,
-        elsewhere: Mapping[str, str] = MappingProxyType({}),
-    ) -> Word:
+    def word(self, what: str, choices: Collection[str], name: str) -> Word:
         """Take one of the words `choices`; a fault is called `name` and hints at the nearest."""
         token = self.peek()
         if token is None or token.kind != "name" or token.text not in choices:
-            self.fail(what, choices, name, elsewhere)
+            self.fail(what, choices, name)
         self.position += 1
         return Word(token.text, token.span)
 

@@ -41,7 +41,6 @@ from fuzzyarm.language.statements import (
 from fuzzyarm.language.tokens import Figure, Trivia, Word
 from fuzzyarm.language.tune import TuneItem, TuneNode
 from fuzzyarm.model.rulebase import (
-    WEIGHTED,
     And,
     AnyRuleBase,
     Defuzzifier,
@@ -365,8 +364,7 @@ def _output_settings(output: Output) -> tuple[SettingNode, ...]:
 def _defuzzifier(defuzzifier: Defuzzifier) -> SettingNode:
     key, method = Word("defuzzifier"), Word(defuzzifier.method)
     if defuzzifier.resolution is None:
-        weighted = defuzzifier.method in WEIGHTED
-        return SettingNode(key, method, exact=not weighted)
+        return SettingNode(key, method, exact=not defuzzifier.record.weighs)
     return SettingNode(
         key,
         method,

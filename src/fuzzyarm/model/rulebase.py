@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.expression.kinds import SHAPES
+from fuzzyarm.expression.kinds import DEFUZZIFIERS, SHAPES, DefuzzifierKind
 from fuzzyarm.model.questions import Questions, new_or_begun, of_builder
 from fuzzyarm.text.diagnostic import NOWHERE, RuleBaseError, Span
 from fuzzyarm.text.names import near_hint, shortened
@@ -25,32 +25,6 @@ SAMPLINGS = ("endpoints", "midpoints", "left", "trapezoid", "joined")
 ``joined`` is of the centroid and the bisector: they are integrals of straight lines between the
 samples rather than sums.
 """
-
-JOINED = ("centroid", "bisector")
-"""Defuzzifiers that know joined samples."""
-
-DEFUZZIFIERS = (
-    "centroid", "bisector", "mean-of-maximum", "smallest-of-maximum", "largest-of-maximum",
-    "weighted-average", "weighted-sum", "tsukamoto",
-    "karnik-mendel", "karnik-mendel-left", "karnik-mendel-right", "nie-tan",
-)  # fmt: skip
-"""Ways from a fuzzy output (or a list of fired consequents) to a number."""
-
-KARNIK_MENDEL = frozenset({"karnik-mendel", "karnik-mendel-left", "karnik-mendel-right"})
-"""Defuzzifiers that go by the ends of the centroid: its middle, or one of the two."""
-
-TYPE_2 = KARNIK_MENDEL | {"nie-tan"}
-"""Defuzzifiers that take an interval type-2 set: all between a lower and an upper one."""
-
-MAXIMA = frozenset({"mean-of-maximum", "smallest-of-maximum", "largest-of-maximum"})
-"""Defuzzifiers that choose among the positions where a set is greatest."""
-
-TAKAGI_SUGENO = frozenset({"weighted-average", "weighted-sum"})
-"""Defuzzifiers that weigh consequents which are values."""
-
-WEIGHTED = TAKAGI_SUGENO | {"tsukamoto"}
-"""Defuzzifiers that turn every consequent into a number first."""
-
 
 POSITION = "x"
 """The name under which a formula that is a membership function knows where it is."""
@@ -177,16 +151,39 @@ class Defuzzifier:
     Attributes
     ----------
     method : str
-        One of :data:`DEFUZZIFIERS`.
+        A key of :data:`fuzzyarm.expression.kinds.DEFUZZIFIERS`.
     resolution : int or None
         None for the exact integral; else the number of samples N.
     sampling : str
         One of :data:`SAMPLINGS`; without meaning where `resolution` is None.
+
+    Raises
+    ------
+    RuleBaseError
+        For a method or a sampling that does not exist; its finding names the argument.
     """
 
     method: str = "centroid"
     resolution: int | None = None
     sampling: str = "endpoints"
+
+    def __post_init__(self) -> None:
+        for what, word, known in (
+            ("defuzzifier", self.method, DEFUZZIFIERS),
+            ("sampling", self.sampling, SAMPLINGS),
+        ):
+            if word not in known:
+                hint, near = near_hint(word, known)
+                argument = "method" if what == "defuzzifier" else what
+                raise RuleBaseError.of_argument(
+                    f"unknown-{what}", f"unknown {what} '{word}'", f"Defuzzifier({argument})",
+                    hint=hint, replacement=near,
+                )  # fmt: skip
+
+    @property
+    def record(self) -> DefuzzifierKind:
+        """All that is known of its method."""
+        return DEFUZZIFIERS[self.method]
 
     @property
     def joined(self) -> bool:
@@ -637,7 +634,7 @@ class RuleBase(AnyRuleBase):
         """Whether it has interval type-2 terms, or an output that is defuzzified as such."""
         variables: tuple[Input | Output, ...] = (*self.inputs, *self.outputs)
         return any(term.lower is not None for v in variables for term in v.terms) or any(
-            output.defuzzifier.method in TYPE_2 for output in self.outputs
+            output.defuzzifier.record.type2 for output in self.outputs
         )
 
     def output(self, name: str) -> Output:

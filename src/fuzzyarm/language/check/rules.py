@@ -15,8 +15,6 @@ from fuzzyarm.language.check.subject import Subject, plain_propositions
 from fuzzyarm.language.phrases import JunctionNode, PropositionNode
 from fuzzyarm.language.statements import CellNode, GridNode, InferenceNode
 from fuzzyarm.model.rulebase import (
-    TAKAGI_SUGENO,
-    TYPE_2,
     Consequent,
     Expression,
     Hedged,
@@ -103,8 +101,10 @@ def shared_conclusions(subject: Subject) -> Iterator[Diagnostic]:
 
 def _weighs(output: Output) -> bool:
     """Whether an output is an average of values, by its defuzzifier or by its terms."""
-    method, kinds = output.defuzzifier.method, {term.shape.kind for term in output.terms}
-    return method in TAKAGI_SUGENO or (method in TYPE_2 and kinds <= {"singleton", "linear"})
+    record, kinds = output.defuzzifier.record, {term.shape.kind for term in output.terms}
+    if record.type2:
+        return kinds <= {"singleton", "linear"}
+    return record.weighs and not record.inverts
 
 
 def _with_aggregation(subject: Subject) -> set[str | None]:
@@ -126,7 +126,7 @@ def _pairs_that_fold(output: Output, subject: Subject) -> Iterator[tuple[Rule, R
         for each in rule.consequents:
             if each.variable == output.name:
                 by_conclusion.setdefault((each.term, each.hedges), []).append(rule)
-    if len(by_conclusion) < 2 and output.defuzzifier.method == "weighted-average":
+    if len(by_conclusion) < 2 and output.defuzzifier.record.of == "average":
         return  # the average of one value is that value
     pairs = (
         (first, second, conclusion)

@@ -21,9 +21,6 @@ from fuzzyarm.model.arrangement import (
 )
 from fuzzyarm.model.rulebase import (
     POSITION,
-    TAKAGI_SUGENO,
-    TYPE_2,
-    WEIGHTED,
     Input,
     Output,
     Rule,
@@ -47,7 +44,7 @@ def unfit_defuzzifiers(subject: Subject) -> Iterator[Diagnostic]:
         yield from _formulas(output, names)
         yield from _mixture(output)
         yield from _type_2(output, subject)
-        if output.defuzzifier.method == "tsukamoto":
+        if output.defuzzifier.record.inverts:
             yield from _monotonic(output)
 
 
@@ -57,10 +54,10 @@ def _values(output: Output) -> Iterator[Diagnostic]:
         for term in output.terms
         if not (SHAPES[term.shape.kind].fuzzy or POSITION in _names_in(term))
     ]
-    method = output.defuzzifier.method
-    if values and len(values) == len(output.terms) and method in TYPE_2:
+    method, record = output.defuzzifier.method, output.defuzzifier.record
+    if values and len(values) == len(output.terms) and record.type2:
         return  # the average of values, by the ends of their weights
-    if values and method not in WEIGHTED:
+    if values and not record.weighs:
         yield Diagnostic(
             "defuzzifier-does-not-fit",
             f"'{values[0].name}' of '{output.name}' is a value, not a set; {method} needs sets",
@@ -71,7 +68,7 @@ def _values(output: Output) -> Iterator[Diagnostic]:
 
 def _type_2(output: Output, subject: Subject) -> Iterator[Diagnostic]:
     """Report interval type-2 terms that meet a defuzzifier of type 1."""
-    if output.defuzzifier.method in TYPE_2:
+    if output.defuzzifier.record.type2:
         return
     read = (
         (part.variable, part.term)
@@ -100,9 +97,10 @@ def _formulas(output: Output, variables: set[str]) -> Iterator[Diagnostic]:
             continue
         others = sorted(names & (variables - {POSITION}))
         method, message, hint = output.defuzzifier.method, "", ""
-        if method in WEIGHTED and POSITION in variables:
+        weighs = output.defuzzifier.record.weighs
+        if weighs and POSITION in variables:
             continue  # a value, which asks for the variable of that name
-        if method in WEIGHTED:
+        if weighs:
             message = f"which makes it a set; {method} needs a value"
         elif POSITION in variables:
             message = "which is also the name of a variable"
@@ -132,7 +130,7 @@ def _names_in(term: Term) -> set[str]:
 
 
 def _mixture(output: Output) -> Iterator[Diagnostic]:
-    if output.defuzzifier.method in WEIGHTED:
+    if output.defuzzifier.record.weighs:
         return
     spikes = [term for term in output.terms if term.shape.kind == "singleton"]
     if spikes and len(spikes) < len(output.terms):
@@ -150,8 +148,8 @@ def _monotonic(output: Output) -> Iterator[Diagnostic]:
         if record.fuzzy and record.inverse is None and term.shape.kind != "singleton":
             yield Diagnostic(
                 "defuzzifier-does-not-fit",
-                f"tsukamoto needs monotonic terms; '{term.name}' of '{output.name}' is a"
-                f" {term.shape.kind}",
+                f"{output.defuzzifier.method} needs monotonic terms; '{term.name}' of"
+                f" '{output.name}' is a {term.shape.kind}",
                 term.span,
             )
             return
@@ -164,7 +162,7 @@ def cores_outside(subject: Subject) -> Iterator[Diagnostic]:
     """Yield ``core-outside-range`` for each term that is fullest where no value can be."""
     rulebase = subject.rulebase
     for variable in (*rulebase.inputs, *rulebase.outputs):
-        by_value = isinstance(variable, Output) and variable.defuzzifier.method in WEIGHTED
+        by_value = isinstance(variable, Output) and variable.defuzzifier.record.weighs
         if variable.outside == "extend" and (by_value or isinstance(variable, Input)):
             continue  # a value outside the range is taken as it is
         for term in variable.terms:
@@ -208,7 +206,8 @@ def _core_outside(term: Term, variable: Variable) -> Diagnostic:
 def clamped_values(subject: Subject) -> Iterator[Diagnostic]:
     """Yield ``clamped-output`` where a linear consequent leaves the range of its output."""
     for output in subject.rulebase.outputs:
-        if output.outside == "clamp" and output.defuzzifier.method in TAKAGI_SUGENO:
+        record = output.defuzzifier.record
+        if output.outside == "clamp" and record.weighs and not record.inverts:
             linear = {t.name: t for t in output.terms if t.shape.kind == "linear"}
             for term, low, high in _values_where_fired(output, linear, subject):
                 yield Diagnostic(
@@ -335,7 +334,8 @@ def short_reaches(subject: Subject) -> Iterator[Diagnostic]:
     """Yield ``short-reach`` for each centroid that cannot come near both ends of its range."""
     for output in subject.rulebase.outputs:
         order = subject.ranks(output.name)
-        if output.defuzzifier.method != "centroid" or not order:
+        record = output.defuzzifier.record
+        if record.figure != "centroid" or record.type2 or not order:
             continue
         used = {
             consequent.term

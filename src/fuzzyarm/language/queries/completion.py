@@ -13,7 +13,7 @@ from itertools import permutations
 from types import MappingProxyType
 from typing import Any, NoReturn
 
-from fuzzyarm.expression.kinds import HEDGES, SHAPES, Shape
+from fuzzyarm.expression.kinds import HEDGES, SHAPES, Registry, Shape
 from fuzzyarm.language.controllers import CONTROLLER_STATEMENTS, SIGNAL
 from fuzzyarm.language.document import SECTIONS, section_at
 from fuzzyarm.language.phrases import SETTINGS, Kind, Setting, parameter_names
@@ -71,7 +71,9 @@ class Candidate:
 
 
 def _words(words: Iterable[str], kind: str = "keyword") -> list[Candidate]:
-    return [Candidate(word, kind, word) for word in words]
+    """Return words as candidates; those of a registry with what their records say."""
+    docs = {each.name: each.doc for each in words.values()} if isinstance(words, Registry) else {}
+    return [Candidate(word, kind, word, docs.get(word, "")) for word in words]
 
 
 def variable_detail(variable: Variable) -> str:
@@ -180,13 +182,7 @@ class _AskingCursor(Cursor):
 
     # What must come.
 
-    def fail(
-        self,
-        wanted: str,
-        choices: Collection[str] = (),
-        name: str = "",
-        elsewhere: Mapping[str, str] = MappingProxyType({}),
-    ) -> NoReturn:
+    def fail(self, wanted: str, choices: Collection[str] = (), name: str = "") -> NoReturn:
         raise _Nothing
 
     def finish(self) -> None:
@@ -223,13 +219,7 @@ class _AskingCursor(Cursor):
             self._last(_terms(self.variable_called(variable.text)))
         return self.name(what)
 
-    def word(
-        self,
-        what: str,
-        choices: Collection[str],
-        name: str,
-        elsewhere: Mapping[str, str] = MappingProxyType({}),
-    ) -> Word:
+    def word(self, what: str, choices: Collection[str], name: str) -> Word:
         if self.at_end:
             kind = "value" if name in ("unknown-choice", "unknown-defuzzifier") else "keyword"
             self._last([] if self.offered else _words(choices, kind))
@@ -281,7 +271,7 @@ class _AskingCursor(Cursor):
         return self._variables(role, ":")
 
     def _suggest_values(self, setting: Setting) -> list[Candidate]:
-        return _words((*setting.values, "0"), "value")
+        return [*_words(setting.values, "value"), *_words(("0",), "value")]
 
     def _suggest_samples(self) -> list[Candidate]:
         return [Candidate("(101, endpoints)", "value", "(101, endpoints)", "a number of samples")]

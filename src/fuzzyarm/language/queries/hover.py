@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass
+from typing import Any
 
-from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
+from fuzzyarm.expression.kinds import DEFUZZIFIERS, HEDGES, SHAPES, SNORMS, TNORMS, Registry
 from fuzzyarm.expression.sources import SOURCES
 from fuzzyarm.language.check.coverage import gaps_of
 from fuzzyarm.language.controllers import CONTROLLER_STATEMENTS, CONTROLLER_WORDS
@@ -253,10 +254,12 @@ def _help(text: str, *, first: bool) -> str:
         return f"hedge: {HEDGES[HEDGES.words[text]].doc}"
     if text in EVEN_SHAPES:
         return f"evenly spread terms: {EVEN_SHAPES[text]}"
-    norms = [f"{sort}: {kinds[text].doc}" for sort, kinds in _NORMS if text in kinds.words]
+    kinds = [f"{sort}: {kinds[text].doc}" for sort, kinds in _SORTS if text in kinds.words]
     setting = SETTINGS[text].doc if text in SETTINGS else ""
     setting = setting or (SOURCES[text].doc if text in SOURCES else "")
-    return setting or WORDS.get(text, "") or CONTROLLER_WORDS.get(text, "") or "; ".join(norms)
+    return setting or WORDS.get(text, "") or CONTROLLER_WORDS.get(text, "") or "; ".join(kinds)
 
 
-_NORMS = (("T-norm", TNORMS), ("S-norm", SNORMS))
+_SORTS: tuple[tuple[str, Registry[Any]], ...] = (
+    ("T-norm", TNORMS), ("S-norm", SNORMS), ("defuzzifier", DEFUZZIFIERS),
+)  # fmt: skip

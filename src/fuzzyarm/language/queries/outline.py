@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Container
 from dataclasses import dataclass, replace
+from typing import Any
 
-from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
+from fuzzyarm.expression.kinds import DEFUZZIFIERS, HEDGES, SHAPES, SNORMS, TNORMS, Registry
 from fuzzyarm.expression.sources import SOURCES
 from fuzzyarm.language.controllers import CONTROLLER_STATEMENTS, CONTROLLER_WORDS
 from fuzzyarm.language.phrases import SETTINGS, Kind
@@ -20,7 +21,7 @@ from fuzzyarm.language.statements import (
     VariableNode,
 )
 from fuzzyarm.language.tokens import RESERVED, Token
-from fuzzyarm.model.rulebase import DEFUZZIFIERS, SAMPLINGS
+from fuzzyarm.model.rulebase import SAMPLINGS
 from fuzzyarm.model.shapes import EVEN_SHAPES
 from fuzzyarm.text.diagnostic import Span
 
@@ -44,11 +45,12 @@ _NAMES = {
     Kind.AXIS: "enumMember",
     Kind.PORT: "property",
 }
-_VALUES = {*EVEN_SHAPES, *DEFUZZIFIERS, *SAMPLINGS, *SETTINGS["outside"].values, "exact", "hold"}
+_VALUES = {*EVEN_SHAPES, *SAMPLINGS, *SETTINGS["outside"].values, "exact", "hold"}
+_KINDS: tuple[Registry[Any], ...] = (SHAPES, TNORMS, SNORMS, DEFUZZIFIERS)
 _WORDS: tuple[tuple[Container[str], str], ...] = (
     (HEDGES.words, "modifier"),
     (("inf", "nan"), "number"),
-    *((words, "type") for words in (_VALUES, SHAPES.words, TNORMS.words, SNORMS.words)),
+    *((words, "type") for words in (_VALUES, *(kinds.words for kinds in _KINDS))),
     (SETTINGS.keys() - RESERVED, "property"),
     ({*RESERVED, *WORDS, *CONTROLLER_WORDS}, "keyword"),
     (SOURCES, "keyword"),
