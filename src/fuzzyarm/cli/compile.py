@@ -153,15 +153,15 @@ def _compile_sheet(arguments: argparse.Namespace, *, exports: bool) -> None:
 
 def _compile_ends(model: RuleBase, arguments: argparse.Namespace) -> None:
     """Write a table of each end of an interval type-2 output, with the end in its name."""
-    from fuzzyarm.model.rulebase import KARNIK_MENDEL
+    from fuzzyarm.expression.kinds import DEFUZZIFIERS
     from fuzzyarm.table.compiler import choose_output
 
     output = choose_output(model, arguments.output)
-    if output.defuzzifier.method not in KARNIK_MENDEL:
+    if output.defuzzifier.record.of != "ends":
         raise WordError(f"--ends are those of karnik-mendel, and '{output.name}' is one number")
     out, data = Path(arguments.out), []
     for end in ("left", "right"):
-        way = replace(output.defuzzifier, method=f"karnik-mendel-{end}")
+        way = replace(output.defuzzifier, method=DEFUZZIFIERS.plain(end))
         one = replace(output, defuzzifier=way)
         outputs = tuple(one if each is output else each for each in model.outputs)
         arguments.out = str(out.with_name(f"{out.stem}-{end}{out.suffix}"))

@@ -20,7 +20,6 @@ from fuzzyarm.language.statements import BlockNode, InferenceNode
 from fuzzyarm.lsp.session import UTF16, to_position
 from fuzzyarm.model.alike import KINDS
 from fuzzyarm.model.rulebase import (
-    KARNIK_MENDEL,
     Input,
     Output,
     Rule,
@@ -112,7 +111,7 @@ def scene_of(rulebase: RuleBase, reading: Reading) -> dict[str, Any]:
 def held_numbers(rulebase: RuleBase, variable: str) -> dict[str, Any] | None:
     """Return the numbers of a rule base while a hand moves the terms of a variable."""
     found = rulebase.variable(variable)
-    middles = isinstance(found, Output) and found.defuzzifier.method == "nie-tan"
+    middles = isinstance(found, Output) and found.defuzzifier.record.both
     if middles and any(term.lower and is_value(term.lower) for term in found.terms):
         return None  # what stands in the numbers is the middle of two
     try:
@@ -215,7 +214,7 @@ def _output(output: Output, made: Plan, functions: Functions, lower: LowerNames)
         "defuzzifier": str(output.defuzzifier),
         "aggregation": norm_number(SNORMS[output.aggregation], "S", functions),
         "discrete": found.discrete,
-        "interval": output.defuzzifier.method in KARNIK_MENDEL,
+        "interval": output.defuzzifier.record.of == "ends",
         "twoSided": bool(found.sides),
         "noRule": jsonable(output.no_rule),
         "members": members,

@@ -18,9 +18,9 @@ from fuzzyarm.export.rulebase import DirectRoutine
 from fuzzyarm.export.steps import Ask, Find, Set, Step, Steps, Teach, steps_of
 from fuzzyarm.inference import kernel as at
 from fuzzyarm.inference.block import Layout
-from fuzzyarm.inference.enveloped import sampled_centroid
 from fuzzyarm.inference.layout import lay_out
 from fuzzyarm.inference.plan import plan
+from fuzzyarm.inference.programs import CLOSED, SAMPLES, WEIGHTED
 from fuzzyarm.kernels import address_of
 from fuzzyarm.model.rulebase import RuleBase
 
@@ -145,8 +145,8 @@ class _Programs:
     def __init__(self, layout: Layout) -> None:
         self.k, self.f, self.count = layout.whole, layout.floats, layout.programs
         self.kinds = {
-            address_of(function, 1, compiled=False): function
-            for function in (at.closed_centroid, sampled_centroid, at.weighted)
+            address_of(each.block, 1, compiled=False): each
+            for each in (CLOSED, SAMPLES["gravity"], WEIGHTED)
         }
 
     def costs(self) -> Iterator[Operations]:
@@ -189,12 +189,12 @@ class _Programs:
                     total += Operations({PRODUCTS: 1, COMPARISONS: 1})
                 here += at.RULE_HEAD + k[at.OPERANDS]
         kind = self.kinds.get(k[head + at.DEFUZZIFIER])
-        if kind is at.closed_centroid:
+        if kind is CLOSED:
             own, here = self._closed(here)
             total += own
-        elif kind is sampled_centroid:
+        elif kind is SAMPLES["gravity"]:
             total += self._sampled(consequents, fold)
-        elif kind is at.weighted:
+        elif kind is WEIGHTED:
             linear = k[head + at.DETAIL]
             each = Operations({COMPARISONS: 1, SUMS: 2 + linear, PRODUCTS: 1 + linear})
             total += _times(each, groups)

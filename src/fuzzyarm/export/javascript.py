@@ -14,7 +14,7 @@ import base64
 import json
 import math
 import struct
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -30,19 +30,16 @@ from fuzzyarm.inference import kernel
 from fuzzyarm.inference.block import Layout, NotCoveredError
 from fuzzyarm.inference.layout import lay_out
 from fuzzyarm.inference.plan import Plan, plan
-from fuzzyarm.inference.programs import BLOCKS
+from fuzzyarm.inference.programs import EVALUATORS, PROGRAMS, Program
 from fuzzyarm.inference.row_functions import Curve
 from fuzzyarm.inference.sets import formula_of
-from fuzzyarm.model.rulebase import KARNIK_MENDEL, POSITION, Hedge, RuleBase, Shape
+from fuzzyarm.model.rulebase import POSITION, Hedge, RuleBase, Shape
 from fuzzyarm.model.shapes import polyline
 from fuzzyarm.text.jsonable import jsonable
 from fuzzyarm.text.names import printable
 from fuzzyarm.version import __version__
 
 __all__ = ["engine_source", "numbers_of", "rule_base_module"]
-
-PROGRAMS = tuple(block for block in BLOCKS if block not in {kernel.evaluate, kernel.sweep})
-"""What a layout calls by its number."""
 
 OWN_NORMS = 4
 """Numbers below are norms that the kernel does by itself."""
@@ -80,24 +77,24 @@ class Functions:
         return self._known[key]
 
     def norm(self, norm: Norm, sort: str) -> int:
-        """See :class:`fuzzyarm.inference.layout.Addresses`."""
+        """See :class:`fuzzyarm.inference.row_functions.Addresses`."""
         return self._number({"norm": norm.name, "sort": sort})
 
     def hedged(self, hedges: tuple[Hedge, ...]) -> int:
-        """See :class:`fuzzyarm.inference.layout.Addresses`."""
+        """See :class:`fuzzyarm.inference.row_functions.Addresses`."""
         return self._number({"hedges": _hedges(hedges)})
 
     def expression(self, root: Node, numbers: Sequence[str]) -> int:
-        """See :class:`fuzzyarm.inference.layout.Addresses`."""
+        """See :class:`fuzzyarm.inference.row_functions.Addresses`."""
         plain = {name: symbol(f"n{index}") for index, name in enumerate(numbers)}
         return self._number({"formula": _tree(replace(root, plain))})
 
-    def program(self, function: Callable[[Any], None]) -> int:
-        """See :class:`fuzzyarm.inference.layout.Addresses`."""
-        return self._number({"program": function.__name__})
+    def program(self, program: Program) -> int:
+        """See :class:`fuzzyarm.inference.row_functions.Addresses`."""
+        return self._number({"program": program.name})
 
     def curve(self, shape: Shape, hedges: tuple[Hedge, ...]) -> Curve:
-        """See :class:`fuzzyarm.inference.layout.Addresses`."""
+        """See :class:`fuzzyarm.inference.row_functions.Addresses`."""
         described: dict[str, Any] = {"hedges": _hedges(hedges)} if hedges else {}
         if SHAPES[shape.kind].function is None and shape.kind != "formula":
             corners = tuple(number for corner in polyline(shape) for number in corner)
@@ -167,7 +164,7 @@ def numbers_of(
         "intervals": [
             o
             for o, output in enumerate(rulebase.outputs)
-            if output.defuzzifier.method in KARNIK_MENDEL and made.outputs[output.name].members
+            if output.defuzzifier.record.of == "ends" and made.outputs[output.name].members
         ],
         "functions": functions.described,
         "marks": [mark._asdict() for mark in layout.marks],
@@ -222,10 +219,14 @@ def kernel_source() -> str:
     from fuzzyarm.translation.types import Array, Scalar
 
     translation = Translation(TARGET)
-    for program in BLOCKS:
-        translation.function(program, [Array.REALS])
+    for evaluate in EVALUATORS:
+        translation.function(evaluate, [Array.REALS])
     translation.function(degree_on_corners, [Array.REALS, Scalar.REAL])
-    names = ", ".join(program.__name__ for program in PROGRAMS)
+    blocks = {
+        each.name: translation.function(each.block, [Array.REALS], each.bindings).name
+        for each in PROGRAMS
+    }
+    names = ", ".join(f"{name}: {block}" for name, block in blocks.items())
     return f"{translation.text()}\nconst PROGRAMS_BY_NAME = {{ {names} }};\n"
 
 

@@ -52,20 +52,15 @@ from fuzzyarm.expression.nodes import (
     symbol,
 )
 from fuzzyarm.expression.printing import Assign
-from fuzzyarm.inference import enveloped, integrated, reduced
 from fuzzyarm.inference import kernel as at
 from fuzzyarm.inference.block import NotCoveredError
 from fuzzyarm.inference.errors import InferenceError
 from fuzzyarm.inference.firing_intervals import LOWER, UPPER
-from fuzzyarm.inference.layout import lay_out_output
-from fuzzyarm.inference.plan import CENTROIDS, OutputPlan, Plan, PlannedRule, needed, plan
+from fuzzyarm.inference.plan import OutputPlan, Plan, PlannedRule, needed, plan
 from fuzzyarm.inference.sets import Piece, formula_of
+from fuzzyarm.inference.single_output import lay_out_output
 from fuzzyarm.inference.weighted import is_rising
 from fuzzyarm.model.rulebase import (
-    JOINED,
-    KARNIK_MENDEL,
-    MAXIMA,
-    WEIGHTED,
     And,
     Hedge,
     Hedged,
@@ -81,15 +76,8 @@ MOST_SAMPLES = 100_000
 
 LARGEST_DOUBLE = sys.float_info.max
 
-MOMENTS = frozenset(
-    {
-        enveloped.enveloped_centroid,
-        integrated.integrated_centroid,
-        reduced.nie_tan_envelope,
-        reduced.nie_tan_integral,
-    }
-)
-"""Defuzzifiers that give an area and a moment about the centre of the last float of an output."""
+WALKED = frozenset({"top", "area", "ends"})
+"""What of numbers is walked over tables."""
 
 SAMPLED = "defuzzifier centroid(101)"
 """What takes any sets: their samples."""
@@ -245,7 +233,7 @@ class _Builder:
         """Find out whether an output is one expression, or is walked over tables."""
         name, way, span = output.output.name, output.output.defuzzifier, output.output.span
         if output.discrete:
-            if way.method not in CENTROIDS | WEIGHTED or way.method in KARNIK_MENDEL:
+            if output.record.of in WALKED:
                 self.walked[name] = {}
             return
         if way.resolution is not None:
@@ -263,7 +251,7 @@ class _Builder:
             lay_out_output(self.plan, name, Listed())
         except NotCoveredError as error:
             instead = SAMPLED
-            if way.method in JOINED or way.method in MAXIMA:
+            if not output.record.type2:
                 instead = f"defuzzifier {way.method}(101)"
             raise refuse(str(error), span, f"write  {instead}") from None
         self.walked[name] = {}
@@ -386,13 +374,25 @@ class _Builder:
 
     def _total_and_value(self, output: OutputPlan) -> tuple[Node, Node]:
         """Return what is above 0 where a rule fires, and the value that holds there."""
-        name, method = output.output.name, output.output.defuzzifier.method
+        name, record = output.output.name, output.record
         if name in self.walked:
-            return self._walk(output)
+            total, figure = self._walk(output)
+            if len(record.aspect.figures) > 1:
+                return total, figure
+        else:
+            total, figure = self._total_and_figure(output)
+        if record.figure:
+            return total, figure
+        value = replace(record.expression, {record.symbols[0]: self.fresh(figure, "found")})
+        return total, value
+
+    def _total_and_figure(self, output: OutputPlan) -> Part:
+        """Return the same of an output that is one expression; the number its value is made of."""
+        name = output.output.name
         if output.discrete:
             total, weighted = self._weighted(output)
             total, weighted = self.fresh(total, "total"), self.fresh(weighted, "weighted")
-            if method == "weighted-sum":
+            if output.record.of == "sum":
                 return total, weighted
             return total, _quotient(weighted, total)
         if output.output.defuzzifier.resolution is not None:
@@ -404,7 +404,7 @@ class _Builder:
 
     def _walk(self, output: OutputPlan) -> Part:
         """Return what a defuzzifier of the kernel makes of the strengths."""
-        name, method = output.output.name, output.output.defuzzifier.method
+        name = output.output.name
         layout = lay_out_output(self.plan, name, Listed())
         strengths = {member: height for member, (_, height) in self.heights[name].items()}
         if output.in_order and not output.discrete:
@@ -413,7 +413,7 @@ class _Builder:
         if output.discrete:
             values = [self._value(output, member, own[i]) for i, member in enumerate(layout.groups)]
             by_turns = list(zip(own, values, strict=True))
-            if method in KARNIK_MENDEL:  # of each pair both strengths, then both values
+            if output.record.of == "ends":  # of each pair both strengths, then both values
                 pairs = list(zip(by_turns[::2], by_turns[1::2], strict=True))
                 own = [
                     node
@@ -425,7 +425,7 @@ class _Builder:
         total, value = self.names.new("total"), self.names.new("found")
         self.variables.append(Walk(total, value, self.plan, name, tuple(own)))
         result: Node = symbol(value)
-        if layout.defuzzifier in MOMENTS:
+        if layout.program.centre:
             centre = constant(layout.floats[layout.whole[at.HEAD + at.FLOATS_AT] + 3])
             result = plus(centre, _quotient(result, symbol(total)))
         return symbol(total), result
@@ -490,7 +490,7 @@ class _Builder:
         shape = found.term.shape
         if found.value is not None:
             return constant(found.value)
-        if output.output.defuzzifier.method == "tsukamoto" and found.pieces:
+        if output.record.inverts and found.pieces:
             return self.fresh(self._position(output, member, height), found.term.name)
         if shape.kind == "formula":
             value: Node = times(constant(shape.height), self._formula(output, member))
@@ -545,7 +545,7 @@ class _Builder:
 def _is_expression(output: OutputPlan) -> bool:
     """Whether an expression of reasonable length says what a set is worth."""
     way = output.output.defuzzifier
-    if way.method not in {"centroid", "nie-tan"} or way.joined:
+    if output.record.of != "gravity" or way.joined:
         return False
     if way.resolution is not None:
         return True

@@ -19,11 +19,9 @@ from numpy.typing import NDArray
 from fuzzyarm.expression.evaluation import evaluate_arrays
 from fuzzyarm.expression.kinds import SHAPES, Norm
 from fuzzyarm.expression.nodes import Node
-from fuzzyarm.inference import integrated, reduced
 from fuzzyarm.inference import kernel as at
-from fuzzyarm.inference.layout import OutputLayout, lay_out_output
 from fuzzyarm.inference.plan import Plan
-from fuzzyarm.inference.programs import AT_POINT
+from fuzzyarm.inference.programs import Program
 from fuzzyarm.inference.row_functions import (
     Curve,
     InMemory,
@@ -33,6 +31,7 @@ from fuzzyarm.inference.row_functions import (
     hedges_on_row,
     norm_row,
 )
+from fuzzyarm.inference.single_output import OutputLayout, lay_out_output
 from fuzzyarm.kernels import has_machine_code, routine
 from fuzzyarm.model.rulebase import Hedge, Shape
 from fuzzyarm.model.shapes import polyline
@@ -40,12 +39,6 @@ from fuzzyarm.model.shapes import polyline
 Array = NDArray[Any]
 
 STEPS_OF_AN_INTEGRAL = 15_000
-
-INTEGRALS = (
-    integrated.integrated_centroid, integrated.integrated_bisector,
-    reduced.karnik_mendel_integral, reduced.nie_tan_integral,
-)  # fmt: skip
-"""Defuzzifiers that take long."""
 
 _AT_ONCE = 4_096
 """Points that are worked on together where a walk is evaluated here."""
@@ -97,7 +90,7 @@ class Listed:
         function, numbers = curved_row(shape, hedges)
         return Curve(self._number(function, self.curves, lambda: function), numbers)
 
-    def program(self, function: Callable[[Any], None]) -> int:
+    def program(self, program: Program) -> int:
         """Nothing: the defuzzifier is called by its name."""
         return 0
 
@@ -142,7 +135,7 @@ class Walk:
     @property
     def function(self) -> Callable[..., Any]:
         """The kernel for one point, which is printed."""
-        return AT_POINT[self.layout.defuzzifier]
+        return self.layout.program.function
 
     @property
     def room(self) -> int:
@@ -157,7 +150,7 @@ class Walk:
     @property
     def steps(self) -> int:
         """About how many heights of sets are asked for at one point."""
-        found = STEPS_OF_AN_INTEGRAL if self.layout.defuzzifier in INTEGRALS else self.room
+        found = STEPS_OF_AN_INTEGRAL if self.layout.program.takes_long else self.room
         return found * max(1, len(self.layout.groups)) * (1 if has_machine_code() else 100)
 
     @property
@@ -171,7 +164,8 @@ class Walk:
     def _in_memory(self) -> tuple[OutputLayout, Callable[..., None]]:
         compiled = has_machine_code()
         layout = lay_out_output(self.plan, self.output, InMemory(compiled))
-        return layout, routine(layout.defuzzifier, 1, compiled=compiled)
+        program = layout.program
+        return layout, routine(program.block, 1, program.bindings, compiled=compiled)
 
     def over_arrays(self, values: Mapping[str, Array], real: type) -> dict[str, Array]:
         """Return both numbers by name over arrays that broadcast."""

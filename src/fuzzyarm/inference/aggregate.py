@@ -63,6 +63,9 @@ def weights(count: int, sampling: str) -> list[float]:
 Fired = Sequence[tuple[int, float]]
 """(index of a member, firing strength above 0), in the order of the rules."""
 
+Figures = dict[str, float]
+"""Numbers that an aggregate has, by their names in :mod:`fuzzyarm.expression.defuzzifiers`."""
+
 
 def aggregate(
     plan: OutputPlan, fired: Fired, *, integrated: bool = False

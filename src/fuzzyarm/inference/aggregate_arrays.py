@@ -28,6 +28,9 @@ from fuzzyarm.inference.sets import BELOW_ONE, cut_lines, degrees, gaps, plateau
 
 Array = NDArray[np.float64]
 
+ArrayFigures = dict[str, Array]
+"""Numbers of aggregates, by their names in :mod:`fuzzyarm.expression.defuzzifiers`."""
+
 
 class Strengths:
     """Firing strengths of the members of an output over a chunk of points.
@@ -143,6 +146,14 @@ def sampled_aggregate_over_arrays(plan: OutputPlan, strengths: Strengths) -> tup
         part = slice(found.first, found.first + len(degree))
         total[part] = norm(total[part], TNORMS[implication].array(strength, degree))
     return samples, total
+
+
+def added_up_rows(rows: Array) -> Array:
+    """Return the sum of the rows in their order, as :func:`.aggregate.added_up` does."""
+    total = np.zeros(rows.shape[1])
+    for row in rows:
+        total += row
+    return total
 
 
 def sample_weights(plan: OutputPlan) -> Array:

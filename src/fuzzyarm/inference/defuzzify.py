@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, TypeVar
 
-from fuzzyarm.inference.aggregate import Fired
+from fuzzyarm.inference.aggregate import Figures, Fired
 from fuzzyarm.inference.centroid import (
     closed_centroid_at_point,
     closed_centroid_over_arrays,
@@ -18,24 +18,28 @@ from fuzzyarm.inference.centroid import (
     sampled_centroid_at_point,
     sampled_centroid_over_arrays,
 )
-from fuzzyarm.inference.plan import CENTROIDS, Member, OutputPlan
+from fuzzyarm.inference.plan import Member, OutputPlan
 from fuzzyarm.inference.weighted import (
+    chosen_at_point,
+    chosen_over_arrays,
     tsukamoto_at_point,
     tsukamoto_over_arrays,
     weighted_at_point,
     weighted_over_arrays,
 )
-from fuzzyarm.model.rulebase import KARNIK_MENDEL, TYPE_2, WEIGHTED
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from fuzzyarm.inference.aggregate_arrays import Strengths
+    from fuzzyarm.inference.aggregate_arrays import ArrayFigures, Strengths
 
     Array = NDArray[np.float64]
 
 _Number = TypeVar("_Number")
+
+CHOICES = frozenset({"top", "area"})
+"""What of numbers is one of them, or lies between two."""
 
 
 # --- At one point ---
@@ -62,45 +66,38 @@ def defuzzify_at_point(
     float or None
         None where the aggregate has no area.
     """
-    method = plan.output.defuzzifier.method
-    if method in KARNIK_MENDEL:
-        return _ends_at_point(plan, fired, values, inputs)
+    figures = _figures_at_point(plan, fired, values, inputs)
+    return None if figures is None else float(plan.record.value(figures))
+
+
+def _figures_at_point(
+    plan: OutputPlan, fired: Fired, values: Mapping[str, float], inputs: tuple[str, ...]
+) -> Figures | None:
+    """Return what a defuzzifier takes of an aggregate, by name."""
+    record = plan.record
+    if record.of == "ends":
+        ends = ends_of_output(plan, fired, values, inputs)
+        return None if ends is None else dict(zip(record.aspect.figures, ends, strict=True))
     if plan.discrete:
         value_of = _number_of(plan, tsukamoto_at_point, consequent_value, values, inputs)
-        if method in CENTROIDS or method in WEIGHTED:
-            return weighted_at_point(plan, fired, value_of)
-        from fuzzyarm.inference.maxima import discrete_at_point
-
-        return discrete_at_point(plan, fired, value_of)
+        choose = chosen_at_point if record.of in CHOICES else weighted_at_point
+        return choose(plan, fired, value_of)
     if plan.output.defuzzifier.joined:
         from fuzzyarm.inference.joined import joined_at_point
 
         return joined_at_point(plan, fired)
-    return _centroid_at_point(plan, fired) if method in CENTROIDS else _place_at_point(plan, fired)
-
-
-def _place_at_point(plan: OutputPlan, fired: Fired) -> float | None:
-    """Return the bisector or one of the maxima."""
-    from fuzzyarm.inference.maxima import (
-        bisector_at_point,
-        maxima_at_point,
-        sampled_bisector_at_point,
-        sampled_maxima_at_point,
-    )
-
     exact = plan.output.defuzzifier.resolution is None
-    if plan.output.defuzzifier.method == "bisector":
-        return bisector_at_point(plan, fired) if exact else sampled_bisector_at_point(plan, fired)
-    return maxima_at_point(plan, fired) if exact else sampled_maxima_at_point(plan, fired)
+    if record.of == "top":
+        from fuzzyarm.inference.maxima import maxima_at_point, sampled_maxima_at_point
 
+        return (maxima_at_point if exact else sampled_maxima_at_point)(plan, fired)
+    if record.of == "area":
+        from fuzzyarm.inference.bisector import bisector_at_point, sampled_bisector_at_point
 
-def _ends_at_point(
-    plan: OutputPlan, fired: Fired, values: Mapping[str, float], inputs: tuple[str, ...]
-) -> float | None:
-    from fuzzyarm.inference.type_reduction import chosen
-
-    found = ends_of_output(plan, fired, values, inputs)
-    return None if found is None else chosen(plan.output.defuzzifier.method, found)
+        half = (bisector_at_point if exact else sampled_bisector_at_point)(plan, fired)
+        return None if half is None else {"half": half}
+    centroid = _centroid_at_point(plan, fired)
+    return None if centroid is None else {"centroid": centroid}
 
 
 def ends_of_output(
@@ -141,7 +138,7 @@ def _number_of(
         member = plan.members[index]
         if member.value is not None:
             return member.value
-        if plan.output.defuzzifier.method == "tsukamoto" and member.pieces:
+        if plan.record.inverts and member.pieces:
             return invert(plan, member, strength)
         return evaluate(member, values, inputs)
 
@@ -187,42 +184,41 @@ def defuzzify_over_arrays(
     """
     import numpy as np
 
-    from fuzzyarm.inference.maxima import (
-        bisector_over_arrays,
-        discrete_over_arrays,
-        maxima_over_arrays,
-        sampled_bisector_over_arrays,
-        sampled_maxima_over_arrays,
-    )
-
-    method, resolution = plan.output.defuzzifier.method, plan.output.defuzzifier.resolution
     if not len(strengths):
         return np.zeros(strengths.shape), np.zeros(strengths.shape, dtype=bool)
-    reduced = method in TYPE_2 and plan.closed is None
-    if plan.enveloped or (reduced and not (plan.discrete and method == "nie-tan")):
+    record = plan.record
+    reduced = record.type2 and plan.closed is None
+    if plan.enveloped or (reduced and not (plan.discrete and record.both)):
         return _point_by_point(plan, strengths, values, inputs)
     if plan.discrete:
         value_of = _number_of(plan, tsukamoto_over_arrays, _consequent_values, values, inputs)
-        average = method in CENTROIDS or method in WEIGHTED
-        many = weighted_over_arrays if average else discrete_over_arrays
-        value, weight = many(plan, strengths, value_of)
-    elif plan.output.defuzzifier.joined:
+        choose = chosen_over_arrays if record.of in CHOICES else weighted_over_arrays
+        figures, weight = choose(plan, strengths, value_of)
+    else:
+        figures, weight = _figures_over_arrays(plan, strengths)
+    with np.errstate(all="ignore"):  # where nothing fired it may be anything
+        return record.value(figures), weight > 0.0
+
+
+def _figures_over_arrays(plan: OutputPlan, strengths: Strengths) -> tuple[ArrayFigures, Array]:
+    """Return what a defuzzifier takes of sets, and something above 0 where a rule fired."""
+    if plan.output.defuzzifier.joined:
         from fuzzyarm.inference.joined import joined_over_arrays
 
-        value, weight = joined_over_arrays(plan, strengths)
-    elif method in CENTROIDS:
-        value, weight = _centroid_over_arrays(plan, strengths)
-    elif method == "bisector":
-        exact = resolution is None
-        value, weight = (bisector_over_arrays if exact else sampled_bisector_over_arrays)(
-            plan, strengths
-        )
-    else:
-        exact = resolution is None
-        value, weight = (maxima_over_arrays if exact else sampled_maxima_over_arrays)(
-            plan, strengths
-        )
-    return value, weight > 0.0
+        return joined_over_arrays(plan, strengths)
+    exact = plan.output.defuzzifier.resolution is None
+    if plan.record.of == "top":
+        from fuzzyarm.inference.maxima import maxima_over_arrays, sampled_maxima_over_arrays
+
+        return (maxima_over_arrays if exact else sampled_maxima_over_arrays)(plan, strengths)
+    if plan.record.of == "area":
+        from fuzzyarm.inference.bisector import bisector_over_arrays, sampled_bisector_over_arrays
+
+        halve = bisector_over_arrays if exact else sampled_bisector_over_arrays
+        half, area = halve(plan, strengths)
+        return {"half": half}, area
+    centroid, area = _centroid_over_arrays(plan, strengths)
+    return {"centroid": centroid}, area
 
 
 def _point_by_point(

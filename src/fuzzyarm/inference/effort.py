@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from fuzzyarm.inference.layout import what_is_not_covered
 from fuzzyarm.inference.plan import OutputPlan, plan
-from fuzzyarm.model.rulebase import KARNIK_MENDEL, RuleBase
+from fuzzyarm.model.rulebase import RuleBase
 
 PER_RULE = 0.05
 PER_RULE_OF_NUMPY = 0.1
@@ -67,21 +67,21 @@ def points_within(rulebase: RuleBase, seconds: float, *, least: int, most: int) 
 
 
 def _of_output(output: OutputPlan, *, covered: bool) -> float:
-    way = output.output.defuzzifier
+    way, record = output.output.defuzzifier, output.record
     sets = len(output.members if output.output.aggregation == "max" else output.contributions)
-    if output.discrete or way.method == "tsukamoto":
+    if output.discrete:
         return (PER_RULE if covered else PER_RULE_OF_NUMPY) * sets
     if way.resolution is not None:
         per_sample = PER_SAMPLE if covered else PER_SAMPLE_OF_NUMPY
         joined = (JOINED if covered else JOINED_OF_NUMPY) if way.joined else 1.0
-        halved = HALVED if way.method == "bisector" else 1.0
+        halved = HALVED if record.of == "area" else 1.0
         return per_sample * way.resolution * sets * joined * halved
     pieces = {piece.x0 for member in output.members for piece in member.pieces}
     stretches = len(pieces) * sets
-    if "maximum" in way.method:
+    if record.of == "top":
         per_cut = PER_CUT if covered else PER_CUT_OF_NUMPY
         return (per_cut if output.output.aggregation == "max" else PER_SEARCH) * stretches
-    if way.method != "bisector" and (output.closed is not None or output.enveloped):
+    if record.of != "area" and (output.closed is not None or output.enveloped):
         return PER_RULE * stretches
-    ends = ENDS_OF_INTERVAL if way.method in KARNIK_MENDEL else 1.0
+    ends = ENDS_OF_INTERVAL if record.of == "ends" else 1.0
     return ends * (PER_PANEL if covered else PER_PANEL_OF_NUMPY) * stretches

@@ -95,20 +95,11 @@ def sample(
 
 
 @kernel
-def enveloped_centroid(block: Any) -> None:
-    """Integrate the upper envelope of cut or scaled sets, piece by piece, point by point.
+def whole_envelope(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[float, float]:
+    """Return area and moment below the upper envelope of cut or scaled sets, piece by piece.
 
     For straight sets without a closed form.
     """
-    k, f, room, total, moment = parts_of(block)
-    heap = room[(k[WORK] + WORK_ROWS) * k[WIDTH] :]
-    for point in range(total.shape[0]):
-        total[point], moment[point] = whole_envelope(k, f, room, heap, point)
-
-
-@kernel
-def whole_envelope(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[float, float]:
-    """Return area and moment below the envelope of a point."""
     begin = k[k[OUTPUT] + DETAIL]
     return whole_of(heap, begin, envelop(k, f, room, point, 0, heap, begin))
 

@@ -17,11 +17,11 @@ from functools import lru_cache
 from itertools import pairwise
 from typing import NamedTuple
 
+from fuzzyarm.expression.kinds import DEFUZZIFIERS
 from fuzzyarm.expression.records import emptied_with_kinds
 from fuzzyarm.inference.errors import InferenceError
 from fuzzyarm.model.rulebase import (
     POSITION,
-    TYPE_2,
     And,
     Consequent,
     Expression,
@@ -119,7 +119,7 @@ class _Doubling:
     def __init__(self, rulebase: RuleBase) -> None:
         self.rulebase = rulebase
         self.outputs = {each.name: each for each in rulebase.outputs}
-        self.two_sided = {n for n, o in self.outputs.items() if o.defuzzifier.method in TYPE_2}
+        self.two_sided = {n for n, o in self.outputs.items() if o.defuzzifier.record.type2}
         self.lower_names: dict[tuple[str, str], str] = {}
         self.intervals: set[tuple[str, str]] = set()
         for variable in (*rulebase.inputs, *rulebase.outputs):
@@ -161,7 +161,7 @@ class _Doubling:
         return Doubled(rulebase, self.lower_names, tuple(readings))
 
     def _terms(self, variable: Variable) -> tuple[Term, ...]:
-        averaged = isinstance(variable, Output) and variable.defuzzifier.method == "nie-tan"
+        averaged = isinstance(variable, Output) and variable.defuzzifier.record.both
         terms: list[Term] = []
         for term in variable.terms:
             lower, upper = term.lower or term.shape, term.shape
@@ -293,13 +293,13 @@ def ends(rulebase: RuleBase) -> Ends:
     Ends
         The middle of an output stays where later rules read it.
     """
-    if all(output.defuzzifier.method != "karnik-mendel" for output in rulebase.outputs):
+    if not any(map(_has_both_ends, rulebase.outputs)):
         return Ends(rulebase, {output.name: (output.name,) * 2 for output in rulebase.outputs})
     taken = {variable.name for variable in (*rulebase.inputs, *rulebase.outputs)}
     names: dict[str, tuple[str, str]] = {}
     outputs: list[Output] = []
     for output in rulebase.outputs:
-        if output.defuzzifier.method != "karnik-mendel":
+        if not _has_both_ends(output):
             names[output.name] = (output.name, output.name)
             outputs.append(output)
             continue
@@ -311,7 +311,7 @@ def ends(rulebase: RuleBase) -> Ends:
             replace(
                 output,
                 name=name,
-                defuzzifier=replace(output.defuzzifier, method=f"karnik-mendel-{side}"),
+                defuzzifier=replace(output.defuzzifier, method=DEFUZZIFIERS.plain(side)),
             )
             for name, side in zip(own, ("left", "right"), strict=True)
         ]
@@ -322,6 +322,12 @@ def ends(rulebase: RuleBase) -> Ends:
     )
     made = replace(rulebase, outputs=tuple(outputs), blocks=blocks, expectations=(), properties=())
     return Ends(made, names)
+
+
+def _has_both_ends(output: Output) -> bool:
+    """Whether its value is made of both ends of a centroid, and is not one of them."""
+    record = output.defuzzifier.record
+    return record.of == "ends" and not record.figure
 
 
 def _free(name: str, taken: set[str]) -> str:

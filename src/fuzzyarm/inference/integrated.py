@@ -18,6 +18,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from fuzzyarm.inference.bisector import SAME_HALF, STEPS
 from fuzzyarm.inference.envelope import insert
 from fuzzyarm.inference.enveloped import cut_in
 from fuzzyarm.inference.kernel import (
@@ -31,9 +32,6 @@ from fuzzyarm.inference.kernel import (
     OUTPUT,
     RULE_HEAD,
     WIDTH,
-    WORK,
-    WORK_ROWS,
-    parts_of,
 )
 from fuzzyarm.inference.sets import BELOW_ONE
 from fuzzyarm.kernels import call, kernel
@@ -66,28 +64,10 @@ ROW = 8
 
 
 @kernel
-def integrated_centroid(block: Any) -> None:
-    """Integrate the aggregate of each point."""
-    k, f, room, total, moment = parts_of(block)
-    heap = room[(k[WORK] + WORK_ROWS) * k[WIDTH] :]
-    for point in range(total.shape[0]):
-        total[point], moment[point] = integral_of_point(k, f, room, heap, point)
-
-
-@kernel
 def integral_of_point(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[float, float]:
     """Return area and moment of the aggregate of a point."""
     area, torque, _, _ = integrate_all(k, f, room, heap, point, math.inf)
     return area, torque
-
-
-@kernel
-def integrated_bisector(block: Any) -> None:
-    """Find where the area of the aggregate of each point is halved."""
-    k, f, room, total, moment = parts_of(block)
-    heap = room[(k[WORK] + WORK_ROWS) * k[WIDTH] :]
-    for point in range(total.shape[0]):
-        total[point], moment[point] = bisector_of_point(k, f, room, heap, point)
 
 
 @kernel
@@ -103,13 +83,6 @@ def bisector_of_point(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple
         middle = reach(k, f, room, heap, point, (0.5 - SAME_HALF) * area)
         middle = 0.5 * (middle + reach(k, f, room, heap, point, (0.5 + SAME_HALF) * area))
     return area, middle
-
-
-SAME_HALF = 1e-12
-"""Shares of the area closer to one half than this are one half."""
-
-STEPS = 60
-"""Halvings of the panel in which a bisector lies."""
 
 
 @kernel

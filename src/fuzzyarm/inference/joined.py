@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from fuzzyarm.expression.kinds import SNORMS, TNORMS
 from fuzzyarm.inference.aggregate import (
+    Figures,
     Fired,
     added_up,
     folded_where_max,
@@ -23,13 +24,12 @@ from fuzzyarm.inference.aggregate import (
 )
 from fuzzyarm.inference.errors import InferenceError
 from fuzzyarm.inference.plan import OutputPlan
-from fuzzyarm.model.rulebase import JOINED
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from fuzzyarm.inference.aggregate_arrays import Strengths
+    from fuzzyarm.inference.aggregate_arrays import ArrayFigures, Strengths
 
     Array = NDArray[np.float64]
 
@@ -55,7 +55,7 @@ class _Part(NamedTuple):
 # --- At one point ---
 
 
-def joined_at_point(plan: OutputPlan, fired: Fired) -> float | None:
+def joined_at_point(plan: OutputPlan, fired: Fired) -> Figures | None:
     """Return the centroid or the bisector of the joined union, or None where it has no area."""
     _check(plan)
     xs, ys = _vertices(plan, fired)
@@ -63,13 +63,13 @@ def joined_at_point(plan: OutputPlan, fired: Fired) -> float | None:
     total = added_up(areas)
     if not total > 0.0:
         return None
-    if plan.output.defuzzifier.method == "bisector":
-        return _half(xs, ys, areas, 0.5 * total)
+    if plan.record.of == "area":
+        return {"half": _half(xs, ys, areas, 0.5 * total)}
     moment = added_up(
         (b - a) * (a * (2.0 * y + z) + b * (y + 2.0 * z))
         for (a, b), (y, z) in zip(pairwise(xs), pairwise(ys))  # noqa: B905
     )
-    return moment / 6.0 / total
+    return {"centroid": moment / 6.0 / total}
 
 
 def _vertices(plan: OutputPlan, fired: Fired) -> tuple[list[float], list[float]]:
@@ -133,15 +133,15 @@ def _reach(width: float, y: float, z: float, area: float) -> float:
 
 
 def _check(plan: OutputPlan) -> None:
-    method = plan.output.defuzzifier.method
-    if method not in JOINED:
-        raise InferenceError(f"the {method} of '{plan.output.name}' does not know joined samples")
+    if not plan.record.joins:
+        what = f"the {plan.record.name} of '{plan.output.name}'"
+        raise InferenceError(f"{what} does not know joined samples")
 
 
 # --- Over arrays ---
 
 
-def joined_over_arrays(plan: OutputPlan, strengths: Strengths) -> tuple[Array, Array]:
+def joined_over_arrays(plan: OutputPlan, strengths: Strengths) -> tuple[ArrayFigures, Array]:
     """Return centroids or bisectors, and the areas (0 where nothing fired)."""
     import numpy as np
 
@@ -155,7 +155,8 @@ def joined_over_arrays(plan: OutputPlan, strengths: Strengths) -> tuple[Array, A
         part = slice(start, start + step)
         own = [(member, strength[part]) for member, strength in entries]
         value[part], total[part] = _some(plan, own)
-    return value.reshape(strengths.shape), total.reshape(strengths.shape)
+    (name,) = plan.record.symbols
+    return {name: value.reshape(strengths.shape)}, total.reshape(strengths.shape)
 
 
 def _some(plan: OutputPlan, entries: list[tuple[int, Array]]) -> tuple[Array, Array]:
@@ -184,7 +185,7 @@ def _some(plan: OutputPlan, entries: list[tuple[int, Array]]) -> tuple[Array, Ar
     y, z = heights[..., :-1], heights[..., 1:]
     areas = 0.5 * width * (y + z)
     total = _added_up(areas)
-    if output.defuzzifier.method == "bisector":
+    if plan.record.of == "area":
         return _halves(xs[..., :-1], width, y, z, areas, total), total
     moment = _added_up(width * (xs[..., :-1] * (2.0 * y + z) + xs[..., 1:] * (y + 2.0 * z)))
     return np.divide(moment / 6.0, total, out=np.zeros_like(total), where=total > 0.0), total

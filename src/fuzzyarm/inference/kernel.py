@@ -75,9 +75,11 @@ CURVE = 3
 # For each output, from OUTPUTS_AT on: its defuzzifier by address, its floats, how strengths
 # and sets are folded, what happens outside its range, a number for the defuzzifier, whether
 # its value is a mean, whether the defuzzifier is `closed_centroid`, and whether all rules are
-# ``a and b …`` under min, of weight 1, united by max.
+# ``a and b …`` under min, of weight 1, united by max; by address, what is made of the number that
+# the defuzzifier finds, and what it makes of several itself (0: nothing, and one of them).
 DEFUZZIFIER, FLOATS_AT, AGGREGATION, OUT_MODE, DETAIL, IS_MEAN, IS_CLOSED, IS_MAX_MIN = range(8)
-OUTPUT_HEAD = 8
+FINISH, CHOICE = 8, 9
+OUTPUT_HEAD = 10
 CLAMP, EXTEND, ERROR = range(3)
 
 RANGE = 4
@@ -86,8 +88,9 @@ RANGE = 4
 OUTPUT_RANGE = 4
 """Floats of an output: low, high, value where no rule fires, centre of the moments.
 
-Of an interval type-2 output the last says which end of the centroid is wanted: -1 the left, 1
-the right, 0 the middle of both.
+Where the defuzzifier finds the value itself the last says which number is wanted: of
+:mod:`.positions` one of its names; of :mod:`.reduced` -1 for the left end of a centroid, 1 for the
+right one, 0 for both.
 """
 
 LINE = 3
@@ -115,6 +118,9 @@ STRENGTH, TOTAL, MOMENT = range(3)
 """Rows from WORK on: strength of a rule, area (or weight), moment about the centre."""
 
 WORK_ROWS = 3
+
+CHOICE_ROOM = 4
+"""Floats at the end of the heap for what a value is made of."""
 
 FAILED = -1
 """The program of a point whose inputs are not numbers, or out of range."""
@@ -168,9 +174,7 @@ def evaluate(block: Any) -> None:
             total, moment = _defuzzified_point(block, k, room, k[head + DEFUZZIFIER])
             at = k[NEXT]
         bounds = k[head + FLOATS_AT]
-        value = moment
-        if k[head + IS_MEAN] != 0 and total > 0.0:
-            value = mean_of(f[bounds + 3], moment, total)
+        value = _value_of_output(k, f, room, head, total, moment)
         low, high, silent = f[bounds], f[bounds + 1], f[bounds + 2]
         value = settled(k[head + OUT_MODE], low, high, silent, total, value)
         block[results + o] = value
@@ -377,6 +381,8 @@ def run(block: Any) -> None:
         if k[head + IS_MEAN] != 0:
             for point in range(count):
                 moment[point] = mean_of(bounds[3], moment[point], total[point])
+        if k[head + FINISH] != 0:
+            call(k[head + FINISH], moment, f[0:0], moment)
         begin = k[RESULTS] + o * width
         results = block[begin : begin + k[POINTS]]
         k[MISSING] += settle(k[head + OUT_MODE], bounds, total, moment, results, origin)
@@ -683,6 +689,36 @@ def parts_of(block: Any) -> Any:
 
 
 @kernel
+def at_point(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[float, float]:
+    """Return total, and moment or value, of a point; stands for what a defuzzifier does there."""
+    raise NotImplementedError
+
+
+@kernel
+def point_by_point(block: Any) -> None:
+    """Do at each point what `at_point` is bound to, see :mod:`fuzzyarm.inference.programs`.
+
+    Behind the work rows stands a heap for what is written down of one point: it fits into the
+    nearest cache.
+    """
+    k, f, room, total, moment = parts_of(block)
+    heap = room[(k[WORK] + WORK_ROWS) * k[WIDTH] :]
+    for point in range(total.shape[0]):
+        total[point], moment[point] = at_point(k, f, room, heap, point)
+
+
+@kernel
+def made_of(k: Any, heap: Any, first: float, second: float, third: float) -> float:
+    """Return what an output makes of several numbers."""
+    at = heap.shape[0] - CHOICE_ROOM
+    heap[at], heap[at + 1], heap[at + 2] = first, second, third
+    one = heap[at : at + 1]
+    call(k[k[OUTPUT] + CHOICE], one, heap[at + 1 : at + 3], one)
+    value: float = heap[at]
+    return value
+
+
+@kernel
 def closed_centroid(block: Any) -> None:
     """Add up area and moment of straight sets; see :mod:`fuzzyarm.inference.overlap`.
 
@@ -788,6 +824,20 @@ def _defuzzified_point(block: Any, k: Any, room: Any, address: int) -> tuple[flo
     room[moment] = 0.0
     call(address, block)
     return room[total], room[moment]
+
+
+@kernel
+def _value_of_output(k: Any, f: Any, room: Any, head: int, total: float, moment: float) -> float:
+    """Return the value of an output at a point, before it is brought into its range."""
+    value = moment
+    if k[head + IS_MEAN] != 0 and total > 0.0:
+        value = mean_of(f[k[head + FLOATS_AT] + 3], moment, total)
+    if k[head + FINISH] != 0:
+        at = (k[WORK] + MOMENT) * k[WIDTH]
+        room[at] = value
+        call(k[head + FINISH], room[at : at + 1], f[0:0], room[at : at + 1])
+        value = room[at]
+    return value
 
 
 @kernel

@@ -1,6 +1,13 @@
-"""The maxima and the bisector of an aggregate, exact or sampled.
+"""The positions at which an aggregate is greatest: the first, the last, and the mean of all.
 
-The last part is for outputs whose terms are numbers rather than sets.
+Exact: under `aggregation max` the positions are level cuts of the strongest sets. Under the
+others the range is cut where a set bends, where an implication clips one and where the
+aggregate reaches 1. In between every straight set is cut to a line (by the implications in
+LINEAR), and the aggregate is greatest at an end of the cell, or constant: sums of lines are
+lines; and with a convex g, −log(1 − a), a / (1 − a) or artanh a, the norms probor, hamacher
+and einstein are the inverse of a sum of g. Curved sets and other norms are searched instead:
+heights are then right to 1e-15, positions on a round top to some 1e-8 of the range.
+Sampled: over the samples; the mean is that of all of them.
 """
 
 from __future__ import annotations
@@ -8,12 +15,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from functools import reduce
-from itertools import accumulate, combinations, pairwise
-from operator import itemgetter
+from itertools import combinations, pairwise
 from typing import TYPE_CHECKING
 
 from fuzzyarm.expression.kinds import SNORMS, TNORMS
 from fuzzyarm.inference.aggregate import (
+    Figures,
     Fired,
     added_up,
     aggregate,
@@ -21,28 +28,17 @@ from fuzzyarm.inference.aggregate import (
     sampled_aggregate_at_point,
 )
 from fuzzyarm.inference.plan import Member, OutputPlan
-from fuzzyarm.inference.quadrature import CLIPPING, edges_of, leaves_at_point, noise_of, rule
+from fuzzyarm.inference.quadrature import CLIPPING
 from fuzzyarm.inference.sets import bisect, cut, golden, peak
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from fuzzyarm.inference.aggregate_arrays import Strengths
+    from fuzzyarm.inference.aggregate_arrays import ArrayFigures, Strengths
 
     Array = NDArray[np.float64]
 
-
-# --- Mean, smallest and largest of the positions where an aggregate is greatest ---
-#
-# Exact: under `aggregation max` the positions are level cuts of the strongest sets. Under the
-# others the range is cut where a set bends, where an implication clips one and where the
-# aggregate reaches 1. In between every straight set is cut to a line (by the implications in
-# LINEAR), and the aggregate is greatest at an end of the cell, or constant: sums of lines are
-# lines; and with a convex g, −log(1 − a), a / (1 − a) or artanh a, the norms probor, hamacher
-# and einstein are the inverse of a sum of g. Curved sets and other norms are searched instead:
-# heights are then right to 1e-15, positions on a round top to some 1e-8 of the range.
-# Sampled: over the samples; the mean is that of all of them.
 
 SAME = 1e-12
 """Heights that differ by a smaller share than this are equally great."""
@@ -65,13 +61,13 @@ Heights = list[tuple[float, float, float]]
 """Stretches (height, start, end) over which an aggregate is constant, most of them points."""
 
 
-def maxima_at_point(plan: OutputPlan, fired: Fired) -> float | None:
-    """Return the exact position, or None where the aggregate is 0."""
+def maxima_at_point(plan: OutputPlan, fired: Fired) -> Figures | None:
+    """Return the exact positions, or None where the aggregate is 0."""
     if plan.output.aggregation == "max":
         intervals = _strongest(plan, fired)
     else:
         intervals = _plateaus(plan, fired)
-    return _choose(plan.output.defuzzifier.method, intervals) if intervals else None
+    return _figures(intervals) if intervals else None
 
 
 def _strongest(plan: OutputPlan, fired: Fired) -> Intervals:
@@ -274,13 +270,14 @@ def _widened(
     return wide
 
 
-def _choose(method: str, intervals: Intervals) -> float:
-    if method == "smallest-of-maximum":
-        return min(a for a, _ in intervals)
-    if method == "largest-of-maximum":
-        return max(b for _, b in intervals)
-    length = moment = reach = 0.0
-    reach = min(a for a, _ in intervals)
+def _figures(intervals: Intervals) -> Figures:
+    first, last = min(a for a, _ in intervals), max(b for _, b in intervals)
+    return {"first": first, "last": last, "mean": _mean(intervals, first)}
+
+
+def _mean(intervals: Intervals, reach: float) -> float:
+    """Return the mean of all positions from `reach` on; that of points where all are points."""
+    length = moment = 0.0
     for start, end in sorted(intervals):
         begin = max(start, reach)
         if end > begin:
@@ -293,8 +290,8 @@ def _choose(method: str, intervals: Intervals) -> float:
     return added_up(spots) / len(spots)
 
 
-def maxima_over_arrays(plan: OutputPlan, strengths: Strengths) -> tuple[Array, Array]:
-    """Return the exact positions and the greatest strengths (0 where nothing fired).
+def maxima_over_arrays(plan: OutputPlan, strengths: Strengths) -> tuple[ArrayFigures, Array]:
+    """Return the exact positions, and something above 0 where a rule fired.
 
     The level cuts of a point are few numbers of irregular count; they are taken point by
     point in plain Python, once for each distinct combination of strengths.
@@ -305,7 +302,8 @@ def maxima_over_arrays(plan: OutputPlan, strengths: Strengths) -> tuple[Array, A
     size = int(np.prod(strengths.shape))
     table = np.stack([strength for _, strength in entries] or [np.zeros(size)], axis=1)
     distinct, back = np.unique(table, axis=0, return_inverse=True)
-    value, top = np.zeros(len(distinct)), np.zeros(len(distinct))
+    positions = {name: np.zeros(len(distinct)) for name in plan.record.symbols}
+    top = np.zeros(len(distinct))
     for row, levels in enumerate(distinct.tolist()):
         fired = [
             (member, level)
@@ -314,264 +312,55 @@ def maxima_over_arrays(plan: OutputPlan, strengths: Strengths) -> tuple[Array, A
         ]
         found = maxima_at_point(plan, fired) if fired else None
         if found is not None:
-            value[row], top[row] = found, 1.0
+            top[row] = 1.0
+            for name, rows in positions.items():
+                rows[row] = found[name]
     back = back.reshape(strengths.shape)
-    return value[back], top[back]
+    return {name: rows[back] for name, rows in positions.items()}, top[back]
 
 
-def sampled_maxima_at_point(plan: OutputPlan, fired: Fired) -> float | None:
-    """Return the choice among the samples, or None where all are 0."""
-    samples, heights = sampled_aggregate_at_point(plan, fired)
-    return _greatest_of(plan.output.defuzzifier.method, samples, heights)
+def sampled_maxima_at_point(plan: OutputPlan, fired: Fired) -> Figures | None:
+    """Return the positions among the samples, or None where all are 0."""
+    return greatest_of(*sampled_aggregate_at_point(plan, fired))
 
 
-def _greatest_of(method: str, samples: list[float], heights: list[float]) -> float | None:
-    """Return mean, smallest or largest of the samples that are greatest."""
+def greatest_of(samples: list[float], heights: list[float]) -> Figures | None:
+    """Return first, last and mean of the samples that are greatest; None where all are 0."""
     enough = max(heights) * (1.0 - SAME)
     if not enough > 0.0:
         return None
     top = [y for y, height in zip(samples, heights, strict=True) if height >= enough]
-    if method == "mean-of-maximum":
-        return added_up(top) / len(top)
-    return top[0] if method == "smallest-of-maximum" else top[-1]
+    return {"first": top[0], "last": top[-1], "mean": added_up(top) / len(top)}
 
 
-def sampled_maxima_over_arrays(plan: OutputPlan, strengths: Strengths) -> tuple[Array, Array]:
-    """Return the choices among the samples and the greatest heights (0: nothing fired)."""
+def sampled_maxima_over_arrays(
+    plan: OutputPlan, strengths: Strengths
+) -> tuple[ArrayFigures, Array]:
+    """Return the positions among the samples and the greatest heights (0: nothing fired)."""
     from fuzzyarm.inference.aggregate_arrays import sampled_aggregate_over_arrays
 
-    samples, heights = sampled_aggregate_over_arrays(plan, strengths)
-    value, top = _greatest_of_many(plan.output.defuzzifier.method, samples, heights)
-    return value.reshape(strengths.shape), top.reshape(strengths.shape)
+    found, top = greatest_of_many(plan, *sampled_aggregate_over_arrays(plan, strengths))
+    positions = {name: each.reshape(strengths.shape) for name, each in found.items()}
+    return positions, top.reshape(strengths.shape)
 
 
-def _greatest_of_many(method: str, samples: Array, heights: Array) -> tuple[Array, Array]:
-    """Return what :func:`_greatest_of` does for each column of `heights`, and the greatest."""
+def greatest_of_many(
+    plan: OutputPlan, samples: Array, heights: Array
+) -> tuple[ArrayFigures, Array]:
+    """Return what :func:`greatest_of` does for each column of `heights`, and the greatest."""
     import numpy as np
+
+    from fuzzyarm.inference.aggregate_arrays import added_up_rows
 
     top = heights.max(axis=0)
     among = heights >= top * (1.0 - SAME)
-    if method == "mean-of-maximum":
-        value = _added_up_rows(np.where(among, samples[:, None], 0.0)) / among.sum(axis=0)
-    elif method == "smallest-of-maximum":
-        value = samples[among.argmax(axis=0)]
-    else:
-        value = samples[samples.size - 1 - among[::-1].argmax(axis=0)]
-    return value, top
-
-
-def _added_up_rows(rows: Array) -> Array:
-    """Return the sum of the rows in their order, as :func:`added_up` does."""
-    import numpy as np
-
-    total = np.zeros(rows.shape[1])
-    for row in rows:
-        total += row
-    return total
-
-
-# --- The position that halves the area of an aggregate ---
-#
-# Where the halves are parted by a gap, the middle of the gap. Sampled, the first sample at
-# which the running sum of the heights reaches half of the total, as in MATLAB; an exact half
-# takes the middle towards the next sample. With `midpoints` the sample whose running sum
-# is nearest to half, or the mean of those that are equally near, as in fuzzylite.
-
-SAME_HALF = 1e-12
-"""Shares of the area closer to one half than this are one half; in the kernel, too."""
-
-STEPS = 60
-"""Halvings of a panel; in the kernel, too."""
-
-
-def bisector_at_point(plan: OutputPlan, fired: Fired) -> float | None:
-    """Return the exact bisector, or None where the aggregate has no area."""
-    function = aggregate(plan, fired, integrated=True)
-    noise = noise_of(plan, max((strength for _, strength in fired), default=0.0))
-    parts = leaves_at_point(function, edges_of(plan, fired), noise)
-    total = added_up(part.area for part in parts)
-    if not total > 0.0:
-        return None
-    found = []
-    for share in (0.5 - SAME_HALF, 0.5 + SAME_HALF):
-        before = 0.0
-        for part in parts:
-            if before + part.area >= share * total:
-                found.append(_inside(function, part.x0, part.x1, share * total - before))
-                break
-            before += part.area
+    found = {}
+    for name in plan.record.symbols:  # the mean takes longest
+        if name == "first":
+            found[name] = samples[among.argmax(axis=0)]
+        elif name == "last":
+            found[name] = samples[samples.size - 1 - among[::-1].argmax(axis=0)]
         else:
-            found.append(parts[-1].x1)
-    return 0.5 * (found[0] + found[1])
-
-
-def _inside(function: Callable[[float], float], x0: float, x1: float, wanted: float) -> float:
-    a, b = x0, x1
-    for _ in range(STEPS):
-        middle = 0.5 * (a + b)
-        if rule(function, x0, middle, 0.0)[0] < wanted:
-            a = middle
-        else:
-            b = middle
-    return 0.5 * (a + b)
-
-
-def bisector_over_arrays(plan: OutputPlan, strengths: Strengths) -> tuple[Array, Array]:
-    """Return the exact bisectors and the areas (0 where nothing fired)."""
-    import numpy as np
-
-    from fuzzyarm.inference.aggregate_arrays import leaves_over_arrays, panel_rule, sum_by_point
-
-    size = int(np.prod(strengths.shape))
-    entries = strengths.flat()
-    found = leaves_over_arrays(plan, entries, size)
-    point, x0, x1, area = found.point, found.x0, found.x1, found.area
-    total = sum_by_point(point, area, size)
-    first = np.searchsorted(point, np.arange(size))
-    last = np.append(first[1:], point.size) - 1
-    running = _running_sums(area, first, last)
-    before = np.concatenate([[0.0], running[:-1]])
-    before[first] = 0.0
-    value = np.zeros(size)
-    for share in (0.5 - SAME_HALF, 0.5 + SAME_HALF):
-        reached = running >= (share * total)[point]
-        panel = np.minimum.reduceat(np.where(reached, np.arange(point.size), point.size), first)
-        panel = np.minimum(panel, last)
-        wanted = share * total - before[panel]
-        a, b, own = x0[panel].copy(), x1[panel].copy(), np.arange(size)
-        for _ in range(STEPS):
-            middle = 0.5 * (a + b)
-            below = panel_rule(plan, entries, own, x0[panel], middle, 0.0)[0] < wanted
-            a, b = np.where(below, middle, a), np.where(below, b, middle)
-        value += 0.5 * (0.5 * (a + b))
-    return value.reshape(strengths.shape), total.reshape(strengths.shape)
-
-
-def _running_sums(area: Array, first: NDArray[np.intp], last: NDArray[np.intp]) -> Array:
-    """Sum within each point's stretch, from its own zero (no digits lost to other points)."""
-    import numpy as np
-
-    running = np.empty_like(area)
-    for a, b in zip(first.tolist(), last.tolist(), strict=True):
-        np.cumsum(area[a : b + 1], out=running[a : b + 1])
-    return running
-
-
-def sampled_bisector_at_point(plan: OutputPlan, fired: Fired) -> float | None:
-    """Return the bisector of the samples, or None where all are 0."""
-    samples, heights = sampled_aggregate_at_point(plan, fired)
-    sampling = plan.output.defuzzifier.sampling
-    if sampling == "trapezoid":
-        heights[0] *= 0.5
-        heights[-1] *= 0.5
-    return _nearest_half(samples, heights) if sampling == "midpoints" else halve(samples, heights)
-
-
-def _nearest_half(samples: list[float], heights: list[float]) -> float | None:
-    """Return the sample at which the running sum is nearest to half of the total."""
-    total = added_up(heights)
-    if not total > 0.0:
-        return None
-    distances = [abs(running / total - 0.5) for running in accumulate(heights)]
-    enough = min(distances) + SAME_HALF
-    found = [y for y, far in zip(samples, distances, strict=True) if far <= enough]
-    return added_up(found) / len(found)
-
-
-def halve(samples: list[float], heights: list[float]) -> float | None:
-    """Return the position at which the running sum of `heights` reaches half of the total."""
-    total = added_up(heights)
-    if not total > 0.0:
-        return None
-    low_share, high_share = (0.5 - SAME_HALF) * total, (0.5 + SAME_HALF) * total
-    running, first = 0.0, None
-    for sample, height in zip(samples, heights, strict=True):
-        running += height
-        if first is None and running >= low_share:
-            first = sample
-        if running >= high_share:
-            return 0.5 * ((first if first is not None else sample) + sample)
-    return samples[-1]
-
-
-def sampled_bisector_over_arrays(plan: OutputPlan, strengths: Strengths) -> tuple[Array, Array]:
-    """Return the bisectors of the samples and the sums (0 where nothing fired)."""
-    from fuzzyarm.inference.aggregate_arrays import sample_weights, sampled_aggregate_over_arrays
-
-    samples, heights = sampled_aggregate_over_arrays(plan, strengths)
-    heights *= sample_weights(plan)[:, None]
-    midpoints = plan.output.defuzzifier.sampling == "midpoints"
-    function = _nearest_half_many if midpoints else _halve_many
-    value, total = function(samples, heights)
-    return value.reshape(strengths.shape), total.reshape(strengths.shape)
-
-
-def _nearest_half_many(samples: Array, heights: Array) -> tuple[Array, Array]:
-    """Return what :func:`_nearest_half` does for each column of `heights`, and the totals."""
-    import numpy as np
-
-    running = np.cumsum(heights, axis=0)
-    total = running[-1].copy()
-    running /= np.where(total > 0.0, total, 1.0)
-    distance = np.abs(running - 0.5)
-    among = distance <= distance.min(axis=0) + SAME_HALF
-    return _added_up_rows(np.where(among, samples[:, None], 0.0)) / among.sum(axis=0), total
-
-
-def _halve_many(samples: Array, heights: Array) -> tuple[Array, Array]:
-    """Return what :func:`halve` does for each column of `heights`, and the totals."""
-    import numpy as np
-
-    running = np.cumsum(heights, axis=0)
-    total = running[-1]
-    value = np.zeros(total.size)
-    for share in (0.5 - SAME_HALF, 0.5 + SAME_HALF):
-        value += 0.5 * samples[(running >= share * total).argmax(axis=0)]
-    return value, total
-
-
-# --- Bisector and maxima of an output whose terms are numbers rather than sets ---
-
-
-def discrete_at_point(
-    plan: OutputPlan, fired: Fired, value_of: Callable[[int, float], float]
-) -> float | None:
-    """Return the value, or None where no rule fired."""
-    folded = fold_at_point(plan, fired)
-    spikes = sorted(((value_of(m, w), w) for m, w in folded.items()), key=itemgetter(0))
-    if not spikes:
-        return None
-    samples, heights = [y for y, _ in spikes], [w for _, w in spikes]
-    method = plan.output.defuzzifier.method
-    return (
-        halve(samples, heights) if method == "bisector" else _greatest_of(method, samples, heights)
-    )
-
-
-def discrete_over_arrays(
-    plan: OutputPlan, strengths: Strengths, value_of: Callable[[int, Array], Array | float]
-) -> tuple[Array, Array]:
-    """Return the values and the greatest strengths (0 where nothing fired)."""
-    import numpy as np
-
-    from fuzzyarm.inference.aggregate_arrays import fold_over_arrays
-
-    folded = fold_over_arrays(plan, list(strengths))
-    if not folded:
-        return np.zeros(strengths.shape), np.zeros(strengths.shape)
-    size = int(np.prod(strengths.shape))
-    values, heights = np.empty((len(folded), size)), np.empty((len(folded), size))
-    for row, (member, strength) in enumerate(folded.items()):
-        values[row] = np.broadcast_to(value_of(member, strength), strengths.shape).ravel()
-        heights[row] = np.broadcast_to(strength, strengths.shape).ravel()
-    order = np.argsort(values, axis=0, kind="stable")
-    values, heights = np.take_along_axis(values, order, 0), np.take_along_axis(heights, order, 0)
-    value = np.empty(size)
-    method = plan.output.defuzzifier.method
-    function = _halve_many if method == "bisector" else _greatest_of_many
-    # The order differs from point to point only where values depend on the inputs.
-    for column in range(size) if (values != values[:, :1]).any() else [slice(None)]:
-        some = slice(column, column + 1) if isinstance(column, int) else column
-        own = (values[:, some][:, 0], heights[:, some])
-        value[some] = function(*(own if method == "bisector" else (method, *own)))[0]
-    return value.reshape(strengths.shape), heights.max(axis=0).reshape(strengths.shape)
+            there = np.where(among, samples[:, None], 0.0)
+            found[name] = added_up_rows(there) / among.sum(axis=0)
+    return found, top

@@ -15,6 +15,7 @@ from functools import wraps
 from itertools import count
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
+from fuzzyarm.expression.defuzzifiers import DefuzzifierKind
 from fuzzyarm.expression.records import emptied_with_kinds
 from fuzzyarm.inference import firing_intervals
 from fuzzyarm.inference.errors import CyclicRulesError, InferenceError, UnknownNameError
@@ -31,11 +32,7 @@ from fuzzyarm.inference.sets import (
 )
 from fuzzyarm.model.rulebase import (
     POSITION,
-    TAKAGI_SUGENO,
-    TYPE_2,
-    WEIGHTED,
     Consequent,
-    Defuzzifier,
     Hedge,
     Input,
     Is,
@@ -92,6 +89,8 @@ class OutputPlan(NamedTuple):
     ----------
     output : Output
         The output.
+    record : DefuzzifierKind
+        All that is known of its defuzzifier.
     members : tuple of Member
         Its distinct consequents.
     contributions : tuple of (int, int)
@@ -112,6 +111,7 @@ class OutputPlan(NamedTuple):
     """
 
     output: Output
+    record: DefuzzifierKind
     members: tuple[Member, ...]
     contributions: tuple[tuple[int, int], ...]
     discrete: bool
@@ -124,21 +124,17 @@ class OutputPlan(NamedTuple):
     @property
     def integrated(self) -> bool:
         """Whether its value is found by quadrature."""
-        method = self.output.defuzzifier.method
+        record = self.record
         if self.discrete or self.output.defuzzifier.resolution is not None:
             return False
-        return method == "bisector" or (
-            method in CENTROIDS and self.closed is None and not self.enveloped
-        )
+        if not record.aspect.integrates:
+            return False
+        return record.of == "area" or (self.closed is None and not self.enveloped)
 
     @property
     def in_order(self) -> bool:
         """Whether the order of its rules changes bits: they are added up, not united."""
         return self.output.aggregation != "max"
-
-
-CENTROIDS = frozenset({"centroid"}) | TYPE_2
-"""Defuzzifiers that integrate sets, or take the average of values."""
 
 
 class PlannedRule(NamedTuple):
@@ -231,7 +227,7 @@ def _plan_type_2(found: Doubled) -> Plan:
     steps, rules = _order(rulebase)
     outputs = {
         output.name: _both_sides(_plan_output(rulebase, output, found), found)
-        if output.defuzzifier.method in TYPE_2
+        if output.defuzzifier.record.type2
         else _plan_output(rulebase, output)
         for output in rulebase.outputs
     }
@@ -374,8 +370,9 @@ def _sorted_rules(block: RuleBlock, outputs: frozenset[str]) -> list[int]:
 def _plan_output(rulebase: RuleBase, output: Output, doubled: Doubled | None = None) -> OutputPlan:
     keys: dict[tuple[str, tuple[Hedge, ...], str], int] = {}
     implications: list[str] = []
+    record = output.defuzzifier.record
     # A number is weighed, not cut: blocks that differ in the implication share its strength.
-    weighs = output.defuzzifier.method in WEIGHTED
+    weighs = record.weighs
     if doubled is not None:
         asserted = {
             each.term
@@ -407,7 +404,9 @@ def _plan_output(rulebase: RuleBase, output: Output, doubled: Doubled | None = N
         contributions = [(first[member], rule) for member, rule in contributions]
     closed = None if discrete or doubled is not None else _closed(output, members)
     enveloped = _is_enveloped(output, members) and not discrete and closed is None
-    made = OutputPlan(output, members, tuple(contributions), discrete, closed, enveloped=enveloped)
+    made = OutputPlan(
+        output, record, members, tuple(contributions), discrete, closed, enveloped=enveloped
+    )
     if output.aggregation == "max" and made.integrated and doubled is None:
         return made._replace(stretches=stretches([member.pieces for member in members]))
     return made
@@ -422,7 +421,7 @@ def _both_sides(made: OutputPlan, doubled: Doubled) -> OutputPlan:
     if made.discrete:
         return made._replace(sides=sides, pairs=pairs)
     own = [[i for i, each in enumerate(sides) if each == side] for side in (0, 1)]
-    closed = _closed_sides(output, members, own) if output.defuzzifier.method == "nie-tan" else None
+    closed = _closed_sides(output, members, own) if made.record.both else None
     made = made._replace(
         sides=sides, pairs=pairs, closed=closed, enveloped=made.enveloped and closed is None
     )
@@ -459,8 +458,7 @@ def _closed_sides(
 
     Sets overlap those of their own side only, and areas and moments of both add up.
     """
-    centroid = replace(output, defuzzifier=Defuzzifier("centroid", output.defuzzifier.resolution))
-    forms = [_closed(centroid, tuple(members[i] for i in indices)) for indices in own]
+    forms = [_closed(output, tuple(members[i] for i in indices)) for indices in own]
     layers: dict[int, Layers] = {}
     overlaps: list[Overlap] = []
     for indices, form in zip(own, forms, strict=True):
@@ -485,7 +483,7 @@ def _first_of_each_value(members: tuple[Member, ...]) -> list[int]:
 
 
 def _is_discrete(output: Output, terms: Iterable[Term]) -> bool:
-    if output.defuzzifier.method in WEIGHTED:
+    if output.defuzzifier.record.weighs:
         return True
     values = {term.name: is_value(term.shape) for term in terms}
     if any(values.values()) and not all(values.values()):
@@ -511,7 +509,7 @@ def _member(
     if shape.kind == "formula":
         formula = formula_of(shape)
         # What is weighed is a value: `x` is then the variable of that name, and not a position.
-        holds_value |= output.defuzzifier.method in WEIGHTED
+        holds_value |= output.defuzzifier.record.weighs
         _check_formula(rulebase, output, term, formula, discrete=discrete, is_set=not holds_value)
     if shape.kind == "linear" and len(shape.parameters) != len(rulebase.inputs) + 1:
         raise InferenceError(
@@ -527,7 +525,7 @@ def _member(
         value = shape.parameters[0] if shape.kind == "singleton" else None
         return Member(term, hedges, implication, function, value=value, formula=formula)
     pieces = _pieces(output, term, hedges, function, formula)
-    if output.defuzzifier.method in TAKAGI_SUGENO:
+    if output.defuzzifier.record.weighs and not output.defuzzifier.record.inverts:
         value = middle_of_core(pieces, function)
         return Member(term, hedges, implication, function, pieces, value)
     return Member(term, hedges, implication, function, pieces, formula=formula)
@@ -577,7 +575,7 @@ def _pieces(
 def _closed(output: Output, members: tuple[Member, ...]) -> ClosedForm | None:
     """Return the closed form where the exact centroid has one."""
     defuzzifier = output.defuzzifier
-    if defuzzifier.method != "centroid" or defuzzifier.resolution is not None:
+    if defuzzifier.record.of != "gravity" or defuzzifier.resolution is not None:
         return None
     if output.aggregation not in {"max", "sum"}:
         return None
@@ -589,7 +587,7 @@ def _closed(output: Output, members: tuple[Member, ...]) -> ClosedForm | None:
 
 def _is_enveloped(output: Output, members: Sequence[Member]) -> bool:
     way = output.defuzzifier
-    exact = way.method in CENTROIDS and way.resolution is None
+    exact = way.record.of in ("gravity", "ends") and way.resolution is None
     return exact and bool(members) and has_envelope(output, members)
 
 

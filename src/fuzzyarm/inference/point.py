@@ -457,15 +457,11 @@ class Prepared:
 
 def _samples_of(plan: OutputPlan) -> int:
     """Return at how many positions an output is evaluated at a point, where the kernel does it."""
-    method, resolution = plan.output.defuzzifier.method, plan.output.defuzzifier.resolution
-    if plan.discrete or method not in {"centroid", "bisector"}:
+    if plan.discrete or plan.record.type2:  # whose last bits are others
         return 0
-    if resolution is not None:
-        return resolution if method == "centroid" else 0
-    if method == "bisector":
-        return STEPS_OF_AN_INTEGRAL
-    curved = any(not piece.straight for member in plan.members for piece in member.pieces)
-    return STEPS_OF_AN_INTEGRAL if curved else 0
+    if plan.output.defuzzifier.resolution is not None:
+        return plan.output.defuzzifier.resolution
+    return STEPS_OF_AN_INTEGRAL if plan.integrated else 0
 
 
 def _held_name(name: str) -> str:

@@ -2,8 +2,9 @@
 
 The mathematics stands in :mod:`fuzzyarm.inference.maxima`, :mod:`fuzzyarm.inference.joined` and
 :mod:`fuzzyarm.inference.weighted`; this is the same arithmetic in the same order, so the bits are
-those of one point in plain Python. All of them go point by point, and what is done at one point
-is a function of its own, which exported programs have as well (:mod:`fuzzyarm.export.walk`).
+those of one point in plain Python. All of them go point by point; what is done at one point is a
+function of its own, to which :func:`.kernel.point_by_point` is bound, and which exported programs
+have as well (:mod:`fuzzyarm.export.walk`).
 
 A value that is one of several positions is the answer itself: the row TOTAL then has something
 above 0, and the row MOMENT has the value.
@@ -14,6 +15,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from fuzzyarm.inference.bisector import SAME_HALF
 from fuzzyarm.inference.envelope import insert
 from fuzzyarm.inference.enveloped import cut_in, sample
 from fuzzyarm.inference.kernel import (
@@ -34,20 +36,17 @@ from fuzzyarm.inference.kernel import (
     WORK,
     WORK_ROWS,
     join,
+    made_of,
     parts_of,
 )
+from fuzzyarm.inference.maxima import SAME
 from fuzzyarm.inference.reduced import value_of
 from fuzzyarm.kernels import call, kernel
 
-HALF, NEAREST_HALF, MEAN, SMALLEST, LARGEST, CENTROID = range(6)
+HALF, NEAREST_HALF, MEAN, FIRST, LAST, SEVERAL, CENTROID = range(7)
 """What is asked for: the last of the output's floats. A bisector of samples at ``midpoints`` is the
-sample nearest to half of the area; the centroid is that of joined samples."""
-
-SAME = 1e-12
-"""Heights that differ by a smaller share than this are equally great."""
-
-SAME_HALF = 1e-12
-"""Shares of the area closer to one half than this are one half."""
+sample nearest to half of the area; a value may be made of several positions where a set is
+greatest; the centroid is that of joined samples."""
 
 BISECTIONS = 80
 """Halvings of a curved piece to where it passes a level."""
@@ -76,13 +75,16 @@ whether it rises (1) or falls (-1) between them; 0 for a straight piece."""
 
 
 @kernel
-def chosen_among(way: int, positions: Any, heights: Any, count: int) -> tuple[float, float]:
+def chosen_among(
+    k: Any, f: Any, heap: Any, positions: Any, heights: Any, count: int
+) -> tuple[float, float]:
     """Return something above 0 where a height is, and the position that is asked for."""
+    way = way_of(k, f)
     if way == HALF:
         return half_of(positions, heights, count)
     if way == NEAREST_HALF:
         return nearest_half_of(positions, heights, count)
-    return greatest_of(way, positions, heights, count)
+    return greatest_of(k, f, heap, positions, heights, count)
 
 
 @kernel
@@ -129,25 +131,39 @@ def nearest_half_of(positions: Any, heights: Any, count: int) -> tuple[float, fl
 
 
 @kernel
-def greatest_of(way: int, positions: Any, heights: Any, count: int) -> tuple[float, float]:
-    """Return the greatest height, and mean, smallest or largest of the positions that have it."""
+def greatest_of(
+    k: Any, f: Any, heap: Any, positions: Any, heights: Any, count: int
+) -> tuple[float, float]:
+    """Return the greatest height, and what is made of the positions that have it."""
     greatest = 0.0
     for i in range(count):
         greatest = max(greatest, heights[i])
     enough = greatest * (1.0 - SAME)
     if not enough > 0.0:
         return 0.0, 0.0
-    moment = among = last = 0.0
+    first = last = moment = among = 0.0
     for i in range(count):
         if heights[i] >= enough:
             last = positions[i]
-            if way == SMALLEST:
-                return greatest, last
+            if among == 0.0:
+                first = last
             moment += last
             among += 1.0
-    if way == MEAN:
-        last = moment / among
-    return greatest, last
+    return greatest, value_of_top(k, f, heap, first, last, moment / among)
+
+
+@kernel
+def value_of_top(k: Any, f: Any, heap: Any, first: float, last: float, mean: float) -> float:
+    """Return one of the positions where a set is greatest, or what is made of them."""
+    way = way_of(k, f)
+    value = mean
+    if way == FIRST:
+        value = first
+    elif way == LAST:
+        value = last
+    elif way == SEVERAL:
+        value = made_of(k, heap, first, last, mean)
+    return value
 
 
 @kernel
@@ -160,38 +176,19 @@ def way_of(k: Any, f: Any) -> int:
 
 
 @kernel
-def sampled_position(block: Any) -> None:
-    """Choose among the samples of the aggregate, point by point."""
-    k, f, room, total, moment = parts_of(block)
-    heap = room[(k[WORK] + WORK_ROWS) * k[WIDTH] :]
-    for point in range(total.shape[0]):
-        total[point], moment[point] = position_of_samples(k, f, room, heap, point)
-
-
-@kernel
 def position_of_samples(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[float, float]:
     """Return what a choice among the samples of one point gives."""
     samples = k[k[OUTPUT] + DETAIL]
     numbers = k[k[OUTPUT] + FLOATS_AT] + OUTPUT_RANGE
-    way = way_of(k, f)
     aggregate, cut = heap[:samples], heap[samples : 2 * samples]
     sample(k, f, room, point, 0, aggregate, cut)
-    if way <= NEAREST_HALF:  # a sample counts by its share of the integral
+    if way_of(k, f) <= NEAREST_HALF:  # a sample counts by its share of the integral
         for i in range(samples):
             aggregate[i] *= f[numbers + samples + i]
-    return chosen_among(way, f[numbers : numbers + samples], aggregate, samples)
+    return chosen_among(k, f, heap, f[numbers : numbers + samples], aggregate, samples)
 
 
 # ── joined samples ───────────────────────────────────────────────────────────────────
-
-
-@kernel
-def joined_samples(block: Any) -> None:
-    """Integrate the union of sets that are joined by straight lines, point by point."""
-    k, f, room, total, moment = parts_of(block)
-    heap = room[(k[WORK] + WORK_ROWS) * k[WIDTH] :]
-    for point in range(total.shape[0]):
-        total[point], moment[point] = position_of_joined(k, f, room, heap, point)
 
 
 @kernel
@@ -312,15 +309,6 @@ def heights_between(
 # ── exact maxima ─────────────────────────────────────────────────────────────────────
 
 
-@kernel
-def exact_maxima(block: Any) -> None:
-    """Find where the strongest sets reach their level, point by point; for sets under ``max``."""
-    k, f, room, total, moment = parts_of(block)
-    heap = room[(k[WORK] + WORK_ROWS) * k[WIDTH] :]
-    for point in range(total.shape[0]):
-        total[point], moment[point] = position_of_maxima(k, f, room, heap, point)
-
-
 HEAP = 2
 """Where intervals begin in the heap: start and end of each, in their order."""
 
@@ -351,7 +339,7 @@ def position_of_maxima(k: Any, f: Any, room: Any, heap: Any, point: int) -> tupl
                 count = cut_at_level(k, f, heap, consequent, level, count)
     if count == 0:
         return 0.0, 0.0
-    return greatest, chosen_of_intervals(way_of(k, f), heap, count)
+    return greatest, value_of_intervals(k, f, heap, count)
 
 
 @kernel
@@ -446,32 +434,26 @@ def passed_by_curve(k: Any, f: Any, heap: Any, consequent: int, piece: int, leve
 
 
 @kernel
-def chosen_of_intervals(way: int, heap: Any, count: int) -> float:
-    """Return mean, smallest or largest position of sorted intervals; by points if all are so."""
-    reach: float = heap[HEAP]
-    if way == SMALLEST:
-        return reach
-    if way == LARGEST:
-        last: float = heap[HEAP + 1]
-        for i in range(count):
-            last = max(last, heap[HEAP + 2 * i + 1])
-        return last
+def value_of_intervals(k: Any, f: Any, heap: Any, count: int) -> float:
+    """Return what is made of sorted intervals; the mean is that of points if all are points."""
+    first: float = heap[HEAP]
+    last: float = heap[HEAP + 1]
+    reach = first
     length = moment = 0.0
     for i in range(count):
         begin = max(heap[HEAP + 2 * i], reach)
         end = heap[HEAP + 2 * i + 1]
+        last = max(last, end)
         if end > begin:
             length += end - begin
             moment += (end - begin) * 0.5 * (begin + end)
             reach = end
-    if length > 0.0:
-        return moment / length
-    spots = 0.0
-    for i in range(count):
-        if i == 0 or heap[HEAP + 2 * i] != heap[HEAP + 2 * i - 2]:
-            moment += heap[HEAP + 2 * i]
-            spots += 1.0
-    return moment / spots
+    if not length > 0.0:
+        for i in range(count):
+            if i == 0 or heap[HEAP + 2 * i] != heap[HEAP + 2 * i - 2]:
+                moment += heap[HEAP + 2 * i]
+                length += 1.0
+    return value_of_top(k, f, heap, first, last, moment / length)
 
 
 # ── values that are found ────────────────────────────────────────────────────────────
@@ -513,16 +495,7 @@ def position_of_values(block: Any) -> None:
             if strength > 0.0:
                 value = found_value(block, k, f, heap, consequent, strength, point)
                 count = insert_value(values, heights, count, value, strength)
-        total[point], moment[point] = chosen_among(way_of(k, f), values, heights, count)
-
-
-@kernel
-def position_of_rows(block: Any) -> None:
-    """Choose among values that stand in rows, as exported programs have them."""
-    k, f, room, total, moment = parts_of(block)
-    heap = room[(k[WORK] + WORK_ROWS) * k[WIDTH] :]
-    for point in range(total.shape[0]):
-        total[point], moment[point] = choice_of_values(k, f, room, heap, point)
+        total[point], moment[point] = chosen_among(k, f, heap, values, heights, count)
 
 
 @kernel
@@ -535,7 +508,7 @@ def choice_of_values(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[
         row = (k[HEIGHTS] + 2 * group) * k[WIDTH] + point
         if room[row] > 0.0:
             count = insert_value(values, heights, count, room[row + k[WIDTH]], room[row])
-    return chosen_among(way_of(k, f), values, heights, count)
+    return chosen_among(k, f, heap, values, heights, count)
 
 
 @kernel

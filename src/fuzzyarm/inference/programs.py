@@ -1,55 +1,191 @@
-"""The kernels that take a block: what evaluates one, and what a layout names in it by number."""
+"""The kernels that take a block: what evaluates one, and what a layout names in it by number.
+
+A defuzzifier of the kernel is a record, :class:`Program`: what it does at one point, what it reads,
+what it gives. What a record of :mod:`fuzzyarm.expression.defuzzifiers` takes of an aggregate, and
+what that is made of (numbers, samples, straight lines, panels of curves), decide which one it is.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Literal, NamedTuple
 
+from fuzzyarm.expression.formulas import CONSTANTS
+from fuzzyarm.expression.kinds import SHAPES, TNORMS
 from fuzzyarm.inference import enveloped, integrated, kernel, positions, reduced
-
-BLOCKS: tuple[Callable[..., Any], ...] = (
-    kernel.evaluate,
-    kernel.sweep,
-    kernel.run,
-    kernel.closed_centroid,
-    kernel.weighted,
-    enveloped.sampled_centroid,
-    enveloped.enveloped_centroid,
-    integrated.integrated_centroid,
-    integrated.integrated_bisector,
-    positions.sampled_position,
-    positions.joined_samples,
-    positions.exact_maxima,
-    positions.weighted_values,
-    positions.position_of_values,
-    reduced.karnik_mendel_values,
-    reduced.karnik_mendel_samples,
-    reduced.karnik_mendel_envelope,
-    reduced.karnik_mendel_integral,
-    reduced.nie_tan_samples,
-    reduced.nie_tan_envelope,
-    reduced.nie_tan_integral,
-)
-"""The first two evaluate a block, see :mod:`fuzzyarm.inference.kernel`; the others are called."""
+from fuzzyarm.inference.block import NotCoveredError
+from fuzzyarm.inference.errors import InferenceError
+from fuzzyarm.inference.plan import Member, OutputPlan, has_envelope
+from fuzzyarm.inference.weighted import is_rising
 
 
-AT_POINT: dict[Callable[..., Any], Callable[..., Any]] = {
-    enveloped.enveloped_centroid: enveloped.whole_envelope,
-    integrated.integrated_centroid: integrated.integral_of_point,
-    integrated.integrated_bisector: integrated.bisector_of_point,
-    positions.sampled_position: positions.position_of_samples,
-    positions.joined_samples: positions.position_of_joined,
-    positions.exact_maxima: positions.position_of_maxima,
-    positions.position_of_rows: positions.choice_of_values,
-    reduced.ends_of_rows: reduced.ends_of_values,
-    reduced.karnik_mendel_samples: reduced.ends_of_samples,
-    reduced.karnik_mendel_envelope: reduced.ends_of_envelopes,
-    reduced.karnik_mendel_integral: reduced.ends_of_integrals,
-    reduced.nie_tan_envelope: reduced.sum_of_envelopes,
-    reduced.nie_tan_integral: reduced.sum_of_integrals,
+class Program(NamedTuple):
+    """A defuzzifier of the kernel.
+
+    Attributes
+    ----------
+    function : callable
+        What it does at one point: numbers of the layout and of the room in, total and value (or
+        moment) out. Exported programs are printed from it.
+    reads : str
+        What a layout writes down for it: a method of
+        :class:`fuzzyarm.inference.output_layout.OutputWriter`.
+    centre : str
+        About what it gives a moment: ``zero``, the ``middle`` of the range, or what it reads
+        (``own``). Empty: it gives the value itself.
+    whole : bool
+        Whether the function takes a block, and goes through its points by itself.
+    """
+
+    function: Callable[..., Any]
+    reads: str
+    centre: Literal["", "zero", "middle", "own"] = ""
+    whole: bool = False
+
+    @property
+    def name(self) -> str:
+        """What other languages call it."""
+        return self.function.__name__
+
+    @property
+    def block(self) -> Callable[[Any], None]:
+        """The kernel that takes a block, which knows `bindings` by their names."""
+        return self.function if self.whole else kernel.point_by_point
+
+    @property
+    def bindings(self) -> Mapping[str, Callable[..., Any]]:
+        """See :func:`fuzzyarm.kernels.address_of`."""
+        return {} if self.whole else {"at_point": self.function}
+
+    @property
+    def takes_long(self) -> bool:
+        """Whether it goes by the quadrature."""
+        return self.reads == "panels"
+
+
+RUN = Program(kernel.run, "", whole=True)
+
+CLOSED = Program(kernel.closed_centroid, "layers", "own", whole=True)
+WEIGHTED = Program(kernel.weighted, "values", "zero", whole=True)
+WEIGHTED_NUMBERS = Program(positions.weighted_values, "numbers", "zero", whole=True)
+POSITION_OF_NUMBERS = Program(positions.position_of_values, "numbers", whole=True)
+ENDS_OF_PAIRS = Program(reduced.karnik_mendel_values, "pairs", whole=True)
+
+CHOICE_OF_ROWS = Program(positions.choice_of_values, "rows")
+ENDS_OF_ROWS = Program(reduced.ends_of_values, "rows")
+"""For values that somebody else has found: exported programs alone have these two."""
+
+SAMPLES = {
+    "gravity": Program(enveloped.sampled_centroid, "samples", "zero", whole=True),
+    "area": Program(positions.position_of_samples, "samples"),
+    "top": Program(positions.position_of_samples, "samples"),
+    "ends": Program(reduced.ends_of_samples, "samples"),
 }
-"""What defuzzifiers do at one point: numbers of the layout and of the room in, total and value (or
-moment) out. Exported programs are printed from these."""
+JOINED = Program(positions.position_of_joined, "samples")
+LEVELS = Program(positions.position_of_maxima, "levels")
+LINES = {
+    "gravity": Program(enveloped.whole_envelope, "pieces", "zero"),
+    "ends": Program(reduced.ends_of_envelopes, "pieces"),
+}
+PANELS = {
+    "gravity": Program(integrated.integral_of_point, "panels", "middle"),
+    "area": Program(integrated.bisector_of_point, "panels"),
+    "ends": Program(reduced.ends_of_integrals, "panels"),
+}
+"""By what is taken of an aggregate."""
 
-IN_ROWS: tuple[Callable[..., Any], ...] = (positions.position_of_rows, reduced.ends_of_rows)
-"""Defuzzifiers of values that somebody else has found: exported programs alone have them."""
+BOTH_SAMPLES = Program(reduced.nie_tan_samples, "samples", "zero", whole=True)
+BOTH_LINES = Program(reduced.sum_of_envelopes, "pieces", "middle")
+BOTH_PANELS = Program(reduced.sum_of_integrals, "panels", "middle")
+"""Of the upper and the lower set of interval type 2 together."""
+
+PROGRAMS = (
+    RUN, CLOSED, WEIGHTED, WEIGHTED_NUMBERS, POSITION_OF_NUMBERS, ENDS_OF_PAIRS,
+    SAMPLES["gravity"], SAMPLES["top"], SAMPLES["ends"], JOINED, LEVELS, *LINES.values(),
+    *PANELS.values(), BOTH_SAMPLES, BOTH_LINES, BOTH_PANELS,
+)  # fmt: skip
+"""What a layout calls by its number."""
+
+IN_ROWS = (CHOICE_OF_ROWS, ENDS_OF_ROWS)
+
+EVALUATORS: tuple[Callable[..., Any], ...] = (kernel.evaluate, kernel.sweep)
+"""What evaluates a block, see :mod:`fuzzyarm.inference.kernel`."""
+
+
+# ── which one an output has ──────────────────────────────────────────────────────────
+
+
+def program_of(plan: OutputPlan, *, loose: bool = False) -> Program:
+    """Return the defuzzifier of an output; of a `loose` one without a closed form."""
+    record, way = plan.record, plan.output.defuzzifier
+    if plan.discrete:
+        return _of_numbers(plan)
+    if way.joined:
+        return JOINED
+    if way.resolution is not None:
+        return BOTH_SAMPLES if record.both else SAMPLES[record.of]
+    return LEVELS if record.of == "top" else _of_areas(plan, loose=loose)
+
+
+def _of_areas(plan: OutputPlan, *, loose: bool) -> Program:
+    """Return what makes a number of the area of a set."""
+    record = plan.record
+    if not plan.members:
+        return CLOSED
+    # A loose one takes any form that numbers can have, where there are numbers.
+    straight = plan.enveloped or (loose and has_envelope(plan.output, plan.members))
+    if plan.closed is not None and not (loose and (straight or record.both)):
+        return CLOSED
+    if record.both:
+        return BOTH_LINES if straight else BOTH_PANELS
+    return LINES[record.of] if straight and record.of in LINES else PANELS[record.of]
+
+
+def _of_numbers(plan: OutputPlan) -> Program:
+    """Return what makes a number of values, or of sets that stand for one each."""
+    record = plan.record
+    if record.of == "ends":
+        return ENDS_OF_PAIRS
+    if record.of in ("top", "area"):
+        return POSITION_OF_NUMBERS
+    is_found = record.inverts or any(member.formula is not None for member in plan.members)
+    return WEIGHTED_NUMBERS if is_found else WEIGHTED
+
+
+def demand_covered(plan: OutputPlan, inputs: Sequence[str]) -> None:
+    """Refuse by name what the kernel does not do of an output."""
+    output, what = plan.output, f"{plan.record.name} of '{plan.output.name}'"
+    if plan.discrete:
+        for member in plan.members:
+            _demand_number(plan, member, inputs)
+        return
+    if output.defuzzifier.joined and not plan.record.joins:
+        raise NotCoveredError(f"joined samples of '{output.name}', which is a {plan.record.name}")
+    program = program_of(plan)
+    if program is LEVELS and output.aggregation != "max":
+        raise NotCoveredError(f"the exact {what} under aggregation {output.aggregation}")
+    if program.takes_long:
+        for member in plan.members:
+            if TNORMS[member.implication].own:
+                under = f"implication {member.implication}"
+                raise NotCoveredError(f"the exact {what} under {under}")
+
+
+def _demand_number(plan: OutputPlan, member: Member, inputs: Sequence[str]) -> None:
+    """Refuse a value that is not found from inputs alone, or a set that has no one position."""
+    what = f"'{plan.output.name} is {member.term.name}'"
+    if member.value is not None:
+        return
+    if member.formula is not None and not member.pieces:
+        outside = {*member.formula.names} - {*inputs} - CONSTANTS.keys()
+        if outside:
+            raise NotCoveredError(f"{what} is a formula of '{min(outside)}'")
+    elif member.pieces:
+        inverse = SHAPES[member.term.shape.kind].inverse_expression
+        if inverse is None or member.hedges:
+            if inverse is None and SHAPES[member.term.shape.kind].inverse is not None:
+                raise NotCoveredError(f"{what}, whose inverse is plain Python")
+            try:
+                is_rising(plan, member)
+            except InferenceError as error:
+                raise NotCoveredError(str(error)) from None

@@ -5,9 +5,9 @@ strengths of both readings of the rules; each consequent says whether it is of t
 (side 0) or of the lower one (side 1). What is written down of one side (samples, envelopes of
 straight sets, integrals of curved ones) is what the defuzzifiers of type 1 write down of all.
 
-Every defuzzifier fills the row TOTAL with something above 0 where there is a value, and the row
-MOMENT with the value itself: the end that the last of the output's floats asks for, -1 the left
-one, 1 the right one, 0 the middle of both. Nie and Tan's fill them with area and moment.
+Every defuzzifier gives something above 0 where there is a value, and the value itself: the end
+that the last of the output's floats asks for, -1 the left one, 1 the right one, 0 what is made of
+both. Nie and Tan's give area and moment.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from fuzzyarm.inference.envelope import STEPS, add_up, reach_end
 from fuzzyarm.inference.enveloped import add_samples, envelop, sample
 from fuzzyarm.inference.integrated import integrate
 from fuzzyarm.inference.kernel import (
+    CHOICE,
     DETAIL,
     FLOATS_AT,
     GROUP_HEAD,
@@ -33,6 +34,7 @@ from fuzzyarm.inference.kernel import (
     WIDTH,
     WORK,
     WORK_ROWS,
+    made_of,
     parts_of,
 )
 from fuzzyarm.inference.type_reduction import end_of_average
@@ -42,10 +44,8 @@ from fuzzyarm.kernels import kernel
 # and where the lower and the upper value are in f: constant, then a coefficient for each input.
 PAIR, PAIR_SIDE, LEAST_AT, GREATEST_AT = range(4)
 
-# Rows of numbers in the heap, one for each pair: the values, their weights, what stands in k
-# for the coefficients.
-LEAST, GREATEST, LOWER, UPPER = range(4)
 PAIR_ROWS = 4
+"""Numbers of a pair in the heap, in rows: least values, greatest ones, lower and upper weights."""
 
 
 # ── values ───────────────────────────────────────────────────────────────────────────
@@ -65,8 +65,6 @@ def karnik_mendel_values(block: Any) -> None:
     k, f, room, total, moment = parts_of(block)
     width = k[WIDTH]
     pairs = k[k[OUTPUT] + DETAIL]
-    end = f[k[k[OUTPUT] + FLOATS_AT] + OUTPUT_RANGE - 1]
-    skipped = without(end)
     heap = room[(k[WORK] + WORK_ROWS) * width :]
     least, greatest = heap[:pairs], heap[pairs : 2 * pairs]
     lower, upper = heap[2 * pairs : 3 * pairs], heap[3 * pairs : 4 * pairs]
@@ -95,21 +93,7 @@ def karnik_mendel_values(block: Any) -> None:
             lower[pair] = min(lower[pair], upper[pair])
         total[point] = strongest
         if strongest > 0.0:
-            found = 0.0
-            for i in range(2):  # the left end, then the right one
-                if i != skipped:
-                    numbers = heap[i * pairs : (i + 1) * pairs]
-                    found += end_of_average(numbers, lower, upper, pairs, 2.0 * i - 1.0)
-            moment[point] = 0.5 * found if end == 0.0 else found
-
-
-@kernel
-def ends_of_rows(block: Any) -> None:
-    """Find the ends of averages of values that stand in rows, as exported programs have them."""
-    k, f, room, total, moment = parts_of(block)
-    heap = room[(k[WORK] + WORK_ROWS) * k[WIDTH] :]
-    for point in range(total.shape[0]):
-        total[point], moment[point] = ends_of_values(k, f, room, heap, point)
+            moment[point] = value_of_pairs(k, f, heap, pairs)
 
 
 @kernel
@@ -119,8 +103,6 @@ def ends_of_values(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[fl
     Of each pair there are four rows: upper and lower weight, and two values.
     """
     pairs = k[k[OUTPUT] + DETAIL]
-    end = f[k[k[OUTPUT] + FLOATS_AT] + OUTPUT_RANGE - 1]
-    skipped = without(end)
     lower, upper = heap[2 * pairs : 3 * pairs], heap[3 * pairs : 4 * pairs]
     strongest = value = 0.0
     for pair in range(pairs):
@@ -131,21 +113,43 @@ def ends_of_values(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[fl
         upper[pair], lower[pair] = high, min(low, high)
         heap[pair], heap[pairs + pair] = min(one, other), max(one, other)
     if strongest > 0.0:
-        found = 0.0
-        for i in range(2):
-            if i != skipped:
-                numbers = heap[i * pairs : (i + 1) * pairs]
-                found += end_of_average(numbers, lower, upper, pairs, 2.0 * i - 1.0)
-        value = 0.5 * found if end == 0.0 else found
+        value = value_of_pairs(k, f, heap, pairs)
     return strongest, value
 
 
 @kernel
-def without(end: float) -> int:
-    """Return which of the two ends is not asked for: 0 the left, 1 the right, 2 neither."""
-    if end == 0.0:
-        return 2
-    return 0 if end > 0.0 else 1
+def value_of_pairs(k: Any, f: Any, heap: Any, pairs: int) -> float:
+    """Return what is made of the ends of an average, see :data:`PAIR_ROWS`."""
+    least, greatest = heap[:pairs], heap[pairs : 2 * pairs]
+    lower, upper = heap[2 * pairs : 3 * pairs], heap[3 * pairs : 4 * pairs]
+    wanted = wanted_end(k, f)
+    left = right = 0.0
+    if wanted <= 0.0:
+        left = end_of_average(least, lower, upper, pairs, -1.0)
+    if wanted >= 0.0:
+        right = end_of_average(greatest, lower, upper, pairs, 1.0)
+    return value_of_ends(k, f, heap, left, right)
+
+
+@kernel
+def wanted_end(k: Any, f: Any) -> float:
+    """Return which end is asked for: -1 the left one, 1 the right one, 0 both."""
+    end: float = f[k[k[OUTPUT] + FLOATS_AT] + OUTPUT_RANGE - 1]
+    return end
+
+
+@kernel
+def value_of_ends(k: Any, f: Any, heap: Any, left: float, right: float) -> float:
+    """Return the end that is asked for, or what is made of both: their middle as a rule."""
+    end = wanted_end(k, f)
+    value = left
+    if end > 0.0:
+        value = right
+    elif end == 0.0:
+        value = 0.5 * (left + right)
+        if k[k[OUTPUT] + CHOICE] != 0:
+            value = made_of(k, heap, left, right, 0.0)
+    return value
 
 
 @kernel
@@ -161,21 +165,11 @@ def value_of(block: Any, k: Any, f: Any, at: int, point: int) -> float:
 
 
 @kernel
-def karnik_mendel_samples(block: Any) -> None:
-    """Find the ends of the centroid of samples between two."""
-    k, f, room, total, moment = parts_of(block)
-    heap = room[(k[WORK] + WORK_ROWS) * k[WIDTH] :]
-    for point in range(total.shape[0]):
-        total[point], moment[point] = ends_of_samples(k, f, room, heap, point)
-
-
-@kernel
 def ends_of_samples(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[float, float]:
     """Return the greatest height of a point, and the end that is asked for."""
     samples = k[k[OUTPUT] + DETAIL]
     numbers = k[k[OUTPUT] + FLOATS_AT] + OUTPUT_RANGE
-    end = f[numbers - 1]
-    skipped = without(end)
+    wanted = wanted_end(k, f)
     upper, lower = heap[:samples], heap[samples : 2 * samples]
     cut = heap[2 * samples : 3 * samples]
     first, last = samples, 0  # the stretch where either set is not zero
@@ -194,11 +188,12 @@ def ends_of_samples(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[f
     if strongest > 0.0:
         here = f[numbers + first : numbers + last]
         high, low = upper[first:last], lower[first:last]
-        found = 0.0
-        for i in range(2):
-            if i != skipped:
-                found += end_of_average(here, low, high, last - first, 2.0 * i - 1.0)
-        value = 0.5 * found if end == 0.0 else found
+        left = right = 0.0
+        if wanted <= 0.0:
+            left = end_of_average(here, low, high, last - first, -1.0)
+        if wanted >= 0.0:
+            right = end_of_average(here, low, high, last - first, 1.0)
+        value = value_of_ends(k, f, heap, left, right)
     return strongest, value
 
 
@@ -212,20 +207,10 @@ def nie_tan_samples(block: Any) -> None:
 
 
 @kernel
-def karnik_mendel_envelope(block: Any) -> None:
-    """Find the ends of the centroid between the envelopes of straight sets."""
-    k, f, room, total, moment = parts_of(block)
-    heap = room[(k[WORK] + WORK_ROWS) * k[WIDTH] :]
-    for point in range(total.shape[0]):
-        total[point], moment[point] = ends_of_envelopes(k, f, room, heap, point)
-
-
-@kernel
 def ends_of_envelopes(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[float, float]:
     """Return the area below both envelopes of a point, and the end that is asked for."""
     numbers = k[k[OUTPUT] + FLOATS_AT]
-    end = f[numbers + OUTPUT_RANGE - 1]
-    skipped = without(end)
+    wanted = wanted_end(k, f)
     centre = 0.5 * (f[numbers] + f[numbers + 1])
     begin = k[k[OUTPUT] + DETAIL]
     # The upper envelope from `begin` to `middle`, behind it the lower one to `behind`.
@@ -237,22 +222,13 @@ def ends_of_envelopes(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple
         area, torque = area + lower_area, torque + more
     if area > 0.0:
         start = centre + torque / area  # Nie and Tan's value lies between the ends
-        found = 0.0
-        for i in range(2):
-            if i != skipped:
-                sign = 2.0 * i - 1.0
-                found += reach_end(heap, begin, middle, behind, start, centre, lower_area, sign)
-        value = 0.5 * found if end == 0.0 else found
+        left = right = 0.0
+        if wanted <= 0.0:
+            left = reach_end(heap, begin, middle, behind, start, centre, lower_area, -1.0)
+        if wanted >= 0.0:
+            right = reach_end(heap, begin, middle, behind, start, centre, lower_area, 1.0)
+        value = value_of_ends(k, f, heap, left, right)
     return area, value
-
-
-@kernel
-def nie_tan_envelope(block: Any) -> None:
-    """Add up area and moment below the envelopes of both sets."""
-    k, f, room, total, moment = parts_of(block)
-    heap = room[(k[WORK] + WORK_ROWS) * k[WIDTH] :]
-    for point in range(total.shape[0]):
-        total[point], moment[point] = sum_of_envelopes(k, f, room, heap, point)
 
 
 @kernel
@@ -271,20 +247,10 @@ def sum_of_envelopes(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[
 
 
 @kernel
-def karnik_mendel_integral(block: Any) -> None:
-    """Find the ends of the centroid between any two sets, by the quadrature."""
-    k, f, room, total, moment = parts_of(block)
-    heap = room[(k[WORK] + WORK_ROWS) * k[WIDTH] :]
-    for point in range(total.shape[0]):
-        total[point], moment[point] = ends_of_integrals(k, f, room, heap, point)
-
-
-@kernel
 def ends_of_integrals(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple[float, float]:
     """Return the area of both sets of a point, and the end that is asked for."""
     numbers = k[k[OUTPUT] + FLOATS_AT]
-    end = f[numbers + OUTPUT_RANGE - 1]
-    skipped = without(end)
+    wanted = wanted_end(k, f)
     centre = 0.5 * (f[numbers] + f[numbers + 1])
     infinity = math.inf
     area = torque = lower_area = value = 0.0
@@ -295,22 +261,13 @@ def ends_of_integrals(k: Any, f: Any, room: Any, heap: Any, point: int) -> tuple
         area, torque = area + lower_area, torque + more
     if area > 0.0:
         start = centre + torque / area
-        found = 0.0
-        for i in range(2):
-            if i != skipped:
-                sign = 2.0 * i - 1.0
-                found += reach_integral(k, f, room, heap, point, start, centre, lower_area, sign)
-        value = 0.5 * found if end == 0.0 else found
+        left = right = 0.0
+        if wanted <= 0.0:
+            left = reach_integral(k, f, room, heap, point, start, centre, lower_area, -1.0)
+        if wanted >= 0.0:
+            right = reach_integral(k, f, room, heap, point, start, centre, lower_area, 1.0)
+        value = value_of_ends(k, f, heap, left, right)
     return area, value
-
-
-@kernel
-def nie_tan_integral(block: Any) -> None:
-    """Integrate both sets."""
-    k, f, room, total, moment = parts_of(block)
-    heap = room[(k[WORK] + WORK_ROWS) * k[WIDTH] :]
-    for point in range(total.shape[0]):
-        total[point], moment[point] = sum_of_integrals(k, f, room, heap, point)
 
 
 @kernel

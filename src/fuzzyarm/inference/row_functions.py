@@ -19,6 +19,7 @@ from fuzzyarm.expression.nodes import Node, constant, replace, symbol
 from fuzzyarm.expression.printing import PYTHON, printed
 from fuzzyarm.expression.programs import program_of
 from fuzzyarm.inference import kernel as at
+from fuzzyarm.inference.programs import Program
 from fuzzyarm.inference.sets import formula_of
 from fuzzyarm.kernels import address_of, call, kernel
 from fuzzyarm.model.rulebase import (
@@ -197,7 +198,7 @@ class Addresses(Protocol):
     def expression(self, root: Node, numbers: Sequence[str]) -> int:
         """Return the number of a row function of an expression of ``x`` and of some numbers."""
 
-    def program(self, function: Callable[[Any], None]) -> int:
+    def program(self, program: Program) -> int:
         """Return the number of a kernel that takes the block."""
 
 
@@ -229,6 +230,6 @@ class InMemory(NamedTuple):
         function = expression_row(root, numbers)
         return address_of(function, 3, compiled=self.compiled)
 
-    def program(self, function: Callable[[Any], None]) -> int:
+    def program(self, program: Program) -> int:
         """See :class:`Addresses`."""
-        return address_of(function, 1, compiled=self.compiled)
+        return address_of(program.block, 1, program.bindings, compiled=self.compiled)

@@ -18,7 +18,6 @@ from fuzzyarm.inference.sets import Piece, crossing
 from fuzzyarm.inference.type_reduction import side_of
 from fuzzyarm.inference.weighted import tsukamoto_at_point
 from fuzzyarm.model.rulebase import (
-    KARNIK_MENDEL,
     And,
     AnyRuleBase,
     Expression,
@@ -459,7 +458,7 @@ def _output_of_type_2(plan: OutputPlan, point: Point, rulebase: RuleBase) -> Out
             unions[side] = _union(function, corners, plan.output.low, plan.output.high)
     made = _output_trace(plan, point, tuple(consequents), unions[0])
     ends = None
-    if plan.output.defuzzifier.method in KARNIK_MENDEL and made.fired:
+    if plan.record.of == "ends" and made.fired:
         ends = ends_of_output(plan, fired, point.values, inputs)
     left, right = ends or (None, None)
     return replace(made, lower_aggregate=unions[1], left=left, right=right)
@@ -470,7 +469,7 @@ def _consequent(
 ) -> ConsequentTrace:
     value = member.value
     if plan.discrete and value is None:
-        if plan.output.defuzzifier.method == "tsukamoto" and member.pieces:
+        if plan.record.inverts and member.pieces:
             value = tsukamoto_at_point(plan, member, strength)
         else:
             value = consequent_value(member, point.values, inputs)

@@ -50,14 +50,6 @@ def side_of(plan: OutputPlan, fired: Fired, side: int) -> Fired:
     return [(member, strength) for member, strength in fired if plan.sides[member] == side]
 
 
-def chosen(method: str, ends: Interval) -> float:
-    """Return what a defuzzifier takes of the ends: their middle, or one of them."""
-    left, right = ends
-    if method == "karnik-mendel-left":
-        return left
-    return right if method == "karnik-mendel-right" else 0.5 * (left + right)
-
-
 def ends_at_point(
     plan: OutputPlan, fired: Fired, value_of: Callable[[int], float] | None = None
 ) -> Interval | None:

@@ -1,4 +1,4 @@
-"""Averages and sums of numbers, and where a monotonic set reaches its firing strength.
+"""Averages and sums of numbers, a choice among them, and where a set reaches its firing strength.
 
 For singletons, linear and formula consequents (Takagi and Sugeno) and for monotonic sets
 (Tsukamoto).
@@ -9,10 +9,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from itertools import pairwise
+from operator import itemgetter
 from typing import TYPE_CHECKING
 
 from fuzzyarm.expression.kinds import SHAPES
-from fuzzyarm.inference.aggregate import Fired, fold_at_point
+from fuzzyarm.inference.aggregate import Figures, Fired, fold_at_point
 from fuzzyarm.inference.errors import InferenceError
 from fuzzyarm.inference.plan import Member, OutputPlan
 from fuzzyarm.inference.sets import bisect
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from fuzzyarm.inference.aggregate_arrays import Strengths
+    from fuzzyarm.inference.aggregate_arrays import ArrayFigures, Strengths
 
     Array = NDArray[np.float64]
 
@@ -35,8 +36,8 @@ if TYPE_CHECKING:
 
 def weighted_at_point(
     plan: OutputPlan, fired: Fired, value_of: Callable[[int, float], float]
-) -> float | None:
-    """Return the average (or sum), or None where no rule fired.
+) -> Figures | None:
+    """Return average and sum, or None where no rule fired.
 
     `value_of` gives the number of a member at its folded strength.
     """
@@ -46,13 +47,14 @@ def weighted_at_point(
         weighted += strength * value_of(member, strength)
     if not total > 0.0:
         return None
-    return weighted if plan.output.defuzzifier.method == "weighted-sum" else weighted / total
+    average = weighted / total
+    return {"average": average, "centroid": average, "weighted": weighted}
 
 
 def weighted_over_arrays(
     plan: OutputPlan, strengths: Strengths, value_of: Callable[[int, Array], Array | float]
-) -> tuple[Array, Array]:
-    """Return the averages (or sums) and the sums of the strengths (0 where nothing fired)."""
+) -> tuple[ArrayFigures, Array]:
+    """Return averages and sums, and the sums of the strengths (0 where nothing fired)."""
     import numpy as np
 
     from fuzzyarm.inference.aggregate_arrays import fold_over_arrays
@@ -63,9 +65,62 @@ def weighted_over_arrays(
         value = value_of(member, strength)
         # A consequent without a value where its rule does not fire (1/0) must not spoil the sum.
         weighted += np.where(strength > 0.0, strength * value, 0.0)
-    if plan.output.defuzzifier.method == "weighted-sum":
-        return weighted, total
-    return np.divide(weighted, total, out=weighted, where=total > 0.0), total
+    average = np.divide(weighted, total, out=np.zeros_like(total), where=total > 0.0)
+    return {"average": average, "centroid": average, "weighted": weighted}, total
+
+
+# --- One of several numbers, by their strengths ---
+
+
+def chosen_at_point(
+    plan: OutputPlan, fired: Fired, value_of: Callable[[int, float], float]
+) -> Figures | None:
+    """Return where the strengths are halved or greatest, or None where no rule fired."""
+    from fuzzyarm.inference.bisector import halve
+    from fuzzyarm.inference.maxima import greatest_of
+
+    folded = fold_at_point(plan, fired)
+    spikes = sorted(((value_of(m, w), w) for m, w in folded.items()), key=itemgetter(0))
+    if not spikes:
+        return None
+    samples, heights = [y for y, _ in spikes], [w for _, w in spikes]
+    if plan.record.of == "top":
+        return greatest_of(samples, heights)
+    half = halve(samples, heights)
+    return None if half is None else {"half": half}
+
+
+def chosen_over_arrays(
+    plan: OutputPlan, strengths: Strengths, value_of: Callable[[int, Array], Array | float]
+) -> tuple[ArrayFigures, Array]:
+    """Return the same of many points, and the greatest strengths (0 where nothing fired)."""
+    import numpy as np
+
+    from fuzzyarm.inference.aggregate_arrays import fold_over_arrays
+    from fuzzyarm.inference.bisector import halve_many
+    from fuzzyarm.inference.maxima import greatest_of_many
+
+    size = int(np.prod(strengths.shape))
+    found = {name: np.zeros(size) for name in plan.record.symbols}
+    folded = fold_over_arrays(plan, list(strengths))
+    values, heights = np.empty((len(folded), size)), np.empty((len(folded), size))
+    for row, (member, strength) in enumerate(folded.items()):
+        values[row] = np.broadcast_to(value_of(member, strength), strengths.shape).ravel()
+        heights[row] = np.broadcast_to(strength, strengths.shape).ravel()
+    order = np.argsort(values, axis=0, kind="stable")
+    values, heights = np.take_along_axis(values, order, 0), np.take_along_axis(heights, order, 0)
+    # The order differs from point to point only where values depend on the inputs.
+    for column in range(size) if (values != values[:, :1]).any() else [slice(None)]:
+        some = slice(column, column + 1) if isinstance(column, int) else column
+        own = values[:, some][:, 0], heights[:, some]
+        if plan.record.of == "top":
+            chosen = greatest_of_many(plan, *own)[0]
+        else:
+            chosen = {"half": halve_many(*own)[0]}
+        for name, positions in chosen.items():
+            found[name][some] = positions
+    shaped = {name: positions.reshape(strengths.shape) for name, positions in found.items()}
+    return shaped, heights.max(axis=0).reshape(strengths.shape)
 
 
 # --- The position where a monotonic set reaches the firing strength (Tsukamoto's consequents) ---

@@ -29,7 +29,7 @@ from fuzzyarm.controller.updates import UPDATE_ARRAYS, update_function
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
 from fuzzyarm.expression.sources import SOURCES
 from fuzzyarm.inference.kernel import evaluate
-from fuzzyarm.inference.programs import BLOCKS, IN_ROWS
+from fuzzyarm.inference.programs import EVALUATORS, IN_ROWS, PROGRAMS
 from fuzzyarm.inference.row_functions import (
     built_in_curve,
     corners_row,
@@ -98,9 +98,9 @@ def roots() -> Iterator[Root]:
 
 
 def _roots() -> Iterator[Root]:
-    yield Root(evaluate, "f")
-    over_points = (block for block in (*BLOCKS, *IN_ROWS) if block is not evaluate)
-    yield from (Root(block, "f", over_rows=True) for block in over_points)
+    yield from (Root(each, "f", over_rows=each is not evaluate) for each in EVALUATORS)
+    blocks = (*PROGRAMS, *IN_ROWS)
+    yield from (Root(each.block, "f", each.bindings, over_rows=True) for each in blocks)
     yield from _rows()
     yield from _plants()
     yield from (Root(*table, over_rows=True) for table in lookup.ROOTS)

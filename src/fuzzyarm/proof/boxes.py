@@ -23,7 +23,7 @@ import numpy as np
 
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
 from fuzzyarm.inference.plan import OutputPlan, Plan, PlannedRule, needed, plan
-from fuzzyarm.model.rulebase import JOINED, And, Expression, Hedge, Hedged, Is, RuleBase
+from fuzzyarm.model.rulebase import And, Expression, Hedge, Hedged, Is, RuleBase
 from fuzzyarm.model.shapes import corners as corners_of_variable
 from fuzzyarm.proof.arithmetic import Array, Stop
 from fuzzyarm.proof.bounds import WIDENED, Bounds, UnprovableError
@@ -383,7 +383,7 @@ class Boxes:
         if not self.output.contributions:
             raise UnprovableError(f"no rule concludes '{output.name}'")
         way = output.defuzzifier
-        if way.joined and not self.output.discrete and way.method not in JOINED:
+        if way.joined and not self.output.discrete and not self.output.record.joins:
             raise UnprovableError(f"the {way.method} of '{output.name}' knows no joined samples")
         kinds: list[Any] = [SNORMS[output.aggregation]]
         for _, index in self.output.contributions:

@@ -1,19 +1,21 @@
-"""From bounds of firing strengths to bounds of the crisp value: a record for each defuzzifier.
+"""From bounds of firing strengths to bounds of the crisp value.
 
 An output is made of numbers, of samples, of sets, or of sets joined between samples; of interval
 type 2 of both readings of them. What they have between bounds are curves over panels, sums of
-weighted numbers, or humps of maxima; a defuzzifier says what it takes of each.
+weighted numbers, or humps of maxima. Of each there are bounds of the numbers that a defuzzifier may
+take (:mod:`fuzzyarm.expression.defuzzifiers`), and its value is an expression of these.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from fuzzyarm.expression.evaluation import bounds
-from fuzzyarm.expression.kinds import SHAPES
+from fuzzyarm.expression.kinds import SHAPES, DefuzzifierKind
 from fuzzyarm.inference.centroid_bounds import (
     average_bounds,
     centroid_bounds,
@@ -33,24 +35,26 @@ from fuzzyarm.inference.place_bounds import (
 )
 from fuzzyarm.inference.plan import Member, OutputPlan
 from fuzzyarm.inference.weighted import tsukamoto_at_point
-from fuzzyarm.model.rulebase import KARNIK_MENDEL
 from fuzzyarm.proof.aggregates import JoinedPanels, Panels, Samples, Strengths, folded
 from fuzzyarm.proof.arithmetic import Array, Stop
 from fuzzyarm.proof.bounds import UnprovableError
 from fuzzyarm.proof.memberships import SLACK, Interval
 from fuzzyarm.proof.places import humps_of_numbers, places
 
-__all__ = ["WAYS", "Crisp", "Valued", "Way", "crisp"]
+__all__ = ["WAYS", "Crisp", "Valued", "Way", "crisp", "value_bounds"]
 
 Valued = tuple[Array, Array, Array]
 """Bounds of a value, NaN where there is none in a box, and where there may be none."""
 
 
-# ── the defuzzifiers ─────────────────────────────────────────────────────────────────
+# ── what a defuzzifier takes ─────────────────────────────────────────────────────────
+
+Figures = dict[str, Interval]
+"""Bounds of numbers that an aggregate has, by name; NaN where there are none."""
 
 
 class Way(NamedTuple):
-    """How a defuzzifier is bounded.
+    """How what a defuzzifier takes of an aggregate is bounded.
 
     Attributes
     ----------
@@ -62,88 +66,96 @@ class Way(NamedTuple):
     midpoints : callable or None
         From samples and bounds of their heights, where the sampling ``midpoints`` has a definition
         of its own.
-    humps : callable or None
-        From the humps of maxima.
-    jumps : bool
-        Whether the value jumps where inputs move a little: small boxes then gain nothing.
+    humps : mapping of str to callable
+        From the humps of maxima, for each of the numbers.
     """
 
-    curves: Callable[..., Interval] | None = None
-    sums: Callable[..., Interval] | None = None
+    curves: Callable[..., Figures] | None = None
+    sums: Callable[..., Figures] | None = None
     midpoints: Callable[..., Interval] | None = None
-    humps: Callable[[Humps], Interval] | None = None
-    jumps: bool = False
+    humps: Mapping[str, Callable[[Humps], Interval]] = MappingProxyType({})
 
 
-def _centroid(edges: Array, *sides: Interval) -> Interval:
+def _centroid(edges: Array, *sides: Interval) -> Figures:
     """Return the centroid of a set, or of the sum of both of them (Nie and Tan)."""
     lower, upper = (sum(parts[1:], start=parts[0]) for parts in zip(*sides, strict=True))
-    return centroid_bounds(edges, lower, upper)
+    return {"centroid": centroid_bounds(edges, lower, upper)}
 
 
-def _average(least: Interval, greatest: Interval, *sides: Interval) -> Interval:
+def _centroid_of_numbers(least: Interval, greatest: Interval, *sides: Interval) -> Figures:
     lower, upper = (sum(parts[1:], start=parts[0]) for parts in zip(*sides, strict=True))
-    return average_bounds(least[0], greatest[1], lower, upper)
+    return {"centroid": average_bounds(least[0], greatest[1], lower, upper)}
 
 
-def _sum(least: Interval, greatest: Interval, weights: Interval) -> Interval:
+def _weighted(least: Interval, greatest: Interval, weights: Interval) -> Figures:
     (low, _), (_, high), (lower, upper) = least, greatest, weights
     tops = np.maximum(high * lower, high * upper).sum(axis=1)
     bottoms = np.minimum(low * lower, low * upper).sum(axis=1)
     slack = 1e-13 * np.maximum(np.abs(high), np.abs(low)).sum(axis=1)
     nothing = ~(upper > 0.0).any(axis=1)
-    return np.where(nothing, np.nan, bottoms - slack), np.where(nothing, np.nan, tops + slack)
+    ends = bottoms - slack, tops + slack
+    return {"weighted": (np.where(nothing, np.nan, ends[0]), np.where(nothing, np.nan, ends[1]))}
 
 
-def _inverse_average(least: Interval, greatest: Interval, weights: Interval) -> Interval:
+def _average(least: Interval, greatest: Interval, weights: Interval) -> Figures:
     """Return the average of numbers that may be unbounded, as the ends of a sigmoid are."""
     low, high = least[0], greatest[1]
     finite = [np.where(np.isfinite(end), end, 0.0) for end in (low, high)]
     bottom, top = average_bounds(finite[0], finite[1], *weights)
     counts = weights[1] > 0.0
     bottom = np.where((counts & (low == -np.inf)).any(axis=1), -np.inf, bottom)
-    return bottom, np.where((counts & (high == np.inf)).any(axis=1), np.inf, top)
+    top = np.where((counts & (high == np.inf)).any(axis=1), np.inf, top)
+    return {"average": (bottom, top)}
 
 
-def _halved(edges: Array, curves: Interval) -> Interval:
-    return bisector_bounds(edges, *curves)
+def _half(edges: Array, curves: Interval) -> Figures:
+    return {"half": bisector_bounds(edges, *curves)}
 
 
-def _halving(least: Interval, greatest: Interval, weights: Interval) -> Interval:
-    return halving_bounds(least[0], greatest[1], *weights)
+def _half_of_numbers(least: Interval, greatest: Interval, weights: Interval) -> Figures:
+    return {"half": halving_bounds(least[0], greatest[1], *weights)}
 
 
-def _reduced(choose: Callable[[Interval, Interval], Interval]) -> Way:
-    """Return Karnik and Mendel's way: what is taken of the ends of the centroid."""
-
-    def curves(edges: Array, upper: Interval, lower: Interval) -> Interval:
-        return choose(*ends_of_centroid_bounds(edges, lower, upper))
-
-    def sums(least: Interval, greatest: Interval, upper: Interval, lower: Interval) -> Interval:
-        return choose(*ends_of_average_bounds(least, greatest, lower, upper))
-
-    return Way(curves, sums)
+def _ends(edges: Array, upper: Interval, lower: Interval) -> Figures:
+    left, right = ends_of_centroid_bounds(edges, lower, upper)
+    return {"left": left, "right": right}
 
 
-def _middle(left: Interval, right: Interval) -> Interval:
-    return 0.5 * (left[0] + right[0]), 0.5 * (left[1] + right[1])
+def _ends_of_numbers(
+    least: Interval, greatest: Interval, upper: Interval, lower: Interval
+) -> Figures:
+    left, right = ends_of_average_bounds(least, greatest, lower, upper)
+    return {"left": left, "right": right}
 
 
 WAYS: dict[str, Way] = {
-    "centroid": Way(_centroid, _average),
-    "weighted-average": Way(sums=_average),
-    "weighted-sum": Way(sums=_sum),
-    "tsukamoto": Way(sums=_inverse_average),
-    "bisector": Way(_halved, _halving, midpoints=nearest_half_bounds),
-    "mean-of-maximum": Way(humps=mean_bounds, jumps=True),
-    "smallest-of-maximum": Way(humps=smallest_bounds, jumps=True),
-    "largest-of-maximum": Way(humps=largest_bounds, jumps=True),
-    "nie-tan": Way(_centroid, _average),
-    "karnik-mendel": _reduced(_middle),
-    "karnik-mendel-left": _reduced(lambda left, right: left),
-    "karnik-mendel-right": _reduced(lambda left, right: right),
+    "gravity": Way(_centroid, _centroid_of_numbers),
+    "area": Way(_half, _half_of_numbers, midpoints=nearest_half_bounds),
+    "top": Way(humps={"first": smallest_bounds, "last": largest_bounds, "mean": mean_bounds}),
+    "ends": Way(_ends, _ends_of_numbers),
+    "average": Way(sums=_average),
+    "sum": Way(sums=_weighted),
 }
-"""By name; for interval type 2 the first side is the upper set."""
+"""By what is taken; for interval type 2 the first side is the upper set."""
+
+
+def value_bounds(record: DefuzzifierKind, figures: Figures) -> Interval:
+    """Return bounds of the value of a defuzzifier from those of the numbers that it is made of."""
+    if record.figure:
+        return figures[record.figure]
+    own = [figures[name] for name in record.symbols]
+    nothing = np.isnan(own[0][0])
+    if record.rises:  # as the floats do that inference computes: no rounding turns them round
+        low, high = (record.array(*(each[side] for each in own)) for side in (0, 1))
+        return np.where(nothing, np.nan, low), np.where(nothing, np.nan, high)
+    found = np.full((2, len(nothing)), np.nan)
+    for box in np.flatnonzero(~nothing).tolist():
+        ranges = {
+            name: (float(ends[0][box]), float(ends[1][box]))
+            for name, ends in zip(record.symbols, own, strict=True)
+        }
+        found[:, box] = bounds(record.expression, ranges)
+    return found[0], found[1]
 
 
 # ── what an output is made of ────────────────────────────────────────────────────────
@@ -163,11 +175,21 @@ class Crisp:
     width: int
 
     def __init__(self, output: OutputPlan, way: Way) -> None:
-        self.output, self.way, self.jumps = output, way, way.jumps
+        self.output, self.way, self.jumps = output, way, output.record.aspect.jumps
 
     def __call__(self, strengths: Strengths, low: Array, high: Array) -> Valued:
         """Return the bounds over boxes of the inputs, from `low` to `high`."""
         raise NotImplementedError
+
+    def value(self, figures: Figures) -> Interval:
+        """Return bounds of the value from those of the numbers that it is made of."""
+        return value_bounds(self.output.record, figures)
+
+    def from_humps(self, humps: Humps) -> Interval:
+        """Return bounds of the value from the humps of maxima."""
+        return self.value(
+            {name: self.way.humps[name](humps) for name in self.output.record.symbols}
+        )
 
     def sides(self, strengths: Strengths) -> list[Strengths]:
         """Return the strengths of the upper and of the lower set; of type 1 all of them."""
@@ -192,15 +214,12 @@ def crisp(output: OutputPlan, names: Sequence[str], stop: Stop) -> Crisp:
     Raises
     ------
     UnprovableError
-        If nothing is known of the defuzzifier, or it cannot take one of the sets.
+        If the defuzzifier cannot take one of the sets.
     """
-    defuzzifier = output.output.defuzzifier
-    way = WAYS.get(defuzzifier.method)
-    if way is None:
-        raise UnprovableError(f"nothing is proved of the defuzzifier {defuzzifier.method}")
+    defuzzifier, way = output.output.defuzzifier, WAYS[output.record.of]
     if output.discrete:
         return _OfNumbers(output, way, names)
-    if way.humps is not None:
+    if way.humps:
         return _OfPlaces(output, way, stop)
     if defuzzifier.joined:
         return _OfCurves(output, way, JoinedPanels(output, stop))
@@ -220,7 +239,7 @@ class _OfCurves(Crisp):
         curves = [self.panels.bounds(side) for side in self.sides(strengths)]
         assert self.way.curves is not None
         may_lack: Array = ~np.any(curves[UPPER][0] > 0.0, axis=(1, 2))
-        return *self.way.curves(self.panels.edges, *curves), may_lack
+        return *self.value(self.way.curves(self.panels.edges, *curves)), may_lack
 
 
 class _OfSamples(Crisp):
@@ -240,10 +259,11 @@ class _OfSamples(Crisp):
         may_lack = ~(weighted[UPPER][0] > 0.0).any(axis=1)
         positions = self.samples.positions
         if self.nearest:
-            return *self.nearest(positions, *weighted[UPPER]), may_lack
+            half = self.nearest(positions, *weighted[UPPER])
+            return *self.value({"half": half}), may_lack
         assert self.way.sums is not None
         same = (positions, positions)
-        return *self.way.sums(same, same, *weighted), may_lack
+        return *self.value(self.way.sums(same, same, *weighted)), may_lack
 
 
 class _OfPlaces(Crisp):
@@ -256,8 +276,7 @@ class _OfPlaces(Crisp):
 
     def __call__(self, strengths: Strengths, low: Array, high: Array) -> Valued:
         humps, lead = self.places.humps(strengths)
-        assert self.way.humps is not None
-        return *self.way.humps(humps), ~(lead > 0.0)
+        return *self.from_humps(humps), ~(lead > 0.0)
 
 
 class _OfNumbers(Crisp):
@@ -266,7 +285,7 @@ class _OfNumbers(Crisp):
     def __init__(self, output: OutputPlan, way: Way, names: Sequence[str]) -> None:
         super().__init__(output, way)
         self.names, self.width = names, len(output.members)
-        if output.output.defuzzifier.method == "tsukamoto":
+        if output.record.inverts:
             self._demand_inverses()
 
     def _demand_inverses(self) -> None:
@@ -281,16 +300,16 @@ class _OfNumbers(Crisp):
     def __call__(self, strengths: Strengths, low: Array, high: Array) -> Valued:
         weights = folded(self.output, strengths)
         numbers = {m: self._number(m, weights[m], low, high) for m in weights}
-        if self.output.output.defuzzifier.method in KARNIK_MENDEL:
+        if self.output.record.of == "ends":
             return self._reduced(weights, numbers)
         least, most = _columns(numbers.values())
         lower, upper = _columns(weights.values())
         may_lack: Array = ~np.any(lower > 0.0, axis=1)
-        if self.way.humps is not None:
-            humps = humps_of_numbers(least, most, lower, upper)
-            return *self.way.humps(humps), may_lack
+        if self.way.humps:
+            return *self.from_humps(humps_of_numbers(least, most, lower, upper)), may_lack
         assert self.way.sums is not None
-        return *self.way.sums((least, least), (most, most), (lower, upper)), may_lack
+        figures = self.way.sums((least, least), (most, most), (lower, upper))
+        return *self.value(figures), may_lack
 
     def _reduced(self, weights: dict[int, Interval], numbers: dict[int, Interval]) -> Valued:
         """Return bounds of what Karnik and Mendel's way takes of both readings."""
@@ -305,7 +324,7 @@ class _OfNumbers(Crisp):
             for choose in (np.minimum, np.maximum)
         )
         may_lack: Array = ~np.any(upper[0] > 0.0, axis=1)
-        return *self.way.sums(least, most, upper, lower), may_lack
+        return *self.value(self.way.sums(least, most, upper, lower)), may_lack
 
     def _number(self, index: int, strength: Interval, low: Array, high: Array) -> Interval:
         """Return bounds of the number of a consequent over boxes."""

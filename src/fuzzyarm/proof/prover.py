@@ -130,12 +130,11 @@ class Prover:
         """Whether no value but that for *no rule* can leave the range of the output."""
         if self.output.outside != "extend":
             return True
-        made, way = plan(self.rulebase).outputs[self.output.name], self.output.defuzzifier.method
-        if not made.discrete:
-            return True
+        made = plan(self.rulebase).outputs[self.output.name]
+        if not made.discrete or not made.record.is_between:
+            return made.record.is_between
         low, high = self.output.low, self.output.high
-        inside = all(m.value is not None and low <= m.value <= high for m in made.members)
-        return inside and way not in {"weighted-sum", "tsukamoto"}
+        return all(m.value is not None and low <= m.value <= high for m in made.members)
 
     # ── the box ──────────────────────────────────────────────────────────────────────
 

@@ -230,7 +230,7 @@ class _Reading:
             form,
             values,
             areas,
-            output.defuzzifier.method == "weighted-sum",
+            self.output.record.of == "sum",
             _exact(output.low) if bounded else -math.inf,
             _exact(output.high) if bounded else math.inf,
             float(no_rule) if isinstance(no_rule, int | float) else None,
@@ -240,16 +240,15 @@ class _Reading:
 
     def _demand_method(self) -> None:
         output = self.output.output
-        way, name = output.defuzzifier, output.name
+        way, record, name = output.defuzzifier, self.output.record, output.name
         outputs, _ = needed(self.plan, [name])
         if len(outputs) > 1:
             chain = ", ".join(sorted(outputs - {name}))
             raise NotStraightError(f"'{name}' depends on another output ({chain})")
         if not self.output.contributions:
             raise NotStraightError(f"no rule concludes '{name}'")
-        if not self.output.discrete and way.method != "centroid":
-            raise NotStraightError(f"defuzzifier {way.method} is not in straight pieces")
-        if way.method not in _AVERAGES:
+        is_average = record.figure in _AVERAGES and not record.inverts
+        if not is_average or (record.both and not self.output.discrete):
             raise NotStraightError(f"defuzzifier {way.method} is not in straight pieces")
         if way.resolution is not None and not self.output.discrete:
             raise NotStraightError(f"defuzzifier {way} is sampled")
@@ -381,13 +380,13 @@ class _Reading:
     def _is_between_values(self) -> bool:
         output = self.output.output
         numbers = [member.value for member in self.output.members]
-        return output.defuzzifier.method != "weighted-sum" and all(
+        return self.output.record.of != "sum" and all(
             number is not None and output.low <= number <= output.high for number in numbers
         )
 
 
-_AVERAGES = frozenset({"centroid", "weighted-average", "weighted-sum", "nie-tan"})
-"""Defuzzifiers that average (or sum) numbers."""
+_AVERAGES = frozenset({"centroid", "average", "weighted"})
+"""What averages, or adds up, numbers."""
 
 _CONJUNCTIONS: dict[
     str, Literal["min", "bounded and", "product"]

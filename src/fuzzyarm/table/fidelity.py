@@ -149,7 +149,7 @@ def _even_points(rulebase: RuleBase) -> int:
             continue
         if way.resolution is not None:
             count = min(count, max(_FEW_POINTS // 16, _SAMPLES // way.resolution))
-        elif way.method != "centroid" or (output.closed is None and not output.enveloped):
+        elif output.record.type2 or (output.closed is None and not output.enveloped):
             count = min(count, _FEW_POINTS)
     return points_within(rulebase, _SECONDS, least=_FEW_POINTS // 16, most=count)
 

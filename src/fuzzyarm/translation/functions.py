@@ -86,8 +86,8 @@ class Translation:
         bindings : mapping of str to callable, optional
             Functions in the place of those that kernels know under these names.
         """
-        bound = tuple(sorted(dict(bindings).items(), key=lambda pair: pair[0]))
-        key = (function, tuple(types), tuple(pair for pair in bound if is_kernel(function)))
+        bound = _used_by(function, dict(bindings))
+        key = (function, tuple(types), bound)
         if key not in self._functions:
             made = self.new_function(function, types, bound)
             self._functions[key] = made
@@ -578,6 +578,16 @@ def _loaded(target: ast.expr) -> ast.expr:
     read = ast.parse(ast.unparse(target), mode="eval").body
     assert isinstance(read, ast.expr)
     return read
+
+
+def _used_by(
+    function: Callable[..., Any], bindings: dict[str, Callable[..., Any]]
+) -> tuple[tuple[str, Callable[..., Any]], ...]:
+    """Return the bindings that a function knows, or one that it calls: others change nothing."""
+    if not bindings or not is_kernel(function):
+        return ()
+    names = {name for each in reached(function, bindings) for name in each.__code__.co_names}
+    return tuple((name, bindings[name]) for name in sorted(names & bindings.keys()))
 
 
 def reached(

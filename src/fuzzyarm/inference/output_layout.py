@@ -1,0 +1,528 @@
+"""What an output adds to a layout: its head, and what its defuzzifier reads.
+
+The picture of each stretch of numbers stands in the module of the kernel that reads it:
+:mod:`.kernel`, :mod:`.enveloped`, :mod:`.integrated`, :mod:`.positions`, :mod:`.reduced`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import NamedTuple, Protocol
+
+from fuzzyarm.expression.kinds import SHAPES, SNORMS, TNORMS, Norm
+from fuzzyarm.expression.nodes import Node, replace, symbol, trace
+from fuzzyarm.inference import envelope, firing_intervals, integrated, positions, reduced
+from fuzzyarm.inference import kernel as at
+from fuzzyarm.inference.aggregate import sample_positions, sampled_set, weights
+from fuzzyarm.inference.block import Mark
+from fuzzyarm.inference.overlap import Layers
+from fuzzyarm.inference.plan import Member, OutputPlan, Plan
+from fuzzyarm.inference.programs import (
+    CLOSED,
+    JOINED,
+    program_of,
+)
+from fuzzyarm.inference.quadrature import (
+    CLIPPING,
+    DEEPEST,
+    MOST_PANELS,
+    NODES,
+    ROUNDING,
+    TOLERANCE,
+    WEIGHTS,
+    noise_of,
+    panels,
+)
+from fuzzyarm.inference.row_functions import Addresses, Curve, norm_number
+from fuzzyarm.inference.sets import Piece, cut_lines, formula_of, peak, plateaus
+from fuzzyarm.inference.weighted import is_rising
+from fuzzyarm.model.shapes import polyline
+
+
+class LaidRule(NamedTuple):
+    """A rule as numbers: the norm and the operands of its antecedent."""
+
+    number: int
+    norm: int
+    conjunction: bool
+    parts: tuple[int, ...]
+    weight: float
+    threshold: float
+
+
+class Base(Protocol):
+    """The layout that an output is part of.
+
+    Attributes
+    ----------
+    plan : Plan
+        Of the whole rule base.
+    addresses : Addresses
+        Who numbers the functions.
+    loose : str
+        The variable whose terms can be changed in place.
+    alone : bool
+        Whether the address of the closed form is 0.
+    whole, floats : list
+        The numbers so far.
+    marks : list of Mark
+        Where the numbers of terms stand.
+    operands : int
+        The most of a rule.
+    """
+
+    plan: Plan
+    addresses: Addresses
+    loose: str
+    alone: bool
+    whole: list[int]
+    floats: list[float]
+    marks: list[Mark]
+    operands: int
+
+    @property
+    def rules(self) -> Sequence[LaidRule]:
+        """All rules."""
+
+    def record(self, rule: LaidRule, rows: Mapping[int, int]) -> list[int]:
+        """Return what a program says of a rule."""
+
+
+WANTED: dict[Node, float] = {
+    symbol("half"): positions.HALF,
+    symbol("mean"): positions.MEAN,
+    symbol("first"): positions.FIRST,
+    symbol("last"): positions.LAST,
+    symbol("centroid"): positions.CENTROID,
+    symbol("left"): -1.0,
+    symbol("right"): 1.0,
+    trace(lambda left, right: 0.5 * (left + right), ("left", "right")): 0.0,
+}
+"""What defuzzifiers of the kernel do by themselves: the last float, by the value of the record."""
+
+
+def wanted(plan: OutputPlan) -> float:
+    """Return the last float of an output whose value is found: which number it is made of."""
+    record, way = plan.record, plan.output.defuzzifier
+    if record.of == "top":
+        return WANTED.get(record.expression, positions.SEVERAL)
+    if record.of == "ends":
+        return WANTED.get(record.expression, 0.0)
+    nearest = record.of == "area" and way.sampling == "midpoints" and not plan.discrete
+    if nearest and way.resolution is not None:
+        return positions.NEAREST_HALF
+    return WANTED[symbol(record.symbols[0])]
+
+
+def made_by(plan: OutputPlan, addresses: Addresses) -> tuple[int, int]:
+    """Return what is made of the number that a defuzzifier finds, and what it makes of several.
+
+    Row functions by number, 0 where there is nothing to do or the kernel does it.
+    """
+    record = plan.record
+    first, *rest = record.aspect.figures
+    if record.figure or record.expression in WANTED:
+        return 0, 0
+    root = replace(record.expression, {first: symbol("x")})
+    if not rest:
+        return addresses.expression(root, ()), 0
+    return 0, addresses.expression(root, (*rest, "nothing")[:2])  # as `made_of` gives them
+
+
+class OutputWriter:
+    """Writes what one output adds to the programs.
+
+    Parameters
+    ----------
+    base : Base
+        The layout, which gets the numbers.
+    plan : OutputPlan
+        The output.
+    head : int
+        Where its head stands among the whole numbers.
+
+    Attributes
+    ----------
+    heights, samples : int
+        How many rows of heights its programs need, and half of the length of its heap.
+    """
+
+    def __init__(self, base: Base, plan: OutputPlan, head: int) -> None:
+        self.base, self.plan = base, plan
+        self.heights = self.samples = 0
+        output, whole = plan.output, base.whole
+        self.loose = output.name == base.loose
+        self.program = program_of(plan, loose=self.loose)
+        mode = {"clamp": at.CLAMP, "extend": at.EXTEND, "error": at.ERROR}[output.outside]
+        floats = len(base.floats)
+        silent = math.nan if isinstance(output.no_rule, str) else float(output.no_rule)
+        base.floats += [output.low, output.high, silent, 0.0]
+        self.members: dict[int, list[int]] = {}
+        for member, rule in plan.contributions:
+            self.members.setdefault(rule, []).append(member)
+        self.consequents = [0] * len(plan.members)
+        self.terms: dict[tuple[int, ...], list[int]] = {}  # by the sets that may fire
+        detail = self._write_detail()
+        base.floats[floats + 3] = self._last_float()
+        fold = self._norm(SNORMS[output.aggregation], "S")
+        is_closed = self.program is CLOSED
+        address = 0
+        if not (is_closed and base.alone):
+            address = base.addresses.program(self.program)
+        is_mean = bool(self.program.centre) and plan.record.of != "sum"
+        finish, choice = made_by(plan, base.addresses)
+        self.samples += at.CHOICE_ROOM if choice else 0
+        whole[head : head + at.OUTPUT_HEAD] = [
+            address, floats, fold, mode, detail,
+            int(is_mean), int(is_closed), int(self._is_max_min), finish, choice,
+        ]  # fmt: skip
+
+    def _write_detail(self) -> int:
+        """Write what the defuzzifier reads of its own; return its number."""
+        write = {
+            "layers": self._write_layers, "values": self._write_values,
+            "numbers": self._write_numbers, "pairs": self._write_pairs,
+            "samples": self._write_samples, "levels": self._write_levels,
+            "pieces": self._write_pieces, "panels": self._write_panels,
+        }  # fmt: skip
+        return write[self.program.reads]()
+
+    def _last_float(self) -> float:
+        """Return the last float of an output: the centre of the moments, or what is wanted."""
+        output, centre = self.plan.output, self.program.centre
+        if not centre:
+            return wanted(self.plan)
+        if centre == "own" and self.plan.closed is not None:
+            return self.plan.closed.centre
+        return 0.5 * (output.low + output.high) if centre == "middle" else 0.0
+
+    def _norm(self, norm: Norm, sort: str) -> int:
+        return norm_number(norm, sort, self.base.addresses)
+
+    @property
+    def _is_max_min(self) -> bool:
+        """Whether its rules are conjunctions under min that count in full, united by max."""
+        rules = [each for each in self.base.rules if each.number in self.members]
+        return (
+            self.plan.output.aggregation == "max"
+            and self.base.operands > 1
+            and all(each.norm == at.MIN and each.conjunction for each in rules)
+            and all(each.weight == 1.0 and each.threshold == 0.0 for each in rules)
+        )
+
+    def _write_layers(self) -> int:
+        form = self.plan.closed
+        if form is None:  # an output that no rule concludes
+            self.own: list[tuple[int, int]] = []
+            self.overlaps: list[tuple[int, tuple[int, ...], tuple[int, int]]] = []
+            return 0
+        self.own = [self._put(layers, 1.0) for layers in form.own]
+        self.overlaps = [
+            (overlap.member, overlap.others, self._put(overlap.layers, -1.0))
+            for overlap in form.overlaps
+        ]
+        return 0
+
+    def _put(self, layers: Layers, sign: float) -> tuple[int, int]:
+        begin = len(self.base.floats)
+        for start, depth, *rest in layers:
+            self.base.floats += [start, depth, *(sign * number for number in rest)]
+        return len(layers), begin
+
+    def _write_samples(self) -> int:
+        output, floats = self.plan.output, self.base.floats
+        count = output.defuzzifier.resolution
+        assert count is not None
+        floats += sample_positions(output.low, output.high, output.defuzzifier)
+        floats += weights(count, output.defuzzifier.sampling)
+        # Two rows, or three, where both sides of an interval type-2 set are sampled.
+        self.samples = (3 * count + 1) // 2 if self.plan.record.type2 else count
+        if self.program is JOINED:
+            self.samples = 2 * (2 + self._most_groups)
+        for i, member in enumerate(self.plan.members):
+            found = sampled_set(
+                member.term.shape, member.hedges, output.low, output.high, output.defuzzifier
+            )
+            begin, heights = found.first, found.heights
+            if self.loose:  # a sample for each position, also where the set is 0 now
+                begin, heights = 0, found.over(count)
+            self.consequents[i] = len(self.base.whole)
+            cut = self._norm(TNORMS[member.implication], "T")
+            end, first = begin + len(heights), self._floats(heights)
+            self.base.whole += [begin, end, first, cut, self._side(i)]
+            self._mark("samples", i, len(floats) - len(heights), len(heights))
+        return count
+
+    @property
+    def _most_groups(self) -> int:
+        """The most groups of a cell: under other unions than ``max`` every rule is one."""
+        return max(len(self.plan.members), len(self.plan.contributions))
+
+    def _side(self, member: int) -> int:
+        return self.plan.sides[member] if self.plan.sides else firing_intervals.UPPER
+
+    def _mark(self, sort: str, member: int, begin: int, room: int) -> None:
+        """Note where the numbers of a consequent without hedges stand in a loose layout."""
+        found, output = self.plan.members[member], self.plan.output
+        if self.loose and not found.hedges:
+            counted, scaled = self.consequents[member], found.implication == "product"
+            mark = Mark(sort, output.name, found.term.name, counted, begin, room, scaled)
+            self.base.marks.append(mark)
+
+    def _write_pieces(self) -> int:
+        pieces = 0
+        for i, member in enumerate(self.plan.members):
+            self.consequents[i] = len(self.base.whole)
+            scaled = int(member.implication == "product")
+            head = [len(member.pieces), len(self.base.floats), scaled, self._side(i)]
+            self.base.whole += head
+            room = len(member.pieces)
+            if self.loose:  # a corner may move into the range, or off another one
+                room = max(room, len(polyline(member.term.shape)) + 1)
+            ends = [end for piece in member.pieces for end in piece[:4]]
+            self._floats([*ends, *[0.0] * (envelope.PIECE * room - len(ends))])
+            self._mark("pieces", i, len(self.base.floats) - envelope.PIECE * room, room)
+            pieces += room
+        begin, end = envelope.heap_size(pieces)
+        self.samples = end // 2 + 1  # there are two rows of samples
+        return begin
+
+    def _write_panels(self) -> int:
+        """Write what the quadrature reads; see :mod:`fuzzyarm.inference.integrated`."""
+        plan, whole = self.plan, self.base.whole
+        for i, member in enumerate(plan.members):
+            curve = self.base.addresses.curve(member.term.shape, member.hedges)
+            cut = self._norm(TNORMS[member.implication], "T")
+            sloping = [each for each in member.pieces if each.straight and each.y0 != each.y1]
+            clips = CLIPPING.get(member.implication, ())
+            lines = lines_of(member.implication)
+            self.consequents[i] = len(whole)
+            whole += [curve.address, self._floats(curve.numbers), len(curve.numbers), cut, i]
+            whole += [len(sloping), self._floats(end for piece in sloping for end in piece[:4])]
+            whole += [len(clips), self._floats(number for clip in clips for number in clip)]
+            whole += [len(lines), self._floats(number for line in lines for number in line)]
+            whole.append(self._side(i))
+            flats = plateaus(member.pieces)
+            leaves_ones = TNORMS[member.implication].leaves_ones
+            whole.append(len(flats) if leaves_ones else -1)
+            whole.append(self._floats(end for flat in flats for end in flat))
+        crossing = [
+            (self.consequents[each.first], self.consequents[each.second], self._floats(each[2:]))
+            for each in plan.stretches
+            if lines_of(plan.members[each.first].implication)
+            and lines_of(plan.members[each.second].implication)
+        ]
+        begin = len(whole)
+        whole += [number for stretch in crossing for number in stretch]
+        subtracts = noise_of(plan, 0.0) > 0.0
+        constants = [TOLERANCE, DEEPEST, MOST_PANELS, ROUNDING, subtracts, *NODES, *WEIGHTS]
+        edges = panels(plan)
+        detail = len(whole)
+        whole += [self._floats(constants), len(plan.members), len(edges), self._floats(edges)]
+        whole += [len(crossing), begin]
+        # At most two clips and four crossings of lines; under other norms than max every rule.
+        each_rule = 1 if plan.output.aggregation == "max" else len(plan.contributions)
+        most = len(edges) + 4 * len(crossing)
+        most += 2 * each_rule * sum(len(member.pieces) for member in plan.members)
+        deepest = integrated.PANEL * (most + DEEPEST + 2)
+        self.samples = (4 * integrated.ROW + len(plan.members) + most + deepest) // 2 + 1
+        return detail
+
+    def _floats(self, numbers: Iterable[float]) -> int:
+        """Append numbers; return where they begin."""
+        begin = len(self.base.floats)
+        self.base.floats += map(float, numbers)
+        return begin
+
+    def _write_values(self) -> int:
+        linear = any(member.value is None for member in self.plan.members)
+        count = len(self.base.plan.rulebase.inputs) if linear else 0
+        for i, member in enumerate(self.plan.members):
+            self.consequents[i] = len(self.base.floats)
+            if member.value is not None:
+                self.base.floats += [member.value, *[0.0] * count]
+                self._mark("value", i, self.consequents[i], 1)
+            else:
+                *coefficients, constant_term = member.term.shape.parameters
+                self.base.floats += [constant_term, *coefficients]
+        return count
+
+    def _write_pairs(self) -> int:
+        """Write values between two; see :mod:`fuzzyarm.inference.reduced`."""
+        count = len(self.base.plan.rulebase.inputs)
+        for number, pair in enumerate(self.plan.pairs):
+            upper, lower = (self._value(member, count) for member in pair)
+            for side, member in enumerate(pair):
+                self.consequents[member] = len(self.base.whole)
+                self.base.whole += [number, side, lower, upper]
+                self._mark("value", member, upper if side == firing_intervals.UPPER else lower, 1)
+        self.samples = reduced.PAIR_ROWS * len(self.plan.pairs) // 2 + 1
+        return len(self.plan.pairs)
+
+    def _value(self, member: int, count: int) -> int:
+        """Append the constant and the coefficients of a value; return where they begin."""
+        value, shape = self.plan.members[member].value, self.plan.members[member].term.shape
+        if value is not None:
+            return self._floats([value, *[0.0] * count])
+        *coefficients, constant_term = shape.parameters
+        return self._floats([constant_term, *coefficients])
+
+    def _write_levels(self) -> int:
+        """Write what exact maxima read of a set; see :mod:`fuzzyarm.inference.positions`."""
+        pieces = 0
+        for i, member in enumerate(self.plan.members):
+            cut = self._norm(TNORMS[member.implication], "T")
+            clips = CLIPPING.get(member.implication, ())
+            own = [self._piece(member, each, inside=True) for each in member.pieces]
+            head = self._set(member, own)
+            levels = [len(clips), self._floats(number for clip in clips for number in clip)]
+            top = self._floats([peak(member.pieces)])
+            self.consequents[i] = len(self.base.whole)
+            self.base.whole += [*head, cut, *levels, top, int(member.implication != "bounded")]
+            pieces += len(member.pieces)
+        self.samples = positions.HEAP // 2 + pieces
+        return 0
+
+    def _set(self, member: Member, pieces: Sequence[Sequence[float]]) -> list[int]:
+        """Return the function of a set and its pieces, as :data:`positions.FUNCTION` begins."""
+        address, numbers = Curve(0, ())
+        if any(piece[-1] != 0.0 for piece in pieces):
+            address, numbers = self.base.addresses.curve(member.term.shape, member.hedges)
+        return [
+            address, self._floats(numbers), len(numbers),
+            len(pieces), self._floats(number for piece in pieces for number in piece),
+        ]  # fmt: skip
+
+    def _piece(self, member: Member, piece: Piece, *, inside: bool) -> list[float]:
+        """Return the numbers of a piece; a search of a curve may begin just inside its ends."""
+        ends = [piece.x0, piece.y0, piece.x1, piece.y1]
+        if piece.straight:
+            return [*ends, 0.0, 0.0, 0.0]
+        a, b = piece.x0, piece.x1
+        if inside:
+            a, b = math.nextafter(a, b), math.nextafter(b, a)
+        rises = member.membership(b) > member.membership(a)
+        return [*ends, a, b, 1.0 if rises else -1.0]
+
+    def _write_numbers(self) -> int:
+        inputs = [variable.name for variable in self.base.plan.rulebase.inputs]
+        for i, member in enumerate(self.plan.members):
+            sort, head, own = self._number(member, inputs)
+            own_at = self._floats(own)
+            self.consequents[i] = len(self.base.whole)
+            self.base.whole += [*head, sort, own_at]
+            if sort == positions.CONSTANT:
+                self._mark("value", i, own_at, 1)
+        self.samples = (positions.HEAP + len(inputs)) // 2 + 1 + self._most_groups
+        return 0
+
+    def _number(
+        self, member: Member, inputs: Sequence[str]
+    ) -> tuple[int, list[int], Sequence[float]]:
+        """Return how a number is found, what for, and the numbers of its own."""
+        shape, addresses = member.term.shape, self.base.addresses
+        none = [0, 0, 0, 0, 0]
+        if member.value is not None:
+            return positions.CONSTANT, none, [member.value]
+        if self.plan.record.inverts and member.pieces:
+            inverse = SHAPES[shape.kind].inverse_expression
+            if inverse is not None and not member.hedges:
+                names = [f"number {i}" for i in range(len(shape.parameters))]
+                root = _renamed(inverse, SHAPES[shape.kind].inverse_symbols, ["x", *names])
+                numbers = [addresses.expression(root, names), self._floats(shape.parameters)]
+                head = [*numbers, len(shape.parameters), 0, 0]
+                return positions.INVERSE, head, [shape.height]
+            rising = is_rising(self.plan, member)
+            pieces = [self._piece(member, each, inside=False) for each in member.pieces]
+            if not rising:
+                pieces = [[x1, y1, x0, y0, *rest] for x0, y0, x1, y1, *rest in pieces[::-1]]
+            end = self.plan.output.high if rising else self.plan.output.low
+            return positions.LEVEL, self._set(member, pieces), [end]
+        if member.formula is not None:
+            root = formula_of(shape).with_constants(inputs)
+            return (
+                positions.FORMULA,
+                [addresses.expression(root, inputs), *none[1:]],
+                [shape.height],
+            )
+        *coefficients, constant_term = shape.parameters
+        return positions.LINEAR, none, [constant_term, *coefficients]
+
+    def places(self) -> tuple[object, ...]:
+        """Return all that :meth:`write` reads of this output."""
+        united = self.plan.output.aggregation == "max"
+        values = self._has_values
+        layers = (self.own, self.overlaps) if self.program is CLOSED else None
+        return self.members, self.consequents, united, values, layers
+
+    def write(self, active: Sequence[LaidRule], rows: Mapping[int, int]) -> None:
+        """Append what is to be done for this output in one cell."""
+        whole = self.base.whole
+        groups = list(self._groups(active))
+        whole.append(len(groups))
+        self.heights = max(self.heights, len(groups))
+        for member, rules in groups:
+            whole += [len(rules), self.consequents[member]]
+            for rule in rules:
+                whole += self.base.record(rule, rows)
+        if self.program is CLOSED:
+            members = tuple(member for member, _ in groups)
+            if members not in self.terms:
+                self.terms[members] = self._terms(members)
+            whole += self.terms[members]
+
+    def _groups(self, active: Sequence[LaidRule]) -> Iterator[tuple[int, list[LaidRule]]]:
+        entries = [(m, rule) for rule in active for m in self.members.get(rule.number, ())]
+        if self.plan.output.aggregation == "max" or self._has_values:
+            grouped: dict[int, list[LaidRule]] = {}
+            for member, rule in entries:
+                grouped.setdefault(member, []).append(rule)
+            # In the order of the sets, whatever the cell: exported programs add them up so, too.
+            yield from sorted(grouped.items())
+        else:
+            for member, rule in entries:
+                yield member, [rule]
+
+    @property
+    def _has_values(self) -> bool:
+        """Whether the strengths of a value are folded, whatever the aggregation."""
+        return self.program.reads in ("values", "numbers", "pairs")
+
+    def _terms(self, members: Sequence[int]) -> list[int]:
+        """Return unions of heights and terms of the closed form, where these sets may fire."""
+        terms = [(g, g, self.own[member]) for g, member in enumerate(members)]
+        unions: list[list[int]] = []
+        if self.plan.output.aggregation == "max":
+            group_of = {member: g for g, member in enumerate(members)}
+            for member, others, layers in self.overlaps:
+                above = [group_of[other] for other in others if other in group_of]
+                if member not in group_of or not above:
+                    continue
+                if len(above) > 1 and above not in unions:
+                    unions.append(above)
+                top = above[0] if len(above) == 1 else len(members) + unions.index(above)
+                terms.append((group_of[member], top, layers))
+        self.heights = max(self.heights, len(members) + len(unions))
+        found = [len(unions)]
+        for union in unions:
+            found += [len(union), *union]
+        found.append(sum(count for _, _, (count, _) in terms))
+        for own, other, (count, floats) in terms:
+            for layer in range(floats, floats + at.LAYER * count, at.LAYER):
+                found += (own, other, layer)
+        return found
+
+
+def _renamed(root: Node, names: Sequence[str], others: Sequence[str]) -> Node:
+    """Return an expression with other names for its symbols."""
+    return replace(root, dict(zip(names, map(symbol, others), strict=True)))
+
+
+def lines_of(implication: str) -> list[tuple[float, float, float, float]]:
+    """Return the lines of a cut set as (α₀, α₁, β₀, β₁): (α₀ + α₁ w) + (β₀ + β₁ w) μ."""
+    at_0, at_1 = cut_lines(implication, 0.0), cut_lines(implication, 1.0)
+    return [
+        (alpha_0, alpha_1 - alpha_0, beta_0, beta_1 - beta_0)
+        for (alpha_0, beta_0), (alpha_1, beta_1) in zip(at_0 or (), at_1 or (), strict=True)
+    ]

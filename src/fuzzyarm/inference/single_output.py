@@ -1,0 +1,128 @@
+"""One output as numbers, for a caller that finds the strengths itself: exported programs.
+
+No inputs, no rules: behind the head and the output stand the groups, of which the caller fills in
+how strongly each is asserted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+from fuzzyarm.inference import kernel as at
+from fuzzyarm.inference import reduced
+from fuzzyarm.inference.block import Mark
+from fuzzyarm.inference.output_layout import LaidRule, OutputWriter, made_by, wanted
+from fuzzyarm.inference.plan import OutputPlan, Plan
+from fuzzyarm.inference.programs import CHOICE_OF_ROWS, ENDS_OF_ROWS, Program, demand_covered
+from fuzzyarm.inference.row_functions import Addresses
+
+
+class OutputLayout(NamedTuple):
+    """The numbers of one output, for a defuzzifier that is given the strengths.
+
+    Attributes
+    ----------
+    whole, floats : list
+        What the defuzzifier reads. Behind the head and the output stand the groups, which list no
+        rules.
+    program : Program
+        The defuzzifier.
+    groups : tuple of int
+        Indices of what asserts each group: members where strengths are folded, else contributions.
+    rows : int
+        Rows of the room that the caller fills: a strength for each group, or as it says.
+    samples : int
+        Half of the floats that it works in behind these rows and the work rows.
+    """
+
+    whole: list[int]
+    floats: list[float]
+    program: Program
+    groups: tuple[int, ...]
+    rows: int
+    samples: int
+
+
+def lay_out_output(plan: Plan, name: str, addresses: Addresses) -> OutputLayout:
+    """Write down what one output reads, for a caller that finds the strengths itself.
+
+    Parameters
+    ----------
+    plan : Plan
+        Of any rule base.
+    name : str
+        An output; under ``max`` its rules are folded by the caller, else every rule is a group.
+    addresses : Addresses
+        Who numbers the functions.
+
+    Raises
+    ------
+    NotCoveredError
+        If the kernel has no defuzzifier for it.
+    """
+    return _OneOutput(plan, plan.outputs[name], addresses).output_layout()
+
+
+class _OneOutput:
+    """The base of an output that stands alone: no inputs, no rules."""
+
+    def __init__(self, plan: Plan, output: OutputPlan, addresses: Addresses) -> None:
+        self.plan, self.output, self.addresses = plan, output, addresses
+        self.loose, self.alone = "", False
+        self.marks: list[Mark] = []
+        self.rules: Sequence[LaidRule] = ()
+        self.operands = 0
+        self.whole = [0] * (at.HEAD + at.OUTPUT_HEAD)
+        self.floats: list[float] = []
+        if not output.discrete:
+            demand_covered(output, ())
+
+    def record(self, rule: LaidRule, rows: Mapping[int, int]) -> list[int]:
+        """There are no rules."""
+        raise NotImplementedError
+
+    def output_layout(self) -> OutputLayout:
+        output = self.output
+        if output.discrete:
+            return self._of_numbers()
+        writer = OutputWriter(self, output, at.HEAD)
+        united = output.output.aggregation == "max"
+        members = (
+            sorted({member for member, _ in output.contributions})
+            if united
+            else [member for member, _ in output.contributions]
+        )
+        groups = members if united else list(range(len(output.contributions)))
+        self._finish(len(groups), [writer.consequents[member] for member in members], len(groups))
+        return OutputLayout(
+            self.whole, self.floats, writer.program, tuple(groups), len(groups), writer.samples
+        )
+
+    def _of_numbers(self) -> OutputLayout:
+        """Write what a choice among numbers reads, or the ends of an average: none is in it."""
+        if self.output.record.of == "ends":
+            program, count = ENDS_OF_ROWS, len(self.output.pairs)
+            rows = heap = reduced.PAIR_ROWS * count
+            groups = tuple(member for pair in self.output.pairs for member in pair)
+        else:
+            program = CHOICE_OF_ROWS
+            groups = tuple(sorted({member for member, _ in self.output.contributions}))
+            count = len(groups)
+            rows = heap = 2 * count
+        self.floats += [0.0, 0.0, 0.0, wanted(self.output)]
+        self.whole[at.HEAD + at.DETAIL] = count
+        self.whole[at.HEAD + at.CHOICE] = made_by(self.output, self.addresses)[1]
+        self._finish(count, [0] * count, rows)
+        samples = (heap + at.CHOICE_ROOM + 1) // 2
+        return OutputLayout(self.whole, self.floats, program, groups, rows, samples)
+
+    def _finish(self, groups: int, consequents: Sequence[int], rows: int) -> None:
+        whole = self.whole
+        whole[at.WIDTH], whole[at.OUTPUT], whole[at.WORK] = 1, at.HEAD, rows
+        whole[at.GROUPS] = len(whole)
+        whole.append(groups)
+        for consequent in consequents:
+            whole += [0, consequent]
+        # What reads ahead of a condition, as some languages do, stays inside.
+        self.floats += [0.0, 0.0]
