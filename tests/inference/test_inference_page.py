@@ -24,7 +24,8 @@ def test_the_examples_run_as_they_stand(monkeypatch: pytest.MonkeyPatch) -> None
 
 
 def test_every_norm_and_defuzzifier_is_named() -> None:
-    from fuzzyarm.model.rulebase import DEFUZZIFIERS, SAMPLINGS
+    from fuzzyarm.expression.kinds import DEFUZZIFIERS
+    from fuzzyarm.model.rulebase import SAMPLINGS
     from tests.strategies import CONJUNCTIONS, DISJUNCTIONS
 
     for name in (*CONJUNCTIONS, *DISJUNCTIONS, *DEFUZZIFIERS, *SAMPLINGS):

@@ -16,10 +16,11 @@ from skfuzzy import defuzz
 from strategies import input_points, plain_mamdani
 
 from fuzzyarm import compiled
+from fuzzyarm.expression.kinds import DEFUZZIFIERS
 from fuzzyarm.inference import infer
 from fuzzyarm.inference.point import prepare
 from fuzzyarm.language import parse
-from fuzzyarm.model.rulebase import JOINED, Defuzzifier
+from fuzzyarm.model.rulebase import Defuzzifier
 from fuzzyarm.model.shapes import membership
 
 TEXT = """
@@ -49,6 +50,7 @@ def model(method: str):
     return rulebase
 
 
+JOINED = [name for name, record in DEFUZZIFIERS.items() if record.joins]
 MODELS = {method: model(method) for method in JOINED}
 
 

@@ -5,11 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
+from fuzzyarm.expression.kinds import DEFUZZIFIERS, HEDGES, SHAPES, SNORMS, TNORMS
 from fuzzyarm.language import format_text, parse, write
 from fuzzyarm.language.phrases import SETTINGS
 from fuzzyarm.language.statements import STATEMENTS
-from fuzzyarm.model.rulebase import DEFUZZIFIERS
 from fuzzyarm.model.shapes import EVEN_SHAPES
 from fuzzyarm.text.diagnostic import MAX_INPUTS, MAX_TERMS
 

@@ -106,7 +106,7 @@ def test_a_misspelt_kind_is_hinted_at(written: str, meant: str) -> None:
     ("line", "label", "detail"),
     [
         ("inference and ", "yager2", ""),
-        ("inference aggregation ", "yagers", ""),
+        ("inference aggregation ", "yagers", "Yager, w = 2"),
         ("term e B: ", "cosine-bell", "centre width — one period of a cosine"),
         ("rule if e is ", "slightly", "min(d, 1 − d)"),
         ("rule if ", "softened", ""),

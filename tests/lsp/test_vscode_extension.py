@@ -11,13 +11,13 @@ from pathlib import Path
 
 import pytest
 
-from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
+from fuzzyarm.expression.kinds import DEFUZZIFIERS, HEDGES, SHAPES, SNORMS, TNORMS
 from fuzzyarm.language.controllers import CONTROLLER_STATEMENTS, CONTROLLER_WORDS, SIGNAL
 from fuzzyarm.language.phrases import SETTINGS
 from fuzzyarm.language.statements import LOOKUP_ITEMS, STATEMENTS, WORDS
 from fuzzyarm.language.tokens import RESERVED
 from fuzzyarm.model.controller import SOURCES, TIMES
-from fuzzyarm.model.rulebase import DEFUZZIFIERS, SAMPLINGS
+from fuzzyarm.model.rulebase import SAMPLINGS
 from fuzzyarm.model.shapes import EVEN_SHAPES
 from fuzzyarm.table.header import KEYWORDS
 
