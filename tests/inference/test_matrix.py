@@ -87,6 +87,9 @@ CASES = [
     Case("mean-of-maximum(51)"),
     Case("smallest-of-maximum exact"),
     Case("largest-of-maximum(51)"),
+    Case("middle-of-maximum exact"),
+    Case("middle-of-maximum(51)"),
+    Case("middle-of-maximum exact", VALUES),
     Case(EXACT, BELLS),
     Case("bisector exact", BELLS),
     Case(EXACT, more=(("union", "sum"),)),
@@ -127,7 +130,7 @@ OUT: dict[tuple[str, str], str] = {}
 ROUNDED = str(CASES[-1])
 """Of curved interval sets the point engine adds up finished panels, the kernel integrates anew."""
 
-APART = {str(CASES[13])}
+APART = {str(Case(EXACT, more=(("implication", "product"),)))}
 """Scaled sets have a formula of their own in C and Structured
 Text: it rounds otherwise."""
 

@@ -295,6 +295,13 @@ def _register() -> None:
         elsewhere="lom rm largestofmaximum",
     )
     kind(
+        "middle-of-maximum",
+        lambda first, last: 0.5 * (first + last),
+        doc="the middle between the first and the last position at which the set is greatest",
+        like="mean-of-maximum",
+        elsewhere="middleofmaximum",
+    )
+    kind(
         "weighted-average",
         lambda average: average,
         doc="the average of the values of the consequents, weighed by their strengths",

@@ -15,7 +15,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from fuzzyarm.expression.evaluation import evaluate
-from fuzzyarm.expression.nodes import Apply, Node, symbol
+from fuzzyarm.expression.nodes import Apply, Node, symbol, symbols
 from fuzzyarm.expression.operations import OPERATIONS
 from fuzzyarm.expression.printing import PYTHON, printed
 
@@ -93,7 +93,8 @@ def row_source(root: Node, rows: Sequence[str], numbers: Sequence[str], name: st
         ``def name(rows …, numbers, into)``; it fills `into`.
     """
     lines, result = printed(root, PYTHON, taken=(*rows, *numbers))
-    head = [f"{number} = numbers[{i}]" for i, number in enumerate(numbers)]
+    used = symbols(root)
+    head = [f"{number} = numbers[{i}]" for i, number in enumerate(numbers) if number in used]
     each = [*(f"{row} = {row}_row[i]" for row in rows), *lines, f"into[i] = {result}"]
     arguments = ", ".join([*(f"{row}_row" for row in rows), "numbers", "into"])
     text = [f"def {name}({arguments}):", *(f"    {line}" for line in head)]
