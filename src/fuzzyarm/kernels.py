@@ -137,11 +137,17 @@ def _addresses_of_keys() -> dict[str, int]:
 
 def key_of(function: Callable[..., Any], types: str, bindings: _Bindings) -> str:
     """Return the name of a kernel in the machine code: what it is, takes, and is bound to."""
-    source = getattr(function, "__source__", None)
-    if source is not None:  # printed from an expression: it is what it computes
-        return f"{function.__name__}({types}) {sha256(source.encode()).hexdigest()[:16]}"
+    printed = _printed_key(function, types)
+    if printed:
+        return printed
     names = [_name(function), *(f"{name}={_name(bindings[name])}" for name in sorted(bindings))]
     return f"{names[0]}({', '.join([types, *names[1:]])})"
+
+
+def _printed_key(function: Callable[..., Any], types: str) -> str:
+    """Return the key of a function that was printed from an expression; empty for others."""
+    digest = getattr(function, "__digest__", "")
+    return f"{function.__name__}({types}) {digest}" if digest else ""
 
 
 def _name(function: Callable[..., Any]) -> str:
@@ -207,7 +213,9 @@ def address_of(
     """
     bindings = bindings or {}
     letters = letters_of(arrays)
-    key = (function, letters, tuple(sorted(bindings.items(), key=lambda pair: pair[0])), compiled)
+    # One that was printed from an expression may be printed again: it is what it computes.
+    who = _printed_key(function, letters) or function
+    key = (who, letters, tuple(sorted(bindings.items(), key=lambda pair: pair[0])), compiled)
     if key not in _addresses:
         with _addressing:  # a program that is made twice would be freed while one of two uses it
             if key not in _addresses:

@@ -12,6 +12,7 @@ import builtins
 import linecache
 import math
 from collections.abc import Callable, Sequence
+from hashlib import sha256
 from typing import Any
 
 from fuzzyarm.expression.evaluation import evaluate
@@ -115,4 +116,5 @@ def row_function(source: str, name: str) -> Callable[..., None]:
     exec(compile(source, file, "exec"), space)
     function: Callable[..., None] = space[name]
     function.__source__ = source  # type: ignore[attr-defined]
+    function.__digest__ = sha256(source.encode()).hexdigest()[:16]  # type: ignore[attr-defined]
     return function

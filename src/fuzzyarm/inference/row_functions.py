@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple, Protocol
+from functools import lru_cache
+from typing import Any, NamedTuple, Protocol, cast
 
 import numpy as np
 
@@ -33,20 +34,15 @@ _OWN_NORMS = {
     ("T", "min"): at.MIN, ("T", "product"): at.PRODUCT, ("S", "max"): at.MAX, ("S", "sum"): at.SUM,
 }  # fmt: skip
 
-_functions: dict[tuple[Node, tuple[str, ...], tuple[str, ...]], Callable[..., None]] = {}
-"""Row functions by what they compute; of a definition there is one, and one address."""
-
-
+@lru_cache(maxsize=512)
 def _row_function(
     root: Node, rows: tuple[str, ...], numbers: tuple[str, ...], name: str
 ) -> Callable[..., None]:
-    key = (root, rows, numbers)
-    if key not in _functions:
-        word = f"{name.replace('-', '_')}_row"
-        function: Any = row_function(row_source(root, rows, numbers, word), word)
-        function.__program__ = lambda: program_of([root], rows, numbers)
-        _functions[key] = function
-    return _functions[key]
+    """Return the row function of an expression; the last ones are remembered."""
+    word = f"{name.replace('-', '_')}_row"
+    function: Any = row_function(row_source(root, rows, numbers, word), word)
+    function.__program__ = lambda: program_of([root], rows, numbers)
+    return cast("Callable[..., None]", function)
 
 
 def norm_address(norm: Norm, *, compiled: bool) -> int:
