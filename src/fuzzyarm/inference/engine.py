@@ -27,8 +27,9 @@ from fuzzyarm.inference.kernel import (
 )
 from fuzzyarm.inference.labelled import gathered
 from fuzzyarm.inference.layout import lay_out
-from fuzzyarm.inference.plan import plan, remembered
+from fuzzyarm.inference.plan import plan
 from fuzzyarm.inference.point import check_names, holds_arrays, number_of, prepare
+from fuzzyarm.inference.prepared import remembered
 from fuzzyarm.kernels import (
     bound_routine,
     has_machine_code,

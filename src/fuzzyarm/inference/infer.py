@@ -10,8 +10,9 @@ from typing import Any
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.inference.firing_intervals import Ends, ends
 from fuzzyarm.inference.labelled import gathered
-from fuzzyarm.inference.plan import part_for, remembered
+from fuzzyarm.inference.plan import part_for
 from fuzzyarm.inference.point import check_names, holds_arrays, prepare
+from fuzzyarm.inference.prepared import remembered
 from fuzzyarm.model.rulebase import AnyRuleBase, Expectation, Outcome, Output, RuleBase
 from fuzzyarm.text.diagnostic import Diagnostic, Severity
 

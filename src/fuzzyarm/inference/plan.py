@@ -8,19 +8,17 @@ unknown names, cycles, ranges that an integral cannot take.
 from __future__ import annotations
 
 import math
-from collections import OrderedDict
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
-from functools import wraps
 from itertools import count
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from fuzzyarm.expression.defuzzifiers import DefuzzifierKind
-from fuzzyarm.expression.records import emptied_with_kinds
 from fuzzyarm.inference import firing_intervals
 from fuzzyarm.inference.errors import CyclicRulesError, InferenceError, UnknownNameError
 from fuzzyarm.inference.firing_intervals import Doubled, is_value
 from fuzzyarm.inference.overlap import ClosedForm, Layers, Overlap, closed_form
+from fuzzyarm.inference.prepared import remembered
 from fuzzyarm.inference.sets import (
     Piece,
     Stretch,
@@ -169,30 +167,6 @@ class Plan(NamedTuple):
     outputs: dict[str, OutputPlan]
     steps: tuple[int | str, ...]
     readings: tuple[tuple[int, ...], ...] = ()
-
-
-_Made = TypeVar("_Made")
-
-_MOST_REMEMBERED = 32
-
-
-def remembered(make: Callable[[RuleBase], _Made]) -> Callable[[RuleBase], _Made]:
-    """Let a function remember what it made of the last few rule bases; a decorator."""
-    recent: OrderedDict[int, tuple[RuleBase, _Made]] = OrderedDict()
-    emptied_with_kinds(recent.clear)
-
-    @wraps(make)
-    def remembering(rulebase: RuleBase) -> _Made:
-        known = recent.get(id(rulebase))
-        if known is not None and known[0] is rulebase:
-            return known[1]
-        made = make(rulebase)
-        recent[id(rulebase)] = (rulebase, made)  # holding the model keeps its identity unique
-        while len(recent) > _MOST_REMEMBERED:
-            recent.popitem(last=False)
-        return made
-
-    return remembering
 
 
 @remembered

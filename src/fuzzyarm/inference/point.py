@@ -24,7 +24,8 @@ from fuzzyarm.inference.errors import (
     UnknownNameError,
 )
 from fuzzyarm.inference.partition import cut_at_corners
-from fuzzyarm.inference.plan import OutputPlan, Plan, PlannedRule, plan, remembered
+from fuzzyarm.inference.plan import OutputPlan, Plan, PlannedRule, plan
+from fuzzyarm.inference.prepared import remembered
 from fuzzyarm.inference.sets import term_function
 from fuzzyarm.model.rulebase import (
     And,
@@ -143,7 +144,7 @@ class _Conjunction(NamedTuple):
 _Action = Callable[[Point], None]
 
 
-class Prepared:
+class PointEngine:
     """A rule base compiled to closures; call :meth:`evaluate`.
 
     Parameters
@@ -524,7 +525,7 @@ def _written(values: Mapping[str, float], names: tuple[str, ...]) -> str:
 
 
 @remembered
-def prepare(rulebase: RuleBase) -> Prepared:
+def prepare(rulebase: RuleBase) -> PointEngine:
     """Compile a rule base for evaluation point by point; the last few are remembered.
 
     Parameters
@@ -534,10 +535,10 @@ def prepare(rulebase: RuleBase) -> Prepared:
 
     Returns
     -------
-    Prepared
+    PointEngine
         Stateless: evaluating it leaves no trace in it.
     """
-    return Prepared(rulebase)
+    return PointEngine(rulebase)
 
 
 # ── inputs as a caller gives them ────────────────────────────────────────────────────

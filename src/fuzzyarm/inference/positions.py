@@ -147,8 +147,11 @@ def greatest_of(
             last = positions[i]
             if among == 0.0:
                 first = last
+                if way_of(k, f) == FIRST:  # the others are not asked for
+                    break
             moment += last
             among += 1.0
+    among = max(among, 1.0)
     return greatest, value_of_top(k, f, heap, first, last, moment / among)
 
 

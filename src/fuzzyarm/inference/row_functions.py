@@ -34,6 +34,7 @@ _OWN_NORMS = {
     ("T", "min"): at.MIN, ("T", "product"): at.PRODUCT, ("S", "max"): at.MAX, ("S", "sum"): at.SUM,
 }  # fmt: skip
 
+
 @lru_cache(maxsize=512)
 def _row_function(
     root: Node, rows: tuple[str, ...], numbers: tuple[str, ...], name: str

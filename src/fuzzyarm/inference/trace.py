@@ -13,7 +13,7 @@ from fuzzyarm.inference.aggregate import aggregate, fold_at_point
 from fuzzyarm.inference.defuzzify import consequent_value, ends_of_output
 from fuzzyarm.inference.firing_intervals import LOWER, UPPER
 from fuzzyarm.inference.plan import Member, OutputPlan
-from fuzzyarm.inference.point import Point, Prepared, bring_into_range, prepare
+from fuzzyarm.inference.point import Point, PointEngine, bring_into_range, prepare
 from fuzzyarm.inference.sets import Piece, crossing
 from fuzzyarm.inference.type_reduction import side_of
 from fuzzyarm.inference.weighted import tsukamoto_at_point
@@ -364,7 +364,7 @@ def _fuzzy_value(variable: Variable, given: Mapping[str, float], value: float) -
     return FuzzyValue(variable.name, given_value, value, degrees, lower)
 
 
-def _rules(rulebase: RuleBase, prepared: Prepared, point: Point) -> tuple[RuleTrace, ...]:
+def _rules(rulebase: RuleBase, prepared: PointEngine, point: Point) -> tuple[RuleTrace, ...]:
     traces: list[RuleTrace] = []
     for block in rulebase.blocks:
         for rule in block.rules:
