@@ -32,7 +32,7 @@ from fuzzyarm.inference.layout import lay_out
 from fuzzyarm.inference.plan import Plan, plan
 from fuzzyarm.inference.programs import EVALUATORS, PROGRAMS, Program
 from fuzzyarm.inference.row_functions import Curve
-from fuzzyarm.inference.sets import formula_of
+from fuzzyarm.inference.sets import degree_formula
 from fuzzyarm.model.rulebase import POSITION, Hedge, RuleBase, Shape
 from fuzzyarm.model.shapes import polyline
 from fuzzyarm.text.jsonable import jsonable
@@ -103,7 +103,7 @@ class Functions:
         if height:
             described["height"] = True
         if shape.kind == "formula":
-            root = replace(formula_of(shape).with_constants((POSITION,)), {POSITION: symbol("x")})
+            root = replace(degree_formula(shape), {POSITION: symbol("x")})
             return Curve(self._number({"formula": _tree(root), **described}), height)
         return Curve(self._number({"shape": shape.kind, **described}), (*shape.parameters, *height))
 

@@ -30,7 +30,7 @@ from fuzzyarm.expression.nodes import (
 )
 from fuzzyarm.inference.overlap import Layers
 from fuzzyarm.inference.plan import Member, OutputPlan
-from fuzzyarm.inference.sets import formula_of
+from fuzzyarm.inference.sets import degree_formula
 from fuzzyarm.model.rulebase import POSITION, Hedge, Term
 from fuzzyarm.text.diagnostic import NOWHERE, Span
 
@@ -120,7 +120,7 @@ def degree_of(term: Term, variable: str, x: Node) -> Node:
 
 def _formula_of_x(term: Term, variable: str, x: Node) -> Node:
     try:
-        return replace(formula_of(term.shape).with_constants((POSITION,)), {POSITION: x})
+        return replace(degree_formula(term.shape), {POSITION: x})
     except FormulaError:
         what = f"term '{term.name}' of '{variable}' is a formula of several"
         raise refuse(what, term.span) from None

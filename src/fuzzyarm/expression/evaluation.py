@@ -29,7 +29,7 @@ from fuzzyarm.expression.operations import EVERYTHING, OPERATIONS, Interval
 
 __all__ = [
     "array_function", "bounds", "derivative", "evaluate", "evaluate_arrays", "gradient",
-    "library_function", "schedule", "specialise",
+    "has_value", "library_function", "may_lack_values", "schedule", "specialise",
 ]  # fmt: skip
 
 
@@ -287,6 +287,10 @@ def bounds(root: Node, ranges: Mapping[str, tuple[float, float]]) -> Interval:
     R. E. Moore, *Interval Analysis*, 1966: the value over a box lies in the intervals of
     the operations, one after the other.
     """
+    return _bounds_of_nodes(root, ranges)[root]
+
+
+def _bounds_of_nodes(root: Node, ranges: Mapping[str, tuple[float, float]]) -> dict[Node, Interval]:
     found: dict[Node, Interval] = {}
     for node in postorder(root):
         if isinstance(node, Constant):
@@ -297,7 +301,43 @@ def bounds(root: Node, ranges: Mapping[str, tuple[float, float]]) -> Interval:
             found[node] = _rounded(operation.bounds(*arguments), exact=operation.exact)
         else:
             found[node] = Interval(*ranges[node.name])  # type: ignore[attr-defined]
-    return found[root]
+    return found
+
+
+_DOMAINS: dict[str, Callable[..., bool]] = {
+    "divide": lambda a, b: not b.low <= 0.0 <= b.high,
+    "remainder": lambda a, b: not b.low <= 0.0 <= b.high,
+    "power": lambda a, b: a.low > 0.0 or (b.low == b.high >= 0.0 and b.low % 1.0 == 0.0),
+    "sqrt": lambda a: a.low >= 0.0,
+    "log": lambda a: a.low > 0.0,
+    "log10": lambda a: a.low > 0.0,
+    "asin": lambda a: a.low >= -1.0 and a.high <= 1.0,
+    "acos": lambda a: a.low >= -1.0 and a.high <= 1.0,
+}
+"""Of operations that have no value somewhere: whether they have one all over intervals."""
+
+
+def may_lack_values(root: Node) -> bool:
+    """Whether something in an expression has no value for some arguments, overflow aside."""
+    return any(isinstance(node, Apply) and node.operation in _DOMAINS for node in postorder(root))
+
+
+def has_value(root: Node, ranges: Mapping[str, tuple[float, float]]) -> bool:
+    """Whether an expression is known to have a finite value all over a box.
+
+    Parameters
+    ----------
+    root, ranges
+        As for :func:`bounds`.
+    """
+    found = _bounds_of_nodes(root, ranges)
+    for node, interval in found.items():
+        if not (math.isfinite(interval.low) and math.isfinite(interval.high)):
+            return False
+        domain = _DOMAINS.get(node.operation) if isinstance(node, Apply) else None
+        if domain and not domain(*(found[argument] for argument in children(node))):
+            return False
+    return True
 
 
 def _rounded(interval: Interval, *, exact: bool) -> Interval:

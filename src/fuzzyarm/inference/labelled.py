@@ -42,7 +42,7 @@ def gathered(
     InferenceError
         If an input is given twice, or the labels of two inputs differ.
     """
-    given = dict(named) if inputs is None else _by_name(inputs, named, variables)
+    given = by_name(inputs, named, variables)
     for value in given.values():
         if type(value) is not float and _library(value):  # floats are most, and this is quick
             break
@@ -57,9 +57,12 @@ def gathered(
     return {**given, **plain}, Labels(wrap, type(inputs) if _library(inputs) else None)
 
 
-def _by_name(
+def by_name(
     inputs: Any, named: Mapping[str, Any], variables: Sequence[Variable]
 ) -> dict[str, Any]:
+    """Return inputs from both ways of giving them; parameters and errors as of :func:`gathered`."""
+    if inputs is None:
+        return dict(named)
     names = [variable.name for variable in variables]
     if _library(inputs):
         given = {name: inputs[name] for name in names if name in inputs}
@@ -67,7 +70,7 @@ def _by_name(
         given = dict(inputs)
     else:
         kind = type(inputs).__name__
-        message = f"inputs are given by name, as a mapping, a DataFrame or a Dataset, not a {kind}"
+        message = f"inputs are given by name (a mapping, DataFrame or Dataset), not as {kind}"
         raise InferenceError(message, hint=f"for instance {names[0]}=…" if names else "")
     for name, value in named.items():
         if name in given:

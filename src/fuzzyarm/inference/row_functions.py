@@ -21,7 +21,7 @@ from fuzzyarm.expression.printing import PYTHON, printed
 from fuzzyarm.expression.programs import program_of
 from fuzzyarm.inference import kernel as at
 from fuzzyarm.inference.programs import Program
-from fuzzyarm.inference.sets import formula_of
+from fuzzyarm.inference.sets import degree_formula
 from fuzzyarm.kernels import address_of, call, kernel
 from fuzzyarm.model.rulebase import (
     POSITION,
@@ -93,8 +93,7 @@ def curved_row(
         return symbol(names[-1])
 
     if shape.kind == "formula":
-        root = formula_of(shape).with_constants((POSITION,))
-        root = replace(root, {POSITION: symbol("x")})
+        root = replace(degree_formula(shape), {POSITION: symbol("x")})
     else:
         kind = SHAPES[shape.kind]
         # Numbers are arguments, so that bells share one function wherever they stand.

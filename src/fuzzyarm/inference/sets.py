@@ -14,7 +14,11 @@ from functools import lru_cache
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from fuzzyarm.expression import op
+from fuzzyarm.expression.evaluation import evaluate_arrays, may_lack_values
+from fuzzyarm.expression.functions import python_function
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, TNORMS
+from fuzzyarm.expression.nodes import Node
 from fuzzyarm.inference.errors import InferenceError
 from fuzzyarm.model.rulebase import POSITION, Hedge, Shape
 from fuzzyarm.model.shapes import apply_hedge, apply_hedges, bends, membership_function, polyline
@@ -40,6 +44,19 @@ def formula_of(shape: Shape) -> Formula:
     return read_formula(shape.formula)
 
 
+@lru_cache(maxsize=512)
+def degree_formula(shape: Shape) -> Node:
+    """Return the degree of a formula in `x`: 0 where that has no value, as the root of -1 has none.
+
+    Raises
+    ------
+    FormulaError
+        If it names anything else.
+    """
+    root = formula_of(shape).with_constants((POSITION,))
+    return op.where(op.equal(root, root), root, 0.0) if may_lack_values(root) else root
+
+
 def term_function(shape: Shape, hedges: tuple[Hedge, ...] = ()) -> SetFunction:
     """Return the degree in a set as a function of a float.
 
@@ -59,7 +76,7 @@ def term_function(shape: Shape, hedges: tuple[Hedge, ...] = ()) -> SetFunction:
         names = formula_of(shape).names
         if names not in {(), (POSITION,)}:  # a value: whoever asks it for a degree is at fault
             return _not_a_set(shape)
-        height, computed = shape.height, formula_of(shape).function((POSITION,))
+        height, computed = shape.height, python_function(degree_formula(shape), (POSITION,))
         degree: SetFunction = lambda x: height * computed(x)  # noqa: E731
     elif not SHAPES[shape.kind].fuzzy:
         return _not_a_set(shape)
@@ -97,7 +114,7 @@ def degrees(
     import numpy as np
 
     if shape.kind == "formula":
-        found = formula_of(shape).evaluate_arrays({POSITION: x})
+        found = evaluate_arrays(degree_formula(shape), {POSITION: x}, as_floats=True)
     elif SHAPES[shape.kind].straight:
         found = SHAPES[shape.kind].lines(*shape.parameters, height=shape.height).over(x)
         return hedged(hedges, found) if hedges else found

@@ -12,6 +12,7 @@ from fuzzyarm.expression.kinds import TNORMS
 from fuzzyarm.inference.aggregate import aggregate, fold_at_point
 from fuzzyarm.inference.defuzzify import consequent_value, ends_of_output
 from fuzzyarm.inference.firing_intervals import LOWER, UPPER
+from fuzzyarm.inference.labelled import by_name
 from fuzzyarm.inference.plan import Member, OutputPlan
 from fuzzyarm.inference.point import Point, PointEngine, bring_into_range, prepare
 from fuzzyarm.inference.sets import Piece, crossing
@@ -268,7 +269,7 @@ def explain(
         As :func:`fuzzyarm.inference.infer`.
     """
     rulebase = rulebase.model
-    given = {**(inputs or {}), **named}
+    given = by_name(inputs, named, rulebase.inputs)
     prepared = prepare(rulebase)
     point = prepared.run(given, held)
     used = dict.fromkeys([*(v.name for v in rulebase.inputs), *prepared.chained])

@@ -12,7 +12,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from fuzzyarm.expression.evaluation import bounds, specialise
+from fuzzyarm.expression.evaluation import bounds, has_value, specialise
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, TNORMS, Norm
 from fuzzyarm.inference.sets import formula_of
 from fuzzyarm.model.rulebase import POSITION, Hedge, Is, RuleBase, Shape
@@ -115,8 +115,10 @@ def membership_bounder(shape: Shape) -> Callable[[float, float], tuple[float, fl
         found = [bounds(expression, {"x": pair}) for pair in pairwise(cuts)]
         least = shape.height * min(part.low for part in found)
         most = shape.height * max(part.high for part in found)
-        if math.isnan(least + most):  # a formula that has no value everywhere
+        if math.isnan(least + most):
             return 0.0, shape.height
+        if shape.kind == "formula" and not has_value(expression, {"x": (low, high)}):
+            least = min(0.0, least)  # which its degree is where it has none
         return max(0.0, least - SLACK), min(shape.height, most + SLACK)
 
     return of_stretch

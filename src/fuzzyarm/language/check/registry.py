@@ -21,6 +21,7 @@ from fuzzyarm.language.check.terms import (
     clamped_values,
     cores_outside,
     crossed_terms,
+    formula_degrees,
     short_reaches,
     uneven_terms,
     unfit_defuzzifiers,
@@ -130,6 +131,13 @@ CHECKS: dict[str, Check] = {
             "A term is fullest, or a singleton lies, outside the range of its variable, where no "
             "value can be.",
             cores_outside,
+        ),
+        Check(
+            "formula-degrees",
+            Severity.WARNING,
+            "The formula of a set has no value at some positions, where its degree counts as 0, or "
+            "leaves 0 .. 1.",
+            formula_degrees,
         ),
         Check(
             "crossed-terms",

@@ -129,6 +129,44 @@ def _names_in(term: Term) -> set[str]:
         return set()
 
 
+_POSITIONS = 257
+"""At which the degree of a formula is looked at."""
+
+
+def formula_degrees(subject: Subject) -> Iterator[Diagnostic]:
+    """Yield ``formula-degrees`` for each set whose formula has no value, or leaves 0 .. 1."""
+    for variable in (*subject.rulebase.inputs, *subject.rulebase.outputs):
+        if isinstance(variable, Output) and variable.defuzzifier.record.weighs:
+            continue
+        if not math.isfinite(variable.high - variable.low):
+            continue
+        for term in variable.terms:
+            if _names_in(term) == {POSITION}:
+                yield from _degrees_of(term, variable)
+
+
+def _degrees_of(term: Term, variable: Variable) -> Iterator[Diagnostic]:
+    from fuzzyarm.expression.formulas import read_formula
+
+    degree = read_formula(term.shape.formula).function((POSITION,))
+    step = (variable.high - variable.low) / (_POSITIONS - 1)
+    positions = [variable.low + i * step for i in range(_POSITIONS)]
+    degrees = {x: degree(x) for x in positions}
+    nowhere = [x for x, y in degrees.items() if math.isnan(y)]
+    outside = [x for x, y in degrees.items() if not math.isnan(y) and not -1e-9 <= y <= 1.0 + 1e-9]
+    message = hint = ""
+    if nowhere:
+        message = f"has no value at {POSITION} = {nowhere[0]:.4g}, where its degree counts as 0"
+        hint = "say there what it is, as in  sqrt(max(0, x))"
+    elif outside:
+        worst = max(outside, key=lambda x: abs(degrees[x] - 0.5))
+        message = f"is {degrees[worst]:.4g} at {POSITION} = {worst:.4g}; a degree lies in 0 .. 1"
+        hint = "keep it there, as in  min(1, max(0, x))"
+    if message:
+        text = f"the formula of '{term.name}' of '{variable.name}' {message}"
+        yield Diagnostic("formula-degrees", text, term.span, hint=hint)
+
+
 def _mixture(output: Output) -> Iterator[Diagnostic]:
     if output.defuzzifier.record.weighs:
         return
