@@ -30,7 +30,8 @@ Rule bases and controllers in Python
     ControllerText      A controller as text, with the rule bases and tables that it uses.
     Shape               The membership function of a term, or the value of a consequent.
     from_live           Return the rule base that a live object of another fuzzy library is.
-    kinds               Kinds of shapes, norms and hedges, the built-in ones and a user's own.
+    kinds               Kinds of shapes, norms, hedges and defuzzifiers, the built-in ones and a
+                        user's own.
     op                  The functions with which shapes, norms, hedges and other definitions are
                         written.
 

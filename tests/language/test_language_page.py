@@ -73,6 +73,13 @@ def rows_of_norms(norms):
         yield f"`{kind.name}`", kind.doc, f"`{kind.dual}`" if kind.dual else ""
 
 
+def rows_of_defuzzifiers():
+    for kind in DEFUZZIFIERS.values():
+        sampled = "" if kind.weighs else "N" if not kind.joins else "N, joined"
+        takes = "values" if kind.weighs else "intervals" if kind.type2 else "sets, values"
+        yield f"`{kind.name}`", kind.doc, "monotonic sets" if kind.inverts else takes, sampled
+
+
 TABLES = {
     "| statement |": lambda: (
         (f"`{f'{r.word} {r.syntax}'.strip()}`", r.doc) for r in STATEMENTS.values()
@@ -82,6 +89,7 @@ TABLES = {
     "| hedge |": rows_of_hedges,
     "| T-norm |": lambda: rows_of_norms(TNORMS),
     "| S-norm |": lambda: rows_of_norms(SNORMS),
+    "| defuzzifier |": rows_of_defuzzifiers,
 }
 
 

@@ -322,7 +322,7 @@ def _register() -> None:
         lambda average: average,
         doc="the average of the positions at which monotonic sets reach their strengths",
         inverts=True,
-        names={"fll": "WeightedAverage", "fcl": "COGS"},  # of sets that have an inverse
+        names={"fll": "WeightedAverage", "fcl": "COGS", "fis": "wtaver"},  # of monotonic sets
     )
     kind(
         "karnik-mendel",

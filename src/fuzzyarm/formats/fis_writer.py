@@ -133,7 +133,8 @@ class _Writer(Writer):
             if not self.is_own or not all_invertible(kinds):
                 message = f"{self.program} has no Tsukamoto inference for '{output.name}'"
                 self.findings.loss("unsupported-defuzzifier", message)
-            return "wtaver"
+                return "wtaver"
+            return self.method(output)
         if record.weighs:
             self.need_values(output, refused=not self.is_own)
             if self.dialect.producer == "matlab" and output.aggregation != "sum":
