@@ -16,7 +16,7 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from fuzzyarm.expression.kinds import SNORMS, TNORMS
+from fuzzyarm.expression.kinds import DEFUZZIFIERS, SNORMS, TNORMS
 from fuzzyarm.model.rulebase import (
     SAMPLINGS,
     And,
@@ -53,10 +53,9 @@ SMOOTH = (
     "sigmoid-product", "z", "s", "pi", "concave", "cosine", "spike", "arc", "semi-ellipse",
 )  # fmt: skip
 MONOTONIC = ("ramp", "sigmoid", "s", "z", "concave", "arc")
-SET_METHODS = (
-    "centroid", "bisector", "mean-of-maximum", "smallest-of-maximum", "largest-of-maximum",
-    "weighted-average", "weighted-sum",
-)  # fmt: skip
+SET_METHODS = tuple(
+    name for name, record in DEFUZZIFIERS.items() if not (record.type2 or record.inverts)
+)
 PLAIN_NAMES = tuple("ABCDEFGH")
 VARIABLE_NAMES = ("e", "ce", "load", "u", "v", "speed", "w_1")
 RESERVED = frozenset({"x", "pi"})

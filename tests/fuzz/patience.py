@@ -22,7 +22,7 @@ sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "fuzz")]
 
 from workers import HUNG, Outcome, Worker  # noqa: E402
 
-from fuzzyarm.expression.kinds import HEDGES, SNORMS, TNORMS  # noqa: E402
+from fuzzyarm.expression.kinds import DEFUZZIFIERS, HEDGES, SNORMS, TNORMS  # noqa: E402
 from fuzzyarm.model.rulebase import SAMPLINGS  # noqa: E402
 
 Range = tuple[float, float]
@@ -34,7 +34,7 @@ CURVED = (
 )  # fmt: skip
 MONOTONIC = ("ramp", "sigmoid", "s", "z", "concave", "arc")
 INTEGRALS = ("centroid", "bisector")
-MAXIMA = ("mean-of-maximum", "smallest-of-maximum", "largest-of-maximum")
+MAXIMA = tuple(name for name, record in DEFUZZIFIERS.items() if record.of == "top")
 WEIGHTED = ("weighted-average", "weighted-sum")
 KARNIK_MENDEL = ("karnik-mendel", "karnik-mendel-left", "karnik-mendel-right", "nie-tan")
 WORDS = ("NB", "NM", "NS", "ZE", "PS", "PM", "PB", "LOW", "HIGH")

@@ -35,8 +35,8 @@ SECONDS = 4.0
 OTHERS = (
     "bisector exact", "bisector(31)", "bisector(30, midpoints)", "bisector(31, joined)",
     "centroid(31, joined)", "mean-of-maximum exact", "smallest-of-maximum exact",
-    "largest-of-maximum(31)", "tsukamoto", "karnik-mendel exact", "karnik-mendel(31)",
-    "nie-tan exact", "nie-tan(31)",
+    "largest-of-maximum(31)", "middle-of-maximum exact", "tsukamoto", "karnik-mendel exact",
+    "karnik-mendel(31)", "nie-tan exact", "nie-tan(31)",
 )  # fmt: skip
 """Defuzzifiers that go by boxes."""
 

@@ -35,6 +35,7 @@ from fuzzyarm import compile_table, compiled, infer  # noqa: E402
 from fuzzyarm.errors import FuzzyarmError  # noqa: E402
 from fuzzyarm.export import ExportError, routines_of  # noqa: E402
 from fuzzyarm.export.javascript import rule_base_module  # noqa: E402
+from fuzzyarm.expression.kinds import DEFUZZIFIERS  # noqa: E402
 from fuzzyarm.formats import PRODUCERS, parse, same_model, write  # noqa: E402
 from fuzzyarm.inference import explain  # noqa: E402
 from fuzzyarm.inference.arrays import infer_arrays  # noqa: E402
@@ -63,7 +64,9 @@ Values = dict[str, list[float]]
 JUMPS = ("drastic", "nilpotent", "bounded")
 """Norms that jump where a degree is 1, or a sum of two, or lose the last bits of a sum."""
 
-MAXIMA = ("mean-of-maximum", "smallest-of-maximum", "largest-of-maximum", "bisector", "centroid")
+MAXIMA = (
+    *(name for name, record in DEFUZZIFIERS.items() if record.of == "top"), "bisector", "centroid",
+)  # fmt: skip
 
 
 def models() -> st.SearchStrategy[RuleBase]:

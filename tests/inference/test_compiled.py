@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
+import gc
+import weakref
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -11,6 +13,7 @@ from budget import cases
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from fuzzyarm import kernels
 from fuzzyarm.inference import (
     InferenceError,
     NoRuleFiredError,
@@ -23,6 +26,9 @@ from fuzzyarm.inference import (
 from fuzzyarm.inference.arrays import infer_arrays
 from fuzzyarm.inference.layout import lay_out
 from fuzzyarm.inference.plan import plan
+from fuzzyarm.inference.prepared import MOST, prepared
+from fuzzyarm.inference.row_functions import _row_function
+from fuzzyarm.kernels import has_machine_code
 from fuzzyarm.language import parse
 from fuzzyarm.model.rulebase import (
     And,
@@ -358,6 +364,44 @@ def test_points_where_nothing_fires(pd7: RuleBase) -> None:
     holding = compiled(dataclasses.replace(sparse, outputs=(output,)))
     assert holding(e=e, ce=-6.0, held={"u": 0.25})["u"][1] == 0.25
     assert holding(e=3.0, ce=-6.0, held={"u": 0.25}) == {"u": 0.25}
+
+
+def test_all_that_is_made_of_a_rule_base_belongs_to_one_object(pd7: RuleBase) -> None:
+    own = dataclasses.replace(pd7)
+    made = prepared(own)
+    infer(own, e=1.0, ce=2.0)
+    infer(own, e=np.zeros(3), ce=2.0)
+    assert prepared(own) is made
+    assert plan(own) is made.part(plan.__wrapped__)  # type: ignore[attr-defined]
+    others = [dataclasses.replace(pd7) for _ in range(MOST)]
+    for each in others:
+        plan(each)
+    gone = weakref.ref(made)
+    del made
+    gc.collect()
+    assert gone() is None
+
+
+@pytest.mark.skipif(not has_machine_code(), reason="no machine code was built")
+def test_a_formula_that_is_met_again_has_the_address_that_it_had() -> None:
+    text = (
+        "rulebase r\ninput e 0 .. 1\noutput u 0 .. 9\nterms e: triangles A B\n"
+        'term u A: formula "exp(-abs(x - {}))"\nterm u B: triangle 1 2 3\n'
+        "inference u: defuzzifier bisector\n"
+        "rule if e is A then u is A\nrule if e is B then u is B\n"
+    )
+
+    def met(number: float) -> float:
+        rulebase = parse(text.format(number)).rulebase
+        assert rulebase is not None
+        return float(compiled(rulebase).at(0.25)[0])
+
+    first = met(2.0)
+    count = len(kernels._addresses)
+    _row_function.cache_clear()  # as if many others had been met
+    assert met(2.0) == first
+    assert len(kernels._addresses) == count
+    assert met(3.0) != first
 
 
 def test_what_is_not_covered_goes_through_numpy(pd7: RuleBase) -> None:

@@ -229,6 +229,12 @@ def test_names_at_fault() -> None:
             infer(silent(0.0), a=value)
     with pytest.raises(InferenceError, match="'a' is given twice"):
         infer(silent(0.0), {"a": 1.0}, a=1.0, b=1.0)
+    for ask in (infer, explain):
+        with pytest.raises(
+            InferenceError, match=r"inputs are given by name .*, not as int"
+        ) as error:
+            ask(silent(0.0), 3)
+        assert error.value.hint == "for instance a=…"
 
 
 @pytest.mark.parametrize("value", ["much", None, [1.0, "x"], object()])

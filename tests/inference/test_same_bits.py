@@ -242,6 +242,22 @@ def test_infer_does_not_show_which_engine_it_takes(
     demand_same_bits(rulebase, columns, 4)
 
 
+@pytest.mark.parametrize(
+    "formula", ["sqrt(x - 3) / 3", "sqrt((x - 3) * (x - 6)) / 6", "log(x - 8)"]
+)
+def test_a_formula_has_the_degree_0_where_it_has_no_value(formula: str) -> None:
+    text = CURVED.replace(" x ", " e ")
+    text = text.replace("term u Q: sigmoid 7 3", f'term u Q: formula "{formula}"')
+    found = {}
+    for way in ("centroid exact", "centroid(2001, trapezoid)", "bisector exact"):
+        rulebase = parse(text.format(way=way, union="max")).rulebase
+        assert rulebase is not None
+        columns = points(rulebase, 12)
+        demand_same_bits(rulebase, columns, 6)
+        found[way] = infer(rulebase, columns)["u"]
+    np.testing.assert_allclose(*list(found.values())[:2], rtol=0.0, atol=1e-3)
+
+
 def test_ends_of_curved_interval_sets_differ_by_roundings_alone(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

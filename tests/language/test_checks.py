@@ -526,6 +526,27 @@ def test_a_term_that_is_fullest_outside_its_range_is_told(line, name):
         assert "the output is cut to 0.1" in found[name].message
 
 
+@pytest.mark.parametrize(
+    ("formula", "message"),
+    [
+        ("sqrt(x - 3) / 3", "has no value at x = 0, where its degree counts as 0"),
+        ("log(x - 5)", "has no value at x = 0"),
+        ("2 * sqrt(x)", "is 6.325 at x = 10; a degree lies in 0 .. 1"),
+        ("x / 5 - 1", "is -1 at x = 0"),
+        ("exp(-x)", ""),
+        ("min(1, sqrt(abs(x - 3)))", ""),
+    ],
+)
+def test_a_formula_that_is_no_degree_is_told(formula, message):
+    text = (
+        "rulebase t\ninput a 0 .. 1\noutput u 0 .. 10\nterms a: triangles L H\n"
+        f'term u SLOW: triangle 0 1 2\nterm u FAST: formula "{formula}"\n'
+        "rule if a is L then u is SLOW\nrule if a is H then u is FAST\n"
+    )
+    found = [each for each in check_text(text).diagnostics if each.name == "formula-degrees"]
+    assert [message in each.message and each.line == 6 for each in found] == [True] * bool(message)
+
+
 def test_a_linear_consequent_that_is_cut_is_an_info():
     text = (
         "rulebase t\ninput a 0 .. 2\noutput u 0 .. 5\nterms a: triangles L H\n"

@@ -144,9 +144,8 @@ def _print_review(path: str, review: Review, *, quiet: bool) -> None:
 def _engine_of(rulebase: RuleBase) -> str:
     """Say which engine `compiled` takes, and why."""
     from fuzzyarm.inference.layout import what_is_not_covered
-    from fuzzyarm.inference.plan import plan
 
-    reason = what_is_not_covered(plan(rulebase))
+    reason = what_is_not_covered(rulebase)
     return f"not covered by the kernel: {reason}" if reason else "covered by the kernel"
 
 

@@ -55,7 +55,7 @@ def microseconds(rulebase: RuleBase) -> float:
         If the model cannot be evaluated.
     """
     made = plan(rulebase)
-    covered = not what_is_not_covered(made)
+    covered = not what_is_not_covered(rulebase)
     per_rule = PER_RULE if covered else PER_RULE_OF_NUMPY
     rules = per_rule * len(made.rules)
     return rules + sum(_of_output(each, covered=covered) for each in made.outputs.values())

@@ -57,9 +57,7 @@ def gathered(
     return {**given, **plain}, Labels(wrap, type(inputs) if _library(inputs) else None)
 
 
-def by_name(
-    inputs: Any, named: Mapping[str, Any], variables: Sequence[Variable]
-) -> dict[str, Any]:
+def by_name(inputs: Any, named: Mapping[str, Any], variables: Sequence[Variable]) -> dict[str, Any]:
     """Return inputs from both ways of giving them; parameters and errors as of :func:`gathered`."""
     if inputs is None:
         return dict(named)

@@ -18,9 +18,11 @@ from fuzzyarm.inference.block import Layout, Mark, NotCoveredError
 from fuzzyarm.inference.cells import Cells, cut_into_cells
 from fuzzyarm.inference.output_layout import LaidRule, OutputWriter
 from fuzzyarm.inference.plan import Plan, PlannedRule
+from fuzzyarm.inference.plan import plan as plan_of
+from fuzzyarm.inference.prepared import remembered
 from fuzzyarm.inference.programs import RUN, demand_covered
 from fuzzyarm.inference.row_functions import Addresses, Curve, InMemory, norm_number
-from fuzzyarm.model.rulebase import And, Expression, Hedge, Hedged, Is, Or
+from fuzzyarm.model.rulebase import And, Expression, Hedge, Hedged, Is, Or, RuleBase
 from fuzzyarm.model.shapes import straight_lines
 
 MOST_PROGRAMS = 65_536
@@ -94,10 +96,11 @@ def lay_out(
     return _Writer(plan, addresses or InMemory(compiled), loose=loose, alone=alone).layout()
 
 
-def what_is_not_covered(plan: Plan) -> str:
+@remembered
+def what_is_not_covered(rulebase: RuleBase) -> str:
     """Return what the kernel cannot evaluate of a rule base; empty where it covers it."""
     try:
-        lay_out(plan, compiled=False)
+        lay_out(plan_of(rulebase), compiled=False)
     except NotCoveredError as error:
         return str(error)
     return ""
