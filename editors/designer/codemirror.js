@@ -1,7 +1,13 @@
 // What the designer's page uses of CodeMirror, as one module.
 export { Annotation, ChangeSet, Compartment, EditorState, StateEffect, StateField } from "@codemirror/state";
 export {
-  Decoration, EditorView, drawSelection, highlightActiveLine, highlightSpecialChars, hoverTooltip, keymap,
+  Decoration,
+  EditorView,
+  drawSelection,
+  highlightActiveLine,
+  highlightSpecialChars,
+  hoverTooltip,
+  keymap,
   lineNumbers,
 } from "@codemirror/view";
 export { defaultKeymap, history, historyKeymap, redo, undo } from "@codemirror/commands";

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.controller.text import ControllerText, with_files
+from fuzzyarm.designer.messages import Block, Diagram
 from fuzzyarm.designer.requests import Nothing
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language.queries import Reading
@@ -45,7 +46,7 @@ def _width(text: str, style: str) -> float:
 PEN = Pen(width_of=_width, line=16.0, pad=8.0, room=120.0, track=10.0, arrow=20.0)
 
 
-def diagram_of(controller: ControllerText, reading: Reading) -> dict[str, Any]:
+def diagram_of(controller: ControllerText, reading: Reading) -> Diagram:
     """Return the block diagram of a controller, fit for JSON; lengths are pixels.
 
     Parameters
@@ -75,7 +76,7 @@ def diagram_of(controller: ControllerText, reading: Reading) -> dict[str, Any]:
     }
 
 
-def _block(placed: PlacedBlock, pitch: float, reading: Reading) -> dict[str, Any]:
+def _block(placed: PlacedBlock, pitch: float, reading: Reading) -> Block:
     block, span = placed.block, placed.block.span
     at = None
     if span != NOWHERE:

@@ -6,6 +6,20 @@ import math
 from collections.abc import Iterable
 from typing import Any
 
+from fuzzyarm.designer.messages import (
+    Curve,
+    Grid,
+    Member,
+    Method,
+    Number,
+    Scene,
+    SceneOutput,
+    SceneRule,
+    SceneShape,
+    SceneTerm,
+    SceneVariable,
+    TextRange,
+)
 from fuzzyarm.export.javascript import Functions, numbers_of
 from fuzzyarm.expression.kinds import SHAPES, SNORMS, TNORMS
 from fuzzyarm.inference.block import NotCoveredError
@@ -54,14 +68,14 @@ class Positions:
     def __init__(self, lines: list[str]) -> None:
         self.lines = lines
 
-    def of(self, span: Span) -> list[list[int]]:
+    def of(self, span: Span) -> TextRange:
         """Return start and end of a span."""
         start = to_position(self.lines, span.line, span.column, UTF16)
         end = to_position(self.lines, span.end_line, span.end_column, UTF16)
         return [list(start), list(max(start, end))]
 
 
-def scene_of(rulebase: RuleBase, reading: Reading) -> dict[str, Any]:
+def scene_of(rulebase: RuleBase, reading: Reading) -> Scene:
     """Return what a page draws of a rule base.
 
     Parameters
@@ -73,9 +87,8 @@ def scene_of(rulebase: RuleBase, reading: Reading) -> dict[str, Any]:
 
     Returns
     -------
-    dict
-        Fit for JSON. ``numbers`` is None where the kernel does not evaluate the rule base; then
-        ``reason`` says what it does not do.
+    Scene
+        Fit for JSON.
     """
     positions = Positions(reading.raw_lines)
     functions = Functions()
@@ -90,13 +103,7 @@ def scene_of(rulebase: RuleBase, reading: Reading) -> dict[str, Any]:
         "name": rulebase.name,
         "description": rulebase.description,
         "inputs": [_variable(each, functions, positions, lower) for each in rulebase.inputs],
-        "outputs": [
-            {
-                **_variable(each, functions, positions, lower),
-                **_output(each, made, functions, lower),
-            }
-            for each in rulebase.outputs
-        ],
+        "outputs": [_output(each, made, functions, positions, lower) for each in rulebase.outputs],
         "rules": _rules(rulebase, made, reading, positions),
         "grids": _grids(rulebase, reading, positions),
         "methods": _methods(rulebase, reading),
@@ -120,14 +127,14 @@ def held_numbers(rulebase: RuleBase, variable: str) -> dict[str, Any] | None:
         return None
 
 
-def _number(value: float) -> float | str:
+def _number(value: float) -> Number:
     """Return a number for JSON, which has no infinite ones."""
     return value if math.isfinite(value) else "Infinity" if value > 0.0 else "-Infinity"
 
 
 def _variable(
     variable: Input | Output, functions: Functions, positions: Positions, lower: LowerNames
-) -> dict[str, Any]:
+) -> SceneVariable:
     return {
         "name": variable.name,
         "description": variable.description,
@@ -143,9 +150,9 @@ def _variable(
 
 def _term(
     term: Term, variable: Input | Output, functions: Functions, positions: Positions, lower: str
-) -> dict[str, Any]:
+) -> SceneTerm:
     """Describe a term; `lower` is what its lower end is called in the numbers, where it has one."""
-    found: dict[str, Any] = {
+    found: SceneTerm = {
         "name": term.name,
         "at": positions.of(term.span)[0],
         **_shape(term.shape, variable, functions),
@@ -157,9 +164,9 @@ def _term(
     return found
 
 
-def _shape(shape: Shape, variable: Input | Output, functions: Functions) -> dict[str, Any]:
+def _shape(shape: Shape, variable: Input | Output, functions: Functions) -> SceneShape:
     kind = SHAPES[shape.kind]
-    found: dict[str, Any] = {
+    found: SceneShape = {
         "kind": shape.kind,
         "parameters": list(map(_number, shape.parameters)),
         "names": list(kind.parameters),
@@ -173,8 +180,7 @@ def _shape(shape: Shape, variable: Input | Output, functions: Functions) -> dict
     if not kind.fuzzy:
         return found
     found["centre"] = centre(shape, variable.low, variable.high)
-    curve = functions.curve(shape, ())
-    found["curve"] = {"address": curve.address, "numbers": list(map(_number, curve.numbers))}
+    found["curve"] = _curve(functions.curve(shape, ()))
     if shape.kind == "points":
         found["handles"] = list(range(0, len(shape.parameters), 2))
     elif shape.kind != "formula":
@@ -185,10 +191,16 @@ def _shape(shape: Shape, variable: Input | Output, functions: Functions) -> dict
     return found
 
 
-def _output(output: Output, made: Plan, functions: Functions, lower: LowerNames) -> dict[str, Any]:
+def _curve(function: Any) -> Curve:
+    return {"address": function.address, "numbers": list(map(_number, function.numbers))}
+
+
+def _output(
+    output: Output, made: Plan, functions: Functions, positions: Positions, lower: LowerNames
+) -> SceneOutput:
     found = made.outputs[output.name]
     upper = {name: term for (of, term), name in lower.items() if of == output.name}
-    members = []
+    members: list[Member] = []
     for i, member in enumerate(found.members):
         values = member.value is not None or not SHAPES[member.term.shape.kind].fuzzy
         curve = None if values else functions.curve(member.term.shape, member.hedges)
@@ -205,12 +217,12 @@ def _output(output: Output, made: Plan, functions: Functions, lower: LowerNames)
                     ]
                 ),
                 "value": jsonable(member.value),
-                "curve": curve
-                and {"address": curve.address, "numbers": list(map(_number, curve.numbers))},
+                "curve": None if curve is None else _curve(curve),
                 "implication": norm_number(TNORMS[member.implication], "T", functions),
             }
         )
     return {
+        **_variable(output, functions, positions, lower),
         "defuzzifier": str(output.defuzzifier),
         "aggregation": norm_number(SNORMS[output.aggregation], "S", functions),
         "discrete": found.discrete,
@@ -224,7 +236,7 @@ def _output(output: Output, made: Plan, functions: Functions, lower: LowerNames)
 
 def _rules(
     rulebase: RuleBase, made: Plan, reading: Reading, positions: Positions
-) -> list[dict[str, Any]]:
+) -> list[SceneRule]:
     if len(made.rules) > MOST_RULES:
         return []
     concluded: dict[int, list[list[int]]] = {}
@@ -234,7 +246,7 @@ def _rules(
     names = [each.name for each in rulebase.inputs]
     nodes = (statement.node for statement in reading.document.statements)
     written = {node.span.line: " ".join(node.parts) for node in nodes if isinstance(node, RuleNode)}
-    found = []
+    found: list[SceneRule] = []
     for number, rule in enumerate(rulebase.rules):
         found.append(
             {
@@ -265,7 +277,7 @@ def _parts(rule: Rule, names: list[str]) -> Iterable[list[Any]]:
             yield [names.index(part.variable), part.term, hedges]
 
 
-def _methods(rulebase: RuleBase, reading: Reading) -> list[dict[str, Any]]:
+def _methods(rulebase: RuleBase, reading: Reading) -> list[Method]:
     """Return how rules are evaluated: settings with their choices, and what blocks say themselves.
 
     A variable with a line of its own for a setting has a row of its own.
@@ -287,20 +299,20 @@ def _methods(rulebase: RuleBase, reading: Reading) -> list[dict[str, Any]]:
             target = output.name if output in own else ""
             found.append(_method(key, str(getattr(output, key)).removesuffix(" exact"), target))
     said = [str(node) for node in nodes if isinstance(node, BlockNode) and node.settings]
-    return [*found, *({"block": each} for each in said)]
+    return [*found, *(Method(block=each) for each in said)]
 
 
 def _value(setting: SettingNode) -> str:
     return str(setting).removeprefix(f"{setting.key.text} ").removesuffix(" exact")
 
 
-def _method(key: str, value: str, target: str = "") -> dict[str, Any]:
+def _method(key: str, value: str, target: str = "") -> Method:
     values = SETTINGS[key].values
     options = [value, *values] if value not in values else list(values)
     return {"key": key, "value": value, "options": options, "target": target}
 
 
-def _grids(rulebase: RuleBase, reading: Reading, positions: Positions) -> list[dict[str, Any]]:
+def _grids(rulebase: RuleBase, reading: Reading, positions: Positions) -> list[Grid]:
     numbers = {
         (rule.span.line, rule.span.column, consequent.variable): number
         for number, rule in enumerate(rulebase.rules)

@@ -18,22 +18,20 @@ import asyncio
 import base64
 import contextlib
 import hashlib
-import hmac
 import json
-import os
 import secrets
 import socket
 from collections.abc import Awaitable, Callable, Coroutine, Iterator, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-from urllib.parse import quote, urlsplit
+from urllib.parse import quote
 
 from starlette.applications import Starlette
 from starlette.requests import Request
 from starlette.responses import PlainTextResponse, Response
 from starlette.routing import Route, WebSocketRoute
-from starlette.types import ASGIApp, Receive, Scope, Send
+from starlette.types import ASGIApp
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from fuzzyarm.designer import requests
@@ -44,8 +42,10 @@ from fuzzyarm.designer.diagram import sheets
 from fuzzyarm.designer.exports import export
 from fuzzyarm.designer.faults import LOG, error_of, internal_words
 from fuzzyarm.designer.folder import IMPORTS, LARGEST_IMPORT, Workspace, converted_file
+from fuzzyarm.designer.guard import Guarded, token_for
 from fuzzyarm.designer.jobs import Downloads, Job, Work
 from fuzzyarm.designer.learning import learn, learnable
+from fuzzyarm.designer.messages import Moved, Names, Opened, Reopened, Unsaved, Updates
 from fuzzyarm.designer.names import OutsideError, in_words
 from fuzzyarm.designer.records import MessageError, read_record
 from fuzzyarm.designer.shared import SharedText
@@ -102,7 +102,7 @@ class Window:
         for job in self.jobs.values():
             job.stop()
 
-    async def tell(self, message: dict[str, Any]) -> None:
+    async def tell(self, message: Mapping[str, Any]) -> None:
         """Send a message; a window that has gone hears nothing."""
         with contextlib.suppress(WebSocketDisconnect, RuntimeError):
             await self.socket.send_text(json.dumps(jsonable(message)))
@@ -346,7 +346,8 @@ class Designer:
                 check.cancel()  # nobody has the old name open any more
             for each in self._on(old):
                 each.files = (each.files - {old}) | ({new} if new else set())
-                told.append(each.tell({"is": "moved", "file": old, "to": new}))
+                news: Moved = {"is": "moved", "file": old, "to": new}
+                told.append(each.tell(news))
         await asyncio.gather(*told)
         for _, new in moved:
             shared = self.workspace.opened(new)
@@ -375,23 +376,28 @@ class Designer:
         if said.epoch == shared.epoch:  # the connection was lost, not the server
             missed = shared.since(said.version)
             if missed is not None:
-                again = {"is": "reopened", "file": name, "version": said.version}
-                await window.tell({**again, "updates": missed, "saved": shared.saved})
+                again: Reopened = {
+                    "is": "reopened",
+                    "file": name,
+                    "version": said.version,
+                    "updates": missed,
+                    "saved": shared.saved,
+                }
+                await window.tell(again)
                 await window.tell({"is": "status", "file": name, **shared.status})
                 self._check(name, shared)
                 return
         elif said.text is not None:
             shared.resume(said.text, said.saved, "resumed")
-        await window.tell(
-            {
-                "is": "opened",
-                "file": name,
-                "text": shared.text,
-                "saved": shared.saved,
-                "version": shared.version,
-                "epoch": shared.epoch,
-            }
-        )
+        opened: Opened = {
+            "is": "opened",
+            "file": name,
+            "text": shared.text,
+            "saved": shared.saved,
+            "version": shared.version,
+            "epoch": shared.epoch,
+        }
+        await window.tell(opened)
         await self._changed(name, shared, before)
         self._check(name, shared)
 
@@ -405,7 +411,7 @@ class Designer:
         if missed is None:
             await self._open(window, requests.Open(name), nothing)
         else:
-            late = {"is": "updates", "file": name, "version": version, "updates": missed}
+            late: Updates = {"is": "updates", "file": name, "version": version, "updates": missed}
             await window.tell(late)
 
     async def _save(self, window: Window, said: requests.Save, _: dict[str, Any]) -> None:
@@ -455,6 +461,7 @@ class Designer:
             copy = shared.session.copy()
             copy.version = shared.version
             for question in (shared.findings, shared.scene):
+                message: Mapping[str, Any]
                 try:
                     message = await asyncio.to_thread(question, copy)
                 except Exception as error:  # nobody else would say why nothing is drawn
@@ -507,8 +514,9 @@ class Designer:
     async def _tell_names(self, names: list[str], windows: list[Window]) -> None:
         """Tell windows which files there are: some have come or gone."""
         first = "" if not names else await asyncio.to_thread(self.workspace.first)
+        news: Names = {"is": "names", "names": names, "first": first}
         for window in windows:
-            await window.tell({"is": "names", "names": names, "first": first})
+            await window.tell(news)
 
     async def _tell_unsaved(self) -> None:
         """Tell the windows which files have unsaved changes, if they are others than before."""
@@ -516,8 +524,9 @@ class Designer:
         if names == self._unsaved:
             return
         self._unsaved = names
+        news: Unsaved = {"is": "unsaved", "names": names}
         for window in [each for each in self.windows if each.follows]:
-            await window.tell({"is": "unsaved", "names": names})
+            await window.tell(news)
 
     async def _hello(self, window: Window, _said: requests.Nothing, _: dict[str, Any]) -> None:
         self._hold(self._welcome(window))
@@ -570,84 +579,6 @@ def _refusal(message: dict[str, Any], wrong: dict[str, Any]) -> dict[str, Any]:
     of_file = {"file": message["file"]} if "file" in message else {}
     words = wrong.pop("error")
     return {"is": "failed", **of_file, "message": words, **wrong}
-
-
-class Guarded:
-    """Lets in who knows the token and asks by this machine's own names."""
-
-    def __init__(self, app: ASGIApp, token: str) -> None:
-        self.app, self.token = app, token
-
-    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Answer 403 to everybody else."""
-        if scope["type"] == "lifespan" or self._welcome(scope):
-            await self.app(scope, receive, _with_headers(send))
-            return
-        if scope["type"] == "websocket":
-            await send({"type": "websocket.close", "code": 1008})
-            return
-        await PlainTextResponse("forbidden", 403)(scope, receive, send)
-
-    def _welcome(self, scope: Scope) -> bool:
-        headers = dict(scope["headers"])
-        host = headers.get(b"host", b"").decode("latin-1")
-        token = scope["path"].split("/")[1] if "/" in scope["path"] else ""
-        names = {"127.0.0.1", "localhost", "::1"}
-        if _host_name(host) not in names or not secrets.compare_digest(
-            token.encode(), self.token.encode()
-        ):
-            return False
-        origin = headers.get(b"origin")
-        if origin is None:
-            return bool(scope["type"] == "http" and scope["method"] in {"GET", "HEAD"})
-        return bool(origin.decode("latin-1") == f"http://{host}")
-
-
-def _host_name(host: str) -> str | None:
-    """Return the name in a `Host`; None where it is not one."""
-    try:
-        return urlsplit(f"//{host}").hostname
-    except ValueError:
-        return None
-
-
-def _with_headers(send: Send) -> Send:
-    """Add what every answer says to the browser."""
-    fixed = [
-        (b"x-content-type-options", b"nosniff"),
-        (b"referrer-policy", b"no-referrer"),
-        (b"cross-origin-resource-policy", b"same-origin"),
-        (b"cache-control", b"no-store"),
-    ]
-
-    async def sending(message: Any) -> None:
-        if message["type"] == "http.response.start":
-            message = {**message, "headers": [*message["headers"], *fixed]}
-        await send(message)
-
-    return sending
-
-
-def token_for(folder: Path) -> str:
-    """Return the token of a folder: the same after a restart, so that open pages find back.
-
-    It is made from a random key in a file of the user's own; without one it is random each time.
-    """
-    base = os.environ.get("XDG_STATE_HOME") or os.environ.get("LOCALAPPDATA")
-    home = Path(base) if base else Path.home() / ".local" / "state"
-    key = home / "fuzzyarm" / "designer.key"
-    try:
-        key.parent.mkdir(parents=True, exist_ok=True)
-        with contextlib.suppress(FileExistsError):
-            handle = os.open(key, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
-            with os.fdopen(handle, "w") as file:
-                file.write(secrets.token_hex(32))
-        secret = key.read_bytes()
-    except OSError:
-        secret = b""
-    if len(secret) < 64:
-        return secrets.token_urlsafe(24)
-    return hmac.new(secret, str(folder).encode(), hashlib.sha256).hexdigest()[:32]
 
 
 def _bound(listening: socket.socket, port: int | None, token: str) -> None:

@@ -20,6 +20,7 @@ from typing import Any
 from fuzzyarm.designer import requests
 from fuzzyarm.designer.changes import ChangeError, applied, difference, merged
 from fuzzyarm.designer.faults import error_of
+from fuzzyarm.designer.messages import Diagram, Findings, Scene, SceneMessage
 from fuzzyarm.designer.names import OutsideError, in_words, is_inside
 from fuzzyarm.designer.records import MessageError, read_record
 from fuzzyarm.designer.scene import Positions, held_numbers, scene_of
@@ -292,7 +293,7 @@ class SharedText:
 
     # --- What a page is told ---
 
-    def findings(self, session: Session) -> dict[str, Any]:
+    def findings(self, session: Session) -> Findings:
         """Return the findings and the colours of a session's text."""
         review = session.review()
         positions = Positions(session.lines)
@@ -317,20 +318,25 @@ class SharedText:
             ],
         }
 
-    def scene(self, session: Session) -> dict[str, Any]:
+    def scene(self, session: Session) -> SceneMessage:
         """Return what is drawn of a session's text; nothing where it has mistakes."""
         reading = session.reading
-        found, why = None, "mistakes" if session.review().failed else "other"
+        found: Scene | None = None
         if isinstance(reading, Reading):
             rulebase = session.review().rulebase
             if rulebase is None and _is_begun(reading):
                 rulebase = reading.model  # it is not finished; what is there is drawn
             if rulebase is not None:
                 found = scene_of(rulebase, reading)
-        message = {"is": "scene", "version": session.version, "scene": found, "why": why}
-        return {**message, "diagram": self._diagram(reading)}
+        return {
+            "is": "scene",
+            "version": session.version,
+            "scene": found,
+            "why": "mistakes" if session.review().failed else "other",
+            "diagram": self._diagram(reading),
+        }
 
-    def _diagram(self, reading: Any) -> dict[str, Any] | None:
+    def _diagram(self, reading: Any) -> Diagram | None:
         """Return the block diagram of a controller without mistakes of its own."""
         controller = reading.parsed.controller if isinstance(reading, Reading) else None
         if controller is None:

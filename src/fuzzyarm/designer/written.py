@@ -1,7 +1,7 @@
 """One page that needs neither a server nor a network: text, pictures and inference together.
 
-The modules of the page are put one behind the other in a single script, whose digest is all that
-the content policy lets run; what comes from the file is data in JSON, or text.
+The modules of the page are one script, which `editors/designer/build.js` puts together; its digest
+is all that the content policy lets run; what comes from the file is data in JSON, or text.
 """
 
 from __future__ import annotations
@@ -9,7 +9,6 @@ from __future__ import annotations
 import base64
 import hashlib
 import html
-import re
 from pathlib import Path
 from typing import Any
 
@@ -31,14 +30,8 @@ from fuzzyarm.text.diagnostic import RuleBaseError, Span
 from fuzzyarm.text.names import printable
 from fuzzyarm.version import __version__
 
-MODULES = (
-    "strings", "draw", "store", "variables", "methods", "gridtools", "terms", "rules", "surface",
-    "viewer", "split", "help", "frame", "listing", "exported",
-)  # fmt: skip
-"""Modules of the page without a server, each behind those that it imports."""
-
-_IMPORT = re.compile(r'^import \{[^}]*\} from "\./[\w./-]+";\n', re.MULTILINE)
-_EXPORT = re.compile(r"^export (?=(?:async )?function|const|class|let)", re.MULTILINE)
+BUNDLE = PAGE / "built/mailed.js"
+"""The modules of the page without a server, which `make designer` puts together."""
 
 
 class NotWrittenError(FuzzyarmError, ValueError):
@@ -114,12 +107,9 @@ def page_of_text(text: str, path: Path) -> str:
 
 
 def script_source() -> str:
-    """Return the modules of the page and the engine as one script."""
-    parts = [engine_source()]
-    for name in MODULES:
-        text = (PAGE / f"{name}.js").read_text(encoding="utf-8")
-        parts.append(_EXPORT.sub("", _IMPORT.sub("", text)))
-    return "\n".join(parts)
+    """Return the engine, and behind it the modules of the page, which find it as a global."""
+    bundle = BUNDLE.read_text(encoding="utf-8")
+    return f"{engine_source()}\nglobalThis.fuzzyarm = {{ Engine }};\n{bundle}"
 
 
 def _digest(text: str) -> str:

@@ -15,6 +15,7 @@ import { S } from "./strings.js";
 
 const DRAWN = { ...DESIGN, panes: [...DESIGN.panes, diagramPane] };
 const VIEWS = [DRAWN, RUN, TABLE, LEARN, TUNE, COMPARE, FILES];
+const WRITTEN_IN = ".cm-editor, textarea, input[type='text'], input[type='number']";
 const MOST_DESKS = 8; // of the files of late: each holds its pictures
 
 const start = JSON.parse(document.getElementById("start").textContent);
@@ -23,6 +24,7 @@ const renamed = new Map(); // old names → those of now, for steps back
 const { first } = start; // the file to begin with
 let names = start.files;
 let unsaved = []; // the files of which a window has more than what is saved
+/** @type {ReturnType<typeof makeDesk>} */
 let shown = null;
 
 const connection = connect({
@@ -85,7 +87,8 @@ function show(name) {
   const onChooser = document.activeElement === before?.root.querySelector("header select");
   before?.leave();
   let desk = desks.get(name);
-  if (desk) desks.delete(name); // to the end
+  if (desk)
+    desks.delete(name); // to the end
   else {
     desk = makeDesk(name, page, name ? VIEWS : [FILES]);
     desk.offer(names);
@@ -145,7 +148,11 @@ function moved({ file, to }) {
   const desk = desks.get(file);
   renamed.set(file, to);
   renamed.delete(to);
-  listed(names.includes(to) || !to ? names.filter((name) => name !== file) : names.map((name) => (name === file ? to : name)));
+  listed(
+    names.includes(to) || !to
+      ? names.filter((name) => name !== file)
+      : names.map((name) => (name === file ? to : name)),
+  );
   if (!desk) return;
   desks.delete(file);
   if (to) {
@@ -158,7 +165,7 @@ function moved({ file, to }) {
     return;
   }
   const view = desk.view();
-  if (!to) show(names.includes(first) ? first : names[0] ?? "");
+  if (!to) show(names.includes(first) ? first : (names[0] ?? ""));
   if (!to) desk.close();
   if (view === FILES.name) shown.turn(view);
   history.replaceState(null, "", address(shown.file()));
@@ -174,13 +181,10 @@ window.addEventListener("beforeunload", (event) => {
 window.addEventListener("keydown", (event) => {
   if (!event.ctrlKey && !event.metaKey) return;
   const key = event.key.toLowerCase();
-  const writing = event.target.closest?.(".cm-editor, textarea, input[type='text'], input[type='number']"); // has its own steps back
-  const act = key === "s" ? shown.save
-    : writing ? null
-    : key === "y" || (key === "z" && event.shiftKey) ? shown.redo
-    : key === "z" ? shown.undo
-    : null;
-  if (act) {
+  const { target } = event;
+  const act = { s: shown.save, y: shown.redo, z: event.shiftKey ? shown.redo : shown.undo }[key];
+  // What is written in has its own steps back.
+  if (act && (key === "s" || !(target instanceof Element && target.closest(WRITTEN_IN)))) {
     event.preventDefault();
     act();
   }
@@ -190,9 +194,14 @@ const wanted = fromAddress();
 show(names.includes(wanted) ? wanted : first);
 if (wanted && shown.file() !== wanted) history.replaceState(null, "", address(shown.file()));
 connection.open();
-window.designer = { // for tests and the curious
-  get store() { return shown.store; },
-  get text() { return shown.text; },
+window.designer = {
+  // for tests and the curious
+  get store() {
+    return shown.store;
+  },
+  get text() {
+    return shown.text;
+  },
   desks,
   drop: connection.drop,
 };

@@ -5,7 +5,11 @@ import { clean, el, context, colourOf, shortNumber, ticks, eachFrame } from "./d
 const ROOM = { left: 52, right: 12, top: 10, bottom: 34 };
 const DASHES = [[], [6, 4], [2, 3], [8, 3, 2, 3]];
 
-/** A canvas that fills its pane and is drawn again when its size or the theme changes. */
+/**
+ * A canvas that fills its pane and is drawn again when its size or the theme changes.
+ *
+ * @param {Page.Store} store
+ */
 export function stage(store, body, draw) {
   const canvas = el("canvas", { role: "img" });
   const size = { width: 0, height: 0 };
@@ -25,7 +29,9 @@ export function stage(store, body, draw) {
 /** The colours of canvases, as the theme has them now. */
 export function inks() {
   return {
-    ink: colourOf("--ink"), soft: colourOf("--soft"), line: colourOf("--line"),
+    ink: colourOf("--ink"),
+    soft: colourOf("--soft"),
+    line: colourOf("--line"),
     pane: colourOf("--pane"),
     lines: [colourOf("--accent"), colourOf("--lit"), colourOf("--number"), colourOf("--keyword")],
   };

@@ -4,7 +4,12 @@ import { choice, clean, el, eachFrame, pane, shortNumber } from "./draw.js";
 import { drawLines, drawPlane, rangeOfValues } from "./plane.js";
 import { S } from "./strings.js";
 
-/** The pane; the file that is open comes first. */
+/**
+ * The pane; the file that is open comes first.
+ *
+ * @param {Page.Store} store
+ * @param {Page.Hand} hand
+ */
 function comparePane(store, hand) {
   const { section, bar, body } = pane("compare", S.compare);
   const canvases = [0, 1, 2].map(() => el("canvas", { role: "img" }));
@@ -28,14 +33,27 @@ function comparePane(store, hand) {
     bar.append(choice(S.with, [["", "…"], ...others.map((n) => [n, n])], wanted.other, set("other")));
     bar.append(el("span", { class: "space" }));
     if (found?.outputs.length > 1) {
-      bar.append(choice(S.shown, found.outputs.map((n) => [n, n]), found.output, set("output")));
+      bar.append(
+        choice(
+          S.shown,
+          found.outputs.map((n) => [n, n]),
+          found.output,
+          set("output"),
+        ),
+      );
     }
     if (found?.shared.length > 2) {
       const axes = found.shared.map((n) => [n, n]);
       bar.append(choice(S.horizontal, axes, found.x, set("x")), choice(S.vertical, axes, found.y, set("y")));
     }
-    const views = [["both", S.sideBySide], ["difference", S.onlyDifference]];
-    bar.append(choice(S.view, views, wanted.view, set("view")), el("button", { textContent: S.compareAgain, onclick: run }));
+    const views = [
+      ["both", S.sideBySide],
+      ["difference", S.onlyDifference],
+    ];
+    bar.append(
+      choice(S.view, views, wanted.view, set("view")),
+      el("button", { textContent: S.compareAgain, onclick: run }),
+    );
   }
 
   async function run() {
@@ -72,12 +90,17 @@ function comparePane(store, hand) {
     redraw();
   }
 
-  const where = (at) => Object.entries(at).map(([name, x]) => `${name} = ${shortNumber(x, 5)}`).join(", ");
+  const where = (at) =>
+    Object.entries(at)
+      .map(([name, x]) => `${name} = ${shortNumber(x, 5)}`)
+      .join(", ");
 
   function largestWords() {
     const parts = [];
-    if (found.worst) parts.push(S.largestHere(shortNumber(found.worst.difference, 6), where({ ...found.held, ...found.worst.at })));
-    if (found.largest) parts.push(S.largest(shortNumber(found.largest.difference, 6), where(found.largest.at), found.largest.points));
+    if (found.worst)
+      parts.push(S.largestHere(shortNumber(found.worst.difference, 6), where({ ...found.held, ...found.worst.at })));
+    if (found.largest)
+      parts.push(S.largest(shortNumber(found.largest.difference, 6), where(found.largest.at), found.largest.points));
     if (found.largest?.alone) parts.push(S.oneSided(found.largest.alone));
     return parts.join(" ") || S.nothingShared;
   }
@@ -85,10 +108,20 @@ function comparePane(store, hand) {
   function showChanges({ same, mixed, summary, parts }) {
     const lists = parts.flatMap(([title, rows]) => [
       el("h3", { textContent: S.changed[title] ?? title }),
-      el("ul", {}, ...rows.map(([kind, words]) => el("li", { class: kind },
-        el("span", { class: "mark", "aria-label": S.marks[kind][1], textContent: S.marks[kind][0] }), ` ${words}`))),
+      el(
+        "ul",
+        {},
+        ...rows.map(([kind, words]) =>
+          el(
+            "li",
+            { class: kind },
+            el("span", { class: "mark", "aria-label": S.marks[kind][1], textContent: S.marks[kind][0] }),
+            ` ${words}`,
+          ),
+        ),
+      ),
     ]);
-    const head = mixed ? S.mixed : same ? S.sameMeaning : summary ?? S.inMeaning;
+    const head = mixed ? S.mixed : same ? S.sameMeaning : (summary ?? S.inMeaning);
     changes.replaceChildren(el("p", { class: "note", textContent: head }), ...lists);
   }
 
@@ -107,12 +140,19 @@ function comparePane(store, hand) {
     const words = { low, high, x, y: y || output };
     const title = (file) => `${file}: ${output}, ${ends}`;
     if (both && flat) {
-      drawLines(first, { ...words, title: S.twoLines(hand.file(), found.other), xs, lines: [before, after], worst: found.worst?.at[x] });
+      drawLines(first, {
+        ...words,
+        title: S.twoLines(hand.file(), found.other),
+        xs,
+        lines: [before, after],
+        worst: found.worst?.at[x],
+      });
     } else if (both) {
       drawPlane(first, { ...words, title: title(hand.file()), xs, ys, z: before });
       drawPlane(second, { ...words, title: title(found.other), xs, ys, z: after });
     } else difference(third, words);
-    for (const each of canvases) each.setAttribute("aria-label", S.compareLabel(hand.file(), found.other, state.textContent));
+    for (const each of canvases)
+      each.setAttribute("aria-label", S.compareLabel(hand.file(), found.other, state.textContent));
   }
 
   function difference(canvas, words) {

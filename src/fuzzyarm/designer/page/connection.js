@@ -78,10 +78,7 @@ export function connect({ opened, closed, take }) {
       const id = ++asked;
       if (send({ ...asked_for, do: "start", file, id, what })) jobs.set(id, hear);
       else queueMicrotask(() => hear({ end: "failed", message: S.gone }));
-      return {
-        say: (words) => send({ ...words, do: "say", id }),
-        stop: () => send({ do: "stop", id }),
-      };
+      return { say: (words) => send({ ...words, do: "say", id }), stop: () => send({ do: "stop", id }) };
     },
     isOpen: () => socket?.readyState === WebSocket.OPEN,
     drop: () => socket.close(),

@@ -6,7 +6,11 @@ import { S } from "./strings.js";
 
 const LEGEND = 18; // above each panel, px
 
-/** Panels over time: what is followed with its reference, errors, and the drives of each unit. */
+/**
+ * Panels over time: what is followed with its reference, errors, and the drives of each unit.
+ *
+ * @param {Page.Store} store
+ */
 export function curvePane(store) {
   const { section, bar, body } = pane("run-curves", S.runCurves);
   const { canvas, redraw } = canvasStage(store, body, draw);
@@ -28,7 +32,8 @@ export function curvePane(store) {
       const own = news.tracked.map((each, i) => ({ ...each, i })).filter((each) => each.unit === unit);
       return [
         {
-          title: S.runOutputs, unit,
+          title: S.runOutputs,
+          unit,
           lines: own.flatMap(({ name, i }) => [
             { name: "", column: i, colour: null }, // reference
             { name, column: count + i, colour: i },
@@ -115,8 +120,10 @@ export function curvePane(store) {
     g.restore();
     g.textAlign = "left";
     let at = left;
-    for (const [words, tint] of [[`${panel.title}${panel.unit && panel.unit !== "1" ? `, ${panel.unit}` : ""}:`, soft],
-      ...panel.lines.filter((line) => line.name).map((line) => [line.name, tone(line.colour)])]) {
+    for (const [words, tint] of [
+      [`${panel.title}${panel.unit && panel.unit !== "1" ? `, ${panel.unit}` : ""}:`, soft],
+      ...panel.lines.filter((line) => line.name).map((line) => [line.name, tone(line.colour)]),
+    ]) {
       g.fillStyle = tint;
       g.fillText(words, at, top - 5);
       at += g.measureText(words).width + 8;

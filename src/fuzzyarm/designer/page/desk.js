@@ -20,7 +20,8 @@ export function makeDesk(file, page, views) {
   const status = el("span", { id: "status", role: "status" });
   const save = el("button", { textContent: S.save, title: "Ctrl+S", disabled: true, onclick: () => link.save() });
   const files = el("select", {
-    "aria-label": S.file, onchange() {
+    "aria-label": S.file,
+    onchange() {
       const to = files.value;
       files.value = file; // here it says what is shown here
       page.turnTo(to);
@@ -79,7 +80,9 @@ export function makeDesk(file, page, views) {
     edit: (shapes) => text.edit("shapes", { shapes }),
     change: (what, details) => text.edit(what, details), // an edit that the server makes
     attempt: (what, details) => text.attempt(what, details), // the same, of a dialog that says what is wrong
-    askFor: ask, choose, fill,
+    askFor: ask,
+    choose,
+    fill,
     numbers: (variable) => text.numbers(variable),
     ask: link.ask,
     start,
@@ -126,7 +129,8 @@ export function makeDesk(file, page, views) {
 
   /** Tell the server that this file is open, and what has been typed without it. */
   function open() {
-    if (!file) { // the folder is empty
+    if (!file) {
+      // the folder is empty
       back();
       return;
     }
@@ -177,9 +181,7 @@ export function makeDesk(file, page, views) {
         tell(message.gone ? S.fileGone : "");
         return;
       }
-      const settle = (words, mine) => el("button", {
-        textContent: words, onclick: () => send({ do: "settle", mine }),
-      });
+      const settle = (words, mine) => el("button", { textContent: words, onclick: () => send({ do: "settle", mine }) });
       if (message.unreadable) tell(S.unreadable(message.unreadable), settle(S.keepMine, true));
       else if (message.elsewhere) tell(S.otherWindow, settle(S.keepThis, true), settle(S.takeOther, false));
       else tell(S.conflict, settle(S.keepMine, true), settle(S.takeTheirs, false));
@@ -209,7 +211,13 @@ export function makeDesk(file, page, views) {
   }
 
   return {
-    root, store, text, show, leave, open, turn,
+    root,
+    store,
+    text,
+    show,
+    leave,
+    open,
+    turn,
     file: () => file,
     view: () => store.view,
     isDirty: () => dirty,

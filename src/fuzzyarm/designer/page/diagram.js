@@ -12,7 +12,8 @@ const GREATEST = 1.25; // scale
 /** The corners of a block as a path; a gain has a point. */
 export function outline({ kind, round, x, y, width, height }) {
   const [right, bottom] = [x + width, y + height];
-  if (round) return `M${x} ${y + width / 2}a${width / 2} ${width / 2} 0 0 1 ${width} 0V${bottom - width / 2}a${width / 2} ${width / 2} 0 0 1 ${-width} 0Z`;
+  if (round)
+    return `M${x} ${y + width / 2}a${width / 2} ${width / 2} 0 0 1 ${width} 0V${bottom - width / 2}a${width / 2} ${width / 2} 0 0 1 ${-width} 0Z`;
   if (kind !== "gain") return `M${x} ${y}H${right}V${bottom}H${x}Z`;
   return `M${x} ${y}H${right - 16}L${right} ${y + height / 2}L${right - 16} ${bottom}H${x}Z`;
 }
@@ -23,11 +24,20 @@ export function diagramPicture(diagram, goTo) {
   const line = ([x1, y1, x2, y2]) => svg("line", { x1, y1, x2, y2 });
   const tip = ([x, y]) => svg("path", { class: "tip", d: `M${x} ${y}l${-TIP} ${-TIP / 2}v${TIP}Z` });
   const word = ({ text, x, y, style }) => svg("text", { x, y, class: style }, text);
-  const picture = svg("svg", {
-    viewBox: `${-ROOM} ${-ROOM} ${width + 2 * ROOM} ${height + 2 * ROOM}`, role: "group",
-    "aria-label": S.diagramLabel(diagram.name, blocks.length), class: "wires",
-  }, ...strokes.map(line), ...tips.map(tip), ...dots.map(([cx, cy]) => svg("circle", { cx, cy, r: 3 })), ...words.map(word),
-  ...blocks.map((block) => blockPicture(block, goTo)));
+  const picture = svg(
+    "svg",
+    {
+      viewBox: `${-ROOM} ${-ROOM} ${width + 2 * ROOM} ${height + 2 * ROOM}`,
+      role: "group",
+      "aria-label": S.diagramLabel(diagram.name, blocks.length),
+      class: "wires",
+    },
+    ...strokes.map(line),
+    ...tips.map(tip),
+    ...dots.map(([cx, cy]) => svg("circle", { cx, cy, r: 3 })),
+    ...words.map(word),
+    ...blocks.map((block) => blockPicture(block, goTo)),
+  );
   picture.style.width = `${Math.round(GREATEST * (width + 2 * ROOM))}px`;
   return picture;
 }
@@ -37,23 +47,47 @@ function blockPicture(block, goTo) {
   const middle = x + (width - (kind === "gain" ? 16 : 0)) / 2;
   const top = y + (height - 16 * lines.length) / 2;
   const said = `${S.blockKinds[kind] ?? kind} ${label}`.trim();
-  const leads = at && goTo ? {
-    tabindex: 0, role: "button", onclick: () => goTo(at),
-    onkeydown: (event) => (event.key === "Enter" || event.key === " ") && (event.preventDefault(), goTo(at)),
-  } : {};
-  return svg("g", { class: `block ${kind}`, ...leads }, svg("title", {}, said), svg("path", { d: outline(block) }),
+  const leads =
+    at && goTo
+      ? {
+          tabindex: 0,
+          role: "button",
+          onclick: () => goTo(at),
+          onkeydown: (event) => (event.key === "Enter" || event.key === " ") && (event.preventDefault(), goTo(at)),
+        }
+      : {};
+  return svg(
+    "g",
+    { class: `block ${kind}`, ...leads },
+    svg("title", {}, said),
+    svg("path", { d: outline(block) }),
     ...lines.map(([text, style], i) => svg("text", { x: middle, y: top + 16 * i + 12, class: style }, text)),
-    ...pins.map(([sign, , at_]) => svg("text", { x: x + width / 2, y: at_ + 5, class: "sign" }, SIGNS[sign] ?? sign)));
+    ...pins.map(([sign, , at_]) => svg("text", { x: x + width / 2, y: at_ + 5, class: "sign" }, SIGNS[sign] ?? sign)),
+  );
 }
 
-/** What a rule base or a table of a controller does, as a small picture, and the way to its file. */
+/**
+ * What a rule base or a table of a controller does, as a small picture, and the way to its file.
+ *
+ * @param {Page.Hand} hand
+ */
 function sheetCard(sheet, hand, names) {
   const canvas = el("canvas", { role: "img", "aria-label": S.sheetLabel(sheet) });
   const open = sheetButton(sheet, hand, names);
   const words = sheet.kind === "rules" ? S.rulesOf(sheet.count) : S.cellsOf(sheet.count);
-  const card = el("div", { class: "sheet" },
-    el("div", { class: "row" }, el("strong", { textContent: sheet.name }), el("span", { class: "small", textContent: words }), el("span", { class: "space" }), ...open),
-    sheet.z ? canvas : el("p", { class: "note", textContent: sheet.why }));
+  const card = el(
+    "div",
+    { class: "sheet" },
+    el(
+      "div",
+      { class: "row" },
+      el("strong", { textContent: sheet.name }),
+      el("span", { class: "small", textContent: words }),
+      el("span", { class: "space" }),
+      ...open,
+    ),
+    sheet.z ? canvas : el("p", { class: "note", textContent: sheet.why }),
+  );
   const draw = () => {
     if (!sheet.z) return;
     const [low, high] = rangeOfValues([sheet.z]);
@@ -65,18 +99,33 @@ function sheetCard(sheet, hand, names) {
   return { card, draw };
 }
 
-/** What leads to a file of the folder, or brings a shipped one there. */
+/**
+ * What leads to a file of the folder, or brings a shipped one there.
+ *
+ * @param {Page.Hand} hand
+ */
 function sheetButton({ file, shipped }, hand, names) {
   if (names.includes(file)) return [el("button", { textContent: S.openFile(file), onclick: () => hand.turnTo(file) })];
   if (!shipped) return [];
-  return [el("button", { textContent: S.copyHere(file), title: S.copyHereHint, onclick: async (event) => {
-    const made = await hand.folder({ what: "adopt", file });
-    if (made.open) hand.turnTo(made.open);
-    else event.target.after(el("span", { class: "error", role: "alert", textContent: made.error }));
-  } })];
+  return [
+    el("button", {
+      textContent: S.copyHere(file),
+      title: S.copyHereHint,
+      onclick: async (event) => {
+        const made = await hand.folder({ what: "adopt", file });
+        if (made.open) hand.turnTo(made.open);
+        else event.target.after(el("span", { class: "error", role: "alert", textContent: made.error }));
+      },
+    }),
+  ];
 }
 
-/** The pane: it is shown where the text is a controller. */
+/**
+ * The pane: it is shown where the text is a controller.
+ *
+ * @param {Page.Store} store
+ * @param {Page.Hand} hand
+ */
 export function diagramPane(store, hand) {
   const { section, bar, body } = pane("diagram", S.diagram);
   const said = el("span", { class: "small" });
@@ -108,7 +157,10 @@ export function diagramPane(store, hand) {
     if (!listing.files || used !== uses()) return;
     const names = listing.files.map((each) => each.name);
     const files = store.diagram.uses.flatMap(([, ...each]) => each);
-    const key = JSON.stringify([used, listing.files.filter((each) => files.includes(each.name)).map((each) => [each.name, each.stamp])]);
+    const key = JSON.stringify([
+      used,
+      listing.files.filter((each) => files.includes(each.name)).map((each) => [each.name, each.stamp]),
+    ]);
     if (key === asked) return;
     asked = key;
     hand.start("sheets", {}, (news) => {

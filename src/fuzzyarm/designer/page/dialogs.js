@@ -21,9 +21,12 @@ function opened(name, ...content) {
 /** A line of text, or null. */
 export async function ask(question, text, button) {
   const field = el("input", { type: "text", value: text, "aria-label": question });
-  const row = el("div", { class: "row" },
+  const row = el(
+    "div",
+    { class: "row" },
     el("button", { value: "", textContent: S.cancel, type: "submit", formNoValidate: true }),
-    el("button", { value: "ok", textContent: button, type: "submit" }));
+    el("button", { value: "ok", textContent: button, type: "submit" }),
+  );
   // The first button of a form is what Enter presses.
   const enter = el("button", { value: "ok", class: "unseen", tabIndex: -1, type: "submit", "aria-hidden": "true" });
   setTimeout(() => field.select());
@@ -53,20 +56,38 @@ export async function tellAll(title, lines) {
  */
 export function fill(title, fields, button, act, note = "") {
   const wrong = el("p", { class: "error", role: "alert" });
-  const controls = fields.map(({ name, value, options, hint }) => (options
-    ? el("select", { name }, ...options.map(([key, words]) => el("option", { value: key, textContent: words, selected: key === value })))
-    : el("input", { type: "text", name, value, placeholder: hint ?? "", autocomplete: "off", spellcheck: false })));
-  const labels = fields.map(({ label }, i) => el("label", { class: "field" }, el("span", { textContent: label }), controls[i]));
+  const controls = fields.map(({ name, value, options, hint }) =>
+    options
+      ? el(
+          "select",
+          { name },
+          ...options.map(([key, words]) => el("option", { value: key, textContent: words, selected: key === value })),
+        )
+      : el("input", { type: "text", name, value, placeholder: hint ?? "", autocomplete: "off", spellcheck: false }),
+  );
+  const labels = fields.map(({ label }, i) =>
+    el("label", { class: "field" }, el("span", { textContent: label }), controls[i]),
+  );
   const go = el("button", { type: "submit", textContent: button });
   const stop = el("button", { type: "button", textContent: S.cancel, onclick: () => dialog.close() });
-  const form = el("form", {}, el("strong", {}, title), ...(note ? [el("p", { textContent: note })] : []), ...labels, wrong,
-    el("div", { class: "row" }, stop, go));
+  const form = el(
+    "form",
+    {},
+    el("strong", {}, title),
+    ...(note ? [el("p", { textContent: note })] : []),
+    ...labels,
+    wrong,
+    el("div", { class: "row" }, stop, go),
+  );
   const dialog = el("dialog", { "aria-label": title }, form);
   const refocus = keepFocus(document.body);
   let done = null;
-  const dim = () => fields.forEach(({ when = {} }, i) => {
-    labels[i].hidden = controls[i].disabled = Object.entries(when).some(([name, value]) => (form.elements[name]?.value ?? value) !== value);
-  });
+  const dim = () =>
+    fields.forEach(({ when = {} }, i) => {
+      labels[i].hidden = controls[i].disabled = Object.entries(when).some(
+        ([name, value]) => (form.elements[name]?.value ?? value) !== value,
+      );
+    });
   form.addEventListener("change", dim);
   dim();
   form.addEventListener("submit", async (event) => {
@@ -95,8 +116,11 @@ export function fill(title, fields, button, act, note = "") {
 
 /** Whether a person wants it. */
 export async function confirm(question, button) {
-  const row = el("div", { class: "row" },
+  const row = el(
+    "div",
+    { class: "row" },
     el("button", { value: "", textContent: S.cancel, type: "submit" }),
-    el("button", { value: "ok", textContent: button, type: "submit" }));
+    el("button", { value: "ok", textContent: button, type: "submit" }),
+  );
   return (await opened(question, el("p", {}, question), row)) === "ok";
 }

@@ -27,7 +27,8 @@ export function svg(name, attributes = {}, ...children) {
   const made = document.createElementNS("http://www.w3.org/2000/svg", name);
   for (const [key, value] of Object.entries(attributes)) {
     if (key.startsWith("on")) made.addEventListener(key.slice(2), value);
-    else if (key === "style") made.style.cssText = value; // an attribute would be refused
+    else if (key === "style")
+      made.style.cssText = value; // an attribute would be refused
     else made.setAttribute(key, value);
   }
   made.append(...cleaned(children));
@@ -39,12 +40,13 @@ export function svg(name, attributes = {}, ...children) {
  * or on the one that has its `data-key` now.
  */
 export function keepFocus(root) {
-  const held = document.activeElement;
+  const held = /** @type {HTMLInputElement} */ (document.activeElement);
   if (!held || held === document.body || !root.contains(held)) return () => {};
   const { key } = held.dataset;
   const chosen = typeof held.selectionStart === "number" ? [held.selectionStart, held.selectionEnd] : null;
   return () => {
-    const next = held.isConnected ? held : key && [...root.querySelectorAll("[data-key]")].find((each) => each.dataset.key === key);
+    const same = () => [...root.querySelectorAll("[data-key]")].find((each) => each.dataset.key === key);
+    const next = held.isConnected ? held : key && same();
     if (!next || next === document.activeElement) return;
     next.focus({ preventScroll: true });
     if (chosen) next.setSelectionRange(...chosen);
@@ -75,8 +77,14 @@ export function shortNumber(x, digits = 4) {
 }
 
 const HUES = [
-  ["#2563a8", "#74b3f7"], ["#b34e14", "#ff9e63"], ["#1f7a4a", "#66cf97"], ["#a23b8f", "#ec8fdc"],
-  ["#7a6000", "#dcbf45"], ["#0b7484", "#58cfe0"], ["#b3343f", "#ff8e97"], ["#5f50c0", "#b3a8ff"],
+  ["#2563a8", "#74b3f7"],
+  ["#b34e14", "#ff9e63"],
+  ["#1f7a4a", "#66cf97"],
+  ["#a23b8f", "#ec8fdc"],
+  ["#7a6000", "#dcbf45"],
+  ["#0b7484", "#58cfe0"],
+  ["#b3343f", "#ff8e97"],
+  ["#5f50c0", "#b3a8ff"],
 ].map((pair) => `light-dark(${pair.join(", ")})`);
 
 export function hue(index) {
@@ -84,8 +92,15 @@ export function hue(index) {
 }
 
 const STOPS = [
-  [68, 1, 84], [71, 44, 122], [59, 81, 139], [44, 113, 142], [33, 144, 141], [39, 173, 129],
-  [92, 200, 99], [170, 220, 50], [253, 231, 37],
+  [68, 1, 84],
+  [71, 44, 122],
+  [59, 81, 139],
+  [44, 113, 142],
+  [33, 144, 141],
+  [39, 173, 129],
+  [92, 200, 99],
+  [170, 220, 50],
+  [253, 231, 37],
 ];
 
 /** The colours of surfaces: from dark to light, told apart by people who see no red or green. */
@@ -151,8 +166,18 @@ export function eachFrame(draw) {
   };
 }
 
-/** Ticks with numbers below and on the left of a plot, and the names of both axes. */
-export function drawAxes(g, { left, top, wide, tall }, [a, b], [c, d], name, other) {
+/**
+ * Ticks with numbers below and on the left of a plot, and the names of both axes.
+ *
+ * @param {CanvasRenderingContext2D} g
+ * @param {{ left: number, top: number, wide: number, tall: number }} inside
+ * @param {Page.Pair} across
+ * @param {Page.Pair} up
+ * @param {string} name
+ * @param {string} other
+ */
+export function drawAxes(g, { left, top, wide, tall }, across, up, name, other) {
+  const [[a, b], [c, d]] = [across, up];
   g.fillStyle = colourOf("--soft");
   g.font = "11px system-ui, sans-serif";
   g.textAlign = "center";

@@ -16,9 +16,14 @@ export function textField(label, hint, size, onchange) {
 
 /** The fields; `asked` gives their words by the names of the options. */
 export function experimentFields(onchange = () => {}) {
-  const more = Object.fromEntries(MORE.map((name) => [name, textField(S.runMore[name], S.runMoreHint[name], 18, onchange)]));
+  const more = Object.fromEntries(
+    MORE.map((name) => [name, textField(S.runMore[name], S.runMoreHint[name], 18, onchange)]),
+  );
   const smooth = el("input", { type: "checkbox", onchange });
-  const shown = [...MORE.map((name) => more[name].shown), el("label", { class: "small", title: S.runSmoothHint }, smooth, S.runSmooth)];
+  const shown = [
+    ...MORE.map((name) => more[name].shown),
+    el("label", { class: "small", title: S.runSmoothHint }, smooth, S.runSmooth),
+  ];
   return {
     shown,
     inputs: Object.fromEntries(MORE.map((name) => [name, more[name].field])),

@@ -9,13 +9,14 @@ import { S } from "./strings.js";
 const given = JSON.parse(document.getElementById("start").textContent);
 const model = new Store();
 const listing = listingPane(given);
+/** @type {Partial<Page.Hand>} */
 const actions = {
   edit: (shapes) => listing.reshape(shapes),
   numbers: async (variable) => given.held[variable],
   setCell: null,
   goTo: null,
 };
-const { root } = frame(model, actions, listing.section, [
+const { root } = frame(model, /** @type {Page.Hand} */ (actions), listing.section, [
   el("strong", { textContent: given.scene.name }),
   el("span", { id: "status", textContent: given.scene.description }),
   el("span", { class: "space" }),

@@ -3,6 +3,7 @@
 import { clean, el, pane } from "./draw.js";
 import { S } from "./strings.js";
 
+/** @type {Array<[string, string[]]>} */
 const GROUPS = [
   ["programs", [".h", ".c", ".st", ".fmu", ".mjs"]],
   ["tables", [".lut", ".csv", ".tex", ".json", ".npz"]],
@@ -12,7 +13,12 @@ const GROUPS = [
 ];
 const SOURCES = [".h", ".c", ".st"];
 
-/** The pane of the exports of the file that is open. */
+/**
+ * The pane of the exports of the file that is open.
+ *
+ * @param {Page.Store} store
+ * @param {Page.Hand} hand
+ */
 export function exportPane(store, hand) {
   const { section, body } = pane("exports", S.exports);
   const note = el("p", { class: "note", textContent: S.exportsNote });
@@ -22,15 +28,23 @@ export function exportPane(store, hand) {
   async function build() {
     if (store.view !== "files" || !hand.file()) return;
     const { kinds = [] } = await hand.askNow("exports");
-    groups.replaceChildren(...GROUPS.flatMap(([name, suffixes]) => {
-      const shown = suffixes.filter((suffix) => kinds.includes(suffix));
-      if (!shown.length) return [];
-      const buttons = shown.map((suffix) => el("button", {
-        textContent: S.exportKinds[suffix], title: suffix, onclick: () => openDialog(suffix, kinds),
-      }));
-      return [el("div", { role: "group", "aria-label": S.exportGroups[name] },
-        el("h3", { textContent: S.exportGroups[name] }), ...buttons)];
-    }));
+    groups.replaceChildren(
+      ...GROUPS.flatMap(([name, suffixes]) => {
+        const shown = suffixes.filter((suffix) => kinds.includes(suffix));
+        if (!shown.length) return [];
+        const buttons = shown.map((suffix) =>
+          el("button", { textContent: S.exportKinds[suffix], title: suffix, onclick: () => openDialog(suffix, kinds) }),
+        );
+        return [
+          el(
+            "div",
+            { role: "group", "aria-label": S.exportGroups[name] },
+            el("h3", { textContent: S.exportGroups[name] }),
+            ...buttons,
+          ),
+        ];
+      }),
+    );
   }
 
   function openDialog(suffix, kinds) {
@@ -42,21 +56,69 @@ export function exportPane(store, hand) {
   return section;
 }
 
-/** The fields that matter for a kind; an empty one is as without the option of the command. */
+/**
+ * The fields that matter for a kind; an empty one is as without the option of the command.
+ *
+ * @param {Page.Store} store
+ */
 function fieldsOf(suffix, kinds, store) {
   const controller = kinds.includes(".fmu");
   const ofTable = kinds.includes(".npz");
   const outputs = controller || ofTable ? [] : (store.scene?.outputs ?? []).map((each) => each.name);
-  const one = outputs.length > 1 ? [{ name: "output", options: [["", S.everyOutput], ...outputs.map((n) => [n, n])] }] : [];
+  const one =
+    outputs.length > 1 ? [{ name: "output", options: [["", S.everyOutput], ...outputs.map((n) => [n, n])] }] : [];
   const named = outputs.length > 1 ? [{ name: "output", options: outputs.map((n) => [n, n]) }] : [];
-  const mode = { name: "mode", options: [["", S.asInFile], ["bins", "bins"], ["nearest", "nearest"], ["linear", "linear"]] };
+  const mode = {
+    name: "mode",
+    options: [
+      ["", S.asInFile],
+      ["bins", "bins"],
+      ["nearest", "nearest"],
+      ["linear", "linear"],
+    ],
+  };
   const made = [{ name: "levels", hint: S.levelsHint }, mode];
-  const precision = { name: "precision", options: [["", S.usualOne], ["mixed", "mixed"], ["float32", "float32"], ["float64", "float64"]] };
-  const whole = { name: "q", options: [["", S.floats], ["15", "int16 (q15)"], ["7", "int8 (q7)"]] };
-  const ways = controller ? [["direct", S.direct], ["table", S.byTable]] : [["table", S.byTable], ["direct", S.direct]];
+  const precision = {
+    name: "precision",
+    options: [
+      ["", S.usualOne],
+      ["mixed", "mixed"],
+      ["float32", "float32"],
+      ["float64", "float64"],
+    ],
+  };
+  const whole = {
+    name: "q",
+    options: [
+      ["", S.floats],
+      ["15", "int16 (q15)"],
+      ["7", "int8 (q7)"],
+    ],
+  };
+  const ways = controller
+    ? [
+        ["direct", S.direct],
+        ["table", S.byTable],
+      ]
+    : [
+        ["table", S.byTable],
+        ["direct", S.direct],
+      ];
   const way = { name: "way", options: ways };
   const name = { name: "name", hint: S.nameHint };
-  if (suffix === ".fmu") return [way, ...made, whole, { name: "fmi", options: [["2", "2.0"], ["3", "3.0"]] }];
+  if (suffix === ".fmu")
+    return [
+      way,
+      ...made,
+      whole,
+      {
+        name: "fmi",
+        options: [
+          ["2", "2.0"],
+          ["3", "3.0"],
+        ],
+      },
+    ];
   if (SOURCES.includes(suffix)) {
     return ofTable ? [mode, whole, precision, name] : [way, ...one, ...made, whole, precision, name];
   }
@@ -64,7 +126,17 @@ function fieldsOf(suffix, kinds, store) {
     return [...named, ...made, { name: "tolerance" }, { name: "round" }];
   }
   if ([".png", ".svg"].includes(suffix) && !ofTable) {
-    return [{ name: "what", options: [["all", S.wholeFile], ["terms", S.terms], ["surface", S.surface]] }, ...one];
+    return [
+      {
+        name: "what",
+        options: [
+          ["all", S.wholeFile],
+          ["terms", S.terms],
+          ["surface", S.surface],
+        ],
+      },
+      ...one,
+    ];
   }
   return [];
 }
@@ -78,6 +150,10 @@ const field = ({ name, options, hint }) => {
 };
 
 /** What was chosen: of fields that do not apply to the way nothing. */
+/**
+ * @param {HTMLFormElement} form
+ * @returns {Record<string, any>}
+ */
 function valuesOf(form) {
   const values = Object.fromEntries([...new FormData(form)].filter(([, value]) => value !== ""));
   const direct = values.way === "direct";
@@ -85,15 +161,25 @@ function valuesOf(form) {
   return values;
 }
 
+/**
+ * @param {Page.Hand} hand
+ */
 function exportDialog(hand, suffix, fields) {
   const state = el("p", { class: "state", role: "status" });
   const found = el("ul", { class: "made" });
   const lines = el("pre", { class: "printed", tabIndex: 0, hidden: true, "aria-label": S.report });
   const go = el("button", { type: "submit", textContent: S.exportNow });
   const close = el("button", { type: "button", textContent: S.close, onclick: () => dialog.close() });
-  const form = el("form", { class: "exporting" },
+  const form = el(
+    "form",
+    { class: "exporting" },
     el("strong", { textContent: S.exportTitle(S.exportKinds[suffix], hand.file()) }),
-    ...fields.map(field), state, found, lines, el("div", { class: "row" }, close, go));
+    ...fields.map(field),
+    state,
+    found,
+    lines,
+    el("div", { class: "row" }, close, go),
+  );
   const dialog = el("dialog", { "aria-label": S.exports }, form);
   let job = null;
   const chosenWay = form.elements.way;
@@ -131,7 +217,8 @@ function exportDialog(hand, suffix, fields) {
 
   function show(news) {
     const links = news.files.map(({ name, bytes, href }) =>
-      el("a", { href, download: name, textContent: S.download(clean(name), bytes) }));
+      el("a", { href, download: name, textContent: S.download(clean(name), bytes) }),
+    );
     found.replaceChildren(...links.map((link) => el("li", {}, link)));
     lines.textContent = clean(news.lines.join("\n"));
     lines.hidden = !news.lines.length;

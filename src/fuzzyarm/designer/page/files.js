@@ -7,13 +7,23 @@ import { invitation, offers } from "./starts.js";
 import { S } from "./strings.js";
 import { isTable } from "./table.js";
 
-/** The pane of the folder; `hand` asks the server, and turns to another file. */
+/**
+ * The pane of the folder; `hand` asks the server, and turns to another file.
+ *
+ * @param {Page.Store} store
+ * @param {Page.Hand} hand
+ */
 function folderPane(store, hand) {
   const { section, bar, body } = pane("folder", S.files);
   const list = el("tbody");
   const said = el("p", { class: "note", role: "status" });
   const chosen = el("input", {
-    type: "file", class: "unseen", tabIndex: -1, "aria-hidden": "true", accept: hand.imports.join(), onchange: () => {
+    type: "file",
+    class: "unseen",
+    tabIndex: -1,
+    "aria-hidden": "true",
+    accept: hand.imports.join(),
+    onchange: () => {
       if (chosen.files.length) bring(chosen.files);
       chosen.value = "";
     },
@@ -23,10 +33,15 @@ function folderPane(store, hand) {
   let standing = ""; // what is said where there is nothing else
   let round = 0; // of asking for findings
   const create = el("button", { textContent: S.newFile, onclick: () => begin() });
-  bar.append(el("span", { class: "space" }), create,
-    el("button", { textContent: S.importFile, title: S.importHint, onclick: () => chosen.click() }), chosen);
+  bar.append(
+    el("span", { class: "space" }),
+    create,
+    el("button", { textContent: S.importFile, title: S.importHint, onclick: () => chosen.click() }),
+    chosen,
+  );
   const heads = [S.file, S.kind, S.description, S.findings, ""].map((words) =>
-    (words ? el("th", { scope: "col", textContent: words }) : el("td")));
+    words ? el("th", { scope: "col", textContent: words }) : el("td"),
+  );
   const table = el("table", { class: "files" }, el("thead", {}, el("tr", {}, ...heads)), list);
   const below = el("div", { class: "beginning" });
   body.append(said, table, below);
@@ -58,21 +73,39 @@ function folderPane(store, hand) {
   function row(each, only) {
     const here = each.name === hand.file();
     const open = el("button", {
-      class: "go", textContent: each.name, onclick: () => hand.turnTo(each.name), "aria-current": here ? "true" : "false",
+      class: "go",
+      textContent: each.name,
+      onclick: () => hand.turnTo(each.name),
+      "aria-current": here ? "true" : "false",
       "data-key": `open ${each.name}`,
     });
     const act = (words, label, doing) =>
-      el("button", { textContent: words, "aria-label": label(each.name), onclick: doing, disabled: only, "data-key": label(each.name) });
+      el("button", {
+        textContent: words,
+        "aria-label": label(each.name),
+        onclick: doing,
+        disabled: only,
+        "data-key": label(each.name),
+      });
     const findings = el("td", { class: "small", textContent: "…" });
     each.findings = findings;
     const head = el("th", { scope: "row" }, open);
     if (each.changed) head.append(el("span", { class: "small", textContent: ` ● ${S.unsaved}` }));
-    return el("tr", { class: here ? "here" : "" }, head,
-      el("td", { textContent: each.kind }), el("td", { textContent: each.description, title: each.description }), findings,
-      el("td", { class: "acts" },
+    return el(
+      "tr",
+      { class: here ? "here" : "" },
+      head,
+      el("td", { textContent: each.kind }),
+      el("td", { textContent: each.description, title: each.description }),
+      findings,
+      el(
+        "td",
+        { class: "acts" },
         act(S.duplicate, S.duplicateOf, () => duplicate(each.name)),
         act(S.renameFile, S.renameOf, () => rename(each.name)),
-        act(S.deleteFile, S.deleteOf, () => remove(each))));
+        act(S.deleteFile, S.deleteOf, () => remove(each)),
+      ),
+    );
   }
 
   /** Ask for the findings of one file after the other, while they are looked at. */
@@ -90,12 +123,23 @@ function folderPane(store, hand) {
   async function begin(kind = "") {
     const ruleBases = files.filter((each) => each.kind === "rule base").map((each) => [each.name, each.name]);
     const kinds = Object.entries(starts).map(([name, words]) => [name, `${S.startTitles[name]}: ${words}`]);
-    const around = { name: "around", label: S.around, options: ruleBases.length ? ruleBases : [["", S.shippedRules]], when: { kind: "controller" } };
-    const made = await fill(kind ? S.startTitles[kind] : S.newFile, [
-      { name: "name", label: S.nameOfFile, value: S.startNames[kind] ?? S.unnamed },
-      ...(kind ? [] : [{ name: "kind", label: S.template, options: kinds, value: "pd" }]),
-      ...(kind && kind !== "controller" ? [] : [around]),
-    ], S.create, (values) => ask({ what: "new", kind, ...values }), kind ? starts[kind] : "");
+    const around = {
+      name: "around",
+      label: S.around,
+      options: ruleBases.length ? ruleBases : [["", S.shippedRules]],
+      when: { kind: "controller" },
+    };
+    const made = await fill(
+      kind ? S.startTitles[kind] : S.newFile,
+      [
+        { name: "name", label: S.nameOfFile, value: S.startNames[kind] ?? S.unnamed },
+        ...(kind ? [] : [{ name: "kind", label: S.template, options: kinds, value: "pd" }]),
+        ...(kind && kind !== "controller" ? [] : [around]),
+      ],
+      S.create,
+      (values) => ask({ what: "new", kind, ...values }),
+      kind ? starts[kind] : "",
+    );
     if (made?.open) hand.turnTo(made.open);
   }
 
@@ -106,9 +150,12 @@ function folderPane(store, hand) {
   }
 
   async function duplicate(file) {
-    const made = await fill(S.duplicateOf(file), [
-      { name: "name", label: S.nameOfFile, value: S.copyOf(file) },
-    ], S.duplicate, (values) => ask({ what: "duplicate", file, ...values }));
+    const made = await fill(
+      S.duplicateOf(file),
+      [{ name: "name", label: S.nameOfFile, value: S.copyOf(file) }],
+      S.duplicate,
+      (values) => ask({ what: "duplicate", file, ...values }),
+    );
     if (made?.open) hand.turnTo(made.open);
   }
 
@@ -118,13 +165,19 @@ function folderPane(store, hand) {
   }
 
   async function rename(file) {
-    await fill(S.renameOf(file), [
-      { name: "name", label: S.nameOfFile, value: file },
-    ], S.renameFile, (values) => ask({ what: "rename", file, ...values }), await users(file));
+    await fill(
+      S.renameOf(file),
+      [{ name: "name", label: S.nameOfFile, value: file }],
+      S.renameFile,
+      (values) => ask({ what: "rename", file, ...values }),
+      await users(file),
+    );
   }
 
   async function remove(each) {
-    const words = [each.changed ? S.unsavedGoes : "", await users(each.name), S.deleteForGood].filter(Boolean).join(" ");
+    const words = [each.changed ? S.unsavedGoes : "", await users(each.name), S.deleteForGood]
+      .filter(Boolean)
+      .join(" ");
     await fill(S.deleteOf(each.name), [], S.deleteFile, () => ask({ what: "delete", file: each.name }), words);
   }
 
@@ -139,7 +192,8 @@ function folderPane(store, hand) {
     let data;
     try {
       data = await encoded(each);
-    } catch (error) { // a folder, or a file that has gone
+    } catch (error) {
+      // a folder, or a file that has gone
       said.textContent = standing;
       return tellAll(S.notImported(each.name), [S.notRead(error.message)]);
     }
@@ -160,7 +214,7 @@ function folderPane(store, hand) {
     const same = isTable(made) === isTable(hand.file());
     if (!same) return tellAll(S.notImported(name), [S.otherKind(hand.file())]);
     const words = [S.replaceText(hand.file(), name), ...findings];
-    if (await choose(words.join("\n"), [S.replaceIt]) === 0) hand.replace(text);
+    if ((await choose(words.join("\n"), [S.replaceIt])) === 0) hand.replace(text);
     return null;
   }
 
@@ -197,14 +251,23 @@ export function dropped(bring) {
   const shade = el("div", { class: "shade", hidden: true }, el("strong", { textContent: S.dropHere }));
   document.body.append(shade);
   const carries = (event) => event.dataTransfer?.types.includes("Files");
-  const take = (name, act) => window.addEventListener(name, (event) => {
-    if (!carries(event)) return;
-    event.preventDefault();
-    event.stopPropagation(); // the editor would take the text of the file
-    act(event);
-  }, true);
-  take("dragenter", () => { shade.hidden = false; });
-  take("dragover", () => { shade.hidden = false; });
+  const take = (name, act) =>
+    window.addEventListener(
+      name,
+      (event) => {
+        if (!carries(event)) return;
+        event.preventDefault();
+        event.stopPropagation(); // the editor would take the text of the file
+        act(event);
+      },
+      true,
+    );
+  take("dragenter", () => {
+    shade.hidden = false;
+  });
+  take("dragover", () => {
+    shade.hidden = false;
+  });
   take("drop", (event) => {
     shade.hidden = true;
     bring([...event.dataTransfer.files]);
@@ -215,6 +278,9 @@ export function dropped(bring) {
 }
 
 export const FILES = {
-  name: "files", title: S.files, drawn: false, panes: [folderPane, exportPane],
+  name: "files",
+  title: S.files,
+  drawn: false,
+  panes: [folderPane, exportPane],
   splits: [{ key: "files-rows", vertical: false, at: 1, usual: 0.6 }],
 };

@@ -15,7 +15,9 @@ import { S } from "./strings.js";
  * sound rule base. This one stands in the page without a server as well.
  */
 export const DESIGN = {
-  name: "design", title: S.design, drawn: true,
+  name: "design",
+  title: S.design,
+  drawn: true,
   panes: [termsPane, surfacePane, rulesPane, viewerPane],
   splits: [
     { key: "design-columns", vertical: true, at: 1, usual: 0.5 },
@@ -25,24 +27,42 @@ export const DESIGN = {
 
 const DARK = "(prefers-color-scheme: dark)";
 
-/** Build what is around the text; `hand` says what a change in a picture does. `root` is to be shown. */
+/**
+ * Build what is around the text; `hand` says what a change in a picture does. `root` is to be shown.
+ *
+ * @param {Page.Store} store
+ * @param {Page.Hand} hand
+ */
 export function frame(store, hand, text, controls, shownViews = [DESIGN]) {
   const note = el("p", { class: "note" });
   const views = shownViews.map(({ name, title, drawn, panes, splits = [] }) => {
     const made = [...panes.map((make) => make(store, hand)), ...splits.map(splitter)];
     const panel = shownViews.length > 1 ? { role: "tabpanel", "aria-label": title } : {};
-    return el("div", { class: `pictures view-${name}${drawn ? " drawn" : ""}`, id: `view-${name}`, hidden: true, ...panel }, ...made);
+    return el(
+      "div",
+      { class: `pictures view-${name}${drawn ? " drawn" : ""}`, id: `view-${name}`, hidden: true, ...panel },
+      ...made,
+    );
   });
   const area = el("div", { class: "area" }, note, ...views);
   const between = text ? [text, splitter({ key: "text", vertical: true, at: 1, usual: 0.35 })] : [];
   const main = el("main", { class: text ? "design" : "design alone" }, ...between, area);
   const gone = new AbortController();
-  const help = helpButton(shownViews.map((view) => view.name), gone.signal);
-  const header = el("header", {}, el("h1", { textContent: S.designer }), ...controls, el("span", { class: "last" }, help, themeButton(store)));
+  const help = helpButton(
+    shownViews.map((view) => view.name),
+    gone.signal,
+  );
+  const header = el(
+    "header",
+    {},
+    el("h1", { textContent: S.designer }),
+    ...controls,
+    el("span", { class: "last" }, help, themeButton(store)),
+  );
   let shown = 0;
-  const tabs = shownViews.map(({ name, title }, i) => el("button", {
-    role: "tab", textContent: title, "aria-controls": `view-${name}`, onclick: () => turn(i),
-  }));
+  const tabs = shownViews.map(({ name, title }, i) =>
+    el("button", { role: "tab", textContent: title, "aria-controls": `view-${name}`, onclick: () => turn(i) }),
+  );
   if (tabs.length > 1) header.lastChild.before(el("div", { role: "tablist", class: "tabs" }, ...tabs));
   const root = el("div", { class: "desk" }, header, main);
 
@@ -69,9 +89,13 @@ export function frame(store, hand, text, controls, shownViews = [DESIGN]) {
   }
 
   turn(0);
-  window.addEventListener("keydown", (event) => {
-    if (event.key === "F6" && root.isConnected) step(event);
-  }, gone);
+  window.addEventListener(
+    "keydown",
+    (event) => {
+      if (event.key === "F6" && root.isConnected) step(event);
+    },
+    gone,
+  );
   matchMedia(DARK).addEventListener("change", () => store.emit("theme"), gone);
   store.on("closed", () => gone.abort());
   const sound = () => {
@@ -88,10 +112,12 @@ export function frame(store, hand, text, controls, shownViews = [DESIGN]) {
   return { root, turn: (name) => turn(shownViews.findIndex((view) => view.name === name)) };
 }
 
+/**
+ * @param {Page.Store} store
+ */
 function themeButton(store) {
   const root = document.documentElement;
-  const dark = () => (root.dataset.theme
-    ? root.dataset.theme === "dark" : matchMedia(DARK).matches);
+  const dark = () => (root.dataset.theme ? root.dataset.theme === "dark" : matchMedia(DARK).matches);
   const button = el("button", { title: S.theme, textContent: dark() ? S.light : S.dark });
   button.addEventListener("click", () => {
     root.dataset.theme = dark() ? "light" : "dark";

@@ -7,14 +7,54 @@ import { S } from "./strings.js";
 function showHelp(views) {
   if (document.querySelector("dialog[open]")) return;
   const close = el("button", { value: "", textContent: S.close, type: "submit" });
-  const keys = (rows) => el("table", { class: "keys" }, el("tbody", {}, ...rows.map(([key, words]) =>
-    el("tr", {}, el("th", { scope: "row" }, ...key.split(" ").flatMap((each, i) => [...(i ? [" "] : []), /^[a-z]+$/.test(each) ? each : el("kbd", { textContent: each })])),
-      el("td", { textContent: words })))));
-  const parts = S.help.filter(({ view }) => !view || views.includes(view)).map(({ title, words, rows }) =>
-    el("section", {}, el("h3", { textContent: title }), ...words.map((line) => el("p", { textContent: line })), ...(rows.length ? [keys(rows)] : [])));
+  const keys = (rows) =>
+    el(
+      "table",
+      { class: "keys" },
+      el(
+        "tbody",
+        {},
+        ...rows.map(([key, words]) =>
+          el(
+            "tr",
+            {},
+            el(
+              "th",
+              { scope: "row" },
+              ...key
+                .split(" ")
+                .flatMap((each, i) => [
+                  ...(i ? [" "] : []),
+                  /^[a-z]+$/.test(each) ? each : el("kbd", { textContent: each }),
+                ]),
+            ),
+            el("td", { textContent: words }),
+          ),
+        ),
+      ),
+    );
+  const parts = S.help
+    .filter(({ view }) => !view || views.includes(view))
+    .map(({ title, words, rows }) =>
+      el(
+        "section",
+        {},
+        el("h3", { textContent: title }),
+        ...words.map((line) => el("p", { textContent: line })),
+        ...(rows.length ? [keys(rows)] : []),
+      ),
+    );
   const body = el("div", { class: "parts", tabIndex: 0, role: "group", "aria-label": S.helpTitle }, ...parts);
-  const dialog = el("dialog", { class: "help", "aria-label": S.helpTitle },
-    el("form", { method: "dialog" }, el("div", { class: "row" }, el("strong", { textContent: S.helpTitle }), el("span", { class: "space" }), close), body));
+  const dialog = el(
+    "dialog",
+    { class: "help", "aria-label": S.helpTitle },
+    el(
+      "form",
+      { method: "dialog" },
+      el("div", { class: "row" }, el("strong", { textContent: S.helpTitle }), el("span", { class: "space" }), close),
+      body,
+    ),
+  );
   dialog.addEventListener("close", () => dialog.remove());
   document.body.append(dialog);
   dialog.showModal();
@@ -22,16 +62,27 @@ function showHelp(views) {
 }
 
 /** Whether a key is typed into something, and so says nothing to the page. */
-const isTyped = (target) => Boolean(target.closest?.(".cm-editor, textarea, select, input:not([type='range'], [type='checkbox'])"));
+const isTyped = (target) =>
+  Boolean(target.closest?.(".cm-editor, textarea, select, input:not([type='range'], [type='checkbox'])"));
 
 /** The button of the help, and the keys that open it while the page that has the button is shown. */
 export function helpButton(views, gone) {
-  const button = el("button", { class: "help", textContent: "?", title: S.helpHint, "aria-label": S.helpTitle, onclick: () => showHelp(views) });
-  window.addEventListener("keydown", (event) => {
-    if (!button.isConnected || event.ctrlKey || event.metaKey || event.altKey) return;
-    if (event.key !== "F1" && (event.key !== "?" || isTyped(event.target))) return;
-    event.preventDefault();
-    showHelp(views);
-  }, { signal: gone });
+  const button = el("button", {
+    class: "help",
+    textContent: "?",
+    title: S.helpHint,
+    "aria-label": S.helpTitle,
+    onclick: () => showHelp(views),
+  });
+  window.addEventListener(
+    "keydown",
+    (event) => {
+      if (!button.isConnected || event.ctrlKey || event.metaKey || event.altKey) return;
+      if (event.key !== "F1" && (event.key !== "?" || isTyped(event.target))) return;
+      event.preventDefault();
+      showHelp(views);
+    },
+    { signal: gone },
+  );
   return button;
 }

@@ -9,13 +9,20 @@ import { S } from "./strings.js";
 const ROOM = { left: 46, right: 10, top: 8, bottom: 34 };
 
 export const LEARN = {
-  name: "learn", title: S.learn, drawn: false, panes: [learnPanes],
+  name: "learn",
+  title: S.learn,
+  drawn: false,
+  panes: [learnPanes],
   splits: [
     { key: "learn-columns", vertical: true, at: 1, usual: 0.5 },
     { key: "learn-rows", vertical: false, at: 2, usual: 0.63 },
   ],
 };
 
+/**
+ * @param {Page.Store} store
+ * @param {Page.Hand} hand
+ */
 function learnPanes(store, hand) {
   let facts = null; // what may be trained where
   let job = null; // the training; one that is stopped is kept, to be saved
@@ -45,24 +52,48 @@ function learnPanes(store, hand) {
     other: [field(S.reference, reference, S.referenceHint), field(S.seconds, seconds)],
   };
   fields.append(
-    field(S.controller, controller), field(S.plant, plant), ...grounds.along, ...grounds.other,
-    field(S.beginWith, start), field(S.passes, passes), field(S.rate, rate, S.rateHint),
+    field(S.controller, controller),
+    field(S.plant, plant),
+    ...grounds.along,
+    ...grounds.other,
+    field(S.beginWith, start),
+    field(S.passes, passes),
+    field(S.rate, rate, S.rateHint),
   );
   const speed = el("select", { onchange: () => job?.say({ speed: speed.value }) });
-  refill(speed, [["watch", S.watch], ["fast", S.fast]]);
+  refill(speed, [
+    ["watch", S.watch],
+    ["fast", S.fast],
+  ]);
   const go = el("button", { class: "main", textContent: S.start, onclick: () => pressed() });
   const step = el("button", { textContent: S.onePass, title: S.onePassHint, onclick: () => stepped() });
   const stop = el("button", { textContent: S.stop, disabled: true, onclick: () => job?.say({ go: "stop" }) });
   const name = el("input", { type: "text", value: "learned.lut", size: 14, "aria-label": S.tableName });
-  const save = el("button", { textContent: S.saveTable, disabled: true, onclick: () => job?.say({ save: name.value }) });
+  const save = el("button", {
+    textContent: S.saveTable,
+    disabled: true,
+    onclick: () => job?.say({ save: name.value }),
+  });
   const said = el("p", { class: "said", role: "status" });
-  const actions = el("div", { class: "actions" }, go, step, stop, field(S.speed, speed),
-    el("span", { class: "space" }), name, save);
+  const actions = el(
+    "div",
+    { class: "actions" },
+    go,
+    step,
+    stop,
+    field(S.speed, speed),
+    el("span", { class: "space" }),
+    name,
+    save,
+  );
   top.body.append(fields, actions, said);
 
   function choosePlants() {
     const text = facts?.texts.find((each) => each.name === controller.value);
-    refill(plant, (text?.plants ?? []).map((each) => [each.name, each.name]));
+    refill(
+      plant,
+      (text?.plants ?? []).map((each) => [each.name, each.name]),
+    );
     chooseGrounds();
   }
 
@@ -73,7 +104,10 @@ function learnPanes(store, hand) {
     for (const each of grounds.along) each.hidden = !moves;
     for (const each of grounds.other) each.hidden = moves;
     load.hidden = !known?.carries;
-    refill(trajectory, (known?.trajectories ?? []).map((each) => [each, each]));
+    refill(
+      trajectory,
+      (known?.trajectories ?? []).map((each) => [each, each]),
+    );
     reference.placeholder = known?.reference ?? "";
   }
 
@@ -84,7 +118,10 @@ function learnPanes(store, hand) {
       if (message.end === "failed") said.textContent = clean(message.field ? "" : message.message);
       if (message.end) return;
       facts = message;
-      refill(controller, facts.texts.map((each) => [each.name, each.name || S.thisText]));
+      refill(
+        controller,
+        facts.texts.map((each) => [each.name, each.name || S.thisText]),
+      );
       refill(start, [["", S.asTheText], ...facts.tables.map((each) => [each, each])]);
       choosePlants();
       if (!job) said.textContent = clean(facts.own ? S.learnsItself : S.learnsNot);
@@ -93,7 +130,7 @@ function learnPanes(store, hand) {
 
   // --- the training ---
 
-  const mode = () => (job ? news?.mode ?? "run" : "none");
+  const mode = () => (job ? (news?.mode ?? "run") : "none");
 
   function pressed() {
     if (mode() === "run") job.say({ go: "pause" });
@@ -112,13 +149,25 @@ function learnPanes(store, hand) {
     errors = [];
     said.textContent = S.preparing;
     markField({ reference }, "");
-    const mine = job = hand.start("learn", {
-      controller: controller.value, plant: plant.value, trajectory: trajectory.value,
-      payload: payload.checked, reference: reference.value.trim(), seconds: seconds.value,
-      start: start.value, passes: passes.value, step: oneByOne, rate: rate.value, speed: speed.value,
-    }, (message) => {
-      if (job === mine) hear(message); // an older one may still speak
-    });
+    const mine = (job = hand.start(
+      "learn",
+      {
+        controller: controller.value,
+        plant: plant.value,
+        trajectory: trajectory.value,
+        payload: payload.checked,
+        reference: reference.value.trim(),
+        seconds: seconds.value,
+        start: start.value,
+        passes: passes.value,
+        step: oneByOne,
+        rate: rate.value,
+        speed: speed.value,
+      },
+      (message) => {
+        if (job === mine) hear(message); // an older one may still speak
+      },
+    ));
     show();
   }
 
@@ -129,7 +178,10 @@ function learnPanes(store, hand) {
     } else if (message.begin) {
       begin = message.begin;
       axis = 0;
-      refill(which, begin.axes.map((each, i) => [String(i), each]));
+      refill(
+        which,
+        begin.axes.map((each, i) => [String(i), each]),
+      );
       whichLabel.hidden = begin.axes.length < 2;
       which.value = "0";
     } else if (message.saved) said.textContent = clean(S.tableSaved(message.saved));
@@ -170,11 +222,13 @@ function learnPanes(store, hand) {
   const left = pane("table", S.table);
   const right = pane("visits", S.visits);
   const below = pane("errors", S.errorOfPasses);
-  const which = el("select", { onchange: () => {
-    axis = Number(which.value);
-    cell = null;
-    show();
-  } });
+  const which = el("select", {
+    onchange: () => {
+      axis = Number(which.value);
+      cell = null;
+      show();
+    },
+  });
   const whichLabel = el("label", { class: "small", hidden: true }, S.axis, which);
   const readout = el("span", { class: "readout", "aria-live": "polite" });
   const moment = el("span", { class: "readout" });
@@ -182,9 +236,13 @@ function learnPanes(store, hand) {
   right.bar.append(el("span", { class: "space" }), readout);
   const values = stage(store, left.body, (paper) => cells(paper, paintValue));
   const visits = stage(store, right.body, (paper) => cells(paper, paintVisits));
-  const curve = stage(store, below.body, (paper) => drawChart(paper, begin ? begin.axes.map((each, i) => ({
-    name: each, values: errors.map((row) => row[i] ?? null),
-  })) : [], { across: S.pass, up: S.rms(news?.units[0] ?? ""), whole: true }));
+  const curve = stage(store, below.body, (paper) =>
+    drawChart(
+      paper,
+      begin ? begin.axes.map((each, i) => ({ name: each, values: errors.map((row) => row[i] ?? null) })) : [],
+      { across: S.pass, up: S.rms(news?.units[0] ?? ""), whole: true },
+    ),
+  );
   for (const { canvas } of [values, visits]) {
     canvas.tabIndex = 0;
     canvas.addEventListener("keydown", moved);
@@ -202,7 +260,10 @@ function learnPanes(store, hand) {
     moment.textContent = clean(news ? S.moment(news) : "");
     const label = table ? S.tableLabel(begin.axes[axis], table, shape()[0] * shape()[1]) : S.noTraining;
     values.canvas.setAttribute("aria-label", clean(label));
-    visits.canvas.setAttribute("aria-label", clean(table ? S.visitsLabel(begin.axes[axis], Math.max(...table.visits)) : S.noTraining));
+    visits.canvas.setAttribute(
+      "aria-label",
+      clean(table ? S.visitsLabel(begin.axes[axis], Math.max(...table.visits)) : S.noTraining),
+    );
     curve.canvas.setAttribute("aria-label", clean(S.errorsLabel(errors, begin, news)));
     readOut();
   }
@@ -250,8 +311,10 @@ function learnPanes(store, hand) {
   function grid(width, height) {
     const [rows, columns] = shape();
     return {
-      x0: ROOM.left, y0: ROOM.top,
-      w: (width - ROOM.left - ROOM.right) / columns, h: (height - ROOM.top - ROOM.bottom) / rows,
+      x0: ROOM.left,
+      y0: ROOM.top,
+      w: (width - ROOM.left - ROOM.right) / columns,
+      h: (height - ROOM.top - ROOM.bottom) / rows,
     };
   }
 
@@ -354,7 +417,11 @@ function learnPanes(store, hand) {
     if (never) return [null, "", []];
     const share = Math.log10(1 + count) / Math.log10(1 + most);
     const [r, g, b] = SHADES[Math.round(255 * share)];
-    return [`rgb(${r} ${g} ${b})`, share > 0.6 ? "#000" : "#fff", [String(count), `${(count / 1000).toFixed(count < 10000 ? 1 : 0)}k`]];
+    return [
+      `rgb(${r} ${g} ${b})`,
+      share > 0.6 ? "#000" : "#fff",
+      [String(count), `${(count / 1000).toFixed(count < 10000 ? 1 : 0)}k`],
+    ];
   }
 
   store.on("view", ask);

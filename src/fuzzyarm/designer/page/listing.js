@@ -11,9 +11,10 @@ function written(x) {
 /** The words of a shape as the language writes them, over those of its lower function. */
 function shapeText({ kind, parameters, height, lower }) {
   const numbers = parameters.map(written);
-  const body = kind === "points"
-    ? numbers.flatMap((x, i) => (i % 2 ? [] : [`(${x}, ${numbers[i + 1]})`])).join(" ")
-    : numbers.join(" ");
+  const body =
+    kind === "points"
+      ? numbers.flatMap((x, i) => (i % 2 ? [] : [`(${x}, ${numbers[i + 1]})`])).join(" ")
+      : numbers.join(" ");
   const below = lower ? ` over ${shapeText(lower)}` : "";
   return `${kind} ${body}${height === 1 ? "" : ` height ${written(height)}`}${below}`;
 }
@@ -39,7 +40,9 @@ export function listingPane({ text, colours, places }) {
       for (const [from, to, colour] of words) {
         if (to <= at || from >= end) continue;
         if (from > at) parts.push(clean(text.slice(at, from)));
-        parts.push(el("span", { class: `colour-${colour}`, textContent: text.slice(Math.max(at, from), Math.min(to, end)) }));
+        parts.push(
+          el("span", { class: `colour-${colour}`, textContent: text.slice(Math.max(at, from), Math.min(to, end)) }),
+        );
         at = Math.min(to, end);
       }
       if (end > at) parts.push(clean(text.slice(at, end)));

@@ -11,12 +11,19 @@ export function methodLines(change) {
 
   function list(row) {
     const label = row.target ? `${row.target}: ${row.key}` : row.key;
-    const select = el("select", {
-      "aria-label": label, "data-key": `method ${label}`, disabled: !change, onchange: async () => {
-        const taken = await change("setting", { key: row.key, value: select.value, target: row.target });
-        if (!taken) select.value = row.value; // the status says why
+    const select = el(
+      "select",
+      {
+        "aria-label": label,
+        "data-key": `method ${label}`,
+        disabled: !change,
+        onchange: async () => {
+          const taken = await change("setting", { key: row.key, value: select.value, target: row.target });
+          if (!taken) select.value = row.value; // the status says why
+        },
       },
-    }, ...row.options.map((value) => el("option", { value, textContent: value, selected: value === row.value })));
+      ...row.options.map((value) => el("option", { value, textContent: value, selected: value === row.value })),
+    );
     return el("label", { class: "field" }, el("span", { textContent: label }), select);
   }
 
@@ -25,8 +32,13 @@ export function methodLines(change) {
     show(rows) {
       const lists = rows.filter((row) => row.key);
       const refocus = keepFocus(body);
-      summary.textContent = clean(`${S.methods}: ${lists.map(({ key, value, target }) => `${target ? `${target} ` : ""}${key} ${value}`).join(", ")}`);
-      body.replaceChildren(...lists.map(list), ...rows.filter((row) => row.block).map(({ block }) => el("span", { class: "small", textContent: block })));
+      summary.textContent = clean(
+        `${S.methods}: ${lists.map(({ key, value, target }) => `${target ? `${target} ` : ""}${key} ${value}`).join(", ")}`,
+      );
+      body.replaceChildren(
+        ...lists.map(list),
+        ...rows.filter((row) => row.block).map(({ block }) => el("span", { class: "small", textContent: block })),
+      );
       refocus();
     },
   };

@@ -17,7 +17,11 @@ function begin(canvas, title) {
   return { g, inside };
 }
 
-/** Where a place of both axes is in a plot. */
+/**
+ * Where a place of both axes is in a plot.
+ *
+ * @returns {(u: number, v: number) => Page.Pair}
+ */
 function placed({ left, top, wide, tall }, [a, b], [c, d]) {
   return (u, v) => [left + (wide * (u - a)) / (b - a), top + tall - (tall * (v - c)) / (d - c)];
 }
@@ -30,7 +34,10 @@ function heading(g, title, { left, wide }) {
 }
 
 function mark(g, x, y) {
-  for (const [width, colour] of [[4.5, "#ffffff"], [2, "#000000"]]) {
+  for (const [width, colour] of [
+    [4.5, "#ffffff"],
+    [2, "#000000"],
+  ]) {
     g.strokeStyle = colour;
     g.lineWidth = width;
     g.beginPath();
@@ -67,13 +74,21 @@ const HEATS = Array.from({ length: 256 }, (_, i) => parts(heat(i / 255)[0]));
 /**
  * Draw a plane: `z` row by row over `xs` and `ys`; `low` and `high` are the ends of the colours,
  * which are those of differences if `signed`; `grid` has lines to be drawn, `worst` a place.
+ *
+ * @param {HTMLCanvasElement} canvas
+ * @param {{ title: string, xs: ArrayLike<number>, ys: ArrayLike<number>, z: ArrayLike<number>, low: number, high: number,
+ *   signed?: boolean, x: string, y: string, grid?: any, worst?: Page.Pair }} plane
  */
 export function drawPlane(canvas, { title, xs, ys, z, low, high, signed, x, y, grid, worst }) {
   const begun = begin(canvas, title);
   if (!begun) return;
   const { g, inside } = begun;
   const { left, top, wide, tall } = inside;
-  const [across, up] = [[xs[0], xs[xs.length - 1]], [ys[0], ys[ys.length - 1]]];
+  /** @type {Page.Pair[]} */
+  const [across, up] = [
+    [xs[0], xs[xs.length - 1]],
+    [ys[0], ys[ys.length - 1]],
+  ];
   const colours = new ImageData(xs.length, ys.length);
   const shades = signed ? HEATS : SHADES;
   for (let j = 0; j < ys.length; j++) {
@@ -112,7 +127,13 @@ function rulings(g, [across, up], at, { left, top, wide, tall }) {
   g.stroke();
 }
 
-/** Draw cells with a number each: `cells` has [column, row, value], between the levels of the axes. */
+/**
+ * Draw cells with a number each: `cells` has [column, row, value], between the levels of the axes.
+ *
+ * @param {HTMLCanvasElement} canvas
+ * @param {{ title: string, across: number[], up: number[], cells: Array<[number, number, number]>, high: number,
+ *   x: string, y: string, worst?: Page.Pair }} map
+ */
 export function drawCells(canvas, { title, across, up, cells, high, x, y, worst }) {
   const begun = begin(canvas, title);
   if (!begun) return;
@@ -138,9 +159,18 @@ export function drawCells(canvas, { title, across, up, cells, high, x, y, worst 
   if (worst) mark(g, ...at(...worst));
 }
 
-const STYLES = [["--accent", []], ["--lit", [6, 4]]];
+const STYLES = [
+  ["--accent", []],
+  ["--lit", [6, 4]],
+];
 
-/** Draw lines over one input: `lines` are values at `xs`. */
+/**
+ * Draw lines over one input: `lines` are values at `xs`.
+ *
+ * @param {HTMLCanvasElement} canvas
+ * @param {{ title: string, xs: ArrayLike<number>, lines: Array<Array<number | null>>, low: number, high: number,
+ *   x: string, y: string, worst?: number }} plot
+ */
 export function drawLines(canvas, { title, xs, lines, low, high, x, y, worst }) {
   const begun = begin(canvas, title);
   if (!begun) return;

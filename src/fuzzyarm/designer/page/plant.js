@@ -4,7 +4,11 @@ import { stage as canvasStage } from "./charts.js";
 import { el, pane, colourOf } from "./draw.js";
 import { S } from "./strings.js";
 
-/** The plant as it moves; a hand pulls at it, by mouse or arrow keys. */
+/**
+ * The plant as it moves; a hand pulls at it, by mouse or arrow keys.
+ *
+ * @param {Page.Store} store
+ */
 export function picturePane(store, push) {
   const { section, bar, body } = pane("run-picture", S.runPicture);
   const { canvas, redraw } = canvasStage(store, body, draw);
@@ -45,12 +49,12 @@ export function picturePane(store, push) {
     }
     for (const [dx, dy] of keys.values()) [x, y] = [x + dx, y + dy];
     const length = Math.hypot(x, y);
-    return length > 1 ? [x / length, y / length] : [x, y];
+    return /** @type {Page.Pair} */ (length > 1 ? [x / length, y / length] : [x, y]);
   }
 
   let before = "";
   function tell() {
-    const now = pull().map((each) => Number(each.toFixed(3)));
+    const now = /** @type {Page.Pair} */ (pull().map((each) => Number(each.toFixed(3))));
     if (JSON.stringify(now) === before) return;
     before = JSON.stringify(now);
     if (open) push(now.some(Boolean) ? now : null);
@@ -72,7 +76,7 @@ export function picturePane(store, push) {
     for (const part of drawing?.parts ?? []) PARTS[part.is](g, part, at, colour);
     if (!drawing) words(g, S.runNoPicture, width / 2, height / 2 - 24);
     const [x, y] = pull();
-    if (x || y) arrow(g, at(grip()), [x, y], 0.5 * size * (top - bottom), colour("mark"));
+    if (x || y) arrow(g, /** @type {Page.Pair} */ (at(grip())), [x, y], 0.5 * size * (top - bottom), colour("mark"));
   }
 
   function words(g, text, x, y) {
@@ -110,7 +114,10 @@ export function picturePane(store, push) {
     const way = ARROWS[event.key];
     if (!way || event.ctrlKey || event.metaKey) return;
     event.preventDefault();
-    keys.set(event.key, way.map((each) => each * (event.shiftKey ? 1 : 0.4)));
+    keys.set(
+      event.key,
+      way.map((each) => each * (event.shiftKey ? 1 : 0.4)),
+    );
     tell();
   });
   canvas.addEventListener("keyup", (event) => {

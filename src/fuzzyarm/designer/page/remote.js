@@ -4,14 +4,19 @@ import { ACROSS, rangeOf } from "./store.js";
 
 const WAIT = 60; // ms after the last change
 
-/** Keep the surface and the point known that the page has from the server. */
+/**
+ * Keep the surface and the point known that the page has from the server.
+ *
+ * @param {Page.Store} store
+ */
 export function askServer(store, start) {
   let work = null;
   let asked = ""; // what the work that runs, or ran, was for
   let waiting = 0;
 
   const wanted = () => {
-    if (!store.scene || store.scene.missing.length || store.stale || store.busy || (store.running && !store.coarse)) return "";
+    if (!store.scene || store.scene.missing.length || store.stale || store.busy || (store.running && !store.coarse))
+      return "";
     return store.surfaceKey() + (store.running ? "" : JSON.stringify(store.point));
   };
 
@@ -39,7 +44,8 @@ export function askServer(store, start) {
       }
       if (news.z && !isKnown) {
         const [xs, ys] = ends.map(([low, high]) =>
-          Float64Array.from({ length: across }, (_, k) => low + ((high - low) * k) / (across - 1)));
+          Float64Array.from({ length: across }, (_, k) => low + ((high - low) * k) / (across - 1)),
+        );
         const z = Float64Array.from(news.z, (value) => value ?? NaN);
         store.far = { key: surface, xs, ys, z, rows: axes.x === axes.y ? 1 : across, isFar: true };
         store.emit("told");

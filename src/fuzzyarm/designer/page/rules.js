@@ -13,6 +13,9 @@ const MOST_SENTENCES = 400;
 /**
  * The pane; `setCell` writes a term into a cell, `goTo` shows a position of the text, and `change`
  * writes sentences. A page without a server has none of them.
+ *
+ * @param {Page.Store} store
+ * @param {Page.Hand} hand
  */
 export function rulesPane(store, hand) {
   const { setCell, goTo, change, attempt } = hand;
@@ -38,13 +41,21 @@ export function rulesPane(store, hand) {
     body.replaceChildren(...(outputs.length ? [methods.element] : []));
     const cells = grids.reduce((sum, grid) => sum + grid.rows.length * grid.columns.length, 0);
     grids.forEach((grid, k) => body.append(table(grid, outputs, setCell && cells <= MOST_CELLS, k)));
-    const sentences = rules.map((rule, number) => [rule, number]).filter(([rule]) => !rule.inGrid);
+    const sentences = rules
+      .map((rule, number) => /** @type {const} */ ([rule, number]))
+      .filter(([rule]) => !rule.inGrid);
     if (sentences.length) {
       const list = el("ol");
       for (const [rule, number] of sentences.slice(0, MOST_SENTENCES)) list.append(item(rule, number));
       body.append(list);
     }
-    if (!rules.length) body.append(el("p", { class: "note", textContent: grids.length || !store.scene.missing.includes("no-rules") ? S.tooManyRules : S.noRulesYet }));
+    if (!rules.length)
+      body.append(
+        el("p", {
+          class: "note",
+          textContent: grids.length || !store.scene.missing.includes("no-rules") ? S.tooManyRules : S.noRulesYet,
+        }),
+      );
     if (attempt && isReady) body.append(composing());
     if (change && isReady) body.append(writer(fresh, S.newRule));
     body.scrollTop = seen;
@@ -74,19 +85,23 @@ export function rulesPane(store, hand) {
   /** The lists of a new rule: what has been chosen stays while the variables do. */
   function composing() {
     const { inputs, outputs } = store.scene;
-    const names = JSON.stringify([inputs, outputs].map((each) => each.map(({ name, terms }) => [name, terms.map((term) => term.name)])));
+    const names = JSON.stringify(
+      [inputs, outputs].map((each) => each.map(({ name, terms }) => [name, terms.map((term) => term.name)])),
+    );
     if (names !== composed.names) composed = { names, form: composer(attempt, store.scene) };
     return composed.form;
   }
 
   // --- findings ---
 
-  const before = ([l, u], [m, v]) => l < m || (l === m && u < v);
+  const before = (one, other) => one[0] < other[0] || (one[0] === other[0] && one[1] < other[1]);
 
   /** Findings that lie within a stretch of the text, or cover it in its own line. */
   function findingsOf([start, end]) {
-    return store.findings.filter(({ range: [from, to] }) =>
-      from[0] === start[0] && !before(to, start) && (from[0] !== end[0] || before(from, end)));
+    return store.findings.filter(
+      ({ range: [from, to] }) =>
+        from[0] === start[0] && !before(to, start) && (from[0] !== end[0] || before(from, end)),
+    );
   }
 
   const words = (finding) => `${S.severity[finding.severity] ?? finding.severity}: ${finding.message}`;
@@ -101,15 +116,21 @@ export function rulesPane(store, hand) {
   }
 
   /** A sign with the findings as its name. */
-  const sign = (found) => el("span", {
-    class: `sign ${found[0].severity}`, role: "img", textContent: "▲",
-    title: found.map(words).join("\n"), "aria-label": found.map(words).join("; "),
-  });
+  const sign = (found) =>
+    el("span", {
+      class: `sign ${found[0].severity}`,
+      role: "img",
+      textContent: "▲",
+      title: found.map(words).join("\n"),
+      "aria-label": found.map(words).join("; "),
+    });
 
   // --- sentences ---
 
   function item(rule, number) {
-    const said = goTo ? el("button", { class: "said", textContent: rule.text, onclick: () => goTo(rule.at) }) : rule.text;
+    const said = goTo
+      ? el("button", { class: "said", textContent: rule.text, onclick: () => goTo(rule.at) })
+      : rule.text;
     const li = el("li", {}, el("span", { class: "place", textContent: rule.place }), said);
     const found = findingsOf(rule.range);
     if (found.length) {
@@ -127,10 +148,18 @@ export function rulesPane(store, hand) {
       };
       li.append(
         el("button", {
-          class: "small", textContent: S.change, "aria-label": `${S.change} ${S.ruleAt(rule.place)}`, "data-key": `edit ${number}`, onclick: edit,
+          class: "small",
+          textContent: S.change,
+          "aria-label": `${S.change} ${S.ruleAt(rule.place)}`,
+          "data-key": `edit ${number}`,
+          onclick: edit,
         }),
         el("button", {
-          class: "small", textContent: "×", title: S.remove, "aria-label": `${S.remove} ${S.ruleAt(rule.place)}`, "data-key": `remove ${number}`,
+          class: "small",
+          textContent: "×",
+          title: S.remove,
+          "aria-label": `${S.remove} ${S.ruleAt(rule.place)}`,
+          "data-key": `remove ${number}`,
           onclick: () => change("rule", { line: rule.line, sentence: "" }),
         }),
       );
@@ -144,7 +173,13 @@ export function rulesPane(store, hand) {
     const isNew = draft === fresh;
     const key = `write ${isNew ? "new" : draft.rule}`;
     const field = el("input", {
-      type: "text", class: "write", value: draft.text, "aria-label": label, placeholder: S.ifThen, "data-key": key, spellcheck: false,
+      type: "text",
+      class: "write",
+      value: draft.text,
+      "aria-label": label,
+      placeholder: S.ifThen,
+      "data-key": key,
+      spellcheck: false,
     });
     /** Be done with it; of a rule that has been changed the way to change it gets the focus. */
     const leave = () => {
@@ -173,8 +208,12 @@ export function rulesPane(store, hand) {
     field.addEventListener("keydown", (event) => {
       if (event.key === "Escape" && !isNew) leave();
     });
-    return el("form", { class: "sentence", onsubmit: send }, field,
-      el("button", { class: "small", type: "submit", textContent: isNew ? S.add : S.ok, "data-key": `done ${key}` }));
+    return el(
+      "form",
+      { class: "sentence", onsubmit: send },
+      field,
+      el("button", { class: "small", type: "submit", textContent: isNew ? S.add : S.ok, "data-key": `done ${key}` }),
+    );
   }
 
   // --- grids ---
@@ -214,8 +253,11 @@ export function rulesPane(store, hand) {
     if (!attempt) return el("span", { textContent: term, title: term });
     const variable = row ? grid.row : grid.column;
     return el("button", {
-      textContent: term, "data-key": `head ${k} ${row} ${term}`, title: row ? S.rowOf(variable, term) : S.columnOf(variable, term),
-      onclick: () => headDialog(hand, store.scene, { line: grid.line, row, variable, term, present: present(grid, row) }),
+      textContent: term,
+      "data-key": `head ${k} ${row} ${term}`,
+      title: row ? S.rowOf(variable, term) : S.columnOf(variable, term),
+      onclick: () =>
+        headDialog(hand, store.scene, { line: grid.line, row, variable, term, present: present(grid, row) }),
     });
   }
 
@@ -224,14 +266,30 @@ export function rulesPane(store, hand) {
   /** Buttons of a grid: another row or column, and its removal. */
   function tools(grid, k) {
     if (!attempt) return [];
-    const adding = (words, title, row) => el("button", {
-      class: "small", textContent: words, title, "data-key": `add ${k} ${row}`,
-      onclick: () => addHead(hand, store.scene, { line: grid.line, row, variable: row ? grid.row : grid.column, present: present(grid, row) }),
-    });
+    const adding = (words, title, row) =>
+      el("button", {
+        class: "small",
+        textContent: words,
+        title,
+        "data-key": `add ${k} ${row}`,
+        onclick: () =>
+          addHead(hand, store.scene, {
+            line: grid.line,
+            row,
+            variable: row ? grid.row : grid.column,
+            present: present(grid, row),
+          }),
+      });
     return [
-      ...(grid.row ? [adding(S.rowDots, S.addRowOf(grid.row), true)] : []), adding(S.columnDots, S.addColumnOf(grid.column), false),
-      el("button", { class: "small", textContent: "×", title: S.removeGrid(grid.output), "aria-label": S.removeGrid(grid.output),
-        onclick: () => change("grid", { line: grid.line }) }),
+      ...(grid.row ? [adding(S.rowDots, S.addRowOf(grid.row), true)] : []),
+      adding(S.columnDots, S.addColumnOf(grid.column), false),
+      el("button", {
+        class: "small",
+        textContent: "×",
+        title: S.removeGrid(grid.output),
+        "aria-label": S.removeGrid(grid.output),
+        onclick: () => change("grid", { line: grid.line }),
+      }),
     ];
   }
 
@@ -276,7 +334,8 @@ export function rulesPane(store, hand) {
       shown[number] = strength;
       element.classList.toggle("lit", strength > 0);
       const lower = found?.lower[number] ?? strength;
-      const range = lower === strength ? shortNumber(strength, 3) : S.between(shortNumber(lower, 3), shortNumber(strength, 3));
+      const range =
+        lower === strength ? shortNumber(strength, 3) : S.between(shortNumber(lower, 3), shortNumber(strength, 3));
       const said = strength > 0 ? `${S.strength} ${range}` : S.silent;
       element.title = S.fires(store.scene.rules[number].place, said);
     });

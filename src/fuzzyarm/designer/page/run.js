@@ -14,13 +14,18 @@ const FIRST = ["rms", "max", "final", "chatter"];
 const STEPS = 1000; // of a slider
 
 /** A time in seconds as the words of the command line have it. */
-const timeWords = (seconds) => (seconds % 3600 === 0 ? `${seconds / 3600}h` : seconds % 60 === 0 ? `${seconds / 60}min` : `${seconds}s`);
+const timeWords = (seconds) =>
+  seconds % 3600 === 0 ? `${seconds / 3600}h` : seconds % 60 === 0 ? `${seconds / 60}min` : `${seconds}s`;
 
 const lasting = (seconds) => (seconds <= 30 ? 1 : seconds <= 1000 ? 60 : 600);
 
 /** What of a command line needs quotes gets them. */
 const quoted = (word) => (/^[\w./:=,+-]+$/.test(word) ? word : `'${word.replaceAll("'", "'\\''")}'`);
 
+/**
+ * @param {Page.Store} store
+ * @param {Page.Hand} hand
+ */
 function runView(store, hand) {
   const calm = matchMedia("(prefers-reduced-motion: reduce)");
   const state = { job: null, ready: null, paused: false, over: false, sent: "", described: "", reached: "" };
@@ -32,9 +37,17 @@ function runView(store, hand) {
   });
   const metrics = metricPane();
   const form = formPane(store, hand, changed);
-  const view = el("div", { class: "run" }, form.section, picture.section, curves.section, gains.section, metrics.section,
+  const view = el(
+    "div",
+    { class: "run" },
+    form.section,
+    picture.section,
+    curves.section,
+    gains.section,
+    metrics.section,
     splitter({ key: "run-columns", vertical: true, at: 1, usual: 0.4 }),
-    splitter({ key: "run-rows", vertical: false, at: 2, usual: 0.6 }));
+    splitter({ key: "run-rows", vertical: false, at: 2, usual: 0.6 }),
+  );
 
   form.start.addEventListener("click", start);
   form.pause.addEventListener("click", () => say({ pause: !state.paused }));
@@ -170,7 +183,8 @@ function runView(store, hand) {
   }
 
   let waits = false;
-  store.on("left", () => { // nobody watches it
+  store.on("left", () => {
+    // nobody watches it
     waits = Boolean(state.job) && !state.paused && !state.over;
     if (waits) say({ pause: true });
   });
@@ -186,6 +200,10 @@ export const RUN = { name: "run", title: S.run, drawn: false, panes: [runView] }
 
 // --- What is to be run, and the buttons ---
 
+/**
+ * @param {Page.Store} store
+ * @param {Page.Hand} hand
+ */
 function formPane(store, hand, changed) {
   const { section, bar, body } = pane("run-form", S.run);
   let plants = [];
@@ -201,13 +219,19 @@ function formPane(store, hand, changed) {
   const endless = el("input", { type: "checkbox", onchange: () => open(true) });
   const trajectory = el("select", { onchange: changed });
   const payload = el("input", { type: "checkbox", onchange: changed });
-  const speed = el("select", {},
+  const speed = el(
+    "select",
+    {},
     ...SPEEDS.map((each) => el("option", { value: each, textContent: S.runTimes(each) })),
-    el("option", { value: "", textContent: S.runFastest }));
+    el("option", { value: "", textContent: S.runFastest }),
+  );
   const button = (words, hint) => el("button", { textContent: words, title: hint });
   const [start, pause, step, again, stop] = [
-    button(S.runStart, S.runStartHint), button(S.runPause, S.runPauseHint), button(S.runStep, S.runStepHint),
-    button(S.runAgain, S.runAgainHint), button(S.runStop, S.runStopHint),
+    button(S.runStart, S.runStartHint),
+    button(S.runPause, S.runPauseHint),
+    button(S.runStep, S.runStepHint),
+    button(S.runAgain, S.runAgainHint),
+    button(S.runStop, S.runStopHint),
   ];
   start.classList.add("main");
   start.disabled = true; // until it is known which plants there are
@@ -215,16 +239,26 @@ function formPane(store, hand, changed) {
   const said = el("p", { class: "said", role: "status" });
   const load = el("label", { class: "small" }, payload, S.runPayload);
   const along = el("span", { class: "fields" }, el("label", { class: "small" }, S.runTrajectory, trajectory), load);
-  const elsewhere = el("span", { class: "fields" }, reference.shown, suggestions, duration.shown,
-    el("label", { class: "small", title: S.runOpenEndedHint }, endless, S.runOpenEnded));
+  const elsewhere = el(
+    "span",
+    { class: "fields" },
+    reference.shown,
+    suggestions,
+    duration.shown,
+    el("label", { class: "small", title: S.runOpenEndedHint }, endless, S.runOpenEnded),
+  );
   const around = aroundLine(hand);
   const unsaved = unsavedLine(store, hand);
   const more = experimentFields(changed);
   const seed = text(S.runSeed, S.runSeedHint, 5);
   const line = el("code", { class: "command", tabIndex: 0 });
-  const details = el("details", {}, el("summary", { textContent: S.runMoreTitle }),
+  const details = el(
+    "details",
+    {},
+    el("summary", { textContent: S.runMoreTitle }),
     el("div", { class: "fields" }, ...more.shown, seed.shown),
-    el("p", { class: "small" }, `${S.runSame} `, line));
+    el("p", { class: "small" }, `${S.runSame} `, line),
+  );
   details.addEventListener("toggle", () => showLine());
   body.addEventListener("change", showLine);
   bar.append(start, pause, step, again, stop, el("label", { class: "small" }, S.runSpeed, speed), clock);
@@ -253,7 +287,11 @@ function formPane(store, hand, changed) {
     elsewhere.hidden = moves;
     load.hidden = !one.carries;
     const kept = one.trajectories.includes(trajectory.value) ? trajectory.value : one.shown;
-    refill(trajectory, one.trajectories.map((name) => [name, name]), kept);
+    refill(
+      trajectory,
+      one.trajectories.map((name) => [name, name]),
+      kept,
+    );
     reference.field.value = one.reference;
     const port = one.reference.split("=")[0];
     suggestions.replaceChildren(...S.runSignals.map((signal) => el("option", { value: `${port}=${signal}` })));
@@ -277,10 +315,17 @@ function formPane(store, hand, changed) {
       return;
     }
     if (JSON.stringify(plants) === before) return;
-    const kept = touched && plants.some((each) => each.name === plant.value) ? plant.value : news.chosen || plants[0].name;
-    plant.replaceChildren(...plants.map((each) => el("option", {
-      value: each.name, textContent: each.why ? S.runNotFitting(each.name) : each.name, title: each.why || each.summary,
-    })));
+    const kept =
+      touched && plants.some((each) => each.name === plant.value) ? plant.value : news.chosen || plants[0].name;
+    plant.replaceChildren(
+      ...plants.map((each) =>
+        el("option", {
+          value: each.name,
+          textContent: each.why ? S.runNotFitting(each.name) : each.name,
+          title: each.why || each.summary,
+        }),
+      ),
+    );
     const same = kept === plant.value && before !== "[]";
     plant.value = kept;
     if (!same || !reference.field.value) chosen(false);
@@ -288,12 +333,17 @@ function formPane(store, hand, changed) {
   }
 
   function asked() {
+    /** @type {Messages.RunWork} */
     const found = { plant: plant.value, speed: speed.value === "" ? null : Number(speed.value), ...more.asked() };
     const { trajectories, carries } = one() ?? {};
-    if (trajectories?.length) Object.assign(found, { trajectory: trajectory.value, payload: carries && payload.checked });
+    if (trajectories?.length)
+      Object.assign(found, { trajectory: trajectory.value, payload: carries && payload.checked });
     else {
       const lasts = duration.field.value.trim();
-      Object.assign(found, { reference: wordsOf(reference.field.value), [endless.checked ? "window" : "until"]: lasts });
+      Object.assign(found, {
+        reference: wordsOf(reference.field.value),
+        [endless.checked ? "window" : "until"]: lasts,
+      });
     }
     if (seed.field.value.trim()) found.seed = seed.field.value.trim();
     return found;
@@ -337,12 +387,32 @@ function formPane(store, hand, changed) {
   }
 
   note("");
-  const mark = (name, message) => markField({ reference: reference.field, duration: duration.field, ...more.inputs }, name, message);
-  return { section, start, pause, step, again, stop, speed, offer, uses: unsaved.show, asked, note, unsay, mark, running, time };
+  const mark = (name, message) =>
+    markField({ reference: reference.field, duration: duration.field, ...more.inputs }, name, message);
+  return {
+    section,
+    start,
+    pause,
+    step,
+    again,
+    stop,
+    speed,
+    offer,
+    uses: unsaved.show,
+    asked,
+    note,
+    unsay,
+    mark,
+    running,
+    time,
+  };
 }
 
 // --- Gains ---
 
+/**
+ * @param {Page.Hand} hand
+ */
 function gainPane(hand, move) {
   const { section, body } = pane("run-gains", S.runGains);
   const list = el("div", { class: "gains" });
@@ -352,17 +422,20 @@ function gainPane(hand, move) {
   list.append(el("p", { class: "note", textContent: S.runGainsNote }));
 
   /** Between 0 and 1 where a value is in its range. */
-  const share = ({ low, high, log }, value) => (log
-    ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low));
+  const share = ({ low, high, log }, value) =>
+    log ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low);
   const back = ({ low, high, log }, at) => (log ? low * (high / low) ** at : low + (high - low) * at);
 
   function open(gains) {
-    const names = JSON.stringify(gains.map(({ name, values, low, high, log }) => [name, values.length, low, high, log]));
+    const names = JSON.stringify(
+      gains.map(({ name, values, low, high, log }) => [name, values.length, low, high, log]),
+    );
     if (names !== shown) {
       shown = names;
       rows = gains.flatMap((gain) => gain.values.map((_, k) => row(gain, k)));
-      list.replaceChildren(...(rows.length ? rows.map((each) => each.shown) : [
-        el("p", { class: "note", textContent: S.runNoGains })]));
+      list.replaceChildren(
+        ...(rows.length ? rows.map((each) => each.shown) : [el("p", { class: "note", textContent: S.runNoGains })]),
+      );
     }
     for (const each of rows) {
       const gain = gains.find(({ name }) => name === each.gain.name);
@@ -375,12 +448,18 @@ function gainPane(hand, move) {
     const gain = { ...given, values: [...given.values] };
     const name = gain.values.length > 1 ? `${gain.name} ${k + 1}` : gain.name;
     const range = el("input", {
-      type: "range", min: 0, max: STEPS, step: 1, "aria-label": name,
+      type: "range",
+      min: 0,
+      max: STEPS,
+      step: 1,
+      "aria-label": name,
       oninput: () => moved(Number(back(gain, range.value / STEPS).toPrecision(4)), false),
       onchange: () => moved(Number(back(gain, range.value / STEPS).toPrecision(4)), true),
     });
     const number = el("input", {
-      type: "text", inputMode: "decimal", "aria-label": `${name}: ${S.value}`,
+      type: "text",
+      inputMode: "decimal",
+      "aria-label": `${name}: ${S.value}`,
       onchange: () => moved(Number(number.value), true),
     });
     const unit = el("span", { class: "unit", textContent: gain.unit });
@@ -434,15 +513,34 @@ function metricPane() {
     const sorted = [...FIRST, ...names.filter((name) => !FIRST.includes(name))];
     const cell = (name, output) => {
       const value = metrics[output][name];
-      return el("td", { textContent: value === null ? "–" : `${shortNumber(value)} ${units[output]?.[name] ?? ""}`.trim() });
+      return el("td", {
+        textContent: value === null ? "–" : `${shortNumber(value)} ${units[output]?.[name] ?? ""}`.trim(),
+      });
     };
     table.replaceChildren(
       el("caption", { class: "unseen", textContent: S.runMetrics }),
-      el("thead", {}, el("tr", {}, el("th", { scope: "col", textContent: S.runErrorOf }),
-        ...outputs.map((output) => el("th", { scope: "col", textContent: output })))),
-      el("tbody", {}, ...sorted.map((name) => el("tr", { class: FIRST.includes(name) ? "first" : "" },
-        el("th", { scope: "row", textContent: S.runMetric[name] ?? name, title: S.runMetricHint[name] ?? "" }),
-        ...outputs.map((output) => cell(name, output))))),
+      el(
+        "thead",
+        {},
+        el(
+          "tr",
+          {},
+          el("th", { scope: "col", textContent: S.runErrorOf }),
+          ...outputs.map((output) => el("th", { scope: "col", textContent: output })),
+        ),
+      ),
+      el(
+        "tbody",
+        {},
+        ...sorted.map((name) =>
+          el(
+            "tr",
+            { class: FIRST.includes(name) ? "first" : "" },
+            el("th", { scope: "row", textContent: S.runMetric[name] ?? name, title: S.runMetricHint[name] ?? "" }),
+            ...outputs.map((output) => cell(name, output)),
+          ),
+        ),
+      ),
     );
   }
 

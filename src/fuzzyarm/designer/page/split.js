@@ -41,7 +41,9 @@ const kept = {
     try {
       if (share === null) localStorage.removeItem(`fuzzyarm.split.${key}`);
       else localStorage.setItem(`fuzzyarm.split.${key}`, share.toFixed(4));
-    } catch { /* it is not remembered */ }
+    } catch {
+      /* it is not remembered */
+    }
   },
 };
 
@@ -55,9 +57,14 @@ export function splitter({ key, vertical, at, usual }) {
   const now = () => parseFloat(root.style.getPropertyValue(`--${key}-a`)) || null;
   let share = now() ?? kept.read(key) ?? usual;
   const handle = el("div", {
-    class: `split ${vertical ? "columns" : "rows"}`, role: "separator", tabIndex: 0, title: S.split,
-    "aria-label": S.splitOf(vertical), "aria-orientation": vertical ? "vertical" : "horizontal",
-    "aria-valuemin": Math.round(100 * LEAST_SHARE), "aria-valuemax": Math.round(100 - 100 * LEAST_SHARE),
+    class: `split ${vertical ? "columns" : "rows"}`,
+    role: "separator",
+    tabIndex: 0,
+    title: S.split,
+    "aria-label": S.splitOf(vertical),
+    "aria-orientation": vertical ? "vertical" : "horizontal",
+    "aria-valuemin": Math.round(100 * LEAST_SHARE),
+    "aria-valuemax": Math.round(100 - 100 * LEAST_SHARE),
   });
 
   function put(next, isDone = true) {
@@ -78,7 +85,8 @@ export function splitter({ key, vertical, at, usual }) {
     const gap = parseFloat(vertical ? style.columnGap : style.rowGap) || 0;
     const box = grid.getBoundingClientRect();
     const pad = parseFloat(vertical ? style.paddingLeft : style.paddingTop) || 0;
-    const start = (vertical ? box.left : box.top) + pad + sizes.slice(0, at - 1).reduce((sum, size) => sum + size + gap, 0);
+    const start =
+      (vertical ? box.left : box.top) + pad + sizes.slice(0, at - 1).reduce((sum, size) => sum + size + gap, 0);
     return [start, sizes[at - 1], sizes[at], sizes[at + 1]];
   }
 

@@ -61,8 +61,7 @@ export const shapeKey = (variable, shape) => `${variable.name}\n${shape.name}\n$
 /** Straight pieces x, y, x, y within a range, as inference has them. */
 export function piecesOf(corners, low, high) {
   const last = corners.length - 2;
-  const ends = [Math.min(low, corners[0]), corners[1], ...corners,
-    Math.max(high, corners[last]), corners[last + 1]];
+  const ends = [Math.min(low, corners[0]), corners[1], ...corners, Math.max(high, corners[last]), corners[last + 1]];
   const pieces = [];
   for (let i = 0; i + 3 < ends.length; i += 2) {
     const [x0, y0, x1, y1] = ends.slice(i, i + 4);
@@ -77,8 +76,14 @@ export function piecesOf(corners, low, high) {
 /** A number as JSON can have it, which has no infinite ones. */
 export const sendable = (x) => (Number.isFinite(x) ? x : x > 0 ? "inf" : "-inf");
 
+/**
+ * The range of a variable as it is drawn: of an unbounded one what its terms need.
+ *
+ * @param {Messages.SceneVariable} variable
+ * @returns {Page.Pair}
+ */
 export function rangeOf(variable) {
-  const known = variable.terms.flatMap((term) => term.parameters).filter(Number.isFinite);
+  const known = variable.terms.flatMap((term) => term.parameters.map(Number)).filter(Number.isFinite);
   const low = variable.low ?? Math.min(0, ...known) - 1;
   const high = variable.high ?? Math.max(1, ...known) + 1;
   return [low, high];
@@ -90,20 +95,30 @@ const evenly = ([low, high], points) =>
 export class Store {
   constructor() {
     this.listeners = {};
+    /** @type {Messages.Scene | null} */
     this.scene = null;
     this.engine = null;
     this.held = null; // { variable, engine } while a hand holds a term
     this.reshaped = new Map(); // parameters by "variable term", until the text says them
     this.busy = false; // whether a hand moves a term, or has just let go
+    /** @type {number[]} */
     this.point = [];
     this.axes = { x: 0, y: 1, output: 0 };
     this.stale = false; // whether the text has mistakes now, or nothing to be drawn
     this.sound = false; // whether the text has no mistakes
+    /** @type {Messages.Finding[]} */
     this.findings = []; // of the text that is drawn
     this.far = null; // the surface as the server computed it
     this.told = null; // what the server said of the point, where the page does not compute it
     this.view = ""; // which one is shown
+    /** @type {Messages.Diagram | null} */
     this.diagram = null; // of a controller
+    this.refused = ""; // why the server does not compute what the page does not
+    this.why = ""; // why nothing is drawn: mistakes, or something else than rules
+    /** @type {boolean | null} */
+    this.coarse = null; // whether the page computes fewer points than it draws
+    /** @type {number | null} */
+    this.cost = null; // of a point, ms
     this.asDiagram = true; // whether it is shown where there are rules as well
   }
 
@@ -115,10 +130,16 @@ export class Store {
     for (const listener of this.listeners[name] ?? []) listener();
   }
 
-  /** Take a rule base; the point and the axes stay where they fit. */
+  /**
+   * Take a rule base; the point and the axes stay where they fit.
+   *
+   * @param {Messages.Scene} scene
+   */
   show(scene) {
-    const same = this.scene && JSON.stringify(this.scene.inputs.map((v) => [v.name, v.low, v.high]))
-      === JSON.stringify(scene.inputs.map((v) => [v.name, v.low, v.high]));
+    const same =
+      this.scene &&
+      JSON.stringify(this.scene.inputs.map((v) => [v.name, v.low, v.high])) ===
+        JSON.stringify(scene.inputs.map((v) => [v.name, v.low, v.high]));
     for (const variable of [...scene.inputs, ...scene.outputs]) {
       for (const term of variable.terms) {
         for (const shape of sidesOf(term)) {
@@ -150,7 +171,11 @@ export class Store {
     this.emit("scene");
   }
 
-  /** Take the block diagram of a controller, or that there is none. */
+  /**
+   * Take the block diagram of a controller, or that there is none.
+   *
+   * @param {Messages.Diagram | null} diagram
+   */
   draw(diagram) {
     this.diagram = diagram;
     if (diagram) this.stale = false;
@@ -333,7 +358,10 @@ export class Store {
     const share = ((this.point[other] - lines[0]) / (lines[n - 1] - lines[0])) * (n - 1);
     const low = Math.min(n - 2, Math.max(0, Math.floor(share)));
     const value = (i, k) => (other === x ? found.z[i * n + k] : found.z[k * n + i]);
-    const z = Float64Array.from({ length: n }, (_, i) => value(i, low) + (share - low) * (value(i, low + 1) - value(i, low)));
+    const z = Float64Array.from(
+      { length: n },
+      (_, i) => value(i, low) + (share - low) * (value(i, low + 1) - value(i, low)),
+    );
     return { xs: input === x ? found.xs : found.ys, z };
   }
 

@@ -46,11 +46,16 @@ export const S = {
   newFile: "New file …",
   importFile: "Import …",
   importHint: "Rule bases and tables of other programs: drop them anywhere on this page",
-  onlyOne: "The designer has one file open; open its folder to write others. What is dropped takes the place of the text.",
+  onlyOne:
+    "The designer has one file open; open its folder to write others. What is dropped takes the place of the text.",
   emptyFolder: "This folder has no rule base yet",
   emptyHint: "Begin with one of these; everything in it can be changed, by hand or in its text.",
   startTitles: {
-    blank: "Blank", pd: "Two inputs, PD", pi: "Two inputs, PI", single: "One input", controller: "Controller",
+    blank: "Blank",
+    pd: "Two inputs, PD",
+    pi: "Two inputs, PI",
+    single: "One input",
+    controller: "Controller",
   },
   startNames: { blank: "blank.frb", pd: "pd.frb", pi: "pi.frb", single: "single.frb", controller: "controller.frb" },
   around: "rule base",
@@ -74,8 +79,10 @@ export const S = {
   usedBy: (names) => `It is used by ${names}.`,
   unsavedGoes: "What is not saved goes with it.",
   deleteForGood: "The file is deleted for good.",
-  noScripts: "A script is not run from a page. fuzzyarm convert SCRIPT.py -o FOLDER runs it; the page shows what it makes.",
-  tooLarge: (bytes, most) => `The file has ${bytes} bytes; at most ${most} are taken here. fuzzyarm convert has no such limit.`,
+  noScripts:
+    "A script is not run from a page. fuzzyarm convert SCRIPT.py -o FOLDER runs it; the page shows what it makes.",
+  tooLarge: (bytes, most) =>
+    `The file has ${bytes} bytes; at most ${most} are taken here. fuzzyarm convert has no such limit.`,
   converting: (name) => `${name} is converted …`,
   notRead: (why) => `It cannot be read; a folder cannot be imported. (${why})`,
   notImported: (name) => `${name} is not imported`,
@@ -87,20 +94,47 @@ export const S = {
 
   exports: "Export",
   exportsNote: "Of the text as it is now, saved or not; the files that a controller uses are taken as they are saved.",
-  exportGroups: { programs: "Program", tables: "Table", pictures: "Picture", pages: "Page", others: "For other programs" },
+  exportGroups: {
+    programs: "Program",
+    tables: "Table",
+    pictures: "Picture",
+    pages: "Page",
+    others: "For other programs",
+  },
   exportKinds: {
-    ".h": "C header", ".c": "C, two files", ".st": "Structured Text", ".fmu": "FMU", ".mjs": "JavaScript",
-    ".lut": "Table .lut", ".csv": "CSV", ".tex": "LaTeX", ".json": "JSON", ".npz": "NumPy", ".png": "PNG", ".svg": "SVG",
-    ".html": "Page without a server", ".fis": "FIS", ".fll": "FLL", ".fcl": "FCL",
+    ".h": "C header",
+    ".c": "C, two files",
+    ".st": "Structured Text",
+    ".fmu": "FMU",
+    ".mjs": "JavaScript",
+    ".lut": "Table .lut",
+    ".csv": "CSV",
+    ".tex": "LaTeX",
+    ".json": "JSON",
+    ".npz": "NumPy",
+    ".png": "PNG",
+    ".svg": "SVG",
+    ".html": "Page without a server",
+    ".fis": "FIS",
+    ".fll": "FLL",
+    ".fcl": "FCL",
   },
   exportTitle: (kind, name) => `${kind} of ${name}`,
   exportNow: "Export",
   exported: "done",
   download: (name, bytes) => `${name}, ${bytes} bytes`,
   options: {
-    way: "inference", output: "output", levels: "levels", mode: "looked up by", q: "numbers of the table",
-    precision: "precision", name: "names begin with", tolerance: "smallest within", round: "rounded to",
-    fmi: "version of FMI", what: "what is drawn",
+    way: "inference",
+    output: "output",
+    levels: "levels",
+    mode: "looked up by",
+    q: "numbers of the table",
+    precision: "precision",
+    name: "names begin with",
+    tolerance: "smallest within",
+    round: "rounded to",
+    fmi: "version of FMI",
+    what: "what is drawn",
   },
   levelsHint: "49, or -6 .. 6 step 1, or e = 49, ce = 25",
   nameHint: "the name of the file",
@@ -125,8 +159,8 @@ export const S = {
   provedSoFar: (done, all) => `${done} of ${all} cells proved …`,
   provedAll: "Every cell is proved: between the points, too, its error is not larger.",
   worstAt: (output, mode, where, table, direct, difference, proved) =>
-    `Worst by ${mode}: at ${where} the table has ${output} = ${table}, the rules ${direct}: ${difference} apart. `
-    + (proved === null ? "This is the largest of many points, and not proved." : `Proved: nowhere more than ${proved}.`),
+    `Worst by ${mode}: at ${where} the table has ${output} = ${table}, the rules ${direct}: ${difference} apart. ` +
+    (proved === null ? "This is the largest of many points, and not proved." : `Proved: nowhere more than ${proved}.`),
   errorTitle: (output, mode, held) => `${output} by ${mode}${held ? `, ${held}` : ""}`,
 
   compare: "Compare",
@@ -154,8 +188,10 @@ export const S = {
   help: [
     {
       title: "Everywhere",
-      words: ["The text on the left is what counts: whatever you drag, choose or add is an edit of it, and one step back undoes it. "
-        + "Borders between panes can be dragged."],
+      words: [
+        "The text on the left is what counts: whatever you drag, choose or add is an edit of it, and one step back undoes it. " +
+          "Borders between panes can be dragged.",
+      ],
       rows: [
         ["? or F1", "this help (? where nothing is typed)"],
         ["F6 or Shift+F6", "to the next pane, or to the one before; Tab goes on within it"],
@@ -176,9 +212,12 @@ export const S = {
       ],
     },
     {
-      title: "Design: terms", view: "design",
-      words: ["Drag a circle to move a corner, a diamond to change a width, the name to move a whole term. A term that is chosen shows "
-        + "its kind and its numbers below, to be typed. Above each plot: another term, the range, another name, remove it."],
+      title: "Design: terms",
+      view: "design",
+      words: [
+        "Drag a circle to move a corner, a diamond to change a width, the name to move a whole term. A term that is chosen shows " +
+          "its kind and its numbers below, to be typed. Above each plot: another term, the range, another name, remove it.",
+      ],
       rows: [
         ["Tab", "from handle to handle"],
         ["← →", "move the handle; with Ctrl ten steps"],
@@ -187,22 +226,51 @@ export const S = {
       ],
     },
     {
-      title: "Design: rules, surface, inference", view: "design",
-      words: ["A cell of the grid is a list. The name of a row or a column leads to what is done with it. Methods opens to the lists of "
-        + "and, or, implication, aggregation and defuzzifier.",
-      "A click in the contour, or a slider, moves the point. Rules that fire there are framed; they are called by their place in the text."],
+      title: "Design: rules, surface, inference",
+      view: "design",
+      words: [
+        "A cell of the grid is a list. The name of a row or a column leads to what is done with it. Methods opens to the lists of " +
+          "and, or, implication, aggregation and defuzzifier.",
+        "A click in the contour, or a slider, moves the point. Rules that fire there are framed; they are called by their place in the text.",
+      ],
       rows: [["← → ↑ ↓", "turn the surface, or move the point in a contour, a line or a section"]],
     },
     {
-      title: "Run", view: "run",
-      words: ["A controller on a plant. The run stands at its time with all of it in view; Go on, or a push, takes it further. "
-        + "What is changed then is run from the start."],
-      rows: [["Space", "pause and go on, in the picture"], ["← → ↑ ↓", "push the plant, in the picture; with Shift harder"]],
+      title: "Run",
+      view: "run",
+      words: [
+        "A controller on a plant. The run stands at its time with all of it in view; Go on, or a push, takes it further. " +
+          "What is changed then is run from the start.",
+      ],
+      rows: [
+        ["Space", "pause and go on, in the picture"],
+        ["← → ↑ ↓", "push the plant, in the picture; with Shift harder"],
+      ],
     },
-    { title: "Table", view: "table", words: ["How far a lookup table is from the rules; of a .lut file its cells."], rows: [["← → ↑ ↓", "from cell to cell"]] },
-    { title: "Learn and Tune", view: "tune", words: ["A table that learns while it runs; a search for better numbers, with its report."], rows: [] },
-    { title: "Compare", view: "compare", words: ["The file beside another one: surfaces, and what differs in meaning."], rows: [] },
-    { title: "Files", view: "files", words: ["New files, copies, other names, imports and exports. Files can be dropped anywhere."], rows: [["↑ ↓", "from name to name"]] },
+    {
+      title: "Table",
+      view: "table",
+      words: ["How far a lookup table is from the rules; of a .lut file its cells."],
+      rows: [["← → ↑ ↓", "from cell to cell"]],
+    },
+    {
+      title: "Learn and Tune",
+      view: "tune",
+      words: ["A table that learns while it runs; a search for better numbers, with its report."],
+      rows: [],
+    },
+    {
+      title: "Compare",
+      view: "compare",
+      words: ["The file beside another one: surfaces, and what differs in meaning."],
+      rows: [],
+    },
+    {
+      title: "Files",
+      view: "files",
+      words: ["New files, copies, other names, imports and exports. Files can be dropped anywhere."],
+      rows: [["↑ ↓", "from name to name"]],
+    },
   ],
   split: "Drag it, or move it with the arrow keys; Enter or a double click puts it back",
   splitOf: (vertical) => (vertical ? "Width of the panes beside" : "Height of the panes above and below"),
@@ -242,7 +310,8 @@ export const S = {
   renameDots: "Rename …",
   renameVariable: "Give it another name, wherever it stands",
   removeVariable: (name) => `Remove ${name}`,
-  removeVariableNote: "Its terms go with it, and the rules, grids, expectations and properties that name it. One step back undoes it.",
+  removeVariableNote:
+    "Its terms go with it, and the rules, grids, expectations and properties that name it. One step back undoes it.",
   removeVariableHint: "Remove it with all that names it",
   noVariables: "There is no variable yet: add the inputs and outputs of the rule base.",
   methods: "Methods",
@@ -251,7 +320,11 @@ export const S = {
   gridHint: "Add a grid of rules over one input or two",
   concludes: "concludes",
   oneRow: "(one row)",
-  fills: [["rising", "rising with the inputs"], ["falling", "falling with the inputs"], ["empty", "empty"]],
+  fills: [
+    ["rising", "rising with the inputs"],
+    ["falling", "falling with the inputs"],
+    ["empty", "empty"],
+  ],
   removeGrid: (output) => `Remove the grid of ${output}`,
   removeRow: (term) => `Remove the row ${term}`,
   removeColumn: (term) => `Remove the column ${term}`,
@@ -271,9 +344,7 @@ export const S = {
   ifWord: "if",
   thenWord: "then",
   noRulesYet: "There are no rules yet.",
-  missing: {
-    "no-inputs": "an input", "no-outputs": "an output", "no-rules": "rules",
-  },
+  missing: { "no-inputs": "an input", "no-outputs": "an output", "no-rules": "rules" },
   notYet: (parts) => `Nothing to draw yet: the rule base needs ${parts.join(", ")}.`,
   remove: "Remove",
   range: "Range …",
@@ -321,14 +392,18 @@ export const S = {
   run: "Run",
   runPlant: "Plant",
   runNotFitting: (name) => `${name} (does not fit)`,
-  aloneRuns: (name, onArm) => `${name} is a rule base, not a controller: nothing in it says what its inputs measure and what its output drives.`
-    + (onArm ? " As error and rate of its joints the arm takes the rules as they are; for any other plant a controller goes around them." : " A controller goes around it."),
+  aloneRuns: (name, onArm) =>
+    `${name} is a rule base, not a controller: nothing in it says what its inputs measure and what its output drives.` +
+    (onArm
+      ? " As error and rate of its joints the arm takes the rules as they are; for any other plant a controller goes around them."
+      : " A controller goes around it."),
   makeAround: "Make a controller …",
   aroundTitle: (name) => `A controller around ${name}`,
   aroundName: (name) => name.replace(/(\.[^.]*)?$/, "-controller.frb"),
-  unsavedUsed: (names) => (names.length === 1
-    ? `${names[0]} has unsaved changes; the run uses the saved version.`
-    : `${names.join(", ")} have unsaved changes; the run uses the saved versions.`),
+  unsavedUsed: (names) =>
+    names.length === 1
+      ? `${names[0]} has unsaved changes; the run uses the saved version.`
+      : `${names.join(", ")} have unsaved changes; the run uses the saved versions.`,
   saveFile: (name) => `Save ${name}`,
   copyHere: (name) => `Copy ${name} here`,
   copyHereHint: "It comes with fuzzyarm; a copy in this folder can be changed",
@@ -337,7 +412,8 @@ export const S = {
   canRun: "These can run:",
   runFitsNone: "The text controls none of these plants.",
   runReference: "Reference",
-  runReferenceHint: "PORT=SIGNAL, as in position=step:1; several with blanks between: step:TO,AT,FROM  ramp:RATE  sine:AMPLITUDE,HERTZ  quintic:TO,SECONDS  FILE.csv",
+  runReferenceHint:
+    "PORT=SIGNAL, as in position=step:1; several with blanks between: step:TO,AT,FROM  ramp:RATE  sine:AMPLITUDE,HERTZ  quintic:TO,SECONDS  FILE.csv",
   runSignals: ["step:1", "step:1,0.5", "ramp:0.5", "sine:1,0.5", "quintic:1,2"],
   runFor: "For",
   runForHint: "How long, as in 2s, 500ms, 1h",
@@ -366,16 +442,19 @@ export const S = {
   runNextTime: "This counts from the next start on.",
   runTaken: "The text of now runs.",
   runRestart: "The text has another structure now: Restart runs it.",
-  runReached: ({ at }) => `${at} s, the time asked for. 'Go on' continues, and so does a push of the plant; what is changed now is run from the start.`,
+  runReached: ({ at }) =>
+    `${at} s, the time asked for. 'Go on' continues, and so does a push of the plant; what is changed now is run from the start.`,
   runOver: {
     finished: ({ at }) => `Finished at ${at} s.`,
     ended: ({ at }) => `The plant ended the run at ${at} s.`,
-    diverged: ({ at, port, value, bound, unit }) => (port
-      ? `Diverged: stopped at ${at} s with ${port} ${value === null ? "not a number" : `at ${value} ${unit}`}, beyond its bound of ${bound} ${unit}.`
-      : `Diverged: stopped at ${at} s.`),
+    diverged: ({ at, port, value, bound, unit }) =>
+      port
+        ? `Diverged: stopped at ${at} s with ${port} ${value === null ? "not a number" : `at ${value} ${unit}`}, beyond its bound of ${bound} ${unit}.`
+        : `Diverged: stopped at ${at} s.`,
   },
   runPicture: "Plant",
-  runPictureLabel: "Picture of the plant. Drag it with the mouse to push it, or hold the arrow keys (with Shift harder); space pauses.",
+  runPictureLabel:
+    "Picture of the plant. Drag it with the mouse to push it, or hold the arrow keys (with Shift harder); space pauses.",
   runPulled: ([x, y]) => `push ${Math.round(100 * x)} % →, ${Math.round(100 * y)} % ↑`,
   runNotYet: "Start runs the text on the plant.",
   runNoPicture: "This plant has no picture; it can be pushed here.",
@@ -392,21 +471,33 @@ export const S = {
   runErrorOf: "error of",
   runMetric: { saturated: "saturated share", variation: "variation per second" },
   runMetricHint: {
-    rms: "root mean square of the error", max: "error of largest magnitude", final: "last error",
+    rms: "root mean square of the error",
+    max: "error of largest magnitude",
+    final: "last error",
     chatter: "root mean square of the change of the drive from period to period",
-    settling: "until the error stays within 2 % of a step", rise: "from 10 to 90 % of a step",
-    effort: "root mean square of the drives", saturated: "share of the samples with a drive at a limit",
+    settling: "until the error stays within 2 % of a step",
+    rise: "from 10 to 90 % of a step",
+    effort: "root mean square of the drives",
+    saturated: "share of the samples with a drive at a limit",
   },
   runMoreTitle: "Sensors, drives, disturbances",
   runMore: {
-    connect: "Connect", noise: "Noise", quantise: "Resolution", sensor_delay: "Sensor delay",
-    difference: "Rate by difference", actuator: "Actuator", disturb: "Disturb",
+    connect: "Connect",
+    noise: "Noise",
+    quantise: "Resolution",
+    sensor_delay: "Sensor delay",
+    difference: "Rate by difference",
+    actuator: "Actuator",
+    disturb: "Disturb",
   },
   runMoreHint: {
     connect: "NAME=PORT: a name of the controller is a port of the plant",
-    noise: "PORT=DEVIATION: white noise of a sensor", quantise: "PORT=STEP: resolution of a sensor, as in 0.001 or 12bit",
-    sensor_delay: "PORT=TIME, as in position=3ms", difference: "PORT=TIME: form a rate by difference, with a filter",
-    actuator: "INPUT=LOW..HIGH or INPUT=LOW..HIGH,SLEW", disturb: "INPUT=SIGNAL: added to a drive, as in voltage=step:-2,1",
+    noise: "PORT=DEVIATION: white noise of a sensor",
+    quantise: "PORT=STEP: resolution of a sensor, as in 0.001 or 12bit",
+    sensor_delay: "PORT=TIME, as in position=3ms",
+    difference: "PORT=TIME: form a rate by difference, with a filter",
+    actuator: "INPUT=LOW..HIGH or INPUT=LOW..HIGH,SLEW",
+    disturb: "INPUT=SIGNAL: added to a drive, as in voltage=step:-2,1",
   },
   runSeed: "Seed",
   runSeedHint: "Of noise and disturbance",
@@ -459,15 +550,18 @@ export const S = {
   pass: "pass",
   rms: (unit) => `RMS error${unit ? `, ${unit}` : ""}`,
   noTraining: "Nothing has been learned yet.",
-  tableLabel: (axis, table, count) => `Table of ${axis}: ${table.visited} of ${count} cells visited, `
-    + `${table.changed} changed, values from ${Math.min(...table.values)} to ${Math.max(...table.values)}. `
-    + "Arrow keys read the cells; those that were never visited are hatched.",
-  visitsLabel: (axis, most) => `How often each cell of ${axis} was used, ${most} times at most. Arrow keys read the cells.`,
-  errorsLabel: (errors, begin, news) => (errors.length
-    ? `RMS error after ${errors.length} passes: ${news.words}; at first ${errors[0].map((x) => x.toPrecision(3)).join(" and ")}.`
-    : "No pass is over yet."),
-  cell: (place, value, visits) => (visits
-    ? `${place}: ${value}, used ${visits} ${visits === 1 ? "time" : "times"}` : `${place}: ${value}, never used`),
+  tableLabel: (axis, table, count) =>
+    `Table of ${axis}: ${table.visited} of ${count} cells visited, ` +
+    `${table.changed} changed, values from ${Math.min(...table.values)} to ${Math.max(...table.values)}. ` +
+    "Arrow keys read the cells; those that were never visited are hatched.",
+  visitsLabel: (axis, most) =>
+    `How often each cell of ${axis} was used, ${most} times at most. Arrow keys read the cells.`,
+  errorsLabel: (errors, begin, news) =>
+    errors.length
+      ? `RMS error after ${errors.length} passes: ${news.words}; at first ${errors[0].map((x) => x.toPrecision(3)).join(" and ")}.`
+      : "No pass is over yet.",
+  cell: (place, value, visits) =>
+    visits ? `${place}: ${value}, used ${visits} ${visits === 1 ? "time" : "times"}` : `${place}: ${value}, never used`,
   tune: "Tune",
   cost: "Cost",
   costHint: "A formula of metrics, such as rms + 0.002*chatter, overshoot, settling, iae, effort, variation",
@@ -475,7 +569,8 @@ export const S = {
   scenarios: "Scenarios",
   scenariosHint: "Tune on so many: the named ones, then drawn ones",
   vary: "Vary",
-  varyHint: "NAME=A..B: what differs from drawn scenario to drawn scenario, as in J=0.005..0.03; several with blanks between",
+  varyHint:
+    "NAME=A..B: what differs from drawn scenario to drawn scenario, as in J=0.005..0.03; several with blanks between",
   needsConnect: (name) => `${name} (other axes)`,
   asCompared: "the usual ones",
   testedOn: "Judged by",
@@ -507,32 +602,45 @@ export const S = {
   whatMoves: ({ says, parameters, why, loop, plants, samples }) => {
     if (why) return `${why[0].toUpperCase()}${why.slice(1)}.`;
     const names = parameters.length > 6 ? `${parameters.length} numbers` : parameters.join(", ");
-    const where = loop && !plants.some((each) => each.fits) ? " No plant here has its axes; names can be joined to ports."
-      : !loop && !samples.length ? " A rule base alone is fitted to samples: there is no .csv file in this folder." : "";
-    return `${says ? `What may move, as the text says: ${names}.`
-      : `The text has no tune block and no gain with a range, so all peaks move that can: ${names}.`}${where}`;
+    const where =
+      loop && !plants.some((each) => each.fits)
+        ? " No plant here has its axes; names can be joined to ports."
+        : !loop && !samples.length
+          ? " A rule base alone is fitted to samples: there is no .csv file in this folder."
+          : "";
+    return `${
+      says
+        ? `What may move, as the text says: ${names}.`
+        : `The text has no tune block and no gain with a range, so all peaks move that can: ${names}.`
+    }${where}`;
   },
-  searching: (phase, count, best, evals) => (phase === "linear"
-    ? `The linear PD is tuned on the same: ${count} trials.`
-    : `${count} of ${evals} trials; the best costs ${best === null ? "nothing known" : best.toPrecision(4)}.`),
+  searching: (phase, count, best, evals) =>
+    phase === "linear"
+      ? `The linear PD is tuned on the same: ${count} trials.`
+      : `${count} of ${evals} trials; the best costs ${best === null ? "nothing known" : best.toPrecision(4)}.`,
   stopped: (report) => `Stopped after ${report.trials} trials; the best is kept.`,
   tuned: (report) => `${report.trials} trials in ${report.seconds.toFixed(1)} s.`,
-  searchState: (count, best, seconds) => `${count} trials, ${seconds.toFixed(0)} s, best ${best === null ? "–" : best.toPrecision(4)}`,
+  searchState: (count, best, seconds) =>
+    `${count} trials, ${seconds.toFixed(0)} s, best ${best === null ? "–" : best.toPrecision(4)}`,
   costOfTrials: "Cost of the trials",
   trials: "trials",
   best: "best so far",
   linearPd: "linear PD",
-  costLabel: (count, best) => (count
-    ? `Cost of ${count} trials; the best so far costs ${best === null ? "nothing known" : best.toPrecision(4)}.` : "No trial yet."),
+  costLabel: (count, best) =>
+    count
+      ? `Cost of ${count} trials; the best so far costs ${best === null ? "nothing known" : best.toPrecision(4)}.`
+      : "No trial yet.",
   numbersThatMove: "Numbers that move, between their bounds",
-  numberLabel: (name, value, [low, high, start]) => `${name}: ${value}, between ${low} and ${high}; ${start} in the file`,
+  numberLabel: (name, value, low, high, start) => `${name}: ${value}, between ${low} and ${high}; ${start} in the file`,
   inTheFile: "in the file",
   more: (count) => `… and ${count} more.`,
   noSearch: "Nothing is being searched.",
   whatCameOfIt: "What came of it",
   waiting: "The report comes when the search is over.",
-  noReport: "Start a search; its report stands here: cost on what it was tuned on, on unseen scenarios and with noise, and what changed.",
-  costs: (report) => `${report.cost}, ${report.over} of ${report.scenarios.length === 1 ? "1 scenario" : `${report.scenarios.length} scenarios`}`,
+  noReport:
+    "Start a search; its report stands here: cost on what it was tuned on, on unseen scenarios and with noise, and what changed.",
+  costs: (report) =>
+    `${report.cost}, ${report.over} of ${report.scenarios.length === 1 ? "1 scenario" : `${report.scenarios.length} scenarios`}`,
   sets: { train: "train", unseen: "unseen", noisy: "noisy" },
   rmsOf: (set) => `rms (${set})`,
   chatterOf: (set) => `chatter (${set})`,
@@ -541,7 +649,8 @@ export const S = {
   difference: "The lines that differ",
   takeIt: "Take it",
   takeItHint: "Write the new numbers into the text; one step back undoes it",
-  taken: (written) => `The text has the new numbers; one step back undoes them.${written.length ? ` ${written.join(", ")} is written.` : ""}`,
+  taken: (written) =>
+    `The text has the new numbers; one step back undoes them.${written.length ? ` ${written.join(", ")} is written.` : ""}`,
   notTaken: "The text has changed in the same lines meanwhile.",
   notDrawn: "The text has mistakes; nothing has been drawn yet.",
   noRules: "Pictures are drawn of rule bases and controllers. The cells of a table stand in the view Table.",

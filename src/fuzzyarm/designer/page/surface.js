@@ -4,15 +4,13 @@
 // on a plain canvas. That needs neither a library nor a graphics processor, halves the time of a
 // frame against as many paths, and prints as it looks.
 
-import {
-  choice, clean, colourOf, context, drawAxes, eachFrame, el, pane, SHADES, shortNumber, ticks,
-} from "./draw.js";
+import { choice, clean, colourOf, context, drawAxes, eachFrame, el, pane, SHADES, shortNumber, ticks } from "./draw.js";
 import { rangeOf } from "./store.js";
 import { S } from "./strings.js";
 
 const LEVELS = 9;
-const packed = (share) => SHADES.map(([r, g, b]) =>
-  ((255 << 24) | ((b * share) << 16) | ((g * share) << 8) | (r * share)) >>> 0);
+const packed = (share) =>
+  SHADES.map(([r, g, b]) => ((255 << 24) | ((b * share) << 16) | ((g * share) << 8) | (r * share)) >>> 0);
 const FILLS = Uint32Array.from(packed(1));
 const DARKER = Uint32Array.from(packed(0.87)); // of the mesh
 const MESH = 6;
@@ -33,12 +31,19 @@ function fillTriangle(pixels, width, height, x0, y0, x1, y1, x2, y2, colour) {
   }
 }
 
+/**
+ * @param {Page.Store} store
+ */
 export function surfacePane(store, { start }) {
   const { section, bar, body } = pane("surface", S.surface);
   const canvas = el("canvas", { tabIndex: 0, role: "img" });
   const main = el("div", { class: "main" }, canvas);
   const line = el("canvas", { tabIndex: 0, role: "img" });
-  const cutSlider = el("input", { type: "range", step: "any", oninput: () => store.setPoint(cutInput(), Number(cutSlider.value)) });
+  const cutSlider = el("input", {
+    type: "range",
+    step: "any",
+    oninput: () => store.setPoint(cutInput(), Number(cutSlider.value)),
+  });
   const cutLabel = el("label", { class: "small" }, el("span"), cutSlider);
   const below = el("div", { class: "below", hidden: true }, cutLabel, el("div", { class: "line" }, line));
   const others = el("div", { class: "others" });
@@ -77,15 +82,25 @@ export function surfacePane(store, { start }) {
       bar.append(choice(S.shown, shown, String(store.axes.output), (i) => pick({ output: Number(i) })));
     }
     if (inputs.length > 1) {
-      const views = [["solid", S.solid], ["contour", S.contour]];
-      const cuts = [["", S.noCut], ["x", inputs[store.axes.x].name], ["y", inputs[store.axes.y].name]];
-      bar.append(choice(S.view, views, flat ? "contour" : "solid", (view) => {
-        flat = view === "contour";
-        redraw();
-      }), choice(S.cut, cuts, cut, (axis) => {
-        cut = axis;
-        prepare();
-      }));
+      const views = [
+        ["solid", S.solid],
+        ["contour", S.contour],
+      ];
+      const cuts = [
+        ["", S.noCut],
+        ["x", inputs[store.axes.x].name],
+        ["y", inputs[store.axes.y].name],
+      ];
+      bar.append(
+        choice(S.view, views, flat ? "contour" : "solid", (view) => {
+          flat = view === "contour";
+          redraw();
+        }),
+        choice(S.cut, cuts, cut, (axis) => {
+          cut = axis;
+          prepare();
+        }),
+      );
     } else cut = "";
     bar.querySelectorAll("select")[focused]?.focus();
     prepare();
@@ -102,14 +117,25 @@ export function surfacePane(store, { start }) {
       const [low, high] = rangeOf(inputs[cutInput()]);
       Object.assign(cutSlider, { min: low, max: high, step: (high - low) / 400 });
     }
-    sliders = inputs.map((variable, i) => [variable, i]).filter(([, i]) => i !== store.axes.x && i !== store.axes.y)
+    sliders = inputs
+      .map((variable, i) => /** @type {const} */ ([variable, i]))
+      .filter(([, i]) => i !== store.axes.x && i !== store.axes.y)
       .map(([variable, i]) => {
         const [low, high] = rangeOf(variable);
         const range = el("input", {
-          type: "range", min: low, max: high, step: (high - low) / 400, oninput: () => store.setPoint(i, Number(range.value)),
+          type: "range",
+          min: low,
+          max: high,
+          step: (high - low) / 400,
+          oninput: () => store.setPoint(i, Number(range.value)),
         });
         const said = el("output", {});
-        return { i, range, said, label: el("label", { class: "small" }, el("span", { textContent: variable.name }), range, said) };
+        return {
+          i,
+          range,
+          said,
+          label: el("label", { class: "small" }, el("span", { textContent: variable.name }), range, said),
+        };
       });
     others.replaceChildren(...sliders.map(({ label }) => label));
     redraw();
@@ -127,7 +153,13 @@ export function surfacePane(store, { start }) {
     const { scene, axes } = store;
     if (!scene || !size.width) return;
     if (scene.missing.length) {
-      nothing(S.notYet(Object.keys(S.missing).filter((name) => scene.missing.includes(name)).map((name) => S.missing[name])));
+      nothing(
+        S.notYet(
+          Object.keys(S.missing)
+            .filter((name) => scene.missing.includes(name))
+            .map((name) => S.missing[name]),
+        ),
+      );
       return;
     }
     const [x, y] = [scene.inputs[axes.x], scene.inputs[axes.y]];
@@ -147,8 +179,8 @@ export function surfacePane(store, { start }) {
       return;
     }
     const [low, high] = limits(found.z, output);
-    const picture = { g, width, height, found, low, high, x, y, output };
-    if (cut) picture.section = store.section(otherInput());
+    const section = cut ? store.section(otherInput()) : null;
+    const picture = { g, width, height, found, low, high, x, y, output, section };
     if (x === y) drawLine(picture);
     else if (flat) drawContour(picture);
     else drawSolid(picture);
@@ -274,8 +306,12 @@ export function surfacePane(store, { start }) {
     g.fillStyle = g.strokeStyle = colourOf("--lit");
     g.globalAlpha = 0.12;
     g.beginPath();
-    [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]].forEach(([along, w], i) =>
-      (i ? g.lineTo(...corner(along, w)) : g.moveTo(...corner(along, w))));
+    [
+      [-0.5, -0.5],
+      [0.5, -0.5],
+      [0.5, 0.5],
+      [-0.5, 0.5],
+    ].forEach(([along, w], i) => (i ? g.lineTo(...corner(along, w)) : g.moveTo(...corner(along, w))));
     g.closePath();
     g.fill();
     g.globalAlpha = 1;
@@ -287,7 +323,7 @@ export function surfacePane(store, { start }) {
     let down = false;
     section?.z.forEach((value, i) => {
       const spot = corner(place(other, section.xs[i]) - 0.5, (value - low) / (high - low) - 0.5);
-      if (Number.isFinite(value)) (down ? g.lineTo(...spot) : g.moveTo(...spot));
+      if (Number.isFinite(value)) down ? g.lineTo(...spot) : g.moveTo(...spot);
       down = Number.isFinite(value);
     });
     g.stroke();
@@ -318,7 +354,12 @@ export function surfacePane(store, { start }) {
     g.font = "11px system-ui, sans-serif";
     g.textAlign = "center";
     g.lineWidth = 1;
-    const base = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]].map(([u, v]) => project(u, v, -0.5));
+    const base = [
+      [-0.5, -0.5],
+      [0.5, -0.5],
+      [0.5, 0.5],
+      [-0.5, 0.5],
+    ].map(([u, v]) => project(u, v, -0.5));
     g.beginPath();
     base.forEach((at, i) => (i ? g.lineTo(...at) : g.moveTo(...at)));
     g.closePath();
@@ -353,7 +394,10 @@ export function surfacePane(store, { start }) {
   // --- the contour ---
 
   const box = (width, height) => ({
-    left: 44, top: 10, wide: width - (store.axes.x === store.axes.y ? 56 : 104), tall: height - 48,
+    left: 44,
+    top: 10,
+    wide: width - (store.axes.x === store.axes.y ? 56 : 104),
+    tall: height - 48,
   });
 
   function drawContour({ g, width, height, found, low, high, x, y }) {

@@ -7,7 +7,12 @@ import { S } from "./strings.js";
 /** Whether a file, by its name, is a table. */
 export const isTable = (name) => /\.lut$/i.test(name);
 
-/** The cells of a table, page by page; a cell leads to its number in the text. */
+/**
+ * The cells of a table, page by page; a cell leads to its number in the text.
+ *
+ * @param {Page.Store} store
+ * @param {Page.Hand} hand
+ */
 function cellsPane(store, hand) {
   const { section, bar, body } = pane("cells", S.cells);
   let page = [];
@@ -32,22 +37,43 @@ function cellsPane(store, hand) {
     const outer = table.axes.slice(0, -2);
     outer.forEach((axis, k) => {
       const levels = axis.levels.map((x, i) => [String(i), shortNumber(x, 6)]);
-      bar.append(choice(axis.name, levels, String(page[k]), (i) => {
-        page = page.with(k, Number(i));
-        look();
-      }));
+      bar.append(
+        choice(axis.name, levels, String(page[k]), (i) => {
+          page = page.with(k, Number(i));
+          look();
+        }),
+      );
     });
     body.replaceChildren(words(table), grid(table));
   }
 
   function words(table) {
-    const axes = table.axes.map((axis) => S.axisLevels(axis.name, axis.levels.length,
-      shortNumber(axis.levels[0], 6), shortNumber(axis.levels.at(-1), 6), axis.bins));
-    const thin = table.columns.length < table.axes.at(-1).levels.length || table.rows.length < (table.axes.at(-2)?.levels.length ?? 1);
-    return el("p", { class: "note", textContent: [
-      S.tableOf(table.output, table.cells, table.mode), table.description, ...axes, thin ? S.thinned : "",
-      ...table.says.filter(([key]) => key === "source" || key.startsWith("error")).map(([key, value]) => `${key}: ${value}`),
-    ].filter(Boolean).join(" · ") });
+    const axes = table.axes.map((axis) =>
+      S.axisLevels(
+        axis.name,
+        axis.levels.length,
+        shortNumber(axis.levels[0], 6),
+        shortNumber(axis.levels.at(-1), 6),
+        axis.bins,
+      ),
+    );
+    const thin =
+      table.columns.length < table.axes.at(-1).levels.length ||
+      table.rows.length < (table.axes.at(-2)?.levels.length ?? 1);
+    return el("p", {
+      class: "note",
+      textContent: [
+        S.tableOf(table.output, table.cells, table.mode),
+        table.description,
+        ...axes,
+        thin ? S.thinned : "",
+        ...table.says
+          .filter(([key]) => key === "source" || key.startsWith("error"))
+          .map(([key, value]) => `${key}: ${value}`),
+      ]
+        .filter(Boolean)
+        .join(" · "),
+    });
   }
 
   function grid(table) {
@@ -55,20 +81,30 @@ function cellsPane(store, hand) {
     const down = table.axes.at(-2);
     const corner = down ? `${down.name} \\ ${across.name}` : across.name;
     const head = el("tr", {}, el("th", { scope: "col", textContent: corner }));
-    for (const j of table.columns) head.append(el("th", { scope: "col", textContent: shortNumber(across.levels[j], 5) }));
+    for (const j of table.columns)
+      head.append(el("th", { scope: "col", textContent: shortNumber(across.levels[j], 5) }));
     const rows = table.rows.map((i, k) => {
       const label = down ? shortNumber(down.levels[i], 5) : table.output;
       const line = el("tr", {}, el("th", { scope: "row", textContent: label }));
       table.values[k].forEach((value, m) => {
         const cell = [...page, ...(down ? [i] : []), table.columns[m]];
-        const shown = el("button", { textContent: shortNumber(value, 5), tabIndex: k || m ? -1 : 0, onclick: () => goTo(cell) });
+        const shown = el("button", {
+          textContent: shortNumber(value, 5),
+          tabIndex: k || m ? -1 : 0,
+          onclick: () => goTo(cell),
+        });
         [shown.style.background, shown.style.color] = heat((value - table.low) / (table.high - table.low || 1));
         line.append(el("td", {}, shown));
       });
       return line;
     });
-    const made = el("table", { class: "cells" }, el("caption", { class: "unseen", textContent: S.tableOf(table.output, table.cells, table.mode) }),
-      el("thead", {}, head), el("tbody", {}, ...rows));
+    const made = el(
+      "table",
+      { class: "cells" },
+      el("caption", { class: "unseen", textContent: S.tableOf(table.output, table.cells, table.mode) }),
+      el("thead", {}, head),
+      el("tbody", {}, ...rows),
+    );
     made.addEventListener("keydown", (event) => step(event, made));
     return made;
   }
@@ -76,12 +112,16 @@ function cellsPane(store, hand) {
   /** Arrow keys go from cell to cell; one of them is in the order of the Tab key. */
   function step(event, made) {
     const [dy, dx] = { ArrowUp: [-1, 0], ArrowDown: [1, 0], ArrowLeft: [0, -1], ArrowRight: [0, 1] }[event.key] ?? [];
-    const td = document.activeElement.closest?.("td");
+    const held = /** @type {HTMLElement} */ (document.activeElement);
+    const td = held.closest?.("td");
     if (dy === undefined || !td) return;
     event.preventDefault();
-    const next = made.tBodies[0].rows[td.parentElement.sectionRowIndex + dy]?.cells[td.cellIndex + dx]?.querySelector("button");
+    const next =
+      made.tBodies[0].rows[/** @type {HTMLTableRowElement} */ (td.parentElement).sectionRowIndex + dy]?.cells[
+        td.cellIndex + dx
+      ]?.querySelector("button");
     if (!next) return;
-    document.activeElement.tabIndex = -1;
+    held.tabIndex = -1;
     next.tabIndex = 0;
     next.focus();
   }
@@ -96,7 +136,12 @@ function cellsPane(store, hand) {
   return section;
 }
 
-/** How far a table is from the rules: a map, the worst point, and what is proved of each cell. */
+/**
+ * How far a table is from the rules: a map, the worst point, and what is proved of each cell.
+ *
+ * @param {Page.Store} store
+ * @param {Page.Hand} hand
+ */
 function errorPane(store, hand) {
   const { section, bar, body } = pane("accuracy", S.tableError);
   const canvas = el("canvas", { role: "img", "aria-label": S.tableError });
@@ -124,21 +169,58 @@ function errorPane(store, hand) {
       wanted[name] = value;
       run();
     };
-    if (outputs.length > 1) bar.append(choice(S.shown, outputs.map((n) => [n, n]), wanted.output || outputs[0], set("output")));
+    if (outputs.length > 1)
+      bar.append(
+        choice(
+          S.shown,
+          outputs.map((n) => [n, n]),
+          wanted.output || outputs[0],
+          set("output"),
+        ),
+      );
     if (!isTable(hand.file())) {
-      const levels = el("input", { type: "text", class: "short", value: wanted.levels, placeholder: S.asInFile, title: S.levelsHint,
-        onchange: () => set("levels")(levels.value) });
+      const levels = el("input", {
+        type: "text",
+        class: "short",
+        value: wanted.levels,
+        placeholder: S.asInFile,
+        title: S.levelsHint,
+        onchange: () => set("levels")(levels.value),
+      });
       bar.append(el("label", { class: "small" }, S.options.levels, levels));
     }
-    bar.append(choice(S.options.mode, [["", S.asInFile], ["bins", "bins"], ["nearest", "nearest"], ["linear", "linear"]], wanted.mode, set("mode")));
+    bar.append(
+      choice(
+        S.options.mode,
+        [
+          ["", S.asInFile],
+          ["bins", "bins"],
+          ["nearest", "nearest"],
+          ["linear", "linear"],
+        ],
+        wanted.mode,
+        set("mode"),
+      ),
+    );
     if (names.length > 2) {
       const axes = names.map((n) => [n, n]);
       bar.append(choice(S.horizontal, axes, found.map.x, set("x")), choice(S.vertical, axes, found.map.y, set("y")));
     }
-    bar.append(choice(S.view, [["difference", S.signed], ["proved", S.provedCells]], shown, (value) => {
-      shown = value;
-      redraw();
-    }), go);
+    bar.append(
+      choice(
+        S.view,
+        [
+          ["difference", S.signed],
+          ["proved", S.provedCells],
+        ],
+        shown,
+        (value) => {
+          shown = value;
+          redraw();
+        },
+      ),
+      go,
+    );
   }
 
   async function run() {
@@ -189,9 +271,18 @@ function errorPane(store, hand) {
   }
 
   function worstWords({ at, table, direct, difference, proved, mode }, output) {
-    const where = Object.entries(at).map(([name, x]) => `${name} = ${shortNumber(x, 5)}`).join(", ");
-    return S.worstAt(output, mode, where, shortNumber(table, 6), shortNumber(direct, 6), shortNumber(difference, 6),
-      proved === null ? null : shortNumber(proved, 7));
+    const where = Object.entries(at)
+      .map(([name, x]) => `${name} = ${shortNumber(x, 5)}`)
+      .join(", ");
+    return S.worstAt(
+      output,
+      mode,
+      where,
+      shortNumber(table, 6),
+      shortNumber(direct, 6),
+      shortNumber(difference, 6),
+      proved === null ? null : shortNumber(proved, 7),
+    );
   }
 
   function draw() {
@@ -199,14 +290,35 @@ function errorPane(store, hand) {
     const { map } = found;
     const [across, up] = [map.levels[map.x], map.levels[map.y || map.x]];
     const place = found.worst && inSlice(map, found.worst.at);
-    const title = S.errorTitle(map.output, map.mode, Object.entries(map.held).map(([n, x]) => `${n} = ${shortNumber(x)}`).join(", "));
+    const title = S.errorTitle(
+      map.output,
+      map.mode,
+      Object.entries(map.held)
+        .map(([n, x]) => `${n} = ${shortNumber(x)}`)
+        .join(", "),
+    );
     if (shown === "proved" && found.cells.length) {
       const cells = found.cells.map(cellOf(map));
       const high = Math.max(...cells.map(([, , value]) => value)) || 1;
-      drawCells(canvas, { title: `${title}: ${S.provedCells} (≤ ${shortNumber(high, 6)})`, across, up: map.y ? up : [0, 1], cells, high, x: map.x, y: map.y, worst: map.y ? place : null });
+      drawCells(canvas, {
+        title: `${title}: ${S.provedCells} (≤ ${shortNumber(high, 6)})`,
+        across,
+        up: map.y ? up : [0, 1],
+        cells,
+        high,
+        x: map.x,
+        y: map.y,
+        worst: map.y ? place : null,
+      });
     } else {
       const [low, high] = rangeOfValues([map.z], true);
-      const words = { title: `${title}: ${S.signed}, ±${shortNumber(high)}`, low, high, x: map.x, y: map.y || map.output };
+      const words = {
+        title: `${title}: ${S.signed}, ±${shortNumber(high)}`,
+        low,
+        high,
+        x: map.x,
+        y: map.y || map.output,
+      };
       if (map.y) drawPlane(canvas, { ...words, ...map, y: map.y, signed: true, grid: [across, up], worst: place });
       else drawLines(canvas, { ...words, xs: map.xs, lines: [map.z], worst: found.worst?.at[map.x] ?? null });
     }
@@ -221,6 +333,7 @@ function errorPane(store, hand) {
     return [column, row, value];
   };
 
+  /** @returns {Page.Pair | null} */
   const inSlice = (map, at) => (Object.keys(map.held).length ? null : [at[map.x], at[map.y]]);
 
   const redraw = eachFrame(() => {
@@ -244,6 +357,9 @@ function errorPane(store, hand) {
 }
 
 export const TABLE = {
-  name: "table", title: S.tables, drawn: false, panes: [cellsPane, errorPane],
+  name: "table",
+  title: S.tables,
+  drawn: false,
+  panes: [cellsPane, errorPane],
   splits: [{ key: "table-rows", vertical: false, at: 1, usual: 0.4 }],
 };

@@ -52,6 +52,9 @@ export const plotHeight = (room, count) =>
  * The pane; `edit` takes the shapes when a hand lets go, `numbers` brings those of a variable.
  * Where the text can be edited, `change` removes and renames terms, `askFor` asks, and `attempt`
  * makes the edits of dialogs.
+ *
+ * @param {Page.Store} store
+ * @param {Page.Hand} hand
  */
 export function termsPane(store, hand) {
   const { edit, numbers, change, askFor } = hand;
@@ -64,7 +67,8 @@ export function termsPane(store, hand) {
     bar.append(el("label", { class: "small", title }, box, text));
     return box;
   };
-  const adding = (words, role) => el("button", { textContent: words, title: S.addRole[role], onclick: () => addVariable(hand, role) });
+  const adding = (words, role) =>
+    el("button", { textContent: words, title: S.addRole[role], onclick: () => addVariable(hand, role) });
   if (hand.attempt) bar.append(adding(S.addInput, "input"), adding(S.addOutput, "output"));
   const toDiagram = el("button", { textContent: S.diagram, hidden: true, onclick: () => store.turnDiagram(true) });
   bar.append(toDiagram, el("span", { class: "space" }));
@@ -139,7 +143,7 @@ export function termsPane(store, hand) {
 
   function draw() {
     if (!store.scene) return;
-    const focused = document.activeElement?.dataset?.handle;
+    const focused = /** @type {SVGElement} */ (document.activeElement)?.dataset?.handle;
     const only = partly; // the plot that a hand is on; the others have not changed
     partly = "";
     each().forEach((variable, v) => {
@@ -210,11 +214,20 @@ export function termsPane(store, hand) {
       const x = at.x(Math.min(at.high, Math.max(at.low, top)));
       const half = 3.6 * term.name.length; // about half of its width: it stays inside
       const anchor = x < half ? "start" : x > at.width - half ? "end" : "middle";
-      made.push(svg("text", {
-        x: anchor === "start" ? 3 : anchor === "end" ? at.width - 3 : x, y: TOP - 6,
-        "text-anchor": anchor, class: "term", style: `fill: ${hue(t)}`,
-        ...target(variable, term, term, null, S.wholeTerm(variable.name, term.name), top, at),
-      }, term.name));
+      made.push(
+        svg(
+          "text",
+          {
+            x: anchor === "start" ? 3 : anchor === "end" ? at.width - 3 : x,
+            y: TOP - 6,
+            "text-anchor": anchor,
+            class: "term",
+            style: `fill: ${hue(t)}`,
+            ...target(variable, term, term, null, S.wholeTerm(variable.name, term.name), top, at),
+          },
+          term.name,
+        ),
+      );
     }
     for (const shape of sidesOf(term)) {
       const now = store.now(variable, shape);
@@ -244,10 +257,18 @@ export function termsPane(store, hand) {
 
   function target(variable, term, shape, index, label, value, at, said = value) {
     return {
-      tabindex: 0, role: "slider", "aria-label": label, "aria-valuenow": Math.min(at.high, Math.max(at.low, value)),
-      "aria-valuemin": at.low, "aria-valuemax": at.high, "aria-valuetext": shortNumber(said, 6),
-      "data-handle": `${shapeKey(variable, shape)}\n${index}`, "data-side": shape.side ?? 0,
-      "data-variable": variable.name, "data-term": term.name, "data-index": index ?? "whole",
+      tabindex: 0,
+      role: "slider",
+      "aria-label": label,
+      "aria-valuenow": Math.min(at.high, Math.max(at.low, value)),
+      "aria-valuemin": at.low,
+      "aria-valuemax": at.high,
+      "aria-valuetext": shortNumber(said, 6),
+      "data-handle": `${shapeKey(variable, shape)}\n${index}`,
+      "data-side": shape.side ?? 0,
+      "data-variable": variable.name,
+      "data-term": term.name,
+      "data-index": index ?? "whole",
       onpointerdown: (event) => take(event, variable, term, shape, index),
       onkeydown: (event) => step(event, variable, term, shape, index),
       onfocus: () => choose(variable, term),
@@ -328,13 +349,19 @@ export function termsPane(store, hand) {
   /** Choose the kind of the shape; the text keeps place and width as far as the kinds allow. */
   function kindOf(variable, term) {
     const kinds = store.scene.kinds.includes(term.kind) ? store.scene.kinds : [term.kind, ...store.scene.kinds];
-    const select = el("select", {
-      class: "kind", title: S.kindHint, "aria-label": S.kindOf(variable.name, term.name),
-      onchange: async () => {
-        const taken = await change("term", { variable: variable.name, term: term.name, kind: select.value });
-        if (!taken) select.value = term.kind; // the status says why
+    const select = el(
+      "select",
+      {
+        class: "kind",
+        title: S.kindHint,
+        "aria-label": S.kindOf(variable.name, term.name),
+        onchange: async () => {
+          const taken = await change("term", { variable: variable.name, term: term.name, kind: select.value });
+          if (!taken) select.value = term.kind; // the status says why
+        },
       },
-    }, ...kinds.map((kind) => el("option", { value: kind, textContent: kind })));
+      ...kinds.map((kind) => el("option", { value: kind, textContent: kind })),
+    );
     select.value = term.kind;
     return select;
   }
@@ -346,7 +373,10 @@ export function termsPane(store, hand) {
     const made = Array.from({ length: count + 1 }, (_, i) => {
       const label = i < count ? name(i) : S.height;
       const field = el("input", {
-        type: "text", inputMode: "decimal", title: label, readOnly: !edit,
+        type: "text",
+        inputMode: "decimal",
+        title: label,
+        readOnly: !edit,
         "aria-label": `${variable.name} ${term.name}, ${side}${label}`,
         onblur: () => commit(),
         onkeydown: (event) => event.key === "Enter" && commit(),
@@ -432,8 +462,8 @@ export function termsPane(store, hand) {
     };
   }
 
-  const handleAt = (shape, parameters, index) => (shape.handles.includes(index)
-    ? parameters[index] : WIDTHS[shape.kind][index].at(parameters));
+  const handleAt = (shape, parameters, index) =>
+    shape.handles.includes(index) ? parameters[index] : WIDTHS[shape.kind][index].at(parameters);
 
   /** Whether a handle moves up and down as well: corners of points, and tops of lower functions. */
   function isRaised(shape, index) {
@@ -505,7 +535,8 @@ export function termsPane(store, hand) {
   /** Parameters and height of a shape after one of its handles has moved. */
   function one(variable, shape, index, value, rise) {
     const old = drag.from.get(shape);
-    const tidy = (x, step) => (snap.checked ? Number((Math.round(x / step) * step).toPrecision(12)) : Number(x.toPrecision(6)));
+    const tidy = (x, step) =>
+      snap.checked ? Number((Math.round(x / step) * step).toPrecision(12)) : Number(x.toPrecision(6));
     if (!shape.handles.includes(index)) {
       const width = WIDTHS[shape.kind][index].to(old.parameters, rounded(value, variable));
       const sound = Number.isFinite(width) && Math.abs(width) > 1e-9;
@@ -557,10 +588,11 @@ export function termsPane(store, hand) {
     const from = sides.map((side) => drag.from.get(side));
     const to = sides.map((side, i) => changed.get(side) ?? from[i]);
     if (isBelow(variable, sides, to)) return;
-    const between = (share) => from.map((start, i) => ({
-      parameters: start.parameters.map((x, k) => (Number.isFinite(x) ? x + share * (to[i].parameters[k] - x) : x)),
-      height: start.height + share * (to[i].height - start.height),
-    }));
+    const between = (share) =>
+      from.map((start, i) => ({
+        parameters: start.parameters.map((x, k) => (Number.isFinite(x) ? x + share * (to[i].parameters[k] - x) : x)),
+        height: start.height + share * (to[i].height - start.height),
+      }));
     let [reach, beyond] = [0, 1];
     for (let i = 0; i < 12; i++) {
       const middle = 0.5 * (reach + beyond);
@@ -569,7 +601,8 @@ export function termsPane(store, hand) {
     }
     const kept = between(reach);
     const short = kept.map(({ parameters, height }) => ({
-      parameters: parameters.map((x) => Number(x.toPrecision(4))), height: Number(height.toPrecision(3)),
+      parameters: parameters.map((x) => Number(x.toPrecision(4))),
+      height: Number(height.toPrecision(3)),
     }));
     const best = isBelow(variable, sides, short) ? short : kept;
     sides.forEach((side, i) => {
@@ -577,7 +610,8 @@ export function termsPane(store, hand) {
     });
   }
 
-  function isBelow(variable, [upper, lower], [high, low]) {
+  function isBelow(variable, sides, numbers) {
+    const [[upper, lower], [high, low]] = [sides, numbers];
     const [start, end] = rangeOf(variable);
     const corners = [cornersOf(upper, high.parameters), cornersOf(lower, low.parameters)];
     const bends = corners.flatMap((found) => (found ?? []).filter((_, i) => i % 2 === 0));
@@ -598,9 +632,11 @@ export function termsPane(store, hand) {
       const { parameters, height } = store.now(variable, shape);
       return { kind: shape.kind, parameters: parameters.map(sendable), height };
     };
-    const shapes = variable.terms.flatMap((term) => (sidesOf(term).every(isSame) ? [] : [{
-      variable: variable.name, term: term.name, ...said(term), lower: term.lower ? said(term.lower) : null,
-    }]));
+    const shapes = variable.terms.flatMap((term) =>
+      sidesOf(term).every(isSame)
+        ? []
+        : [{ variable: variable.name, term: term.name, ...said(term), lower: term.lower ? said(term.lower) : null }],
+    );
     if (!shapes.length) return;
     Promise.resolve(edit(shapes)).then((taken) => {
       if (taken === false) store.forget();

@@ -2,10 +2,33 @@
 // are the answers of the language server's queries; nothing of the language is known here.
 
 import {
-  EditorState, EditorView, Compartment, StateEffect, StateField, Decoration, ChangeSet,
-  keymap, lineNumbers, highlightActiveLine, highlightSpecialChars, drawSelection, hoverTooltip, history, historyKeymap,
-  defaultKeymap, undo, redo, autocompletion, completionKeymap, setDiagnostics, searchKeymap,
-  highlightSelectionMatches, collab, sendableUpdates, receiveUpdates, getSyncedVersion,
+  EditorState,
+  EditorView,
+  Compartment,
+  StateEffect,
+  StateField,
+  Decoration,
+  ChangeSet,
+  keymap,
+  lineNumbers,
+  highlightActiveLine,
+  highlightSpecialChars,
+  drawSelection,
+  hoverTooltip,
+  history,
+  historyKeymap,
+  defaultKeymap,
+  undo,
+  redo,
+  autocompletion,
+  completionKeymap,
+  setDiagnostics,
+  searchKeymap,
+  highlightSelectionMatches,
+  collab,
+  sendableUpdates,
+  receiveUpdates,
+  getSyncedVersion,
 } from "./vendor/codemirror.js";
 import { el, pane } from "./draw.js";
 import { ask, choose } from "./dialogs.js";
@@ -25,8 +48,14 @@ function words(text) {
   let at = 0;
   for (const match of text.matchAll(/(`+)(.+?)\1(?!`)|\*\*(.+?)\*\*|\\(.)/gs)) {
     const [all, , code, strong, plain] = match;
-    found.push(text.slice(at, match.index), code ? el("code", { textContent: code }) : strong
-      ? el("strong", { textContent: strong.replace(/\\(.)/g, "$1") }) : plain);
+    found.push(
+      text.slice(at, match.index),
+      code
+        ? el("code", { textContent: code })
+        : strong
+          ? el("strong", { textContent: strong.replace(/\\(.)/g, "$1") })
+          : plain,
+    );
     at = match.index + all.length;
   }
   return [...found, text.slice(at)].filter((each) => each !== "");
@@ -60,7 +89,12 @@ export function textPane(link, nonce) {
   const { section, bar, body } = pane("text", S.text);
   const shared = new Compartment();
   const frozen = new Compartment(); // until the file is open there is nothing to write in
-  const revert = el("button", { textContent: S.revert, title: S.revertHint, disabled: true, onclick: () => replace(link.saved()) });
+  const revert = el("button", {
+    textContent: S.revert,
+    title: S.revertHint,
+    disabled: true,
+    onclick: () => replace(link.saved()),
+  });
   const list = el("ul", { class: "findings", "aria-label": S.findings });
   const host = el("div", { class: "editor" });
   let epoch = "";
@@ -82,17 +116,29 @@ export function textPane(link, nonce) {
     state: EditorState.create({
       doc: "",
       extensions: [
-        lineNumbers(), highlightSpecialChars(), history(), drawSelection(), highlightActiveLine(), highlightSelectionMatches(),
-        EditorView.cspNonce.of(nonce), EditorState.lineSeparator.of("\n"), colourField,
+        lineNumbers(),
+        highlightSpecialChars(),
+        history(),
+        drawSelection(),
+        highlightActiveLine(),
+        highlightSelectionMatches(),
+        EditorView.cspNonce.of(nonce),
+        EditorState.lineSeparator.of("\n"),
+        colourField,
         EditorView.contentAttributes.of({ "aria-label": S.editor, tabindex: "0" }),
-        autocompletion({ override: [completions] }), hoverTooltip(hovered),
-        shared.of([]), frozen.of([EditorState.readOnly.of(true), EditorView.editable.of(false)]),
+        autocompletion({ override: [completions] }),
+        hoverTooltip(hovered),
+        shared.of([]),
+        frozen.of([EditorState.readOnly.of(true), EditorView.editable.of(false)]),
         keymap.of([
           { key: "Mod-s", run: () => link.save() ?? true },
           { key: "F2", run: () => rename() ?? true },
           { key: "Mod-.", run: () => fixes(head()) ?? true },
           { key: "Shift-Alt-f", run: () => format() ?? true },
-          ...completionKeymap, ...defaultKeymap, ...historyKeymap, ...searchKeymap,
+          ...completionKeymap,
+          ...defaultKeymap,
+          ...historyKeymap,
+          ...searchKeymap,
         ]),
         EditorView.updateListener.of((update) => {
           if (update.docChanged) {
@@ -125,9 +171,10 @@ export function textPane(link, nonce) {
     if (sending || !epoch) return;
     const updates = sendableUpdates(view.state);
     if (!updates.length) return;
-    sending = link.push(getSyncedVersion(view.state), updates.map((update) => ({
-      clientID: update.clientID, changes: update.changes.toJSON(),
-    })));
+    sending = link.push(
+      getSyncedVersion(view.state),
+      updates.map((update) => ({ clientID: update.clientID, changes: update.changes.toJSON() })),
+    );
   }
 
   /** Take the changes of all windows from a version on; our own are confirmed by it. */
@@ -136,9 +183,12 @@ export function textPane(link, nonce) {
     const known = getSyncedVersion(view.state) - version;
     const news = updates.slice(Math.max(0, known));
     if (known >= 0 && news.length) {
-      view.dispatch(receiveUpdates(view.state, news.map((update) => ({
-        clientID: update.clientID, changes: ChangeSet.fromJSON(update.changes),
-      }))));
+      view.dispatch(
+        receiveUpdates(
+          view.state,
+          news.map((update) => ({ clientID: update.clientID, changes: ChangeSet.fromJSON(update.changes) })),
+        ),
+      );
     }
     send();
   }
@@ -150,7 +200,9 @@ export function textPane(link, nonce) {
     const change = difference(view.state.doc.toString(), message.text);
     // Without an old state of `collab` in between, the new one starts at its version.
     view.dispatch({ effects: shared.reconfigure([]) });
-    view.dispatch({ effects: [shared.reconfigure(collab({ startVersion: message.version - 1 })), frozen.reconfigure([])] });
+    view.dispatch({
+      effects: [shared.reconfigure(collab({ startVersion: message.version - 1 })), frozen.reconfigure([])],
+    });
     const changes = ChangeSet.of(change, view.state.doc.length);
     view.dispatch(receiveUpdates(view.state, [{ clientID: epoch, changes }]));
     link.edited(message.text);
@@ -166,8 +218,11 @@ export function textPane(link, nonce) {
       if (settled()) {
         const version = getSyncedVersion(view.state);
         const answer = await link.ask({ what, ...details });
-        if (answer.version === undefined || (settled() && version === answer.version
-          && getSyncedVersion(view.state) === version)) return answer;
+        if (
+          answer.version === undefined ||
+          (settled() && version === answer.version && getSyncedVersion(view.state) === version)
+        )
+          return answer;
       }
       await new Promise((resolve) => setTimeout(resolve, BETWEEN));
     }
@@ -208,7 +263,10 @@ export function textPane(link, nonce) {
       link.say(S.noFix);
       return;
     }
-    const picked = await choose(S.fixes, found.fixes.map((fix) => fix.title));
+    const picked = await choose(
+      S.fixes,
+      found.fixes.map((fix) => fix.title),
+    );
     if (picked !== null) apply(found.fixes[picked], "input.fix");
     view.focus();
   }
@@ -219,11 +277,14 @@ export function textPane(link, nonce) {
     const answer = await question("complete", { at: position(context.pos) });
     if (!answer.options?.length || context.aborted) return null;
     const ranges = answer.options.map((each) => each.range).filter(Boolean);
-    const from = ranges.length ? offset(ranges[0][0]) : word?.from ?? context.pos;
+    const from = ranges.length ? offset(ranges[0][0]) : (word?.from ?? context.pos);
     return {
       from,
       options: answer.options.map((each, rank) => ({
-        label: each.label, detail: each.detail.slice(0, 60), apply: each.insert, boost: -rank,
+        label: each.label,
+        detail: each.detail.slice(0, 60),
+        apply: each.insert,
+        boost: -rank,
         type: { term: "enum", shape: "function", value: "constant", row: "text" }[each.kind] ?? each.kind,
       })),
     };
@@ -233,7 +294,9 @@ export function textPane(link, nonce) {
     const answer = await question("hover", { at: position(at) });
     if (!answer.markdown) return null;
     return {
-      pos: offset(answer.range[0]), end: offset(answer.range[1]), above: true,
+      pos: offset(answer.range[0]),
+      end: offset(answer.range[1]),
+      above: true,
       create: () => ({ dom: el("div", { class: "hover" }, ...explained(answer.markdown)) }),
     };
   }
@@ -254,24 +317,38 @@ export function textPane(link, nonce) {
       return { ...each, from, to: to > from ? to : Math.min(doc.length, from + 1) };
     });
     view.dispatch({ effects: setColours.of(Decoration.set(marks, true)) });
-    view.dispatch(setDiagnostics(view.state, findings.map((each) => ({
-      from: each.from, to: each.to, severity: each.severity, source: each.name,
-      message: each.hint ? `${each.message}\n${each.hint}` : each.message,
-    }))));
-    list.replaceChildren(...(findings.length ? findings.map(item) : [
-      el("li", { class: "none", textContent: S.noFindings }),
-    ]));
+    view.dispatch(
+      setDiagnostics(
+        view.state,
+        findings.map((each) => ({
+          from: each.from,
+          to: each.to,
+          severity: each.severity,
+          source: each.name,
+          message: each.hint ? `${each.message}\n${each.hint}` : each.message,
+        })),
+      ),
+    );
+    list.replaceChildren(
+      ...(findings.length ? findings.map(item) : [el("li", { class: "none", textContent: S.noFindings })]),
+    );
   }
 
   function item(each) {
     const place = view.state.doc.lineAt(each.from).number;
     const text = `${place}: ${each.message}${each.hint ? ` (${each.hint})` : ""}`;
     // What only silences a finding does not mend it.
-    const fix = el("button", { textContent: each.fixes.some(Boolean) ? S.fix : S.allow, onclick: () => fixes(each.from, each.name) });
-    return el("li", {},
+    const fix = el("button", {
+      textContent: each.fixes.some(Boolean) ? S.fix : S.allow,
+      onclick: () => fixes(each.from, each.name),
+    });
+    return el(
+      "li",
+      {},
       el("span", { class: each.severity, textContent: each.severity }),
       el("button", { class: "go", textContent: text, onclick: () => select(each.from, each.to) }),
-      ...(each.fixes.length ? [fix] : []));
+      ...(each.fixes.length ? [fix] : []),
+    );
   }
 
   function select(from, to) {

@@ -10,13 +10,20 @@ const MOST_ROWS = 120; // of numbers that move
 const LOST = 1e6; // what a run that diverges costs, at least
 
 export const TUNE = {
-  name: "tune", title: S.tune, drawn: false, panes: [tunePanes],
+  name: "tune",
+  title: S.tune,
+  drawn: false,
+  panes: [tunePanes],
   splits: [
     { key: "tune-columns", vertical: true, at: 1, usual: 0.5 },
     { key: "tune-rows", vertical: false, at: 2, usual: 0.44 },
   ],
 };
 
+/**
+ * @param {Page.Store} store
+ * @param {Page.Hand} hand
+ */
 function tunePanes(store, hand) {
   let facts = null; // whether the text can be tuned, and on what
   let job = null; // the search; when it is over it is kept, until its change has been taken
@@ -43,7 +50,10 @@ function tunePanes(store, hand) {
   const seed = number(1, 0, 100000);
   const method = el("select");
   const over = el("select");
-  refill(over, [["mean", S.mean], ["worst", S.worst]]);
+  refill(over, [
+    ["mean", S.mean],
+    ["worst", S.worst],
+  ]);
   const linear = el("input", { type: "checkbox", checked: true });
   const trajectory = el("select");
   const payload = el("input", { type: "checkbox", checked: true });
@@ -58,18 +68,41 @@ function tunePanes(store, hand) {
   const along = [field(S.trajectory, trajectory), load];
   const elsewhere = [field(S.reference, reference, S.referenceHint), field(S.seconds, seconds)];
   const inLoop = [
-    field(S.plant, plant), ...elsewhere, ...along,
-    field(S.scenarios, scenarios, S.scenariosHint), field(S.vary, vary, S.varyHint), field(S.overScenarios, over),
+    field(S.plant, plant),
+    ...elsewhere,
+    ...along,
+    field(S.scenarios, scenarios, S.scenariosHint),
+    field(S.vary, vary, S.varyHint),
+    field(S.overScenarios, over),
     el("label", { class: "check", title: S.linearHint }, linear, S.linear),
   ];
-  const onSamples = [field(S.samples, data), field(S.testedOn, test, S.testedOnHint), field(S.target, target, S.targetHint)];
+  const onSamples = [
+    field(S.samples, data),
+    field(S.testedOn, test, S.testedOnHint),
+    field(S.target, target, S.targetHint),
+  ];
   const inputs = { ...experiment.inputs, reference, cost, vary, lines, time: longest };
-  const fields = el("div", { class: "fields" },
-    ...inLoop.slice(0, 5), ...onSamples, field(S.cost, cost, S.costHint), ...inLoop.slice(5),
-    field(S.evals, evals), field(S.longest, longest, S.longestHint), field(S.unseen, unseen, S.unseenHint),
-    field(S.seed, seed), field(S.digits, digits, S.digitsHint), field(S.method, method), field(S.lines, lines, S.linesHint));
-  const more = el("details", { class: "experiment" }, el("summary", { textContent: S.runMoreTitle }),
-    el("div", { class: "fields" }, ...experiment.shown));
+  const fields = el(
+    "div",
+    { class: "fields" },
+    ...inLoop.slice(0, 5),
+    ...onSamples,
+    field(S.cost, cost, S.costHint),
+    ...inLoop.slice(5),
+    field(S.evals, evals),
+    field(S.longest, longest, S.longestHint),
+    field(S.unseen, unseen, S.unseenHint),
+    field(S.seed, seed),
+    field(S.digits, digits, S.digitsHint),
+    field(S.method, method),
+    field(S.lines, lines, S.linesHint),
+  );
+  const more = el(
+    "details",
+    { class: "experiment" },
+    el("summary", { textContent: S.runMoreTitle }),
+    el("div", { class: "fields" }, ...experiment.shown),
+  );
   const start = el("button", { class: "main", textContent: S.start, onclick: () => begin() });
   const stop = el("button", { textContent: S.stopAndKeep, disabled: true, onclick: () => enough() });
   const insert = el("button", { textContent: S.insertTune, hidden: true, onclick: () => hand.change("movable", {}) });
@@ -103,12 +136,21 @@ function tunePanes(store, hand) {
       if (message.end) return;
       const first = !facts;
       facts = message;
-      refill(plant, facts.plants.map((each) => [each.name, each.fits ? each.name : S.needsConnect(each.name)]));
-      refill(data, facts.samples.map((each) => [each, each]));
+      refill(
+        plant,
+        facts.plants.map((each) => [each.name, each.fits ? each.name : S.needsConnect(each.name)]),
+      );
+      refill(
+        data,
+        facts.samples.map((each) => [each, each]),
+      );
       refill(test, [["", S.fifth], ...facts.samples.map((each) => [each, each])]);
-      refill(method, facts.methods.map((each) => [each, each]));
+      refill(
+        method,
+        facts.methods.map((each) => [each, each]),
+      );
       if (first) cost.placeholder = facts.defaults.cost;
-      says.textContent = clean(S.whatMoves(facts));
+      says.textContent = clean(S.whatMoves(/** @type {any} */ (facts)));
       insert.hidden = facts.says || facts.parameters.length === 0;
       start.disabled = running || (facts.loop ? !facts.plants.length : !facts.samples.length);
       fit();
@@ -128,17 +170,32 @@ function tunePanes(store, hand) {
     said.textContent = S.preparing;
     markField(inputs, "");
     const known = facts?.plants.find((each) => each.name === plant.value);
-    const where = !facts?.loop ? { data: data.value, test: test.value, target: target.value }
-      : known?.trajectories.length ? { trajectory: trajectory.value, payload: payload.checked }
-      : { reference: wordsOf(reference.value), seconds: seconds.value };
-    const mine = job = hand.start("tune", {
-      ...where, ...(facts?.loop ? { plant: plant.value, vary: wordsOf(vary.value), ...experiment.asked() } : {}),
-      time: longest.value.trim(), digits: digits.value, cost: cost.value.trim(), scenarios: facts?.loop ? scenarios.value : "", evals: evals.value,
-      unseen: unseen.value, seed: seed.value, method: method.value, over: over.value,
-      linear: linear.checked, lines: lines.value,
-    }, (message) => {
-      if (job === mine) hear(message);
-    });
+    const where = !facts?.loop
+      ? { data: data.value, test: test.value, target: target.value }
+      : known?.trajectories.length
+        ? { trajectory: trajectory.value, payload: payload.checked }
+        : { reference: wordsOf(reference.value), seconds: seconds.value };
+    const mine = (job = hand.start(
+      "tune",
+      {
+        ...where,
+        ...(facts?.loop ? { plant: plant.value, vary: wordsOf(vary.value), ...experiment.asked() } : {}),
+        time: longest.value.trim(),
+        digits: digits.value,
+        cost: cost.value.trim(),
+        scenarios: facts?.loop ? scenarios.value : "",
+        evals: evals.value,
+        unseen: unseen.value,
+        seed: seed.value,
+        method: method.value,
+        over: over.value,
+        linear: linear.checked,
+        lines: lines.value,
+      },
+      (message) => {
+        if (job === mine) hear(message);
+      },
+    ));
     show();
   }
 
@@ -219,11 +276,15 @@ function tunePanes(store, hand) {
     const shown = (v) => (v !== null && v < LOST && v <= 20 * least ? v : null);
     const spread = Math.max(...best.filter((v) => v !== null && v < LOST), least) / least;
     const others = falling(costs.linear).map(shown);
-    drawChart(paper, [
-      { dots: true, values: costs.search.map(shown), line: 0 },
-      { name: S.best, steps: true, values: best.map(shown), line: 0 },
-      ...(others.length ? [{ name: S.linearPd, steps: true, values: others, line: 1 }] : []),
-    ], { across: S.trials, up: S.cost, logarithmic: least > 0 && spread > 5 });
+    drawChart(
+      paper,
+      [
+        { dots: true, values: costs.search.map(shown), line: 0 },
+        { name: S.best, steps: true, values: best.map(shown), line: 0 },
+        ...(others.length ? [{ name: S.linearPd, steps: true, values: others, line: 1 }] : []),
+      ],
+      { across: S.trials, up: S.cost, logarithmic: least > 0 && spread > 5 },
+    );
   });
 
   /** The best cost after each trial. */
@@ -251,7 +312,10 @@ function tunePanes(store, hand) {
       now.hidden = !running || phase !== "search";
       const shown = shortNumber(state?.values?.[i] ?? each.start);
       value.textContent = clean(shown);
-      track.setAttribute("aria-label", clean(S.numberLabel(each.name, shown, [each.low, each.high, each.start].map((v) => shortNumber(v)))));
+      track.setAttribute(
+        "aria-label",
+        clean(S.numberLabel(each.name, shown, shortNumber(each.low), shortNumber(each.high), shortNumber(each.start))),
+      );
       track.classList.toggle("bound", Math.min(at, 1 - at) < 1e-3);
     });
   }
@@ -266,17 +330,26 @@ function tunePanes(store, hand) {
       const value = el("span", { class: "value" });
       list.append(
         el("span", { class: "name", textContent: each.name, title: each.name }),
-        el("span", { class: "end", textContent: shortNumber(each.low, 3) }), track,
-        el("span", { class: "end", textContent: shortNumber(each.high, 3) }), value);
+        el("span", { class: "end", textContent: shortNumber(each.low, 3) }),
+        track,
+        el("span", { class: "end", textContent: shortNumber(each.high, 3) }),
+        value,
+      );
       return { of: moving, number: each, track, best, now, value };
     });
     right.body.replaceChildren(list);
-    if (moving.length > MOST_ROWS) right.body.append(el("p", { class: "note", textContent: S.more(moving.length - MOST_ROWS) }));
+    if (moving.length > MOST_ROWS)
+      right.body.append(el("p", { class: "note", textContent: S.more(moving.length - MOST_ROWS) }));
   }
 
   // --- what came of it ---
 
-  const takeIt = el("button", { class: "main", textContent: S.takeIt, title: S.takeItHint, onclick: () => job?.say({ take: true }) });
+  const takeIt = el("button", {
+    class: "main",
+    textContent: S.takeIt,
+    title: S.takeItHint,
+    onclick: () => job?.say({ take: true }),
+  });
   below.bar.append(el("span", { class: "space" }), takeIt);
   let drawn = null;
 
@@ -299,35 +372,63 @@ function tunePanes(store, hand) {
     const columns = ["train", "unseen", "noisy"].filter((name) => report.rows.tuned[name]);
     const loop = Object.values(report.rows).some((row) => row.train.chatter !== null);
     const last = columns[Math.min(1, columns.length - 1)];
-    const head = [...columns.map((name) => S.sets[name]), ...(loop ? [S.rmsOf(S.sets[last]), S.chatterOf(S.sets[last])] : [])];
+    const head = [
+      ...columns.map((name) => S.sets[name]),
+      ...(loop ? [S.rmsOf(S.sets[last]), S.chatterOf(S.sets[last])] : []),
+    ];
     const body = Object.entries(report.rows).map(([name, row]) => {
       const score = row[last] ?? row.train;
-      const cells = columns.map((each) => (row[each]
-        ? row[each].diverged ? S.diverge(row[each].diverged) : shown(row[each].cost) : "–"));
+      const cells = columns.map((each) =>
+        row[each] ? (row[each].diverged ? S.diverge(row[each].diverged) : shown(row[each].cost)) : "–",
+      );
       if (loop) cells.push(shown(score.rms), shown(score.chatter));
-      return el("tr", {}, el("th", { scope: "row", textContent: name }),
-        ...cells.map((text) => el("td", { textContent: text })));
+      return el(
+        "tr",
+        {},
+        el("th", { scope: "row", textContent: name }),
+        ...cells.map((text) => el("td", { textContent: text })),
+      );
     });
-    return el("table", { class: "scores" }, el("caption", { textContent: S.costs(report) }),
+    return el(
+      "table",
+      { class: "scores" },
+      el("caption", { textContent: S.costs(report) }),
       el("thead", {}, el("tr", {}, el("td"), ...head.map((text) => el("th", { scope: "col", textContent: text })))),
-      el("tbody", {}, ...body));
+      el("tbody", {}, ...body),
+    );
   }
 
   const shown = (value) => (value === null ? "–" : shortNumber(value));
 
   function changes() {
-    const body = report.changes.map((each) => el("tr", {}, el("th", { scope: "row", textContent: each.what }),
-      el("td", { textContent: each.old }), el("td", { textContent: "→" }), el("td", { textContent: each.new })));
+    const body = report.changes.map((each) =>
+      el(
+        "tr",
+        {},
+        el("th", { scope: "row", textContent: each.what }),
+        el("td", { textContent: each.old }),
+        el("td", { textContent: "→" }),
+        el("td", { textContent: each.new }),
+      ),
+    );
     return el("table", { class: "changes" }, el("caption", { textContent: S.changes }), el("tbody", {}, ...body));
   }
 
   function difference() {
-    const listing = report.diff.split("\n").map((line) => el("span", {
-      class: line.startsWith("+") ? "added" : line.startsWith("-") ? "removed" : "",
-      textContent: `${line}\n`,
-    }));
-    return el("details", {}, el("summary", { textContent: S.difference }),
-      el("pre", { class: "difference", tabIndex: 0, "aria-label": S.difference }, ...listing));
+    const listing = report.diff
+      .split("\n")
+      .map((line) =>
+        el("span", {
+          class: line.startsWith("+") ? "added" : line.startsWith("-") ? "removed" : "",
+          textContent: `${line}\n`,
+        }),
+      );
+    return el(
+      "details",
+      {},
+      el("summary", { textContent: S.difference }),
+      el("pre", { class: "difference", tabIndex: 0, "aria-label": S.difference }, ...listing),
+    );
   }
 
   store.on("view", ask);

@@ -22,35 +22,66 @@ export const endsWords = ({ low, high }) => `${low === null ? "-inf" : said(low)
 
 /** Ask for a variable and add it; `attempt` makes the edit and answers. */
 export function addVariable({ fill, attempt }, role) {
-  return fill(S.addRole[role], [
-    { name: "variable", label: S.nameOfVariable, value: "" },
-    { name: "low", label: S.lowEnd, value: role === "input" ? "-1" : "0" },
-    { name: "high", label: S.highEnd, value: "1" },
-    { name: "terms", label: S.namesOfTerms, value: S.threeTerms },
-  ], S.add, ({ variable, low, high, terms }) => {
-    const ends = readEnds(low, high);
-    if (!ends) return { error: S.notARange };
-    return attempt("variable", { role, variable: variable.trim(), low: sendable(ends[0]), high: sendable(ends[1]), terms: readNames(terms) });
-  }, S.addVariableNote);
+  return fill(
+    S.addRole[role],
+    [
+      { name: "variable", label: S.nameOfVariable, value: "" },
+      { name: "low", label: S.lowEnd, value: role === "input" ? "-1" : "0" },
+      { name: "high", label: S.highEnd, value: "1" },
+      { name: "terms", label: S.namesOfTerms, value: S.threeTerms },
+    ],
+    S.add,
+    ({ variable, low, high, terms }) => {
+      const ends = readEnds(low, high);
+      if (!ends) return { error: S.notARange };
+      return attempt("variable", {
+        role,
+        variable: variable.trim(),
+        low: sendable(ends[0]),
+        high: sendable(ends[1]),
+        terms: readNames(terms),
+      });
+    },
+    S.addVariableNote,
+  );
 }
 
 function stretch({ fill, attempt }, variable) {
   const [low, high] = endsWords(variable).split(" .. ");
-  return fill(S.rangeOf(variable.name), [
-    { name: "low", label: S.lowEnd, value: low }, { name: "high", label: S.highEnd, value: high },
-  ], S.ok, (values) => {
-    const ends = readEnds(values.low, values.high);
-    return ends ? attempt("range", { variable: variable.name, low: sendable(ends[0]), high: sendable(ends[1]) }) : { error: S.notARange };
-  });
+  return fill(
+    S.rangeOf(variable.name),
+    [
+      { name: "low", label: S.lowEnd, value: low },
+      { name: "high", label: S.highEnd, value: high },
+    ],
+    S.ok,
+    (values) => {
+      const ends = readEnds(values.low, values.high);
+      return ends
+        ? attempt("range", { variable: variable.name, low: sendable(ends[0]), high: sendable(ends[1]) })
+        : { error: S.notARange };
+    },
+  );
 }
 
 function rename({ fill, attempt }, variable) {
-  return fill(`${S.renameTo} ${variable.name}`, [{ name: "name", label: S.nameOfVariable, value: variable.name }], S.rename,
-    ({ name }) => (name.trim() === variable.name ? {} : attempt("variable", { variable: variable.name, name: name.trim() })));
+  return fill(
+    `${S.renameTo} ${variable.name}`,
+    [{ name: "name", label: S.nameOfVariable, value: variable.name }],
+    S.rename,
+    ({ name }) =>
+      name.trim() === variable.name ? {} : attempt("variable", { variable: variable.name, name: name.trim() }),
+  );
 }
 
 function remove({ fill, attempt }, variable) {
-  return fill(S.removeVariable(variable.name), [], S.remove, () => attempt("variable", { variable: variable.name }), S.removeVariableNote);
+  return fill(
+    S.removeVariable(variable.name),
+    [],
+    S.remove,
+    () => attempt("variable", { variable: variable.name }),
+    S.removeVariableNote,
+  );
 }
 
 /** The shape of a new term: a triangle, or a singleton where all are. */
@@ -63,27 +94,40 @@ export function newShape(variable, peak) {
 }
 
 function addTerm({ fill, attempt }, variable, peak) {
-  return fill(S.nameOfTerm(variable.name), [
-    { name: "term", label: S.nameOfFile, value: "" }, { name: "peak", label: S.peak, value: shortNumber(peak, 6) },
-  ], S.add, ({ term, peak: at }) => {
-    const number = Number(at.trim() || NaN);
-    if (!Number.isFinite(number)) return { error: S.notANumber };
-    return attempt("term", { variable: variable.name, term: term.trim(), shape: newShape(variable, number) });
-  });
+  return fill(
+    S.nameOfTerm(variable.name),
+    [
+      { name: "term", label: S.nameOfFile, value: "" },
+      { name: "peak", label: S.peak, value: shortNumber(peak, 6) },
+    ],
+    S.add,
+    ({ term, peak: at }) => {
+      const number = Number(at.trim() || NaN);
+      if (!Number.isFinite(number)) return { error: S.notANumber };
+      return attempt("term", { variable: variable.name, term: term.trim(), shape: newShape(variable, number) });
+    },
+  );
 }
 
-/** The line above a plot; `peakOf` says where a new term would stand. Without a `hand` it only tells. */
+/**
+ * The line above a plot; `peakOf` says where a new term would stand. Without a `hand` it only tells.
+ *
+ * @param {Page.Hand} hand
+ */
 export function variableHead(hand, peakOf) {
   let variable = null;
   const name = el("strong");
   const words = el("span");
-  const button = (text, label, act) => el("button", {
-    textContent: text, title: label, onclick: () => act(hand, variable, peakOf(variable)),
-  });
-  const tools = !hand.attempt ? [] : [
-    button(S.addTerm, S.addTermHint, addTerm), button(S.range, S.rangeHint, stretch), button(S.renameDots, S.renameVariable, rename),
-    button("×", S.removeVariableHint, remove),
-  ];
+  const button = (text, label, act) =>
+    el("button", { textContent: text, title: label, onclick: () => act(hand, variable, peakOf(variable)) });
+  const tools = !hand.attempt
+    ? []
+    : [
+        button(S.addTerm, S.addTermHint, addTerm),
+        button(S.range, S.rangeHint, stretch),
+        button(S.renameDots, S.renameVariable, rename),
+        button("×", S.removeVariableHint, remove),
+      ];
   const element = el("div", { class: "head" }, name, words, el("span", { class: "space" }), ...tools);
   return {
     element,

@@ -9,6 +9,9 @@ const SAMPLES = 121;
 const ROW = 27; // pixels of a rule
 const SPARE = 2; // rules drawn beyond what is seen
 
+/**
+ * @param {Page.Store} store
+ */
 export function viewerPane(store) {
   const { section, bar, body } = pane("inference", S.inference);
   const sliders = el("div", { class: "sliders" });
@@ -18,11 +21,22 @@ export function viewerPane(store) {
   const foot = el("div", { class: "fired foot" });
   let inputs = [];
   let order = "strength";
-  bar.append(el("span", { class: "space" }), choice(S.order, [["strength", S.strongest], ["text", S.asWritten]], order, (to) => {
-    order = to;
-    rows.scrollTop = 0;
-    draw();
-  }));
+  bar.append(
+    el("span", { class: "space" }),
+    choice(
+      S.order,
+      [
+        ["strength", S.strongest],
+        ["text", S.asWritten],
+      ],
+      order,
+      (to) => {
+        order = to;
+        rows.scrollTop = 0;
+        draw();
+      },
+    ),
+  );
   body.append(sliders, why, head, rows, foot);
 
   function build() {
@@ -34,12 +48,18 @@ export function viewerPane(store) {
       };
       const label = el("label", { textContent: variable.name, title: variable.description || variable.name });
       const range = el("input", {
-        type: "range", min: low, max: high, step: (high - low) / 400, id: `input-${i}`,
+        type: "range",
+        min: low,
+        max: high,
+        step: (high - low) / 400,
+        id: `input-${i}`,
         oninput: () => set(Number(range.value)),
       });
       label.htmlFor = range.id;
       const number = el("input", {
-        type: "text", inputMode: "decimal", "aria-label": `${variable.name}: ${S.value}`,
+        type: "text",
+        inputMode: "decimal",
+        "aria-label": `${variable.name}: ${S.value}`,
         onchange: () => set(Number(number.value)),
       });
       sliders.append(el("div", { class: "slider" }, label, range, number));
@@ -50,8 +70,12 @@ export function viewerPane(store) {
     const columns = `${first} repeat(${scene.inputs.length + scene.outputs.length}, minmax(0, 1fr))`;
     for (const part of [head, foot]) part.style.gridTemplateColumns = columns;
     rows.style.setProperty("--columns", columns);
-    head.replaceChildren(el("span"), ...[...scene.inputs, ...scene.outputs].map((variable) =>
-      el("strong", { class: "cell", textContent: variable.name })));
+    head.replaceChildren(
+      el("span"),
+      ...[...scene.inputs, ...scene.outputs].map((variable) =>
+        el("strong", { class: "cell", textContent: variable.name }),
+      ),
+    );
     draw();
   }
 
@@ -76,8 +100,11 @@ export function viewerPane(store) {
     why.replaceChildren(...reasons(found));
     if (!found) return;
     list(found);
-    foot.replaceChildren(el("span"), ...store.scene.inputs.map(() => el("span")),
-      ...store.scene.outputs.map((output, o) => whole(output, o, found)));
+    foot.replaceChildren(
+      el("span"),
+      ...store.scene.inputs.map(() => el("span")),
+      ...store.scene.outputs.map((output, o) => whole(output, o, found)),
+    );
   }
 
   const small = (x) => (x > 0 && x < 1e-3 ? x.toExponential(0) : shortNumber(x, 3));
@@ -100,9 +127,10 @@ export function viewerPane(store) {
         const concludes = rule.concludes.some(([k]) => k === o);
         if (concludes && strength > (first < 0 ? 0 : found.strengths[first])) first = number;
       });
-      const reason = first >= 0
-        ? ` ${S.because} ${store.scene.rules[first].text} (${S.strength} ${degree(found, first)}, ${store.scene.rules[first].place})`
-        : ` – ${S.nothingFires}`;
+      const reason =
+        first >= 0
+          ? ` ${S.because} ${store.scene.rules[first].text} (${S.strength} ${degree(found, first)}, ${store.scene.rules[first].place})`
+          : ` – ${S.nothingFires}`;
       line.append(clean(reason));
       return line;
     });
@@ -123,14 +151,20 @@ export function viewerPane(store) {
       made.style.height = `${count * ROW}px`;
       return made;
     };
-    rows.replaceChildren(room(first), ...numbers.slice(first, last).map((number) => row(found, number)),
-      room(numbers.length - last));
+    rows.replaceChildren(
+      room(first),
+      ...numbers.slice(first, last).map((number) => row(found, number)),
+      room(numbers.length - last),
+    );
   }
 
   function row(found, number) {
     const { scene } = store;
     const rule = scene.rules[number];
-    const made = el("div", { class: found.strengths[number] > 0 ? "fired" : "fired silent", title: `${rule.place}: ${rule.text} (${S.strength} ${degree(found, number)})` });
+    const made = el("div", {
+      class: found.strengths[number] > 0 ? "fired" : "fired silent",
+      title: `${rule.place}: ${rule.text} (${S.strength} ${degree(found, number)})`,
+    });
     made.append(el("span", { class: "degree" }, el("span", { textContent: rule.place }), degree(found, number)));
     scene.inputs.forEach((variable, i) => made.append(premise(variable, i, rule)));
     scene.outputs.forEach((output, o) => made.append(conclusion(output, o, rule, found, number)));
@@ -141,9 +175,13 @@ export function viewerPane(store) {
 
   function picture(label, kind, ...parts) {
     const title = svg("title", {}, label);
-    return svg("svg", {
-      viewBox: "0 -1.04 100 1.1", preserveAspectRatio: "none", role: "img", "aria-label": label, class: kind,
-    }, title, svg("line", { class: "base", x1: 0, x2: 100, y1: 0, y2: 0 }), ...parts);
+    return svg(
+      "svg",
+      { viewBox: "0 -1.04 100 1.1", preserveAspectRatio: "none", role: "img", "aria-label": label, class: kind },
+      title,
+      svg("line", { class: "base", x1: 0, x2: 100, y1: 0, y2: 0 }),
+      ...parts,
+    );
   }
 
   const samples = (variable) => {
@@ -176,7 +214,13 @@ export function viewerPane(store) {
         const y = store.degrees(variable, shape, samples(variable));
         const at = store.degrees(variable, shape, Float64Array.of(store.point[i]))[0];
         const side = shape.side ?? 0;
-        parts.push(filled(y.map((v) => Math.min(v, at)), side), outline(y, side));
+        parts.push(
+          filled(
+            y.map((v) => Math.min(v, at)),
+            side,
+          ),
+          outline(y, side),
+        );
         return shortNumber(at, 3);
       });
       words.push(`${hedges} ${name}: ${degrees.length > 1 ? S.between(degrees[1], degrees[0]) : degrees[0]}`.trim());
@@ -188,7 +232,7 @@ export function viewerPane(store) {
   /** Degrees of a consequent at the samples, as it is now. */
   function setOf(output, member) {
     const term = output.terms.find((each) => each.name === member.term);
-    const shape = member.isLower ? term?.lower ?? term : term;
+    const shape = member.isLower ? (term?.lower ?? term) : term;
     if (shape?.curve && !member.hedged) return store.degrees(output, shape, samples(output));
     const numbers = Float64Array.from(member.curve.numbers);
     return store.curves.degrees(member.curve.address, numbers, samples(output));
@@ -197,7 +241,10 @@ export function viewerPane(store) {
   function conclusion(output, o, rule, found, number) {
     const parts = [];
     const words = [];
-    const sides = [[rule.concludes, found.strengths], [rule.concludesLower, found.lower]];
+    const sides = [
+      [rule.concludes, found.strengths],
+      [rule.concludesLower, found.lower],
+    ];
     sides.forEach(([concludes, strengths], side) => {
       for (const [k, index] of concludes) {
         const member = output.members[index];
@@ -239,7 +286,9 @@ export function viewerPane(store) {
     const ends = output.interval ? found.ends?.[o] : null;
     if (ends?.every(Number.isFinite)) {
       const [left, right] = ends.map((end) => share(output, end));
-      parts.push(svg("rect", { class: "interval", x: left, width: Math.max(0.2, right - left), y: -1.04, height: 1.04 }));
+      parts.push(
+        svg("rect", { class: "interval", x: left, width: Math.max(0.2, right - left), y: -1.04, height: 1.04 }),
+      );
       said += ` ${S.interval(...ends.map((x) => shortNumber(x, 6)))}`;
     }
     if (Number.isFinite(value)) parts.push(mark(output, value));

@@ -1,0 +1,743 @@
+// What the designer's page says and hears. Printed by tools/message_types.py from the records of
+// fuzzyarm.designer.requests and fuzzyarm.designer.messages: `make types` after a change there.
+
+declare namespace Messages {
+  /** A question that says no more than what it is. */
+  interface Nothing {
+  }
+
+  /** A window shows a file; with what it has of it, if it had the file open before. */
+  interface Open {
+    file: string;
+    epoch?: string;
+    version?: number;
+    text?: string | null;
+    saved?: string;
+  }
+
+  /** What is said of a file: `close`, and `ask` and `start` before their own fields. */
+  interface OfFile {
+    file: string;
+  }
+
+  /** Changes of a text, made for a version. */
+  interface Push {
+    file: string;
+    version: number;
+    updates: Array<Record<string, any>>;
+  }
+
+  /** A question about a text, with the number of its answer. */
+  interface Question {
+    file: string;
+    id: number;
+    what: string;
+  }
+
+  /** Save a file; with an `id` it is answered. */
+  interface Save {
+    file: string;
+    id?: number | null;
+  }
+
+  /** End a conflict, with the text of the windows or the other one. */
+  interface Settle {
+    file: string;
+    mine: boolean;
+  }
+
+  /** Long work on a text, with the page's own number of it. */
+  interface Start {
+    file: string;
+    id: number;
+    what: string;
+  }
+
+  /** What is said to long work: `stop`, and `say` before its words. */
+  interface OfJob {
+    id: number;
+  }
+
+  /** A question about the folder, with the number of its answer. */
+  interface FolderQuestion {
+    id: number;
+    what: string;
+  }
+
+  /** `complete` and `hover`. */
+  interface At {
+    at: [number, number];
+  }
+
+  /** What stands at a position; with a name, the edit that gives it this one. */
+  interface Rename {
+    at: [number, number];
+    name?: string | null;
+  }
+
+  /** The repairs of a finding, or of all in a line. */
+  interface Fixes {
+    at: [number, number];
+    name?: string | null;
+  }
+
+  /** The change from one text to another, to be made in the text as it is now. */
+  interface Merge {
+    old: string;
+    new: string;
+  }
+
+  /** The shape of a term. */
+  interface ShapeOf {
+    kind: string;
+    parameters: Array<number | "inf" | "-inf">;
+    height?: number | "inf" | "-inf";
+  }
+
+  /** A shape that a term is to have; of interval type 2 with the lower one. */
+  interface TermShape {
+    kind: string;
+    parameters: Array<number | "inf" | "-inf">;
+    height?: number | "inf" | "-inf";
+    variable: string;
+    term: string;
+    lower?: ShapeOf | null;
+  }
+
+  /** Terms that a hand has moved. */
+  interface Shapes {
+    shapes: Array<TermShape>;
+  }
+
+  /** Another kind or name of a term, a new one with its shape; else it is removed. */
+  interface TermEdit {
+    variable: string;
+    term: string;
+    kind?: string | null;
+    shape?: ShapeOf | null;
+    name?: string | null;
+  }
+
+  /** A new variable with its role, range and terms, or another name; else it is removed. */
+  interface VariableEdit {
+    variable: string;
+    role?: string | null;
+    low?: number | "inf" | "-inf";
+    high?: number | "inf" | "-inf";
+    terms?: Array<string>;
+    name?: string | null;
+  }
+
+  /** A method of inference, of one output or of all. */
+  interface Setting {
+    key: string;
+    value: string;
+    target: string;
+  }
+
+  /** A new grid; with `line` the one there is removed. */
+  interface GridEdit {
+    line?: number | null;
+    output?: string;
+    column?: string;
+    row?: string;
+    fill?: string;
+  }
+
+  /** A row or a column of a grid, maybe of a new term; or it is removed. */
+  interface HeadEdit {
+    line: number;
+    term: string;
+    row: boolean;
+    remove?: boolean;
+    shape?: ShapeOf | null;
+  }
+
+  /** A rule of pairs of variables and terms. */
+  interface Compose {
+    if: Array<[string, string]>;
+    then: Array<[string, string]>;
+    join?: string;
+  }
+
+  /** The range of a variable. */
+  interface RangeEdit {
+    variable: string;
+    low: number | "inf" | "-inf";
+    high: number | "inf" | "-inf";
+  }
+
+  /** A term of a cell, by line and column from 1; none takes its rule away. */
+  interface CellEdit {
+    cell: [number, number];
+    term?: string | null;
+  }
+
+  /** The numbers of a gain. */
+  interface GainEdit {
+    name: string;
+    values: Array<number | "inf" | "-inf">;
+  }
+
+  /** A sentence in a line; a new one without, none where it is empty. */
+  interface RuleEdit {
+    sentence: string;
+    line?: number | null;
+  }
+
+  /** The numbers of a rule base while a hand moves the terms of a variable. */
+  interface OfVariable {
+    variable: string;
+  }
+
+  /** A page of a table: a level of each axis but the last two. */
+  interface TablePage {
+    page?: Array<number>;
+  }
+
+  /** Where a number of a table stands, by its indices. */
+  interface TableCell {
+    cell: Array<number>;
+  }
+
+  /** A new file of a kind; a controller around a rule base. */
+  interface NewFile {
+    name: string;
+    kind: string;
+    around?: string;
+  }
+
+  /** A file, and the name of its copy or its own new one. */
+  interface Naming {
+    file: string;
+    name: string;
+  }
+
+  /** A file of another program, in base 64. */
+  interface Import {
+    name: string;
+    data: string;
+  }
+
+  /** A file of another program that stands in the folder. */
+  interface Convert {
+    name: string;
+  }
+
+  /** Which inputs lie across and up, by name, and the values of the others. */
+  interface Axes {
+    x?: string | null;
+    y?: string | null;
+    at?: Record<string, number | "inf" | "-inf" | null>;
+  }
+
+  /** Another file to be compared with. */
+  interface CompareWork {
+    other: string;
+    output?: string;
+    axes?: Axes;
+  }
+
+  /** What a text is exported as; the fields of its dialog by name. */
+  interface ExportWork {
+    suffix: string;
+    options?: Record<string, number | "inf" | "-inf" | string | null>;
+  }
+
+  /** A surface through a point. */
+  interface SurfaceWork {
+    point: Array<number | "inf" | "-inf">;
+    x: number;
+    y: number;
+    ends: [[number | "inf" | "-inf", number | "inf" | "-inf"], [number | "inf" | "-inf", number | "inf" | "-inf"]];
+    output: number;
+    across: number;
+    fired?: boolean;
+  }
+
+  /** A training. */
+  interface LearnWork {
+    controller?: string;
+    plant?: string;
+    trajectory?: string;
+    payload?: boolean;
+    reference?: string | Array<string>;
+    seconds?: number | "inf" | "-inf" | string | null;
+    passes?: number | "inf" | "-inf" | string | null;
+    step?: boolean;
+    rate?: number | "inf" | "-inf" | string | null;
+    start?: string;
+    speed?: "watch" | "fast";
+  }
+
+  /** How a table is made of a rule base, and over which inputs it is compared. */
+  interface TableErrorWork {
+    options?: Record<string, number | "inf" | "-inf" | string | null>;
+    axes?: Axes;
+  }
+
+  /** A search, in the words of ``fuzzyarm tune``. */
+  interface TuneWork {
+    reference?: string | Array<string>;
+    connect?: string | Array<string>;
+    noise?: string | Array<string>;
+    quantise?: string | Array<string>;
+    sensor_delay?: string | Array<string>;
+    difference?: string | Array<string>;
+    actuator?: string | Array<string>;
+    disturb?: string | Array<string>;
+    duration?: string;
+    interpolate?: boolean;
+    seed?: number | "inf" | "-inf" | string | null;
+    plant?: string;
+    trajectory?: string;
+    payload?: boolean | null;
+    seconds?: number | "inf" | "-inf" | string | null;
+    vary?: string | Array<string>;
+    data?: string;
+    test?: string;
+    target?: string;
+    cost?: string;
+    lines?: string;
+    time?: string;
+    method?: string;
+    over?: "mean" | "worst";
+    linear?: boolean;
+    scenarios?: number | "inf" | "-inf" | string | null;
+    evals?: number | "inf" | "-inf" | string | null;
+    unseen?: number | "inf" | "-inf" | string | null;
+    digits?: number | "inf" | "-inf" | string | null;
+  }
+
+  /** A run. */
+  interface RunWork {
+    reference?: string | Array<string>;
+    connect?: string | Array<string>;
+    noise?: string | Array<string>;
+    quantise?: string | Array<string>;
+    sensor_delay?: string | Array<string>;
+    difference?: string | Array<string>;
+    actuator?: string | Array<string>;
+    disturb?: string | Array<string>;
+    duration?: string;
+    interpolate?: boolean;
+    seed?: number | "inf" | "-inf" | string | null;
+    plant?: string;
+    trajectory?: string;
+    payload?: boolean | null;
+    until?: string;
+    window?: string;
+    speed?: number | "inf" | "-inf" | null;
+    paused?: boolean;
+    calm?: boolean;
+  }
+
+  /** Which plants a text fits: that of now, if it is another one than the session's. */
+  interface PlantsWork {
+    text?: string | null;
+  }
+
+  /** What a hand does to a run. */
+  interface RunWord {
+    speed?: number | "inf" | "-inf" | null;
+    pause?: boolean | null;
+    calm?: boolean | null;
+    pull?: [number | "inf" | "-inf", number | "inf" | "-inf"] | null;
+    gains?: Record<string, Array<number | "inf" | "-inf">> | null;
+    text?: string | null;
+    step?: number | null;
+    restart?: boolean;
+    asked?: RunWork | null;
+  }
+
+  /** What a hand does to a training; `save` is the name of a table. */
+  interface LearnWord {
+    go?: "run" | "pause" | "step" | "stop" | null;
+    speed?: "watch" | "fast" | null;
+    save?: string | null;
+    replace?: boolean;
+  }
+
+  /** What a hand does to a search: end it, or take what it has found. */
+  interface TuneWord {
+    enough?: boolean;
+    take?: boolean;
+    replace?: boolean;
+  }
+
+  interface Opened {
+    is: "opened";
+    file: string;
+    text: string;
+    saved: string;
+    version: number;
+    epoch: string;
+  }
+
+  interface Reopened {
+    is: "reopened";
+    file: string;
+    version: number;
+    updates: Array<Record<string, any>>;
+    saved: string;
+  }
+
+  interface Updates {
+    is: "updates";
+    file: string;
+    version: number;
+    updates: Array<Record<string, any>>;
+  }
+
+  /** A finding; `fixes` says of each repair whether it is the preferred one. */
+  interface Finding {
+    name: string;
+    severity: string;
+    message: string;
+    hint: string;
+    range: Array<Array<number>>;
+    fixes: Array<boolean>;
+  }
+
+  interface Findings {
+    is: "findings";
+    file?: string;
+    version: number | null;
+    summary: string;
+    findings: Array<Finding>;
+    colours: Array<Array<any>>;
+  }
+
+  /** A row function of the engine, and its numbers. */
+  interface Curve {
+    address: number;
+    numbers: Array<number | string>;
+  }
+
+  /** The lower function of a term of interval type 2. */
+  interface LowerShape {
+    kind: string;
+    parameters: Array<number | string>;
+    names: Array<string>;
+    height: number;
+    centre: number | null;
+    curve: Curve | null;
+    ordered: boolean;
+    straight: boolean;
+    handles: Array<number>;
+    marks: Array<string>;
+  }
+
+  /** A term; `marks` are the names under which its numbers stand. */
+  interface SceneTerm {
+    kind: string;
+    parameters: Array<number | string>;
+    names: Array<string>;
+    height: number;
+    centre: number | null;
+    curve: Curve | null;
+    ordered: boolean;
+    straight: boolean;
+    handles: Array<number>;
+    name: string;
+    at: Array<number>;
+    marks: Array<string>;
+    lower: LowerShape | null;
+  }
+
+  /** A variable; an end that is not finite is null. */
+  interface SceneVariable {
+    name: string;
+    description: string;
+    low: number | null;
+    high: number | null;
+    outside: string;
+    terms: Array<SceneTerm>;
+  }
+
+  /** A set or a value that rules conclude. */
+  interface Member {
+    term: string;
+    isLower: boolean;
+    side: number;
+    hedged: boolean;
+    words: string;
+    value: number | null;
+    curve: Curve | null;
+    implication: number;
+  }
+
+  /** An output, with what is aggregated. */
+  interface SceneOutput {
+    name: string;
+    description: string;
+    low: number | null;
+    high: number | null;
+    outside: string;
+    terms: Array<SceneTerm>;
+    defuzzifier: string;
+    aggregation: number;
+    discrete: boolean;
+    interval: boolean;
+    twoSided: boolean;
+    noRule: number | string | null;
+    members: Array<Member>;
+    asserted: Array<Array<number>>;
+  }
+
+  /** A rule; `parts` are input, term, hedges. */
+  interface SceneRule {
+    text: string;
+    place: string;
+    written: string;
+    line: number;
+    range: Array<Array<number>>;
+    weight: number;
+    at: Array<number>;
+    inGrid: boolean;
+    parts: Array<Array<any>>;
+    readings: Array<number>;
+    concludes: Array<Array<number>>;
+    concludesLower: Array<Array<number>>;
+  }
+
+  /** A cell of a grid; `rule` is the index of its rule. */
+  interface GridCell {
+    term: string | null;
+    weight: string | null;
+    at: Array<number>;
+    range: Array<Array<number>>;
+    rule: number | null;
+  }
+
+  /** A row of a grid. */
+  interface GridRow {
+    label: string;
+    cells: Array<GridCell>;
+  }
+
+  /** A grid of rules, as it stands in the text. */
+  interface Grid {
+    line: number;
+    output: string;
+    condition: string;
+    row: string | null;
+    column: string;
+    columns: Array<string>;
+    joined: boolean;
+    range: Array<Array<number>>;
+    rows: Array<GridRow>;
+  }
+
+  /** A setting of inference with its choices, or what a block says (`block`). */
+  interface Method {
+    key?: string;
+    value?: string;
+    options?: Array<string>;
+    target?: string;
+    block?: string;
+  }
+
+  /** What is drawn of a rule base. */
+  interface Scene {
+    name: string;
+    description: string;
+    inputs: Array<SceneVariable>;
+    outputs: Array<SceneOutput>;
+    rules: Array<SceneRule>;
+    grids: Array<Grid>;
+    methods: Array<Method>;
+    missing: Array<string>;
+    numbers: Record<string, any> | null;
+    kinds: Array<string>;
+    functions: Array<any>;
+    reason: string;
+  }
+
+  /** A block of a diagram; `lines` are text and style, `pins` sign and position. */
+  interface Block {
+    kind: string;
+    round: boolean;
+    x: number;
+    y: number;
+    width: number;
+    height: number;
+    lines: Array<Array<string>>;
+    label: string;
+    pins: Array<Array<any>>;
+    at: Array<number> | null;
+  }
+
+  /** A word in a diagram. */
+  interface Caption {
+    text: string;
+    x: number;
+    y: number;
+    style: string;
+  }
+
+  /** The block diagram of a controller; lengths are pixels. */
+  interface Diagram {
+    name: string;
+    description: string;
+    period: string;
+    width: number;
+    height: number;
+    blocks: Array<Block>;
+    strokes: Array<Array<number>>;
+    tips: Array<Array<number>>;
+    dots: Array<Array<number>>;
+    words: Array<Caption>;
+    uses: Array<Array<string>>;
+  }
+
+  interface SceneMessage {
+    is: "scene";
+    file?: string;
+    version: number | null;
+    scene: Scene | null;
+    why: "mistakes" | "other";
+    diagram: Diagram | null;
+  }
+
+  interface Status {
+    is: "status";
+    file: string;
+    dirty: boolean;
+    gone: boolean;
+    conflict: boolean;
+    unreadable: string;
+    elsewhere: boolean;
+    version: number;
+    saved?: string;
+  }
+
+  interface Moved {
+    is: "moved";
+    file: string;
+    to: string;
+  }
+
+  interface Names {
+    is: "names";
+    names: Array<string>;
+    first: string;
+  }
+
+  interface Unsaved {
+    is: "unsaved";
+    names: Array<string>;
+  }
+
+  interface Answer {
+    is: "answer";
+    id: number;
+    error?: string;
+    internal?: boolean;
+    [key: string]: any;
+  }
+
+  interface JobNews {
+    is: "job";
+    id: number;
+    doing?: string;
+    end?: "done" | "stopped" | "failed";
+    message?: string;
+    field?: string;
+    internal?: boolean;
+    [key: string]: any;
+  }
+
+  interface Failed {
+    is: "failed";
+    file?: string;
+    message: string;
+    internal?: boolean;
+  }
+
+  interface Commands {
+    "hello": Nothing;
+    "open": Open;
+    "close": OfFile;
+    "push": Push;
+    "ask": Question;
+    "save": Save;
+    "settle": Settle;
+    "start": Start;
+    "say": OfJob;
+    "stop": OfJob;
+    "folder": FolderQuestion;
+  }
+
+  interface TextQuestions {
+    "complete": At;
+    "hover": At;
+    "rename": Rename;
+    "fixes": Fixes;
+    "format": Nothing;
+    "merge": Merge;
+    "movable": Nothing;
+    "shapes": Shapes;
+    "term": TermEdit;
+    "variable": VariableEdit;
+    "setting": Setting;
+    "grid": GridEdit;
+    "head": HeadEdit;
+    "compose": Compose;
+    "range": RangeEdit;
+    "cell": CellEdit;
+    "gain": GainEdit;
+    "rule": RuleEdit;
+    "numbers": OfVariable;
+    "table": TablePage;
+    "table-cell": TableCell;
+    "exports": Nothing;
+  }
+
+  interface FolderQuestions {
+    "list": Nothing;
+    "new": NewFile;
+    "adopt": OfFile;
+    "duplicate": Naming;
+    "rename": Naming;
+    "delete": OfFile;
+    "users": OfFile;
+    "findings": OfFile;
+    "import": Import;
+    "convert": Convert;
+  }
+
+  interface Works {
+    "compare": CompareWork;
+    "export": ExportWork;
+    "surface": SurfaceWork;
+    "learnable": Nothing;
+    "learn": LearnWork;
+    "table-error": TableErrorWork;
+    "tunable": Nothing;
+    "tune": TuneWork;
+    "sheets": Nothing;
+    "run": RunWork;
+    "plants": PlantsWork;
+  }
+
+  interface Words {
+    "run": RunWord;
+    "learn": LearnWord;
+    "tune": TuneWord;
+  }
+
+  type Heard =
+    | Opened
+    | Reopened
+    | Updates
+    | Findings
+    | SceneMessage
+    | Status
+    | Moved
+    | Names
+    | Unsaved
+    | Answer
+    | JobNews
+    | Failed;
+}

@@ -1,0 +1,41 @@
+// What the panes of the page share, beside the messages: the store, and what a hand may do.
+
+declare namespace Page {
+  type Store = import("../../../src/fuzzyarm/designer/page/store.js").Store;
+
+  type Questions = Messages.TextQuestions;
+
+  /** What an edit, a question or an act on the folder answers; `error` where it is refused. */
+  type Answer = Partial<Messages.Answer> & { [name: string]: any };
+
+  /** Long work that goes on: what it may be told. */
+  interface Job {
+    say(words: Messages.RunWord | Messages.LearnWord | Messages.TuneWord): void;
+    stop(): void;
+  }
+
+  type News = Partial<Messages.JobNews> & { [name: string]: any };
+
+  /** What a pane may do to the text and its folder; a page without a server has `edit` and `numbers` alone. */
+  interface Hand {
+    edit(shapes: Array<Messages.TermShape>): any;
+    numbers(variable: string): Promise<any>;
+    change<Q extends keyof Questions>(what: Q, details: Questions[Q]): Promise<any>;
+    attempt<Q extends keyof Questions>(what: Q, details: Questions[Q]): Promise<Answer>;
+    askNow<Q extends keyof Questions>(what: Q, details?: Questions[Q]): Promise<Answer>;
+    start<W extends keyof Messages.Works>(what: W, asked: Messages.Works[W], hear: (news: News) => void): Job;
+    folder<Q extends keyof Messages.FolderQuestions>(
+      asked: { what: Q } & Messages.FolderQuestions[Q],
+    ): Promise<Answer>;
+    fill(title: string, fields: any[], button: string, act: (values: any) => any, note?: string): Promise<any>;
+    choose(title: string, texts: string[]): Promise<number | null>;
+    [name: string]: any;
+  }
+
+  /** Two numbers: an end and the other, or a place. */
+  type Pair = [number, number];
+}
+
+interface Window {
+  designer: any;
+}
