@@ -11,101 +11,146 @@ import { S } from "./strings.js";
  * @param {Page.Hand} hand
  */
 function comparePane(store, hand) {
-  const { section, bar, body } = pane("compare", S.compare);
-  const canvases = [0, 1, 2].map(() => el("canvas", { role: "img" }));
-  const state = el("p", { class: "note", role: "status", textContent: S.chooseOther });
-  const changes = el("div", { class: "differing" });
-  const pictures = el("div", { class: "three", hidden: true }, ...canvases);
-  body.append(state, pictures, changes);
-  const wanted = { other: "", output: "", x: "", y: "", view: "both" };
-  let found = null;
-  let job = null;
-  let names = [];
+  return new ComparePane(store, hand).section;
+}
 
-  function build() {
-    while (bar.childNodes.length > 1) bar.lastChild.remove();
-    const others = names.filter((name) => name !== hand.file());
+class ComparePane {
+  /**
+   * @param {Page.Store} store
+   * @param {Page.Hand} hand
+   */
+  constructor(store, hand) {
+    this.store = store;
+    this.hand = hand;
+
+    const { section, bar, body } = pane("compare", S.compare);
+    this.section = section;
+    this.bar = bar;
+    this.canvases = [0, 1, 2].map(() => el("canvas", { role: "img" }));
+    this.state = el("p", { class: "note", role: "status", textContent: S.chooseOther });
+    this.changes = el("div", { class: "differing" });
+    this.pictures = el("div", { class: "three", hidden: true }, ...this.canvases);
+    body.append(this.state, this.pictures, this.changes);
+    this.wanted = { other: "", output: "", x: "", y: "", view: "both" };
+    this.found = null;
+    this.job = null;
+    this.names = [];
+
+    this.redraw = eachFrame(this.draw);
+    this.store.on("view", async () => {
+      if (this.store.view !== "compare") return;
+      this.names = ((await this.hand.folder({ what: "list" })).files ?? []).map((each) => each.name);
+      if (this.names.length < 2) this.state.textContent = S.nothingToCompare;
+      this.build();
+      this.redraw();
+    });
+    this.store.on("text", () => {
+      if (this.found) this.section.classList.add("stale");
+    });
+    this.store.on("theme", this.redraw);
+    new ResizeObserver(this.redraw).observe(body);
+  }
+
+  where = (at) =>
+    Object.entries(at)
+      .map(([name, x]) => `${name} = ${shortNumber(x, 5)}`)
+      .join(", ");
+
+  build = () => {
+    while (this.bar.childNodes.length > 1) this.bar.lastChild.remove();
+    const others = this.names.filter((name) => name !== this.hand.file());
     const set = (name) => (value) => {
-      wanted[name] = value;
-      if (name === "view") redraw();
-      else run();
+      this.wanted[name] = value;
+      if (name === "view") this.redraw();
+      else this.run();
     };
-    bar.append(choice(S.with, [["", "…"], ...others.map((n) => [n, n])], wanted.other, set("other")));
-    bar.append(el("span", { class: "space" }));
-    if (found?.outputs.length > 1) {
-      bar.append(
+    this.bar.append(choice(S.with, [["", "…"], ...others.map((n) => [n, n])], this.wanted.other, set("other")));
+    this.bar.append(el("span", { class: "space" }));
+    if (this.found?.outputs.length > 1) {
+      this.bar.append(
         choice(
           S.shown,
-          found.outputs.map((n) => [n, n]),
-          found.output,
+          this.found.outputs.map((n) => [n, n]),
+          this.found.output,
           set("output"),
         ),
       );
     }
-    if (found?.shared.length > 2) {
-      const axes = found.shared.map((n) => [n, n]);
-      bar.append(choice(S.horizontal, axes, found.x, set("x")), choice(S.vertical, axes, found.y, set("y")));
+    if (this.found?.shared.length > 2) {
+      const axes = this.found.shared.map((n) => [n, n]);
+      this.bar.append(
+        choice(S.horizontal, axes, this.found.x, set("x")),
+        choice(S.vertical, axes, this.found.y, set("y")),
+      );
     }
     const views = [
       ["both", S.sideBySide],
       ["difference", S.onlyDifference],
     ];
-    bar.append(
-      choice(S.view, views, wanted.view, set("view")),
-      el("button", { textContent: S.compareAgain, onclick: run }),
+    this.bar.append(
+      choice(S.view, views, this.wanted.view, set("view")),
+      el("button", { textContent: S.compareAgain, onclick: this.run }),
     );
-  }
+  };
 
-  async function run() {
-    job?.stop();
-    if (!wanted.other || store.view !== "compare") return;
-    state.classList.remove("error");
-    section.classList.remove("stale");
-    state.textContent = S.working;
-    if (!(await hand.settled())) {
-      state.textContent = S.gone;
+  run = async () => {
+    this.job?.stop();
+    if (!this.wanted.other || this.store.view !== "compare") return;
+    this.state.classList.remove("error");
+    this.section.classList.remove("stale");
+    this.state.textContent = S.working;
+    if (!(await this.hand.settled())) {
+      this.state.textContent = S.gone;
       return;
     }
-    const { other, output, x, y } = wanted;
-    const at = Object.fromEntries((store.scene?.inputs ?? []).map((each, i) => [each.name, store.point[i]]));
-    const mine = hand.start("compare", { other, output, axes: { x, y, at } }, (news) => {
-      if (mine === job || !job) hear(news);
+    const { other, output, x, y } = this.wanted;
+    const at = Object.fromEntries((this.store.scene?.inputs ?? []).map((each, i) => [each.name, this.store.point[i]]));
+    const mine = this.hand.start("compare", { other, output, axes: { x, y, at } }, (news) => {
+      if (mine === this.job || !this.job) this.hear(news);
     });
-    job = mine;
-  }
+    this.job = mine;
+  };
 
-  function hear(news) {
+  hear = (news) => {
     if (news.outputs) {
-      found = { ...news, other: wanted.other };
-      pictures.hidden = false;
-      build();
+      this.found = { ...news, other: this.wanted.other };
+      this.pictures.hidden = false;
+      this.build();
     }
-    if (news.changes) showChanges(news.changes);
-    if ("largest" in news) found.largest = news.largest;
+    if (news.changes) this.showChanges(news.changes);
+    if ("largest" in news) this.found.largest = news.largest;
     if (news.end) {
-      job = null;
-      state.classList.toggle("error", news.end === "failed");
-      state.textContent = clean(news.end === "failed" ? news.message : news.end === "done" ? largestWords() : "");
+      this.job = null;
+      this.state.classList.toggle("error", news.end === "failed");
+      this.state.textContent = clean(
+        news.end === "failed" ? news.message : news.end === "done" ? this.largestWords() : "",
+      );
     }
-    redraw();
-  }
+    this.redraw();
+  };
 
-  const where = (at) =>
-    Object.entries(at)
-      .map(([name, x]) => `${name} = ${shortNumber(x, 5)}`)
-      .join(", ");
-
-  function largestWords() {
+  largestWords = () => {
     const parts = [];
-    if (found.worst)
-      parts.push(S.largestHere(shortNumber(found.worst.difference, 6), where({ ...found.held, ...found.worst.at })));
-    if (found.largest)
-      parts.push(S.largest(shortNumber(found.largest.difference, 6), where(found.largest.at), found.largest.points));
-    if (found.largest?.alone) parts.push(S.oneSided(found.largest.alone));
+    if (this.found.worst)
+      parts.push(
+        S.largestHere(
+          shortNumber(this.found.worst.difference, 6),
+          this.where({ ...this.found.held, ...this.found.worst.at }),
+        ),
+      );
+    if (this.found.largest)
+      parts.push(
+        S.largest(
+          shortNumber(this.found.largest.difference, 6),
+          this.where(this.found.largest.at),
+          this.found.largest.points,
+        ),
+      );
+    if (this.found.largest?.alone) parts.push(S.oneSided(this.found.largest.alone));
     return parts.join(" ") || S.nothingShared;
-  }
+  };
 
-  function showChanges({ same, mixed, summary, parts }) {
+  showChanges = ({ same, mixed, summary, parts }) => {
     const lists = parts.flatMap(([title, rows]) => [
       el("h3", { textContent: S.changed[title] ?? title }),
       el(
@@ -122,14 +167,14 @@ function comparePane(store, hand) {
       ),
     ]);
     const head = mixed ? S.mixed : same ? S.sameMeaning : (summary ?? S.inMeaning);
-    changes.replaceChildren(el("p", { class: "note", textContent: head }), ...lists);
-  }
+    this.changes.replaceChildren(el("p", { class: "note", textContent: head }), ...lists);
+  };
 
-  function draw() {
-    if (!found || store.view !== "compare") return;
-    const both = wanted.view === "both";
-    const [first, second, third] = canvases;
-    const { xs, ys, x, y, before, after, output } = found;
+  draw = () => {
+    if (!this.found || this.store.view !== "compare") return;
+    const both = this.wanted.view === "both";
+    const [first, second, third] = this.canvases;
+    const { xs, ys, x, y, before, after, output } = this.found;
     const range = rangeOfValues([before, after]);
     const [low, high] = range;
     const flat = !y;
@@ -142,43 +187,28 @@ function comparePane(store, hand) {
     if (both && flat) {
       drawLines(first, {
         ...words,
-        title: S.twoLines(hand.file(), found.other),
+        title: S.twoLines(this.hand.file(), this.found.other),
         xs,
         lines: [before, after],
-        worst: found.worst?.at[x],
+        worst: this.found.worst?.at[x],
       });
     } else if (both) {
-      drawPlane(first, { ...words, title: title(hand.file()), xs, ys, z: before });
-      drawPlane(second, { ...words, title: title(found.other), xs, ys, z: after });
-    } else difference(third, words);
-    for (const each of canvases)
-      each.setAttribute("aria-label", S.compareLabel(hand.file(), found.other, state.textContent));
-  }
+      drawPlane(first, { ...words, title: title(this.hand.file()), xs, ys, z: before });
+      drawPlane(second, { ...words, title: title(this.found.other), xs, ys, z: after });
+    } else this.difference(third, words);
+    for (const each of this.canvases)
+      each.setAttribute("aria-label", S.compareLabel(this.hand.file(), this.found.other, this.state.textContent));
+  };
 
-  function difference(canvas, words) {
-    const { xs, ys, x, y, before, after, worst } = found;
+  difference = (canvas, words) => {
+    const { xs, ys, x, y, before, after, worst } = this.found;
     const z = before.map((value, i) => (value === null || after[i] === null ? null : after[i] - value));
     const [low, high] = rangeOfValues([z], true);
-    const title = S.differenceOf(found.other, hand.file(), shortNumber(high));
+    const title = S.differenceOf(this.found.other, this.hand.file(), shortNumber(high));
     const place = worst && (y ? [worst.at[x], worst.at[y]] : worst.at[x]);
     if (y) drawPlane(canvas, { ...words, title, xs, ys, z, low, high, signed: true, worst: place });
     else drawLines(canvas, { ...words, title, xs, lines: [z], low, high, worst: place });
-  }
-
-  const redraw = eachFrame(draw);
-  store.on("view", async () => {
-    if (store.view !== "compare") return;
-    names = ((await hand.folder({ what: "list" })).files ?? []).map((each) => each.name);
-    if (names.length < 2) state.textContent = S.nothingToCompare;
-    build();
-    redraw();
-  });
-  store.on("text", () => {
-    if (found) section.classList.add("stale");
-  });
-  store.on("theme", redraw);
-  new ResizeObserver(redraw).observe(body);
-  return section;
+  };
 }
 
 export const COMPARE = { name: "compare", title: S.compare, drawn: false, panes: [comparePane] };

@@ -15,240 +15,270 @@ const FILES = "files"; // the view of the folder
 
 /** Make the desk of a file; `page` is what all desks share, `views` which views it has. */
 export function makeDesk(file, page, views) {
-  const { connection } = page;
-  const store = new Store();
-  const status = el("span", { id: "status", role: "status" });
-  const save = el("button", { textContent: S.save, title: "Ctrl+S", disabled: true, onclick: () => link.save() });
-  const files = el("select", {
-    "aria-label": S.file,
-    onchange() {
-      const to = files.value;
-      files.value = file; // here it says what is shown here
-      page.turnTo(to);
-    },
-  });
-  let saved = null; // the text on disk, as the server knows it
-  let apart = false; // whether the file says something else than what was saved, or is gone
-  let dirty = false;
-  let lost = false;
-  let latest = null; // findings, which come in front of the picture of the same text
-  const working = new Set(); // long works that go on
-  let bring = null; // takes files that are dropped
-  let left = []; // what was scrolled, and the focus, when another desk was shown
+  return new Desk(file, page, views).api();
+}
 
-  const send = (message) => connection.send({ ...message, file });
+class Desk {
+  constructor(file, page, views) {
+    this.file = file;
+    this.page = page;
+    this.views = views;
 
-  const link = {
-    push: (version, updates) => send({ do: "push", version, updates }),
-    ask: (question) => connection.ask(file, question),
-    save() {
-      const trySave = () => {
-        if (!text.settled()) setTimeout(trySave, 20);
-        else send({ do: "save" });
-      };
-      trySave();
-      return true;
-    },
-    say(words) {
-      status.textContent = clean(words);
-    },
-    edited(now) {
-      mark(saved !== null && (apart || now !== saved));
-    },
-    saved: () => saved,
-  };
+    this.connection = this.page.connection;
+    this.store = new Store();
+    this.status = el("span", { id: "status", role: "status" });
+    this.save = el("button", { textContent: S.save, title: "Ctrl+S", disabled: true, onclick: () => this.link.save() });
+    this.files = el("select", {
+      "aria-label": S.file,
+      onchange: () => {
+        const to = this.files.value;
+        this.files.value = this.file; // here it says what is shown here
+        this.page.turnTo(to);
+      },
+    });
+    this.saved = null; // the text on disk, as the server knows it
+    this.apart = false; // whether the file says something else than what was saved, or is gone
+    this.dirty = false;
+    this.lost = false;
+    this.latest = null; // findings, which come in front of the picture of the same text
+    this.working = new Set(); // long works that go on
+    this.bring = null; // takes files that are dropped
+    this.left = []; // what was scrolled, and the focus, when another desk was shown
 
-  function mark(changed) {
-    dirty = changed;
-    save.disabled = !changed;
-    text.revertible(changed);
-    if (!lost) status.textContent = changed ? S.unsaved : S.saved;
-    page.marked();
+    this.link = {
+      push: (version, updates) => this.send({ do: "push", version, updates }),
+      ask: (question) => this.connection.ask(this.file, question),
+      save: () => {
+        const trySave = () => {
+          if (!this.text.settled()) setTimeout(trySave, 20);
+          else this.send({ do: "save" });
+        };
+        trySave();
+        return true;
+      },
+      say: (words) => {
+        this.status.textContent = clean(words);
+      },
+      edited: (now) => {
+        this.mark(this.saved !== null && (this.apart || now !== this.saved));
+      },
+      saved: () => this.saved,
+    };
+
+    this.text = textPane(this.link, this.page.nonce);
+    this.makeHand();
+    this.build();
+    this.listen();
   }
 
-  function start(what, asked_for, hear) {
-    const job = connection.start(file, what, asked_for, (news) => {
-      if (news.end) working.delete(job);
+  makeHand() {
+    this.hand = {
+      edit: (shapes) => this.text.edit("shapes", { shapes }),
+      change: (what, details) => this.text.edit(what, details), // an edit that the server makes
+      attempt: (what, details) => this.text.attempt(what, details), // the same, of a dialog that says what is wrong
+      askFor: ask,
+      choose,
+      fill,
+      numbers: (variable) => this.text.numbers(variable),
+      ask: this.link.ask,
+      start: this.start,
+      setCell: (cell, term) => this.text.edit("cell", { cell, term }),
+      setGain: (name, values) => this.text.edit("gain", { name, values }),
+      text: () => this.text.state().text,
+      goTo: (at) => this.text.goTo(at),
+      save: () => this.saveNow(),
+      saveFile: this.connection.save,
+      unsaved: this.page.unsaved,
+      askNow: (what, details) => this.text.question(what, details), // of the text as it is typed
+      settled: () => this.text.sent(),
+      replace: (words) => this.text.replace(words),
+      folder: this.connection.folder,
+      file: () => this.file,
+      onDrop: (act) => {
+        this.bring = act;
+      },
+      largest: this.page.largest,
+      imports: this.page.imports,
+      listed: this.page.listed,
+      turnTo: this.page.turnTo,
+    };
+  }
+
+  build() {
+    askServer(this.store, this.start);
+    this.banner = el("div", { class: "banner", role: "alert", hidden: true });
+    const chooser = this.page.only ? el("strong", { textContent: this.file }) : this.files;
+    // Where there is no file there is nothing to be typed and saved.
+    const controls = [
+      ...(this.file ? [chooser, this.save, this.status] : [this.status]),
+      el("span", { class: "space" }),
+    ];
+    const { root, turn } = frame(this.store, this.hand, this.file ? this.text.section : null, controls, this.views);
+    this.root = root;
+    this.turn = turn;
+    this.root.querySelector("main").before(this.banner);
+  }
+
+  listen() {
+    this.TAKEN = {
+      opened: (message) => {
+        this.saved = message.saved;
+        this.back();
+        this.text.open(message);
+      },
+      reopened: (message) => {
+        this.saved = message.saved;
+        this.back();
+        this.text.receive(message); // and what was typed meanwhile is sent
+        this.mark(this.text.state().text !== this.saved);
+      },
+      updates: (message) => this.text.receive(message),
+      findings: (message) => {
+        this.text.show(message);
+        this.latest = message;
+        this.store.emit("text"); // what was asked of an older text may be asked again
+      },
+      scene: (message) => {
+        if (message.version !== this.text.version()) return;
+        this.store.findings = this.latest?.version === message.version ? this.latest.findings : [];
+        if (message.scene) this.store.show(message.scene);
+        if (message.diagram || message.why !== "mistakes") this.store.draw(message.diagram);
+        if (!message.scene && !message.diagram) this.store.mistaken(message.why);
+        this.store.judge(message.why !== "mistakes");
+      },
+      status: (message) => {
+        this.saved = message.saved ?? this.saved;
+        this.apart = message.gone || message.conflict;
+        this.mark(this.apart || this.text.state().text !== this.saved);
+        if (!message.conflict) {
+          this.tell(message.gone ? S.fileGone : "");
+          return;
+        }
+        const settle = (words, mine) =>
+          el("button", { textContent: words, onclick: () => this.send({ do: "settle", mine }) });
+        if (message.unreadable) this.tell(S.unreadable(message.unreadable), settle(S.keepMine, true));
+        else if (message.elsewhere) this.tell(S.otherWindow, settle(S.keepThis, true), settle(S.takeOther, false));
+        else this.tell(S.conflict, settle(S.keepMine, true), settle(S.takeTheirs, false));
+      },
+      failed: (message) => {
+        if (this.text.state().epoch && !this.lost) this.link.say(message.message);
+        else this.tell(message.message);
+        if (!this.text.state().epoch) this.turn(FILES); // the file cannot be opened; from there others can
+      },
+    };
+  }
+
+  api() {
+    return {
+      root: this.root,
+      store: this.store,
+      text: this.text,
+      show: this.show,
+      leave: this.leave,
+      open: this.open,
+      turn: this.turn,
+      file: () => this.file,
+      view: () => this.store.view,
+      isDirty: () => this.dirty,
+      /** Whether nothing is lost with this desk but the steps back: an unsaved text asks before the page is left. */
+      isIdle: () => this.text.settled() && !this.dirty && !this.working.size && this.banner.hidden,
+      focus: (onChooser) => (onChooser || !this.file ? this.files : this.text.view).focus(),
+      take: (message) => this.TAKEN[message.is]?.(message),
+      undo: this.text.undo,
+      redo: this.text.redo,
+      save: this.link.save,
+      say: this.link.say,
+      bring: (dropped) => this.bring(dropped),
+      offer: (names) => {
+        const all = names.includes(this.file) ? names : [this.file, ...names]; // one that has gone is still shown
+        this.files.replaceChildren(...all.map((name) => el("option", { value: name, textContent: name })));
+        this.files.value = this.file;
+      },
+      move: (to) => {
+        this.file = to;
+        this.mark(this.dirty);
+        if (this.text.state().epoch) this.open(); // what was on its way under the old name has not arrived
+      },
+      lose: () => {
+        if (!this.lost) this.tell(S.gone);
+        this.lost = true;
+      },
+      close: () => {
+        this.store.emit("closed");
+        for (const job of this.working) job.stop();
+        this.text.close();
+        this.send({ do: "close" });
+      },
+    };
+  }
+
+  send = (message) => this.connection.send({ ...message, file: this.file });
+
+  mark = (changed) => {
+    this.dirty = changed;
+    this.save.disabled = !changed;
+    this.text.revertible(changed);
+    if (!this.lost) this.status.textContent = changed ? S.unsaved : S.saved;
+    this.page.marked();
+  };
+
+  start = (what, asked_for, hear) => {
+    const job = this.connection.start(this.file, what, asked_for, (news) => {
+      if (news.end) this.working.delete(job);
       hear(news);
     });
-    working.add(job);
+    this.working.add(job);
     return job;
-  }
-
-  const text = textPane(link, page.nonce);
-  const hand = {
-    edit: (shapes) => text.edit("shapes", { shapes }),
-    change: (what, details) => text.edit(what, details), // an edit that the server makes
-    attempt: (what, details) => text.attempt(what, details), // the same, of a dialog that says what is wrong
-    askFor: ask,
-    choose,
-    fill,
-    numbers: (variable) => text.numbers(variable),
-    ask: link.ask,
-    start,
-    setCell: (cell, term) => text.edit("cell", { cell, term }),
-    setGain: (name, values) => text.edit("gain", { name, values }),
-    text: () => text.state().text,
-    goTo: (at) => text.goTo(at),
-    save: () => saveNow(),
-    saveFile: connection.save,
-    unsaved: page.unsaved,
-    askNow: (what, details) => text.question(what, details), // of the text as it is typed
-    settled: () => text.sent(),
-    replace: (words) => text.replace(words),
-    folder: connection.folder,
-    file: () => file,
-    onDrop(act) {
-      bring = act;
-    },
-    largest: page.largest,
-    imports: page.imports,
-    listed: page.listed,
-    turnTo: page.turnTo,
   };
   /** Save, and wait until the server has; whether what is here is saved. */
-  async function saveNow() {
-    if (!dirty) return true;
-    const { error } = (await text.sent()) ? await connection.save(file) : { error: S.gone };
-    if (error) link.say(error);
+  saveNow = async () => {
+    if (!this.dirty) return true;
+    const { error } = (await this.text.sent()) ? await this.connection.save(this.file) : { error: S.gone };
+    if (error) this.link.say(error);
     return !error;
-  }
+  };
 
-  askServer(store, start);
-  const banner = el("div", { class: "banner", role: "alert", hidden: true });
-  const chooser = page.only ? el("strong", { textContent: file }) : files;
-  // Where there is no file there is nothing to be typed and saved.
-  const controls = [...(file ? [chooser, save, status] : [status]), el("span", { class: "space" })];
-  const { root, turn } = frame(store, hand, file ? text.section : null, controls, views);
-  root.querySelector("main").before(banner);
-
-  function tell(words, ...buttons) {
-    banner.replaceChildren(clean(words), ...buttons);
-    banner.hidden = !words;
-  }
+  tell = (words, ...buttons) => {
+    this.banner.replaceChildren(clean(words), ...buttons);
+    this.banner.hidden = !words;
+  };
 
   /** Tell the server that this file is open, and what has been typed without it. */
-  function open() {
-    if (!file) {
+  open = () => {
+    if (!this.file) {
       // the folder is empty
-      back();
+      this.back();
       return;
     }
-    const { epoch, text: now } = text.state();
-    send(epoch ? { do: "open", epoch, version: text.version(), text: now, saved } : { do: "open" });
-  }
+    const { epoch, text: now } = this.text.state();
+    this.send(
+      epoch ? { do: "open", epoch, version: this.text.version(), text: now, saved: this.saved } : { do: "open" },
+    );
+  };
 
-  function back() {
-    const before = lost;
-    lost = false;
-    tell("");
+  back = () => {
+    const before = this.lost;
+    this.lost = false;
+    this.tell("");
     if (!before) return;
-    if (file) link.say(S.back);
-    store.emit("view"); // what was asked for meanwhile has not been answered
-  }
-
-  const TAKEN = {
-    opened(message) {
-      saved = message.saved;
-      back();
-      text.open(message);
-    },
-    reopened(message) {
-      saved = message.saved;
-      back();
-      text.receive(message); // and what was typed meanwhile is sent
-      mark(text.state().text !== saved);
-    },
-    updates: (message) => text.receive(message),
-    findings(message) {
-      text.show(message);
-      latest = message;
-      store.emit("text"); // what was asked of an older text may be asked again
-    },
-    scene(message) {
-      if (message.version !== text.version()) return;
-      store.findings = latest?.version === message.version ? latest.findings : [];
-      if (message.scene) store.show(message.scene);
-      if (message.diagram || message.why !== "mistakes") store.draw(message.diagram);
-      if (!message.scene && !message.diagram) store.mistaken(message.why);
-      store.judge(message.why !== "mistakes");
-    },
-    status(message) {
-      saved = message.saved ?? saved;
-      apart = message.gone || message.conflict;
-      mark(apart || text.state().text !== saved);
-      if (!message.conflict) {
-        tell(message.gone ? S.fileGone : "");
-        return;
-      }
-      const settle = (words, mine) => el("button", { textContent: words, onclick: () => send({ do: "settle", mine }) });
-      if (message.unreadable) tell(S.unreadable(message.unreadable), settle(S.keepMine, true));
-      else if (message.elsewhere) tell(S.otherWindow, settle(S.keepThis, true), settle(S.takeOther, false));
-      else tell(S.conflict, settle(S.keepMine, true), settle(S.takeTheirs, false));
-    },
-    failed(message) {
-      if (text.state().epoch && !lost) link.say(message.message);
-      else tell(message.message);
-      if (!text.state().epoch) turn(FILES); // the file cannot be opened; from there others can
-    },
+    if (this.file) this.link.say(S.back);
+    this.store.emit("view"); // what was asked for meanwhile has not been answered
   };
 
   /** Put this desk in the place of another one, as it was left. */
-  function show(other) {
-    if (other) other.root.replaceWith(root);
-    else document.body.append(root);
-    for (const [element, top, across] of left) element.scrollTo(across, top);
-    store.emit("theme"); // it may be another one now
-    store.emit("view"); // and what is asked for a view may have changed meanwhile
-    store.emit("shown");
-  }
+  show = (other) => {
+    if (other) other.root.replaceWith(this.root);
+    else document.body.append(this.root);
+    for (const [element, top, across] of this.left) element.scrollTo(across, top);
+    this.store.emit("theme"); // it may be another one now
+    this.store.emit("view"); // and what is asked for a view may have changed meanwhile
+    this.store.emit("shown");
+  };
 
   /** Remember what goes when elements leave the document; call it before another desk is shown. */
-  function leave() {
-    const scrolled = [...root.querySelectorAll("*")].filter((each) => each.scrollTop || each.scrollLeft);
-    left = scrolled.map((each) => [each, each.scrollTop, each.scrollLeft]);
-    store.emit("left");
-  }
-
-  return {
-    root,
-    store,
-    text,
-    show,
-    leave,
-    open,
-    turn,
-    file: () => file,
-    view: () => store.view,
-    isDirty: () => dirty,
-    /** Whether nothing is lost with this desk but the steps back: an unsaved text asks before the page is left. */
-    isIdle: () => text.settled() && !dirty && !working.size && banner.hidden,
-    focus: (onChooser) => (onChooser || !file ? files : text.view).focus(),
-    take: (message) => TAKEN[message.is]?.(message),
-    undo: text.undo,
-    redo: text.redo,
-    save: link.save,
-    say: link.say,
-    bring: (dropped) => bring(dropped),
-    offer(names) {
-      const all = names.includes(file) ? names : [file, ...names]; // one that has gone is still shown
-      files.replaceChildren(...all.map((name) => el("option", { value: name, textContent: name })));
-      files.value = file;
-    },
-    move(to) {
-      file = to;
-      mark(dirty);
-      if (text.state().epoch) open(); // what was on its way under the old name has not arrived
-    },
-    lose() {
-      if (!lost) tell(S.gone);
-      lost = true;
-    },
-    close() {
-      store.emit("closed");
-      for (const job of working) job.stop();
-      text.close();
-      send({ do: "close" });
-    },
+  leave = () => {
+    const scrolled = [...this.root.querySelectorAll("*")].filter((each) => each.scrollTop || each.scrollLeft);
+    this.left = scrolled.map((each) => [each, each.scrollTop, each.scrollLeft]);
+    this.store.emit("left");
   };
 }

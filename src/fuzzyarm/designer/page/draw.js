@@ -1,5 +1,7 @@
 // What several panes draw with: elements, colours, numbers as text, canvases.
 
+import { ticks } from "./geometry/chart.js";
+
 const UNSEEN = /[\u0000-\u0008\u000b-\u001f\u007f-\u009f\u200e\u200f\u2028-\u202e\u2066-\u2069]/g;
 
 /** A text without controls and without marks that turn the direction of what follows. */
@@ -141,18 +143,6 @@ export function context(canvas, width, height) {
 
 export function colourOf(name) {
   return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
-}
-
-/** Round numbers between two, about so many. */
-export function ticks(low, high, wanted = 5) {
-  const raw = (high - low) / wanted;
-  const power = 10 ** Math.floor(Math.log10(raw));
-  const step = [1, 2, 5, 10].map((x) => x * power).find((x) => x >= raw) ?? raw;
-  const found = [];
-  for (let x = Math.ceil(low / step - 1e-9); x * step <= high + 1e-9 * step; x++) {
-    found.push(Number((x * step).toPrecision(12)));
-  }
-  return found;
 }
 
 /** Call a function once before the next frame, however often it is asked for. */

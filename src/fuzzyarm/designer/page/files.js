@@ -14,68 +14,94 @@ import { isTable } from "./table.js";
  * @param {Page.Hand} hand
  */
 function folderPane(store, hand) {
-  const { section, bar, body } = pane("folder", S.files);
-  const list = el("tbody");
-  const said = el("p", { class: "note", role: "status" });
-  const chosen = el("input", {
-    type: "file",
-    class: "unseen",
-    tabIndex: -1,
-    "aria-hidden": "true",
-    accept: hand.imports.join(),
-    onchange: () => {
-      if (chosen.files.length) bring(chosen.files);
-      chosen.value = "";
-    },
-  });
-  let files = [];
-  let starts = {};
-  let standing = ""; // what is said where there is nothing else
-  let round = 0; // of asking for findings
-  const create = el("button", { textContent: S.newFile, onclick: () => begin() });
-  bar.append(
-    el("span", { class: "space" }),
-    create,
-    el("button", { textContent: S.importFile, title: S.importHint, onclick: () => chosen.click() }),
-    chosen,
-  );
-  const heads = [S.file, S.kind, S.description, S.findings, ""].map((words) =>
-    words ? el("th", { scope: "col", textContent: words }) : el("td"),
-  );
-  const table = el("table", { class: "files" }, el("thead", {}, el("tr", {}, ...heads)), list);
-  const below = el("div", { class: "beginning" });
-  body.append(said, table, below);
+  return new FolderPane(store, hand).section;
+}
 
-  async function ask(question) {
-    const answer = await hand.folder(question);
-    if (answer.files) show(answer);
-    said.textContent = standing;
+class FolderPane {
+  /**
+   * @param {Page.Store} store
+   * @param {Page.Hand} hand
+   */
+  constructor(store, hand) {
+    this.store = store;
+    this.hand = hand;
+
+    const { section, bar, body } = pane("folder", S.files);
+    this.section = section;
+    this.list = el("tbody");
+    this.said = el("p", { class: "note", role: "status" });
+    this.chosen = el("input", {
+      type: "file",
+      class: "unseen",
+      tabIndex: -1,
+      "aria-hidden": "true",
+      accept: this.hand.imports.join(),
+      onchange: () => {
+        if (this.chosen.files.length) this.bring(this.chosen.files);
+        this.chosen.value = "";
+      },
+    });
+    this.files = [];
+    this.starts = {};
+    this.standing = ""; // what is said where there is nothing else
+    this.round = 0; // of asking for findings
+    this.create = el("button", { textContent: S.newFile, onclick: () => this.begin() });
+    bar.append(
+      el("span", { class: "space" }),
+      this.create,
+      el("button", { textContent: S.importFile, title: S.importHint, onclick: () => this.chosen.click() }),
+      this.chosen,
+    );
+    const heads = [S.file, S.kind, S.description, S.findings, ""].map((words) =>
+      words ? el("th", { scope: "col", textContent: words }) : el("td"),
+    );
+    this.table = el("table", { class: "files" }, el("thead", {}, el("tr", {}, ...heads)), this.list);
+    this.below = el("div", { class: "beginning" });
+    body.append(this.said, this.table, this.below);
+
+    this.list.addEventListener("keydown", (event) => {
+      const step = { ArrowDown: 1, ArrowUp: -1 }[event.key];
+      const names = [...this.list.querySelectorAll("button.go")];
+      const at = names.indexOf(document.activeElement);
+      if (!step || at < 0) return;
+      event.preventDefault();
+      names[Math.min(names.length - 1, Math.max(0, at + step))].focus();
+    });
+    this.hand.onDrop(this.bring);
+    this.store.on("view", this.look);
+    this.store.on("files", this.look);
+  }
+
+  ask = async (question) => {
+    const answer = await this.hand.folder(question);
+    if (answer.files) this.show(answer);
+    this.said.textContent = this.standing;
     // A dialog says itself what is wrong.
-    if (answer.error && !document.querySelector("dialog[open]")) said.textContent = clean(answer.error);
+    if (answer.error && !document.querySelector("dialog[open]")) this.said.textContent = clean(answer.error);
     return answer;
-  }
+  };
 
-  function show(answer) {
-    ({ files, starts } = answer);
-    hand.listed(files.map((each) => each.name));
-    create.disabled = answer.only;
-    const refocus = keepFocus(list);
-    list.replaceChildren(...files.map((each) => row(each, answer.only)));
+  show = (answer) => {
+    ({ files: this.files, starts: this.starts } = answer);
+    this.hand.listed(this.files.map((each) => each.name));
+    this.create.disabled = answer.only;
+    const refocus = keepFocus(this.list);
+    this.list.replaceChildren(...this.files.map((each) => this.row(each, answer.only)));
     refocus();
-    table.hidden = !files.length;
-    const act = { begin, convert, choose: () => chosen.click() };
-    const isBegun = answer.only || files.some((each) => each.kind !== "table");
-    below.replaceChildren(...(isBegun ? offers(answer.foreign, act) : invitation(answer, act)));
-    standing = [answer.trouble, answer.only ? S.onlyOne : ""].filter(Boolean).join(" ");
-    check(++round);
-  }
+    this.table.hidden = !this.files.length;
+    const act = { begin: this.begin, convert: this.convert, choose: () => this.chosen.click() };
+    const isBegun = answer.only || this.files.some((each) => each.kind !== "table");
+    this.below.replaceChildren(...(isBegun ? offers(answer.foreign, act) : invitation(answer, act)));
+    this.standing = [answer.trouble, answer.only ? S.onlyOne : ""].filter(Boolean).join(" ");
+    this.check(++this.round);
+  };
 
-  function row(each, only) {
-    const here = each.name === hand.file();
+  row = (each, only) => {
+    const here = each.name === this.hand.file();
     const open = el("button", {
       class: "go",
       textContent: each.name,
-      onclick: () => hand.turnTo(each.name),
+      onclick: () => this.hand.turnTo(each.name),
       "aria-current": here ? "true" : "false",
       "data-key": `open ${each.name}`,
     });
@@ -101,28 +127,28 @@ function folderPane(store, hand) {
       el(
         "td",
         { class: "acts" },
-        act(S.duplicate, S.duplicateOf, () => duplicate(each.name)),
-        act(S.renameFile, S.renameOf, () => rename(each.name)),
-        act(S.deleteFile, S.deleteOf, () => remove(each)),
+        act(S.duplicate, S.duplicateOf, () => this.duplicate(each.name)),
+        act(S.renameFile, S.renameOf, () => this.rename(each.name)),
+        act(S.deleteFile, S.deleteOf, () => this.remove(each)),
       ),
     );
-  }
+  };
 
   /** Ask for the findings of one file after the other, while they are looked at. */
-  async function check(mine) {
-    for (const each of files) {
-      if (mine !== round || store.view !== "files") return;
-      const found = await hand.folder({ what: "findings", file: each.name });
+  check = async (mine) => {
+    for (const each of this.files) {
+      if (mine !== this.round || this.store.view !== "files") return;
+      const found = await this.hand.folder({ what: "findings", file: each.name });
       const words = found.error ?? found.summary;
       each.findings.textContent = clean(found.sound ? words : `${S.notSound}: ${words}`);
       each.findings.classList.toggle("error", !found.sound);
     }
-  }
+  };
 
   /** Make a file: its kind is chosen before, or in the dialog. */
-  async function begin(kind = "") {
-    const ruleBases = files.filter((each) => each.kind === "rule base").map((each) => [each.name, each.name]);
-    const kinds = Object.entries(starts).map(([name, words]) => [name, `${S.startTitles[name]}: ${words}`]);
+  begin = async (kind = "") => {
+    const ruleBases = this.files.filter((each) => each.kind === "rule base").map((each) => [each.name, each.name]);
+    const kinds = Object.entries(this.starts).map(([name, words]) => [name, `${S.startTitles[name]}: ${words}`]);
     const around = {
       name: "around",
       label: S.around,
@@ -137,105 +163,91 @@ function folderPane(store, hand) {
         ...(kind && kind !== "controller" ? [] : [around]),
       ],
       S.create,
-      (values) => ask({ what: "new", kind, ...values }),
-      kind ? starts[kind] : "",
+      (values) => this.ask({ what: "new", kind, ...values }),
+      kind ? this.starts[kind] : "",
     );
-    if (made?.open) hand.turnTo(made.open);
-  }
+    if (made?.open) this.hand.turnTo(made.open);
+  };
 
   /** Bring a file of the folder, which another program wrote, into the language. */
-  async function convert(name) {
-    said.textContent = S.converting(clean(name));
-    await taken(name, await ask({ what: "convert", name }), true);
-  }
+  convert = async (name) => {
+    this.said.textContent = S.converting(clean(name));
+    await this.taken(name, await this.ask({ what: "convert", name }), true);
+  };
 
-  async function duplicate(file) {
+  duplicate = async (file) => {
     const made = await fill(
       S.duplicateOf(file),
       [{ name: "name", label: S.nameOfFile, value: S.copyOf(file) }],
       S.duplicate,
-      (values) => ask({ what: "duplicate", file, ...values }),
+      (values) => this.ask({ what: "duplicate", file, ...values }),
     );
-    if (made?.open) hand.turnTo(made.open);
-  }
+    if (made?.open) this.hand.turnTo(made.open);
+  };
 
-  async function users(file) {
-    const found = (await hand.folder({ what: "users", file })).users ?? [];
+  users = async (file) => {
+    const found = (await this.hand.folder({ what: "users", file })).users ?? [];
     return found.length ? S.usedBy(found.join(", ")) : "";
-  }
+  };
 
-  async function rename(file) {
+  rename = async (file) => {
     await fill(
       S.renameOf(file),
       [{ name: "name", label: S.nameOfFile, value: file }],
       S.renameFile,
-      (values) => ask({ what: "rename", file, ...values }),
-      await users(file),
+      (values) => this.ask({ what: "rename", file, ...values }),
+      await this.users(file),
     );
-  }
+  };
 
-  async function remove(each) {
-    const words = [each.changed ? S.unsavedGoes : "", await users(each.name), S.deleteForGood]
+  remove = async (each) => {
+    const words = [each.changed ? S.unsavedGoes : "", await this.users(each.name), S.deleteForGood]
       .filter(Boolean)
       .join(" ");
-    await fill(S.deleteOf(each.name), [], S.deleteFile, () => ask({ what: "delete", file: each.name }), words);
-  }
+    await fill(S.deleteOf(each.name), [], S.deleteFile, () => this.ask({ what: "delete", file: each.name }), words);
+  };
 
-  async function bring(dropped) {
-    for (const each of dropped) await bringOne(each, dropped.length === 1);
-  }
+  bring = async (dropped) => {
+    for (const each of dropped) await this.bringOne(each, dropped.length === 1);
+  };
 
-  async function bringOne(each, alone) {
+  bringOne = async (each, alone) => {
     if (/\.py$/i.test(each.name)) return tellAll(each.name, [S.noScripts]);
-    if (each.size > hand.largest) return tellAll(each.name, [S.tooLarge(each.size, hand.largest)]);
-    said.textContent = S.converting(clean(each.name));
+    if (each.size > this.hand.largest) return tellAll(each.name, [S.tooLarge(each.size, this.hand.largest)]);
+    this.said.textContent = S.converting(clean(each.name));
     let data;
     try {
       data = await encoded(each);
     } catch (error) {
       // a folder, or a file that has gone
-      said.textContent = standing;
+      this.said.textContent = this.standing;
       return tellAll(S.notImported(each.name), [S.notRead(error.message)]);
     }
-    return taken(each.name, await ask({ what: "import", name: each.name, data }), alone);
-  }
+    return this.taken(each.name, await this.ask({ what: "import", name: each.name, data }), alone);
+  };
 
   /** Say what came of a conversion, and open what it has made. */
-  async function taken(name, answer, alone) {
+  taken = async (name, answer, alone) => {
     if (answer.error) return tellAll(S.notImported(name), [answer.error]);
-    if (answer.only) return instead(name, answer);
+    if (answer.only) return this.instead(name, answer);
     if (answer.findings.length) await tellAll(S.importedAs(name, answer.open), answer.findings);
-    if (alone) hand.turnTo(answer.open);
+    if (alone) this.hand.turnTo(answer.open);
     return null;
-  }
+  };
 
   /** With one file open nothing is written beside it: what was dropped takes the place of its text. */
-  async function instead(name, { text, findings, name: made }) {
-    const same = isTable(made) === isTable(hand.file());
-    if (!same) return tellAll(S.notImported(name), [S.otherKind(hand.file())]);
-    const words = [S.replaceText(hand.file(), name), ...findings];
-    if ((await choose(words.join("\n"), [S.replaceIt])) === 0) hand.replace(text);
+  instead = async (name, { text, findings, name: made }) => {
+    const same = isTable(made) === isTable(this.hand.file());
+    if (!same) return tellAll(S.notImported(name), [S.otherKind(this.hand.file())]);
+    const words = [S.replaceText(this.hand.file(), name), ...findings];
+    if ((await choose(words.join("\n"), [S.replaceIt])) === 0) this.hand.replace(text);
     return null;
-  }
+  };
 
-  list.addEventListener("keydown", (event) => {
-    const step = { ArrowDown: 1, ArrowUp: -1 }[event.key];
-    const names = [...list.querySelectorAll("button.go")];
-    const at = names.indexOf(document.activeElement);
-    if (!step || at < 0) return;
-    event.preventDefault();
-    names[Math.min(names.length - 1, Math.max(0, at + step))].focus();
-  });
-  hand.onDrop(bring);
-  store.on("view", look);
-  store.on("files", look);
-
-  function look() {
-    if (store.view === "files") ask({ what: "list" });
-    else round++;
-  }
-
-  return section;
+  look = () => {
+    if (this.store.view === "files") this.ask({ what: "list" });
+    else this.round++;
+  };
 }
 
 /** The bytes of a file as text that JSON can have. */

@@ -34,82 +34,99 @@ const DARK = "(prefers-color-scheme: dark)";
  * @param {Page.Hand} hand
  */
 export function frame(store, hand, text, controls, shownViews = [DESIGN]) {
-  const note = el("p", { class: "note" });
-  const views = shownViews.map(({ name, title, drawn, panes, splits = [] }) => {
-    const made = [...panes.map((make) => make(store, hand)), ...splits.map(splitter)];
-    const panel = shownViews.length > 1 ? { role: "tabpanel", "aria-label": title } : {};
-    return el(
-      "div",
-      { class: `pictures view-${name}${drawn ? " drawn" : ""}`, id: `view-${name}`, hidden: true, ...panel },
-      ...made,
-    );
-  });
-  const area = el("div", { class: "area" }, note, ...views);
-  const between = text ? [text, splitter({ key: "text", vertical: true, at: 1, usual: 0.35 })] : [];
-  const main = el("main", { class: text ? "design" : "design alone" }, ...between, area);
-  const gone = new AbortController();
-  const help = helpButton(
-    shownViews.map((view) => view.name),
-    gone.signal,
-  );
-  const header = el(
-    "header",
-    {},
-    el("h1", { textContent: S.designer }),
-    ...controls,
-    el("span", { class: "last" }, help, themeButton(store)),
-  );
-  let shown = 0;
-  const tabs = shownViews.map(({ name, title }, i) =>
-    el("button", { role: "tab", textContent: title, "aria-controls": `view-${name}`, onclick: () => turn(i) }),
-  );
-  if (tabs.length > 1) header.lastChild.before(el("div", { role: "tablist", class: "tabs" }, ...tabs));
-  const root = el("div", { class: "desk" }, header, main);
+  return new Frame(store, hand, text, controls, shownViews).api();
+}
 
-  function turn(to) {
-    shown = to;
-    note.hidden = !shownViews[shown].drawn || Boolean(store.scene ?? store.diagram);
-    views.forEach((view, i) => {
-      view.hidden = i !== shown || !note.hidden;
+class Frame {
+  /**
+   * @param {Page.Store} store
+   * @param {Page.Hand} hand
+   */
+  constructor(store, hand, text, controls, shownViews = [DESIGN]) {
+    this.store = store;
+    this.shownViews = shownViews;
+
+    this.note = el("p", { class: "note" });
+    this.views = this.shownViews.map(({ name, title, drawn, panes, splits = [] }) => {
+      const made = [...panes.map((make) => make(this.store, hand)), ...splits.map(splitter)];
+      const panel = this.shownViews.length > 1 ? { role: "tabpanel", "aria-label": title } : {};
+      return el(
+        "div",
+        { class: `pictures view-${name}${drawn ? " drawn" : ""}`, id: `view-${name}`, hidden: true, ...panel },
+        ...made,
+      );
     });
-    tabs.forEach((tab, i) => tab.setAttribute("aria-selected", String(i === shown)));
-    if (store.view === shownViews[shown].name) return;
-    store.view = shownViews[shown].name;
-    store.emit("view");
+    this.area = el("div", { class: "area" }, this.note, ...this.views);
+    const between = text ? [text, splitter({ key: "text", vertical: true, at: 1, usual: 0.35 })] : [];
+    const main = el("main", { class: text ? "design" : "design alone" }, ...between, this.area);
+    const gone = new AbortController();
+    const help = helpButton(
+      this.shownViews.map((view) => view.name),
+      gone.signal,
+    );
+    const header = el(
+      "header",
+      {},
+      el("h1", { textContent: S.designer }),
+      ...controls,
+      el("span", { class: "last" }, help, themeButton(this.store)),
+    );
+    this.shown = 0;
+    this.tabs = this.shownViews.map(({ name, title }, i) =>
+      el("button", { role: "tab", textContent: title, "aria-controls": `view-${name}`, onclick: () => this.turn(i) }),
+    );
+    if (this.tabs.length > 1) header.lastChild.before(el("div", { role: "tablist", class: "tabs" }, ...this.tabs));
+    this.root = el("div", { class: "desk" }, header, main);
+
+    this.turn(0);
+    window.addEventListener(
+      "keydown",
+      (event) => {
+        if (event.key === "F6" && this.root.isConnected) this.step(event);
+      },
+      gone,
+    );
+    matchMedia(DARK).addEventListener("change", () => this.store.emit("theme"), gone);
+    this.store.on("closed", () => gone.abort());
+    this.store.on("scene", this.sound);
+    this.store.on("diagram", this.sound);
+    this.store.on("stale", () => {
+      this.note.textContent = this.store.why === "other" ? S.noRules : S.notDrawn;
+      this.area.classList.add("stale"); // what is drawn is that of the last sound text
+    });
   }
 
+  api() {
+    return { root: this.root, turn: (name) => this.turn(this.shownViews.findIndex((view) => view.name === name)) };
+  }
+
+  sound = () => {
+    this.area.classList.remove("stale");
+    this.area.classList.toggle("as-diagram", Boolean(this.store.diagram) && this.store.asDiagram);
+    this.turn(this.shown);
+  };
+
+  turn = (to) => {
+    this.shown = to;
+    this.note.hidden = !this.shownViews[this.shown].drawn || Boolean(this.store.scene ?? this.store.diagram);
+    this.views.forEach((view, i) => {
+      view.hidden = i !== this.shown || !this.note.hidden;
+    });
+    this.tabs.forEach((tab, i) => tab.setAttribute("aria-selected", String(i === this.shown)));
+    if (this.store.view === this.shownViews[this.shown].name) return;
+    this.store.view = this.shownViews[this.shown].name;
+    this.store.emit("view");
+  };
+
   /** Go to the next pane, or with Shift to the one before: there are many stops of Tab between. */
-  function step(event) {
+  step = (event) => {
     if (document.querySelector("dialog[open]")) return;
-    const panes = [...root.querySelectorAll(".pane")].filter((each) => each.offsetParent);
+    const panes = [...this.root.querySelectorAll(".pane")].filter((each) => each.offsetParent);
     const at = panes.findIndex((each) => each.contains(document.activeElement));
     const next = event.shiftKey ? Math.max(at, 0) - 1 : at + 1;
     event.preventDefault();
     panes.at(next % panes.length).focus();
-  }
-
-  turn(0);
-  window.addEventListener(
-    "keydown",
-    (event) => {
-      if (event.key === "F6" && root.isConnected) step(event);
-    },
-    gone,
-  );
-  matchMedia(DARK).addEventListener("change", () => store.emit("theme"), gone);
-  store.on("closed", () => gone.abort());
-  const sound = () => {
-    area.classList.remove("stale");
-    area.classList.toggle("as-diagram", Boolean(store.diagram) && store.asDiagram);
-    turn(shown);
   };
-  store.on("scene", sound);
-  store.on("diagram", sound);
-  store.on("stale", () => {
-    note.textContent = store.why === "other" ? S.noRules : S.notDrawn;
-    area.classList.add("stale"); // what is drawn is that of the last sound text
-  });
-  return { root, turn: (name) => turn(shownViews.findIndex((view) => view.name === name)) };
 }
 
 /**

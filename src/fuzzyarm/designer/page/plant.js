@@ -10,140 +10,162 @@ import { S } from "./strings.js";
  * @param {Page.Store} store
  */
 export function picturePane(store, push) {
-  const { section, bar, body } = pane("run-picture", S.runPicture);
-  const { canvas, redraw } = canvasStage(store, body, draw);
-  const said = el("span", { class: "small" });
-  const keys = new Map(); // arrow keys that are held
-  const colours = new Map();
-  let drawing = null;
-  let open = false;
-  let held = null; // where the pointer is, in the stage
-  let scale = null;
-  bar.append(el("span", { class: "space" }), said);
-  canvas.tabIndex = 0;
-  canvas.setAttribute("aria-label", S.runPictureLabel);
-  store.on("theme", () => colours.clear());
+  return new PicturePane(store, push).api();
+}
+
+class PicturePane {
+  /**
+   * @param {Page.Store} store
+   */
+  constructor(store, push) {
+    this.push = push;
+
+    const { section, bar, body } = pane("run-picture", S.runPicture);
+    this.section = section;
+    const { canvas, redraw } = canvasStage(store, body, this.draw);
+    this.canvas = canvas;
+    this.redraw = redraw;
+    this.said = el("span", { class: "small" });
+    this.keys = new Map(); // arrow keys that are held
+    this.colours = new Map();
+    this.drawing = null;
+    this.open = false;
+    this.held = null; // where the pointer is, in the stage
+    this.scale = null;
+    bar.append(el("span", { class: "space" }), this.said);
+    this.canvas.tabIndex = 0;
+    this.canvas.setAttribute("aria-label", S.runPictureLabel);
+    store.on("theme", () => this.colours.clear());
+
+    this.before = "";
+
+    this.canvas.addEventListener("pointerdown", (event) => {
+      if (!this.open || !this.scale) return;
+      this.canvas.setPointerCapture(event.pointerId);
+      this.held = this.place(event);
+      this.tell();
+    });
+    this.canvas.addEventListener("pointermove", (event) => {
+      if (!this.held) return;
+      this.held = this.place(event);
+      this.tell();
+    });
+    for (const name of ["pointerup", "pointercancel", "lostpointercapture", "blur"])
+      this.canvas.addEventListener(name, this.letGo);
+    const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+    this.canvas.addEventListener("keydown", (event) => {
+      const way = ARROWS[event.key];
+      if (!way || event.ctrlKey || event.metaKey) return;
+      event.preventDefault();
+      this.keys.set(
+        event.key,
+        way.map((each) => each * (event.shiftKey ? 1 : 0.4)),
+      );
+      this.tell();
+    });
+    this.canvas.addEventListener("keyup", (event) => {
+      if (this.keys.delete(event.key)) this.tell();
+    });
+  }
+
+  api() {
+    return {
+      section: this.section,
+      canvas: this.canvas,
+      open: (ready) => {
+        this.open = true;
+        this.drawing = null;
+        this.before = "";
+        this.section.setAttribute("data-plant", ready.plant);
+        this.tell();
+        this.redraw();
+      },
+      close: () => {
+        this.open = false;
+        this.letGo();
+      },
+      show: (next) => {
+        this.drawing = next;
+        if (this.held) this.tell(); // the plant has moved below the hand
+        this.redraw();
+      },
+    };
+  }
+
+  letGo = () => {
+    this.held = null;
+    this.keys.clear();
+    this.tell();
+  };
 
   /** Colours by what they stand for; a plant that draws itself brings its own. */
-  function colour(name) {
-    if (!colours.has(name)) colours.set(name, name.startsWith("#") ? name : colourOf(`--run-${name}`));
-    return colours.get(name);
-  }
+  colour = (name) => {
+    if (!this.colours.has(name)) this.colours.set(name, name.startsWith("#") ? name : colourOf(`--run-${name}`));
+    return this.colours.get(name);
+  };
 
-  function stage() {
-    return drawing?.stage ?? [-1, 1, -1, 1];
-  }
+  stage = () => {
+    return this.drawing?.stage ?? [-1, 1, -1, 1];
+  };
 
-  function grip() {
-    return drawing?.grip ?? [0, 0];
-  }
+  grip = () => {
+    return this.drawing?.grip ?? [0, 0];
+  };
 
   /** The pull of the hand: right and up, 1 is half of the height of the stage. */
-  function pull() {
-    const [, , bottom, top] = stage();
+  pull = () => {
+    const [, , bottom, top] = this.stage();
     let [x, y] = [0, 0];
-    if (held) {
-      const [gx, gy] = grip();
+    if (this.held) {
+      const [gx, gy] = this.grip();
       const reach = 0.5 * (top - bottom);
-      [x, y] = [(held[0] - gx) / reach, (held[1] - gy) / reach];
+      [x, y] = [(this.held[0] - gx) / reach, (this.held[1] - gy) / reach];
     }
-    for (const [dx, dy] of keys.values()) [x, y] = [x + dx, y + dy];
+    for (const [dx, dy] of this.keys.values()) [x, y] = [x + dx, y + dy];
     const length = Math.hypot(x, y);
     return /** @type {Page.Pair} */ (length > 1 ? [x / length, y / length] : [x, y]);
-  }
+  };
+  tell = () => {
+    const now = /** @type {Page.Pair} */ (this.pull().map((each) => Number(each.toFixed(3))));
+    if (JSON.stringify(now) === this.before) return;
+    this.before = JSON.stringify(now);
+    if (this.open) this.push(now.some(Boolean) ? now : null);
+    this.said.textContent = now.some(Boolean) ? S.runPulled(now) : "";
+    this.redraw();
+  };
 
-  let before = "";
-  function tell() {
-    const now = /** @type {Page.Pair} */ (pull().map((each) => Number(each.toFixed(3))));
-    if (JSON.stringify(now) === before) return;
-    before = JSON.stringify(now);
-    if (open) push(now.some(Boolean) ? now : null);
-    said.textContent = now.some(Boolean) ? S.runPulled(now) : "";
-    redraw();
-  }
-
-  function draw({ g, width, height }) {
-    const [left, right, bottom, top] = stage();
+  draw = ({ g, width, height }) => {
+    const [left, right, bottom, top] = this.stage();
     const size = Math.min(width / (right - left), height / (top - bottom));
     const [ox, oy] = [0.5 * (width - size * (left + right)), 0.5 * (height + size * (bottom + top))];
-    scale = { size, ox, oy };
+    this.scale = { size, ox, oy };
     const at = ([x, y]) => [ox + size * x, oy - size * y];
     g.lineCap = g.lineJoin = "round";
-    if (!open && !drawing) {
-      words(g, S.runNotYet, width / 2, height / 2);
+    if (!this.open && !this.drawing) {
+      this.words(g, S.runNotYet, width / 2, height / 2);
       return;
     }
-    for (const part of drawing?.parts ?? []) PARTS[part.is](g, part, at, colour);
-    if (!drawing) words(g, S.runNoPicture, width / 2, height / 2 - 24);
-    const [x, y] = pull();
-    if (x || y) arrow(g, /** @type {Page.Pair} */ (at(grip())), [x, y], 0.5 * size * (top - bottom), colour("mark"));
-  }
+    for (const part of this.drawing?.parts ?? []) PARTS[part.is](g, part, at, this.colour);
+    if (!this.drawing) this.words(g, S.runNoPicture, width / 2, height / 2 - 24);
+    const [x, y] = this.pull();
+    if (x || y)
+      arrow(g, /** @type {Page.Pair} */ (at(this.grip())), [x, y], 0.5 * size * (top - bottom), this.colour("mark"));
+  };
 
-  function words(g, text, x, y) {
+  words = (g, text, x, y) => {
     g.fillStyle = colourOf("--soft");
     g.font = "13px system-ui, sans-serif";
     g.textAlign = "center";
     g.fillText(text, x, y);
     g.textAlign = "start";
-  }
-
-  function place(event) {
-    const box = canvas.getBoundingClientRect();
-    return [(event.clientX - box.left - scale.ox) / scale.size, (scale.oy - (event.clientY - box.top)) / scale.size];
-  }
-
-  canvas.addEventListener("pointerdown", (event) => {
-    if (!open || !scale) return;
-    canvas.setPointerCapture(event.pointerId);
-    held = place(event);
-    tell();
-  });
-  canvas.addEventListener("pointermove", (event) => {
-    if (!held) return;
-    held = place(event);
-    tell();
-  });
-  const letGo = () => {
-    held = null;
-    keys.clear();
-    tell();
   };
-  for (const name of ["pointerup", "pointercancel", "lostpointercapture", "blur"]) canvas.addEventListener(name, letGo);
-  const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
-  canvas.addEventListener("keydown", (event) => {
-    const way = ARROWS[event.key];
-    if (!way || event.ctrlKey || event.metaKey) return;
-    event.preventDefault();
-    keys.set(
-      event.key,
-      way.map((each) => each * (event.shiftKey ? 1 : 0.4)),
-    );
-    tell();
-  });
-  canvas.addEventListener("keyup", (event) => {
-    if (keys.delete(event.key)) tell();
-  });
 
-  return {
-    section,
-    canvas,
-    open(ready) {
-      open = true;
-      drawing = null;
-      before = "";
-      section.setAttribute("data-plant", ready.plant);
-      tell();
-      redraw();
-    },
-    close() {
-      open = false;
-      letGo();
-    },
-    show(next) {
-      drawing = next;
-      if (held) tell(); // the plant has moved below the hand
-      redraw();
-    },
+  place = (event) => {
+    const box = this.canvas.getBoundingClientRect();
+    return [
+      (event.clientX - box.left - this.scale.ox) / this.scale.size,
+      (this.scale.oy - (event.clientY - box.top)) / this.scale.size,
+    ];
   };
 }
 

@@ -18,133 +18,165 @@ const MOST_SENTENCES = 400;
  * @param {Page.Hand} hand
  */
 export function rulesPane(store, hand) {
-  const { setCell, goTo, change, attempt } = hand;
-  const { section, bar, body } = pane("rules", S.rules);
-  const methods = methodLines(change);
-  const grid = el("button", { textContent: S.gridDots, title: S.gridHint, onclick: () => addGrid(hand, store.scene) });
-  if (attempt) bar.append(el("span", { class: "space" }), grid);
-  let lit = []; // for each rule its element
-  let shown = []; // and the strength that it shows
-  const fresh = { rule: null, text: "" }; // what stands in the line of a new rule
-  const drafts = new Set(); // sentences that are being changed: which rule, what it said, and what is typed
+  return new RulesPane(store, hand).section;
+}
 
-  function build() {
-    const { grids, rules, outputs } = store.scene;
-    const isReady = canConclude(store.scene);
-    grid.disabled = !isReady;
-    methods.show(store.scene.methods);
-    const refocus = keepFocus(section);
-    findAgain(rules);
-    lit = [];
-    shown = [];
-    const seen = body.scrollTop;
-    body.replaceChildren(...(outputs.length ? [methods.element] : []));
+class RulesPane {
+  /**
+   * @param {Page.Store} store
+   * @param {Page.Hand} hand
+   */
+  constructor(store, hand) {
+    this.store = store;
+    this.hand = hand;
+
+    this.setCell = this.hand.setCell;
+    this.goTo = this.hand.goTo;
+    this.change = this.hand.change;
+    this.attempt = this.hand.attempt;
+    const { section, bar, body } = pane("rules", S.rules);
+    this.section = section;
+    this.body = body;
+    this.methods = methodLines(this.change);
+    this.grid = el("button", {
+      textContent: S.gridDots,
+      title: S.gridHint,
+      onclick: () => addGrid(this.hand, this.store.scene),
+    });
+    if (this.attempt) bar.append(el("span", { class: "space" }), this.grid);
+    this.lit = []; // for each rule its element
+    this.shown = []; // and the strength that it shows
+    this.fresh = { rule: null, text: "" }; // what stands in the line of a new rule
+    this.drafts = new Set(); // sentences that are being changed: which rule, what it said, and what is typed
+
+    this.composed = { names: "", form: null };
+
+    const relight = eachFrame(this.light);
+    this.store.on("scene", this.build);
+    this.store.on("point", relight);
+    this.store.on("told", relight);
+    this.store.on("reshaped", relight);
+  }
+
+  // --- findings ---
+
+  before = (one, other) => one[0] < other[0] || (one[0] === other[0] && one[1] < other[1]);
+
+  words = (finding) => `${S.severity[finding.severity] ?? finding.severity}: ${finding.message}`;
+
+  /** A sign with the findings as its name. */
+  sign = (found) =>
+    el("span", {
+      class: `sign ${found[0].severity}`,
+      role: "img",
+      textContent: "▲",
+      title: found.map(this.words).join("\n"),
+      "aria-label": found.map(this.words).join("; "),
+    });
+
+  present = (grid, row) => (row ? grid.rows.map((each) => each.label) : grid.columns);
+
+  said = (cell) => (cell.term === null ? "·" : cell.weight ? `${cell.term} ×${cell.weight}` : cell.term);
+
+  build = () => {
+    const { grids, rules, outputs } = this.store.scene;
+    const isReady = canConclude(this.store.scene);
+    this.grid.disabled = !isReady;
+    this.methods.show(this.store.scene.methods);
+    const refocus = keepFocus(this.section);
+    this.findAgain(rules);
+    this.lit = [];
+    this.shown = [];
+    const seen = this.body.scrollTop;
+    this.body.replaceChildren(...(outputs.length ? [this.methods.element] : []));
     const cells = grids.reduce((sum, grid) => sum + grid.rows.length * grid.columns.length, 0);
-    grids.forEach((grid, k) => body.append(table(grid, outputs, setCell && cells <= MOST_CELLS, k)));
+    grids.forEach((grid, k) => this.body.append(this.table(grid, outputs, this.setCell && cells <= MOST_CELLS, k)));
     const sentences = rules
       .map((rule, number) => /** @type {const} */ ([rule, number]))
       .filter(([rule]) => !rule.inGrid);
     if (sentences.length) {
       const list = el("ol");
-      for (const [rule, number] of sentences.slice(0, MOST_SENTENCES)) list.append(item(rule, number));
-      body.append(list);
+      for (const [rule, number] of sentences.slice(0, MOST_SENTENCES)) list.append(this.item(rule, number));
+      this.body.append(list);
     }
     if (!rules.length)
-      body.append(
+      this.body.append(
         el("p", {
           class: "note",
-          textContent: grids.length || !store.scene.missing.includes("no-rules") ? S.tooManyRules : S.noRulesYet,
+          textContent: grids.length || !this.store.scene.missing.includes("no-rules") ? S.tooManyRules : S.noRulesYet,
         }),
       );
-    if (attempt && isReady) body.append(composing());
-    if (change && isReady) body.append(writer(fresh, S.newRule));
-    body.scrollTop = seen;
+    if (this.attempt && isReady) this.body.append(this.composing());
+    if (this.change && isReady) this.body.append(this.writer(this.fresh, S.newRule));
+    this.body.scrollTop = seen;
     refocus();
-    light();
-  }
+    this.light();
+  };
 
   /**
    * Find the rules again that are being changed, in a text that may have other lines now: one that says what it
    * said, the nearest; else the one in its place, where there are as many. What has no rule any more may be a new one.
    */
-  function findAgain(rules) {
-    for (const draft of drafts) {
+  findAgain = (rules) => {
+    for (const draft of this.drafts) {
       const same = rules.flatMap((rule, number) => (rule.written === draft.written ? [number] : []));
       same.sort((a, b) => Math.abs(a - draft.rule) - Math.abs(b - draft.rule));
       const inPlace = rules.length === draft.of && rules[draft.rule]?.written ? draft.rule : null;
       const rule = same[0] ?? inPlace;
       if (rule === null) {
-        fresh.text ||= draft.text;
-        drafts.delete(draft);
+        this.fresh.text ||= draft.text;
+        this.drafts.delete(draft);
       } else Object.assign(draft, { rule, of: rules.length });
     }
-  }
-
-  let composed = { names: "", form: null };
+  };
 
   /** The lists of a new rule: what has been chosen stays while the variables do. */
-  function composing() {
-    const { inputs, outputs } = store.scene;
+  composing = () => {
+    const { inputs, outputs } = this.store.scene;
     const names = JSON.stringify(
       [inputs, outputs].map((each) => each.map(({ name, terms }) => [name, terms.map((term) => term.name)])),
     );
-    if (names !== composed.names) composed = { names, form: composer(attempt, store.scene) };
-    return composed.form;
-  }
-
-  // --- findings ---
-
-  const before = (one, other) => one[0] < other[0] || (one[0] === other[0] && one[1] < other[1]);
+    if (names !== this.composed.names) this.composed = { names, form: composer(this.attempt, this.store.scene) };
+    return this.composed.form;
+  };
 
   /** Findings that lie within a stretch of the text, or cover it in its own line. */
-  function findingsOf([start, end]) {
-    return store.findings.filter(
+  findingsOf = ([start, end]) => {
+    return this.store.findings.filter(
       ({ range: [from, to] }) =>
-        from[0] === start[0] && !before(to, start) && (from[0] !== end[0] || before(from, end)),
+        from[0] === start[0] && !this.before(to, start) && (from[0] !== end[0] || this.before(from, end)),
     );
-  }
-
-  const words = (finding) => `${S.severity[finding.severity] ?? finding.severity}: ${finding.message}`;
+  };
 
   /** Mark an element with its findings, for the eye, the pointer and the screen reader. */
-  function mark(element, named, found) {
+  mark = (element, named, found) => {
     if (!found.length) return;
-    const said = found.map(words).join("; ");
+    const said = found.map(this.words).join("; ");
     element.classList.add("found", found[0].severity);
     named.title = said;
     named.setAttribute("aria-label", `${named.getAttribute("aria-label") ?? named.textContent}. ${said}`);
-  }
-
-  /** A sign with the findings as its name. */
-  const sign = (found) =>
-    el("span", {
-      class: `sign ${found[0].severity}`,
-      role: "img",
-      textContent: "▲",
-      title: found.map(words).join("\n"),
-      "aria-label": found.map(words).join("; "),
-    });
+  };
 
   // --- sentences ---
 
-  function item(rule, number) {
-    const said = goTo
-      ? el("button", { class: "said", textContent: rule.text, onclick: () => goTo(rule.at) })
+  item = (rule, number) => {
+    const said = this.goTo
+      ? el("button", { class: "said", textContent: rule.text, onclick: () => this.goTo(rule.at) })
       : rule.text;
     const li = el("li", {}, el("span", { class: "place", textContent: rule.place }), said);
-    const found = findingsOf(rule.range);
+    const found = this.findingsOf(rule.range);
     if (found.length) {
       li.classList.add("found", found[0].severity);
-      li.append(sign(found));
+      li.append(this.sign(found));
     }
-    const draft = [...drafts].find((each) => each.rule === number);
-    if (draft) li.replaceChildren(writer(draft, S.ruleAt(rule.place)));
-    else if (change && rule.written) {
+    const draft = [...this.drafts].find((each) => each.rule === number);
+    if (draft) li.replaceChildren(this.writer(draft, S.ruleAt(rule.place)));
+    else if (this.change && rule.written) {
       const edit = () => {
-        const line = { rule: number, of: store.scene.rules.length, written: rule.written, text: rule.written };
-        drafts.add(line);
-        build();
-        body.querySelector(`[data-key="write ${number}"]`).focus();
+        const line = { rule: number, of: this.store.scene.rules.length, written: rule.written, text: rule.written };
+        this.drafts.add(line);
+        this.build();
+        this.body.querySelector(`[data-key="write ${number}"]`).focus();
       };
       li.append(
         el("button", {
@@ -160,17 +192,17 @@ export function rulesPane(store, hand) {
           title: S.remove,
           "aria-label": `${S.remove} ${S.ruleAt(rule.place)}`,
           "data-key": `remove ${number}`,
-          onclick: () => change("rule", { line: rule.line, sentence: "" }),
+          onclick: () => this.change("rule", { line: rule.line, sentence: "" }),
         }),
       );
     }
-    lit[number] = li;
+    this.lit[number] = li;
     return li;
-  }
+  };
 
   /** A line to write a rule in; one that is changed may be left with Escape. */
-  function writer(draft, label) {
-    const isNew = draft === fresh;
+  writer = (draft, label) => {
+    const isNew = draft === this.fresh;
     const key = `write ${isNew ? "new" : draft.rule}`;
     const field = el("input", {
       type: "text",
@@ -183,22 +215,22 @@ export function rulesPane(store, hand) {
     });
     /** Be done with it; of a rule that has been changed the way to change it gets the focus. */
     const leave = () => {
-      drafts.delete(draft);
-      const isHeld = body.querySelector(`[data-key="${key}"]`)?.closest("form").contains(document.activeElement);
-      build();
-      if (isHeld) body.querySelector(`[data-key="edit ${draft.rule}"]`)?.focus();
+      this.drafts.delete(draft);
+      const isHeld = this.body.querySelector(`[data-key="${key}"]`)?.closest("form").contains(document.activeElement);
+      this.build();
+      if (isHeld) this.body.querySelector(`[data-key="edit ${draft.rule}"]`)?.focus();
     };
     const send = async (event) => {
       event.preventDefault();
       const sentence = draft.text;
       if (!sentence.trim()) return;
-      const line = isNew ? null : store.scene.rules[draft.rule].line;
-      const taken = await change("rule", { line, sentence });
+      const line = isNew ? null : this.store.scene.rules[draft.rule].line;
+      const taken = await this.change("rule", { line, sentence });
       if (!taken) field.setAttribute("aria-invalid", "true");
       else if (!isNew) leave();
-      else if (fresh.text === sentence) {
-        fresh.text = field.value = "";
-        if (!field.isConnected) build(); // a scene has come meanwhile
+      else if (this.fresh.text === sentence) {
+        this.fresh.text = field.value = "";
+        if (!field.isConnected) this.build(); // a scene has come meanwhile
       }
     };
     field.addEventListener("input", () => {
@@ -214,58 +246,66 @@ export function rulesPane(store, hand) {
       field,
       el("button", { class: "small", type: "submit", textContent: isNew ? S.add : S.ok, "data-key": `done ${key}` }),
     );
-  }
+  };
 
   // --- grids ---
 
-  function table(grid, outputs, editable, k) {
+  table = (grid, outputs, editable, k) => {
     const output = outputs.find((each) => each.name === grid.output);
     const when = grid.condition ? ` when ${grid.condition}` : "";
     const corner = grid.row ? `${grid.row} \\ ${grid.column}` : grid.column;
     const head = el("tr", {}, el("th", { scope: "col", textContent: corner }));
-    for (const name of grid.columns) head.append(el("th", { scope: "col" }, label(grid, name, false, k)));
-    const caption = el("caption", {}, el("span", { textContent: `${grid.output}${when}` }), ...tools(grid, k));
-    const found = findingsOf(grid.range);
-    if (found.length) caption.append(" ", sign(found));
+    for (const name of grid.columns) head.append(el("th", { scope: "col" }, this.label(grid, name, false, k)));
+    const caption = el("caption", {}, el("span", { textContent: `${grid.output}${when}` }), ...this.tools(grid, k));
+    const found = this.findingsOf(grid.range);
+    if (found.length) caption.append(" ", this.sign(found));
     const made = el("table", {}, caption, el("thead", {}, head));
     const rows = el("tbody");
     for (const row of grid.rows) {
-      const line = el("tr", {}, el("th", { scope: "row" }, grid.row ? label(grid, row.label, true, k) : row.label));
+      const line = el(
+        "tr",
+        {},
+        el("th", { scope: "row" }, grid.row ? this.label(grid, row.label, true, k) : row.label),
+      );
       row.cells.forEach((cell, i) => {
         const label = S.ruleOf(row.label, grid.columns[i]);
         const change = editable && !(grid.joined && cell.term === null);
-        const content = change ? picker(cell, output, label, grid.joined) : plain(cell);
+        const content = change ? this.picker(cell, output, label, grid.joined) : this.plain(cell);
         content.dataset.key = `cell ${k} ${row.label}, ${grid.columns[i]}`;
-        paint(content, cell.term, output);
+        this.paint(content, cell.term, output);
         const td = el("td", {}, content);
-        mark(td, content, findingsOf(cell.range));
-        if (cell.rule !== null) lit[cell.rule] = td;
+        this.mark(td, content, this.findingsOf(cell.range));
+        if (cell.rule !== null) this.lit[cell.rule] = td;
         line.append(td);
       });
       rows.append(line);
     }
     made.append(rows);
     return made;
-  }
+  };
 
   /** What names a row or a column, and leads to what is done with it. */
-  function label(grid, term, row, k) {
-    if (!attempt) return el("span", { textContent: term, title: term });
+  label = (grid, term, row, k) => {
+    if (!this.attempt) return el("span", { textContent: term, title: term });
     const variable = row ? grid.row : grid.column;
     return el("button", {
       textContent: term,
       "data-key": `head ${k} ${row} ${term}`,
       title: row ? S.rowOf(variable, term) : S.columnOf(variable, term),
       onclick: () =>
-        headDialog(hand, store.scene, { line: grid.line, row, variable, term, present: present(grid, row) }),
+        headDialog(this.hand, this.store.scene, {
+          line: grid.line,
+          row,
+          variable,
+          term,
+          present: this.present(grid, row),
+        }),
     });
-  }
-
-  const present = (grid, row) => (row ? grid.rows.map((each) => each.label) : grid.columns);
+  };
 
   /** Buttons of a grid: another row or column, and its removal. */
-  function tools(grid, k) {
-    if (!attempt) return [];
+  tools = (grid, k) => {
+    if (!this.attempt) return [];
     const adding = (words, title, row) =>
       el("button", {
         class: "small",
@@ -273,11 +313,11 @@ export function rulesPane(store, hand) {
         title,
         "data-key": `add ${k} ${row}`,
         onclick: () =>
-          addHead(hand, store.scene, {
+          addHead(this.hand, this.store.scene, {
             line: grid.line,
             row,
             variable: row ? grid.row : grid.column,
-            present: present(grid, row),
+            present: this.present(grid, row),
           }),
       });
     return [
@@ -288,34 +328,32 @@ export function rulesPane(store, hand) {
         textContent: "×",
         title: S.removeGrid(grid.output),
         "aria-label": S.removeGrid(grid.output),
-        onclick: () => change("grid", { line: grid.line }),
+        onclick: () => this.change("grid", { line: grid.line }),
       }),
     ];
-  }
+  };
 
-  const said = (cell) => (cell.term === null ? "·" : cell.weight ? `${cell.term} ×${cell.weight}` : cell.term);
+  plain = (cell) => {
+    return el("span", { textContent: this.said(cell), title: cell.term ?? S.noRule });
+  };
 
-  function plain(cell) {
-    return el("span", { textContent: said(cell), title: cell.term ?? S.noRule });
-  }
-
-  function picker(cell, output, label, joined) {
+  picker = (cell, output, label, joined) => {
     const select = el("select", { "aria-label": label, title: label });
     const names = output.terms.map((term) => term.name);
     for (const name of names) {
-      const text = name === cell.term ? said(cell) : name;
+      const text = name === cell.term ? this.said(cell) : name;
       select.append(el("option", { value: name, textContent: text, selected: name === cell.term }));
     }
     if (!joined) select.append(el("option", { value: "", textContent: "·", selected: cell.term === null }));
     select.addEventListener("change", () => {
       const chosen = select.selectedIndex < names.length ? names[select.selectedIndex] : null;
-      paint(select, chosen, output);
-      setCell(cell.at, chosen);
+      this.paint(select, chosen, output);
+      this.setCell(cell.at, chosen);
     });
     return select;
-  }
+  };
 
-  function paint(element, name, output) {
+  paint = (element, name, output) => {
     const term = output.terms.find((each) => each.name === name);
     const [low, high] = rangeOf(output);
     const value = term && (term.centre ?? term.parameters[term.parameters.length - 1]);
@@ -324,27 +362,20 @@ export function rulesPane(store, hand) {
       return;
     }
     [element.style.background, element.style.color] = heat((value - low) / (high - low));
-  }
+  };
 
-  function light() {
-    const found = store.fired();
-    lit.forEach((element, number) => {
+  light = () => {
+    const found = this.store.fired();
+    this.lit.forEach((element, number) => {
       const strength = found?.strengths[number] ?? 0;
-      if (shown[number] === strength) return;
-      shown[number] = strength;
+      if (this.shown[number] === strength) return;
+      this.shown[number] = strength;
       element.classList.toggle("lit", strength > 0);
       const lower = found?.lower[number] ?? strength;
       const range =
         lower === strength ? shortNumber(strength, 3) : S.between(shortNumber(lower, 3), shortNumber(strength, 3));
       const said = strength > 0 ? `${S.strength} ${range}` : S.silent;
-      element.title = S.fires(store.scene.rules[number].place, said);
+      element.title = S.fires(this.store.scene.rules[number].place, said);
     });
-  }
-
-  const relight = eachFrame(light);
-  store.on("scene", build);
-  store.on("point", relight);
-  store.on("told", relight);
-  store.on("reshaped", relight);
-  return section;
+  };
 }

@@ -27,173 +27,203 @@ const quoted = (word) => (/^[\w./:=,+-]+$/.test(word) ? word : `'${word.replaceA
  * @param {Page.Hand} hand
  */
 function runView(store, hand) {
-  const calm = matchMedia("(prefers-reduced-motion: reduce)");
-  const state = { job: null, ready: null, paused: false, over: false, sent: "", described: "", reached: "" };
-  const picture = picturePane(store, (pull) => state.job?.say({ pull }));
-  const curves = curvePane(store);
-  const gains = gainPane(hand, (values, done) => {
-    say({ gains: values });
-    if (done && state.over) say({ restart: true, asked: asked(), pause: false });
-  });
-  const metrics = metricPane();
-  const form = formPane(store, hand, changed);
-  const view = el(
-    "div",
-    { class: "run" },
-    form.section,
-    picture.section,
-    curves.section,
-    gains.section,
-    metrics.section,
-    splitter({ key: "run-columns", vertical: true, at: 1, usual: 0.4 }),
-    splitter({ key: "run-rows", vertical: false, at: 2, usual: 0.6 }),
-  );
+  return new RunView(store, hand).view;
+}
 
-  form.start.addEventListener("click", start);
-  form.pause.addEventListener("click", () => say({ pause: !state.paused }));
-  form.step.addEventListener("click", () => say({ step: 1 }));
-  form.again.addEventListener("click", again);
-  form.stop.addEventListener("click", () => state.job?.stop());
-  form.speed.addEventListener("change", () => say({ speed: form.asked().speed }));
-  const calmed = () => say({ calm: calm.matches });
-  calm.addEventListener("change", calmed);
-  store.on("closed", () => calm.removeEventListener("change", calmed));
-  view.addEventListener("keydown", (event) => {
-    if (event.key === " " && event.target === picture.canvas && state.job) {
-      event.preventDefault();
-      say({ pause: !state.paused });
-    }
-  });
+class RunView {
+  /**
+   * @param {Page.Store} store
+   * @param {Page.Hand} hand
+   */
+  constructor(store, hand) {
+    this.store = store;
+    this.hand = hand;
 
-  const say = (words) => state.job?.say(words);
+    this.calm = matchMedia("(prefers-reduced-motion: reduce)");
+    this.state = { job: null, ready: null, paused: false, over: false, sent: "", described: "", reached: "" };
+    this.picture = picturePane(this.store, (pull) => this.state.job?.say({ pull }));
+    this.curves = curvePane(this.store);
+    this.gains = gainPane(this.hand, (values, done) => {
+      this.say({ gains: values });
+      if (done && this.state.over) this.say({ restart: true, asked: this.asked(), pause: false });
+    });
+    this.metrics = metricPane();
+    this.form = formPane(this.store, this.hand, this.changed);
+    this.view = el(
+      "div",
+      { class: "run" },
+      this.form.section,
+      this.picture.section,
+      this.curves.section,
+      this.gains.section,
+      this.metrics.section,
+      splitter({ key: "run-columns", vertical: true, at: 1, usual: 0.4 }),
+      splitter({ key: "run-rows", vertical: false, at: 2, usual: 0.6 }),
+    );
+    this.listen();
+    this.answer();
+    this.follow();
+  }
 
-  /** Ask which plants there are, and which of them the text fits. */
-  function describe() {
-    const text = hand.text();
-    if (store.view !== RUN.name || !store.sound || text === state.described) return;
-    state.described = text;
-    hand.start("plants", { text }, (news) => {
-      if (news.uses) form.uses(news.uses);
-      if (news.plants) form.offer(news);
-      if (news.end !== "failed") return;
-      form.note(news.message);
-      state.described = ""; // it may be asked again
+  listen() {
+    this.form.start.addEventListener("click", this.start);
+    this.form.pause.addEventListener("click", () => this.say({ pause: !this.state.paused }));
+    this.form.step.addEventListener("click", () => this.say({ step: 1 }));
+    this.form.again.addEventListener("click", this.again);
+    this.form.stop.addEventListener("click", () => this.state.job?.stop());
+    this.form.speed.addEventListener("change", () => this.say({ speed: this.form.asked().speed }));
+    this.calm.addEventListener("change", this.calmed);
+    this.store.on("closed", () => this.calm.removeEventListener("change", this.calmed));
+    this.view.addEventListener("keydown", (event) => {
+      if (event.key === " " && event.target === this.picture.canvas && this.state.job) {
+        event.preventDefault();
+        this.say({ pause: !this.state.paused });
+      }
     });
   }
 
-  function asked() {
-    return { ...form.asked(), calm: calm.matches };
+  /** What each piece of news does. */
+  answer() {
+    this.HEARD = {
+      ready: (news) => {
+        Object.assign(this.state, { ready: news, over: false });
+        this.form.note("");
+        this.form.mark("");
+        this.curves.open(news);
+        this.picture.open(news);
+        this.gains.open(news.gains);
+        this.metrics.open(news);
+      },
+      samples: (news) => {
+        const before = this.state.paused;
+        this.state.paused = news.paused;
+        this.form.time(news.time, news.behind);
+        if (news.low.length) this.curves.add(news);
+        if (news.drawing) this.picture.show(news.drawing);
+        if (before === this.state.paused) return;
+        if (!this.state.paused) {
+          this.state.over = false;
+          this.form.unsay(this.state.reached); // it goes on; what else is said stays
+        }
+        this.form.running(this.state);
+      },
+      metrics: (news) => this.metrics.show(news.metrics),
+      reached: (news) => {
+        this.state.over = true; // what is changed now is seen from the start
+        this.state.reached = S.runReached(news);
+        this.form.note(this.state.reached);
+      },
+      over: (news) => {
+        this.state.over = true;
+        this.form.note(S.runOver[news.how](news), news.how === "diverged");
+        this.form.running(this.state);
+      },
+      text: (news) => {
+        this.form.note(news.taken ? S.runTaken : S.runRestart);
+        if (news.taken) this.gains.open(news.gains);
+      },
+      note: (news) => {
+        this.form.note(news.text, Boolean(news.field));
+        this.form.mark(news.field ?? "", news.text);
+      },
+    };
   }
 
-  function start() {
-    if (state.job) {
-      again();
-      return;
-    }
-    state.over = false;
-    state.sent = hand.text();
-    form.note(S.runStarting);
-    state.job = hand.start("run", asked(), hear);
-    form.running(state);
+  follow() {
+    // What is typed or dragged counts at once, where it is sound.
+    this.store.on("judged", () => {
+      if (!this.store.sound) return;
+      const text = this.hand.text();
+      const isNew = text !== this.state.sent;
+      if (this.state.job && isNew && this.state.over) this.rerun();
+      else if (this.state.job && isNew) this.say({ text });
+      if (!this.state.over) this.state.sent = text;
+      this.describe();
+    });
+    this.store.on("view", () => {
+      this.describe();
+      this.rerun();
+    });
+
+    let waits = false;
+    this.store.on("left", () => {
+      // nobody watches it
+      waits = Boolean(this.state.job) && !this.state.paused && !this.state.over;
+      if (waits) this.say({ pause: true });
+    });
+    this.store.on("shown", () => {
+      if (waits && this.state.job) this.form.note(S.runWaits);
+      waits = false;
+    });
+    this.form.running(this.state);
   }
 
-  function again() {
-    state.sent = hand.text();
-    say({ text: state.sent });
-    say({ restart: true, asked: asked(), pause: false });
-  }
+  calmed = () => this.say({ calm: this.calm.matches });
 
-  /** Something of the form has changed: it counts from the next start on. */
-  function changed() {
-    if (state.job && state.ready) form.note(S.runNextTime);
-  }
+  say = (words) => this.state.job?.say(words);
 
-  const HEARD = {
-    ready(news) {
-      Object.assign(state, { ready: news, over: false });
-      form.note("");
-      form.mark("");
-      curves.open(news);
-      picture.open(news);
-      gains.open(news.gains);
-      metrics.open(news);
-    },
-    samples(news) {
-      const before = state.paused;
-      state.paused = news.paused;
-      form.time(news.time, news.behind);
-      if (news.low.length) curves.add(news);
-      if (news.drawing) picture.show(news.drawing);
-      if (before === state.paused) return;
-      if (!state.paused) {
-        state.over = false;
-        form.unsay(state.reached); // it goes on; what else is said stays
-      }
-      form.running(state);
-    },
-    metrics: (news) => metrics.show(news.metrics),
-    reached(news) {
-      state.over = true; // what is changed now is seen from the start
-      state.reached = S.runReached(news);
-      form.note(state.reached);
-    },
-    over(news) {
-      state.over = true;
-      form.note(S.runOver[news.how](news), news.how === "diverged");
-      form.running(state);
-    },
-    text(news) {
-      form.note(news.taken ? S.runTaken : S.runRestart);
-      if (news.taken) gains.open(news.gains);
-    },
-    note(news) {
-      form.note(news.text, Boolean(news.field));
-      form.mark(news.field ?? "", news.text);
-    },
+  /** Ask which plants there are, and which of them the text fits. */
+  describe = () => {
+    const text = this.hand.text();
+    if (this.store.view !== RUN.name || !this.store.sound || text === this.state.described) return;
+    this.state.described = text;
+    this.hand.start("plants", { text }, (news) => {
+      if (news.uses) this.form.uses(news.uses);
+      if (news.plants) this.form.offer(news);
+      if (news.end !== "failed") return;
+      this.form.note(news.message);
+      this.state.described = ""; // it may be asked again
+    });
   };
 
-  function hear(news) {
-    if (news.end) {
-      Object.assign(state, { job: null, ready: null, paused: false });
-      picture.close();
-      if (news.end === "failed") form.note(news.message, true);
-      form.mark(news.field ?? "", news.message);
-    } else HEARD[news.news]?.(news);
-    if (news.end || news.news === "ready") form.running(state);
-  }
+  asked = () => {
+    return { ...this.form.asked(), calm: this.calm.matches };
+  };
 
-  // What is typed or dragged counts at once, where it is sound.
-  store.on("judged", () => {
-    if (!store.sound) return;
-    const text = hand.text();
-    const isNew = text !== state.sent;
-    if (state.job && isNew && state.over) rerun();
-    else if (state.job && isNew) say({ text });
-    if (!state.over) state.sent = text;
-    describe();
-  });
-  store.on("view", () => {
-    describe();
-    rerun();
-  });
+  start = () => {
+    if (this.state.job) {
+      this.again();
+      return;
+    }
+    this.state.over = false;
+    this.state.sent = this.hand.text();
+    this.form.note(S.runStarting);
+    this.state.job = this.hand.start("run", this.asked(), this.hear);
+    this.form.running(this.state);
+  };
+
+  again = () => {
+    this.state.sent = this.hand.text();
+    this.say({ text: this.state.sent });
+    this.say({ restart: true, asked: this.asked(), pause: false });
+  };
+
+  /** Something of the form has changed: it counts from the next start on. */
+  changed = () => {
+    if (this.state.job && this.state.ready) this.form.note(S.runNextTime);
+  };
+
+  hear = (news) => {
+    if (news.end) {
+      Object.assign(this.state, { job: null, ready: null, paused: false });
+      this.picture.close();
+      if (news.end === "failed") this.form.note(news.message, true);
+      this.form.mark(news.field ?? "", news.message);
+    } else this.HEARD[news.news]?.(news);
+    if (news.end || news.news === "ready") this.form.running(this.state);
+  };
 
   /** A run that has ended shows what has been changed since: it runs again where one looks at it. */
-  function rerun() {
-    if (state.job && state.over && store.view === RUN.name && store.sound && hand.text() !== state.sent) again();
-  }
-
-  let waits = false;
-  store.on("left", () => {
-    // nobody watches it
-    waits = Boolean(state.job) && !state.paused && !state.over;
-    if (waits) say({ pause: true });
-  });
-  store.on("shown", () => {
-    if (waits && state.job) form.note(S.runWaits);
-    waits = false;
-  });
-  form.running(state);
-  return view;
+  rerun = () => {
+    if (
+      this.state.job &&
+      this.state.over &&
+      this.store.view === RUN.name &&
+      this.store.sound &&
+      this.hand.text() !== this.state.sent
+    )
+      this.again();
+  };
 }
 
 export const RUN = { name: "run", title: S.run, drawn: false, panes: [runView] };
@@ -205,120 +235,196 @@ export const RUN = { name: "run", title: S.run, drawn: false, panes: [runView] }
  * @param {Page.Hand} hand
  */
 function formPane(store, hand, changed) {
-  const { section, bar, body } = pane("run-form", S.run);
-  let plants = [];
-  let direct = ""; // the controller that asks the text, where it is a rule base
-  let likely = ""; // the plant on which the command runs it by itself
-  let touched = false; // by a hand: what it chose stays
-  const text = (label, hint, size) => textField(label, hint, size, changed);
-  const plant = el("select", { onchange: () => chosen(true) });
-  const reference = text(S.runReference, S.runReferenceHint, 22);
-  const suggestions = el("datalist", { id: "run-signals" });
-  reference.field.setAttribute("list", "run-signals");
-  const duration = text(S.runFor, S.runForHint, 7);
-  const endless = el("input", { type: "checkbox", onchange: () => open(true) });
-  const trajectory = el("select", { onchange: changed });
-  const payload = el("input", { type: "checkbox", onchange: changed });
-  const speed = el(
-    "select",
-    {},
-    ...SPEEDS.map((each) => el("option", { value: each, textContent: S.runTimes(each) })),
-    el("option", { value: "", textContent: S.runFastest }),
-  );
-  const button = (words, hint) => el("button", { textContent: words, title: hint });
-  const [start, pause, step, again, stop] = [
-    button(S.runStart, S.runStartHint),
-    button(S.runPause, S.runPauseHint),
-    button(S.runStep, S.runStepHint),
-    button(S.runAgain, S.runAgainHint),
-    button(S.runStop, S.runStopHint),
-  ];
-  start.classList.add("main");
-  start.disabled = true; // until it is known which plants there are
-  const clock = el("output", { class: "clock", "aria-label": S.runTime });
-  const said = el("p", { class: "said", role: "status" });
-  const load = el("label", { class: "small" }, payload, S.runPayload);
-  const along = el("span", { class: "fields" }, el("label", { class: "small" }, S.runTrajectory, trajectory), load);
-  const elsewhere = el(
-    "span",
-    { class: "fields" },
-    reference.shown,
-    suggestions,
-    duration.shown,
-    el("label", { class: "small", title: S.runOpenEndedHint }, endless, S.runOpenEnded),
-  );
-  const around = aroundLine(hand);
-  const unsaved = unsavedLine(store, hand);
-  const more = experimentFields(changed);
-  const seed = text(S.runSeed, S.runSeedHint, 5);
-  const line = el("code", { class: "command", tabIndex: 0 });
-  const details = el(
-    "details",
-    {},
-    el("summary", { textContent: S.runMoreTitle }),
-    el("div", { class: "fields" }, ...more.shown, seed.shown),
-    el("p", { class: "small" }, `${S.runSame} `, line),
-  );
-  details.addEventListener("toggle", () => showLine());
-  body.addEventListener("change", showLine);
-  bar.append(start, pause, step, again, stop, el("label", { class: "small" }, S.runSpeed, speed), clock);
-  const choice = el("div", { class: "fields" }, el("label", { class: "small" }, S.runPlant, plant), along, elsewhere);
-  body.append(around.line, unsaved.line, choice, details, said);
+  return new RunForm(store, hand, changed).api();
+}
 
-  function open(byHand) {
-    if (byHand) changed();
-    showLine();
+class RunForm {
+  /**
+   * @param {Page.Store} store
+   * @param {Page.Hand} hand
+   */
+  constructor(store, hand, changed) {
+    this.store = store;
+    this.hand = hand;
+    this.changed = changed;
+
+    const { section, bar, body } = pane("run-form", S.run);
+    this.section = section;
+    this.bar = bar;
+    this.body = body;
+    this.plants = [];
+    this.direct = ""; // the controller that asks the text, where it is a rule base
+    this.likely = ""; // the plant on which the command runs it by itself
+    this.touched = false; // by a hand: what it chose stays
+    this.plant = el("select", { onchange: () => this.chosen(true) });
+    this.reference = this.text(S.runReference, S.runReferenceHint, 22);
+    this.suggestions = el("datalist", { id: "run-signals" });
+    this.reference.field.setAttribute("list", "run-signals");
+    this.duration = this.text(S.runFor, S.runForHint, 7);
+    this.endless = el("input", { type: "checkbox", onchange: () => this.open(true) });
+    this.trajectory = el("select", { onchange: this.changed });
+    this.payload = el("input", { type: "checkbox", onchange: this.changed });
+    this.speed = el(
+      "select",
+      {},
+      ...SPEEDS.map((each) => el("option", { value: each, textContent: S.runTimes(each) })),
+      el("option", { value: "", textContent: S.runFastest }),
+    );
+    this.makeControls();
+    this.arrange();
   }
 
-  const one = () => plants.find((each) => each.name === plant.value);
-
-  function chosen(byHand) {
-    touched ||= byHand;
-    if (!one()) return;
-    show(one());
-    if (byHand) changed();
-    showLine();
+  makeControls() {
+    const [start, pause, step, again, stop] = [
+      this.button(S.runStart, S.runStartHint),
+      this.button(S.runPause, S.runPauseHint),
+      this.button(S.runStep, S.runStepHint),
+      this.button(S.runAgain, S.runAgainHint),
+      this.button(S.runStop, S.runStopHint),
+    ];
+    this.start = start;
+    this.pause = pause;
+    this.step = step;
+    this.again = again;
+    this.stop = stop;
+    this.start.classList.add("main");
+    this.start.disabled = true; // until it is known which plants there are
+    this.clock = el("output", { class: "clock", "aria-label": S.runTime });
+    this.said = el("p", { class: "said", role: "status" });
+    this.load = el("label", { class: "small" }, this.payload, S.runPayload);
+    this.along = el(
+      "span",
+      { class: "fields" },
+      el("label", { class: "small" }, S.runTrajectory, this.trajectory),
+      this.load,
+    );
+    this.elsewhere = el(
+      "span",
+      { class: "fields" },
+      this.reference.shown,
+      this.suggestions,
+      this.duration.shown,
+      el("label", { class: "small", title: S.runOpenEndedHint }, this.endless, S.runOpenEnded),
+    );
   }
+
+  arrange() {
+    this.around = aroundLine(this.hand);
+    this.unsaved = unsavedLine(this.store, this.hand);
+    this.more = experimentFields(this.changed);
+    this.seed = this.text(S.runSeed, S.runSeedHint, 5);
+    this.line = el("code", { class: "command", tabIndex: 0 });
+    this.details = el(
+      "details",
+      {},
+      el("summary", { textContent: S.runMoreTitle }),
+      el("div", { class: "fields" }, ...this.more.shown, this.seed.shown),
+      el("p", { class: "small" }, `${S.runSame} `, this.line),
+    );
+    this.details.addEventListener("toggle", () => this.showLine());
+    this.body.addEventListener("change", this.showLine);
+    this.bar.append(
+      this.start,
+      this.pause,
+      this.step,
+      this.again,
+      this.stop,
+      el("label", { class: "small" }, S.runSpeed, this.speed),
+      this.clock,
+    );
+    this.choice = el(
+      "div",
+      { class: "fields" },
+      el("label", { class: "small" }, S.runPlant, this.plant),
+      this.along,
+      this.elsewhere,
+    );
+    this.body.append(this.around.line, this.unsaved.line, this.choice, this.details, this.said);
+
+    this.note("");
+  }
+
+  api() {
+    return {
+      section: this.section,
+      start: this.start,
+      pause: this.pause,
+      step: this.step,
+      again: this.again,
+      stop: this.stop,
+      speed: this.speed,
+      offer: this.offer,
+      uses: this.unsaved.show,
+      asked: this.asked,
+      note: this.note,
+      unsay: this.unsay,
+      mark: this.mark,
+      running: this.running,
+      time: this.time,
+    };
+  }
+
+  text = (label, hint, size) => textField(label, hint, size, this.changed);
+  button = (words, hint) => el("button", { textContent: words, title: hint });
+
+  one = () => this.plants.find((each) => each.name === this.plant.value);
+  mark = (name, message) =>
+    markField({ reference: this.reference.field, duration: this.duration.field, ...this.more.inputs }, name, message);
+
+  open = (byHand) => {
+    if (byHand) this.changed();
+    this.showLine();
+  };
+
+  chosen = (byHand) => {
+    this.touched ||= byHand;
+    if (!this.one()) return;
+    this.show(this.one());
+    if (byHand) this.changed();
+    this.showLine();
+  };
 
   /** Show the fields of a plant: its trajectories, or references. */
-  function show(one) {
+  show = (one) => {
     const moves = one.trajectories.length > 0;
-    along.hidden = !moves;
-    elsewhere.hidden = moves;
-    load.hidden = !one.carries;
-    const kept = one.trajectories.includes(trajectory.value) ? trajectory.value : one.shown;
+    this.along.hidden = !moves;
+    this.elsewhere.hidden = moves;
+    this.load.hidden = !one.carries;
+    const kept = one.trajectories.includes(this.trajectory.value) ? this.trajectory.value : one.shown;
     refill(
-      trajectory,
+      this.trajectory,
       one.trajectories.map((name) => [name, name]),
       kept,
     );
-    reference.field.value = one.reference;
+    this.reference.field.value = one.reference;
     const port = one.reference.split("=")[0];
-    suggestions.replaceChildren(...S.runSignals.map((signal) => el("option", { value: `${port}=${signal}` })));
-    speed.value = String(moves ? 1 : lasting(one.duration ?? 10));
-    endless.checked = !one.duration;
-    duration.field.value = one.duration ? timeWords(one.duration) : "";
-    open(false);
-    note(one.why, Boolean(one.why));
-  }
+    this.suggestions.replaceChildren(...S.runSignals.map((signal) => el("option", { value: `${port}=${signal}` })));
+    this.speed.value = String(moves ? 1 : lasting(one.duration ?? 10));
+    this.endless.checked = !one.duration;
+    this.duration.field.value = one.duration ? timeWords(one.duration) : "";
+    this.open(false);
+    this.note(one.why, Boolean(one.why));
+  };
 
-  function offer(news) {
-    const before = JSON.stringify(plants);
-    plants = news.plants;
-    direct = news.direct;
-    likely = news.likely;
-    start.disabled = !plants.length;
-    choice.hidden = details.hidden = !plants.length;
-    around.show(news.alone, Boolean(direct));
-    if (!plants.length) {
-      note("");
+  offer = (news) => {
+    const before = JSON.stringify(this.plants);
+    this.plants = news.plants;
+    this.direct = news.direct;
+    this.likely = news.likely;
+    this.start.disabled = !this.plants.length;
+    this.choice.hidden = this.details.hidden = !this.plants.length;
+    this.around.show(news.alone, Boolean(this.direct));
+    if (!this.plants.length) {
+      this.note("");
       return;
     }
-    if (JSON.stringify(plants) === before) return;
+    if (JSON.stringify(this.plants) === before) return;
     const kept =
-      touched && plants.some((each) => each.name === plant.value) ? plant.value : news.chosen || plants[0].name;
-    plant.replaceChildren(
-      ...plants.map((each) =>
+      this.touched && this.plants.some((each) => each.name === this.plant.value)
+        ? this.plant.value
+        : news.chosen || this.plants[0].name;
+    this.plant.replaceChildren(
+      ...this.plants.map((each) =>
         el("option", {
           value: each.name,
           textContent: each.why ? S.runNotFitting(each.name) : each.name,
@@ -326,85 +432,72 @@ function formPane(store, hand, changed) {
         }),
       ),
     );
-    const same = kept === plant.value && before !== "[]";
-    plant.value = kept;
-    if (!same || !reference.field.value) chosen(false);
-    if (!news.chosen) note(S.runFitsNone, true);
-  }
+    const same = kept === this.plant.value && before !== "[]";
+    this.plant.value = kept;
+    if (!same || !this.reference.field.value) this.chosen(false);
+    if (!news.chosen) this.note(S.runFitsNone, true);
+  };
 
-  function asked() {
+  asked = () => {
     /** @type {Messages.RunWork} */
-    const found = { plant: plant.value, speed: speed.value === "" ? null : Number(speed.value), ...more.asked() };
-    const { trajectories, carries } = one() ?? {};
+    const found = {
+      plant: this.plant.value,
+      speed: this.speed.value === "" ? null : Number(this.speed.value),
+      ...this.more.asked(),
+    };
+    const { trajectories, carries } = this.one() ?? {};
     if (trajectories?.length)
-      Object.assign(found, { trajectory: trajectory.value, payload: carries && payload.checked });
+      Object.assign(found, { trajectory: this.trajectory.value, payload: carries && this.payload.checked });
     else {
-      const lasts = duration.field.value.trim();
+      const lasts = this.duration.field.value.trim();
       Object.assign(found, {
-        reference: wordsOf(reference.field.value),
-        [endless.checked ? "window" : "until"]: lasts,
+        reference: wordsOf(this.reference.field.value),
+        [this.endless.checked ? "window" : "until"]: lasts,
       });
     }
-    if (seed.field.value.trim()) found.seed = seed.field.value.trim();
+    if (this.seed.field.value.trim()) found.seed = this.seed.field.value.trim();
     return found;
-  }
+  };
 
   /** The same run on the command line. */
-  function showLine() {
-    if (!details.open) return;
-    const want = asked();
-    const words = ["fuzzyarm", "simulate", ...(direct ? [direct, "--rulebase", hand.file()] : [hand.file()])];
-    if (want.plant !== likely) words.push("--plant", want.plant);
+  showLine = () => {
+    if (!this.details.open) return;
+    const want = this.asked();
+    const words = [
+      "fuzzyarm",
+      "simulate",
+      ...(this.direct ? [this.direct, "--rulebase", this.hand.file()] : [this.hand.file()]),
+    ];
+    if (want.plant !== this.likely) words.push("--plant", want.plant);
     if (want.trajectory) words.push("--trajectory", want.trajectory, ...(want.payload ? ["--payload"] : []));
     words.push(...optionsOf(want));
     if (want.until) words.push("--for", want.until);
     if (want.seed !== undefined) words.push("--seed", String(want.seed));
-    line.textContent = words.map(quoted).join(" ");
-  }
+    this.line.textContent = words.map(quoted).join(" ");
+  };
 
-  function note(words, bad = false) {
-    said.textContent = words;
-    said.classList.toggle("error", bad);
-    said.hidden = !words;
-  }
+  note = (words, bad = false) => {
+    this.said.textContent = words;
+    this.said.classList.toggle("error", bad);
+    this.said.hidden = !words;
+  };
 
   /** Take back a note, where it is still there. */
-  function unsay(words) {
-    if (said.textContent === words) note("");
-  }
+  unsay = (words) => {
+    if (this.said.textContent === words) this.note("");
+  };
 
   /** Show which buttons do something. */
-  function running({ job, paused, over }) {
-    start.hidden = Boolean(job);
-    again.hidden = !job;
-    for (const each of [pause, step]) each.disabled = !job || (over && !paused);
-    stop.disabled = !job;
-    pause.textContent = paused ? S.runResume : S.runPause;
-  }
+  running = ({ job, paused, over }) => {
+    this.start.hidden = Boolean(job);
+    this.again.hidden = !job;
+    for (const each of [this.pause, this.step]) each.disabled = !job || (over && !paused);
+    this.stop.disabled = !job;
+    this.pause.textContent = paused ? S.runResume : S.runPause;
+  };
 
-  function time(seconds, behind) {
-    clock.textContent = `${shortNumber(seconds, 5)} s${behind ? ` (${S.runBehind})` : ""}`;
-  }
-
-  note("");
-  const mark = (name, message) =>
-    markField({ reference: reference.field, duration: duration.field, ...more.inputs }, name, message);
-  return {
-    section,
-    start,
-    pause,
-    step,
-    again,
-    stop,
-    speed,
-    offer,
-    uses: unsaved.show,
-    asked,
-    note,
-    unsay,
-    mark,
-    running,
-    time,
+  time = (seconds, behind) => {
+    this.clock.textContent = `${shortNumber(seconds, 5)} s${behind ? ` (${S.runBehind})` : ""}`;
   };
 }
 

@@ -4,7 +4,8 @@
 // on a plain canvas. That needs neither a library nor a graphics processor, halves the time of a
 // frame against as many paths, and prints as it looks.
 
-import { choice, clean, colourOf, context, drawAxes, eachFrame, el, pane, SHADES, shortNumber, ticks } from "./draw.js";
+import { choice, clean, colourOf, context, drawAxes, eachFrame, el, pane, SHADES, shortNumber } from "./draw.js";
+import { ticks } from "./geometry/chart.js";
 import { rangeOf } from "./store.js";
 import { S } from "./strings.js";
 
@@ -35,51 +36,138 @@ function fillTriangle(pixels, width, height, x0, y0, x1, y1, x2, y2, colour) {
  * @param {Page.Store} store
  */
 export function surfacePane(store, { start }) {
-  const { section, bar, body } = pane("surface", S.surface);
-  const canvas = el("canvas", { tabIndex: 0, role: "img" });
-  const main = el("div", { class: "main" }, canvas);
-  const line = el("canvas", { tabIndex: 0, role: "img" });
-  const cutSlider = el("input", {
-    type: "range",
-    step: "any",
-    oninput: () => store.setPoint(cutInput(), Number(cutSlider.value)),
-  });
-  const cutLabel = el("label", { class: "small" }, el("span"), cutSlider);
-  const below = el("div", { class: "below", hidden: true }, cutLabel, el("div", { class: "line" }, line));
-  const others = el("div", { class: "others" });
-  const turned = { azimuth: -0.65, elevation: 0.55 };
-  let flat = false;
-  let cut = ""; // "x" or "y": the axis that the cut is at a value of
-  let image = null; // what the solid is filled into
-  let layer = null;
-  let scale = null; // of the colours, made once
-  let size = { width: 0, height: 0 };
-  let lineSize = { width: 0, height: 0 };
-  let handle = null; // of the cut in the solid: where it is, and the ends of its way
-  let sliders = [];
-  body.append(main, below, others);
+  return new SurfacePane(store, { start }).section;
+}
 
-  function build() {
-    const focused = [...bar.querySelectorAll("select")].indexOf(document.activeElement);
-    while (bar.childNodes.length > 1) bar.lastChild.remove();
-    bar.append(el("span", { class: "space" }));
-    const { inputs, outputs, missing } = store.scene;
+class SurfacePane {
+  /**
+   * @param {Page.Store} store
+   */
+  constructor(store, { start }) {
+    this.store = store;
+    this.start = start;
+
+    const { section, bar, body } = pane("surface", S.surface);
+    this.section = section;
+    this.bar = bar;
+    this.canvas = el("canvas", { tabIndex: 0, role: "img" });
+    const main = el("div", { class: "main" }, this.canvas);
+    this.line = el("canvas", { tabIndex: 0, role: "img" });
+    this.cutSlider = el("input", {
+      type: "range",
+      step: "any",
+      oninput: () => this.store.setPoint(this.cutInput(), Number(this.cutSlider.value)),
+    });
+    this.cutLabel = el("label", { class: "small" }, el("span"), this.cutSlider);
+    this.below = el("div", { class: "below", hidden: true }, this.cutLabel, el("div", { class: "line" }, this.line));
+    this.others = el("div", { class: "others" });
+    this.turned = { azimuth: -0.65, elevation: 0.55 };
+    this.flat = false;
+    this.cut = ""; // "x" or "y": the axis that the cut is at a value of
+    this.image = null; // what the solid is filled into
+    this.layer = null;
+    this.scale = null; // of the colours, made once
+    this.size = { width: 0, height: 0 };
+    this.lineSize = { width: 0, height: 0 };
+    this.handle = null; // of the cut in the solid: where it is, and the ends of its way
+    this.sliders = [];
+    body.append(main, this.below, this.others);
+    let held = false; // whether the hand is on the cut
+    this.canvas.addEventListener("pointerdown", (event) => {
+      if (!this.store.scene) return;
+      this.canvas.setPointerCapture(event.pointerId);
+      held =
+        Boolean(this.handle) && Math.hypot(event.offsetX - this.handle.at[0], event.offsetY - this.handle.at[1]) < 12;
+      if (this.isPlane()) this.aim(event);
+    });
+    this.canvas.addEventListener("pointermove", (event) => {
+      if (!this.store.scene || !event.buttons) return;
+      if (this.isPlane()) this.aim(event);
+      else if (held && this.handle) this.slide(event);
+      else this.turn(0.01 * event.movementX, 0.01 * event.movementY);
+    });
+    this.canvas.addEventListener("keydown", (event) => {
+      const step = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key];
+      if (!step || !this.store.scene) return;
+      event.preventDefault();
+      if (this.isPlane()) this.nudge(step[0] ? this.store.axes.x : this.store.axes.y, step[0] + step[1]);
+      else this.turn(0.1 * step[0], 0.1 * step[1]);
+    });
+
+    this.line.addEventListener("pointerdown", (event) => {
+      this.line.setPointerCapture(event.pointerId);
+      this.aimLine(event);
+    });
+    this.line.addEventListener("pointermove", (event) => {
+      if (event.buttons) this.aimLine(event);
+    });
+    this.line.addEventListener("keydown", (event) => {
+      const step = { ArrowLeft: -1, ArrowRight: 1, ArrowDown: -1, ArrowUp: 1 }[event.key];
+      if (!step) return;
+      event.preventDefault();
+      this.nudge(this.otherInput(), step);
+    });
+
+    this.redraw = eachFrame(this.draw);
+    this.store.on("scene", this.build);
+    this.store.on("axes", this.build);
+    for (const name of ["reshaped", "point", "theme", "told"]) this.store.on(name, this.redraw);
+    const watch = new ResizeObserver(() => {
+      this.size = { width: main.clientWidth, height: main.clientHeight };
+      this.lineSize = { width: this.line.parentElement.clientWidth, height: this.line.parentElement.clientHeight };
+      this.redraw();
+    });
+    watch.observe(main);
+    watch.observe(this.line.parentElement);
+  }
+
+  cutInput = () => this.store.axes[this.cut];
+  otherInput = () => this.store.axes[this.cut === "x" ? "y" : "x"];
+
+  /** The side of the base, -0.5 or 0.5, that is nearer to the eye. */
+  front = (axis) => {
+    const depth = axis === "x" ? Math.sin(this.turned.azimuth) : Math.cos(this.turned.azimuth);
+    return depth > 0 ? -0.5 : 0.5;
+  };
+
+  order = (count, forward) => Array.from({ length: count }, (_, i) => (forward ? count - 1 - i : i));
+  place = (variable, value) => {
+    const [low, high] = rangeOf(variable);
+    return (value - low) / (high - low);
+  };
+
+  // --- the contour ---
+
+  box = (width, height) => ({
+    left: 44,
+    top: 10,
+    wide: width - (this.store.axes.x === this.store.axes.y ? 56 : 104),
+    tall: height - 48,
+  });
+
+  isPlane = () => this.flat || this.store.axes.x === this.store.axes.y;
+
+  build = () => {
+    const focused = [...this.bar.querySelectorAll("select")].indexOf(document.activeElement);
+    while (this.bar.childNodes.length > 1) this.bar.lastChild.remove();
+    this.bar.append(el("span", { class: "space" }));
+    const { inputs, outputs, missing } = this.store.scene;
     if (missing.length) {
-      below.hidden = true;
-      others.replaceChildren();
-      redraw();
+      this.below.hidden = true;
+      this.others.replaceChildren();
+      this.redraw();
       return;
     }
     const names = inputs.map((each, i) => [String(i), each.name]);
     if (inputs.length > 2) {
-      bar.append(
-        choice(S.horizontal, names, String(store.axes.x), (i) => pick({ x: Number(i) })),
-        choice(S.vertical, names, String(store.axes.y), (i) => pick({ y: Number(i) })),
+      this.bar.append(
+        choice(S.horizontal, names, String(this.store.axes.x), (i) => this.pick({ x: Number(i) })),
+        choice(S.vertical, names, String(this.store.axes.y), (i) => this.pick({ y: Number(i) })),
       );
     }
     if (outputs.length > 1) {
       const shown = outputs.map((each, i) => [String(i), each.name]);
-      bar.append(choice(S.shown, shown, String(store.axes.output), (i) => pick({ output: Number(i) })));
+      this.bar.append(choice(S.shown, shown, String(this.store.axes.output), (i) => this.pick({ output: Number(i) })));
     }
     if (inputs.length > 1) {
       const views = [
@@ -88,38 +176,35 @@ export function surfacePane(store, { start }) {
       ];
       const cuts = [
         ["", S.noCut],
-        ["x", inputs[store.axes.x].name],
-        ["y", inputs[store.axes.y].name],
+        ["x", inputs[this.store.axes.x].name],
+        ["y", inputs[this.store.axes.y].name],
       ];
-      bar.append(
-        choice(S.view, views, flat ? "contour" : "solid", (view) => {
-          flat = view === "contour";
-          redraw();
+      this.bar.append(
+        choice(S.view, views, this.flat ? "contour" : "solid", (view) => {
+          this.flat = view === "contour";
+          this.redraw();
         }),
-        choice(S.cut, cuts, cut, (axis) => {
-          cut = axis;
-          prepare();
+        choice(S.cut, cuts, this.cut, (axis) => {
+          this.cut = axis;
+          this.prepare();
         }),
       );
-    } else cut = "";
-    bar.querySelectorAll("select")[focused]?.focus();
-    prepare();
-  }
-
-  const cutInput = () => store.axes[cut];
-  const otherInput = () => store.axes[cut === "x" ? "y" : "x"];
+    } else this.cut = "";
+    this.bar.querySelectorAll("select")[focused]?.focus();
+    this.prepare();
+  };
 
   /** Set up the line below for the cut, and the sliders beside for the inputs that are no axes. */
-  function prepare() {
-    const { inputs } = store.scene;
-    below.hidden = !cut;
-    if (cut) {
-      const [low, high] = rangeOf(inputs[cutInput()]);
-      Object.assign(cutSlider, { min: low, max: high, step: (high - low) / 400 });
+  prepare = () => {
+    const { inputs } = this.store.scene;
+    this.below.hidden = !this.cut;
+    if (this.cut) {
+      const [low, high] = rangeOf(inputs[this.cutInput()]);
+      Object.assign(this.cutSlider, { min: low, max: high, step: (high - low) / 400 });
     }
-    sliders = inputs
+    this.sliders = inputs
       .map((variable, i) => /** @type {const} */ ([variable, i]))
-      .filter(([, i]) => i !== store.axes.x && i !== store.axes.y)
+      .filter(([, i]) => i !== this.store.axes.x && i !== this.store.axes.y)
       .map(([variable, i]) => {
         const [low, high] = rangeOf(variable);
         const range = el("input", {
@@ -127,7 +212,7 @@ export function surfacePane(store, { start }) {
           min: low,
           max: high,
           step: (high - low) / 400,
-          oninput: () => store.setPoint(i, Number(range.value)),
+          oninput: () => this.store.setPoint(i, Number(range.value)),
         });
         const said = el("output", {});
         return {
@@ -137,23 +222,23 @@ export function surfacePane(store, { start }) {
           label: el("label", { class: "small" }, el("span", { textContent: variable.name }), range, said),
         };
       });
-    others.replaceChildren(...sliders.map(({ label }) => label));
-    redraw();
-  }
+    this.others.replaceChildren(...this.sliders.map(({ label }) => label));
+    this.redraw();
+  };
 
-  function pick(axes) {
-    const { x, y } = store.axes;
+  pick = (axes) => {
+    const { x, y } = this.store.axes;
     // Two inputs cannot be one: they change places.
     if (axes.x === y) axes.y = x;
     else if (axes.y === x) axes.x = y;
-    store.setAxes(axes);
-  }
+    this.store.setAxes(axes);
+  };
 
-  function draw() {
-    const { scene, axes } = store;
-    if (!scene || !size.width) return;
+  draw = () => {
+    const { scene, axes } = this.store;
+    if (!scene || !this.size.width) return;
     if (scene.missing.length) {
-      nothing(
+      this.nothing(
         S.notYet(
           Object.keys(S.missing)
             .filter((name) => scene.missing.includes(name))
@@ -164,46 +249,46 @@ export function surfacePane(store, { start }) {
     }
     const [x, y] = [scene.inputs[axes.x], scene.inputs[axes.y]];
     const output = scene.outputs[axes.output];
-    for (const { i, range, said } of sliders) {
-      range.value = store.point[i];
-      said.textContent = shortNumber(store.point[i]);
+    for (const { i, range, said } of this.sliders) {
+      range.value = this.store.point[i];
+      said.textContent = shortNumber(this.store.point[i]);
     }
-    const { g, width, height } = context(canvas, size.width, size.height);
-    handle = null;
-    const found = store.surface();
+    const { g, width, height } = context(this.canvas, this.size.width, this.size.height);
+    this.handle = null;
+    const found = this.store.surface();
     const label = S.surfaceLabel(output.name, x.name, x === y ? "" : y.name);
-    const source = found?.isFar ? S.byServer : found && store.coarse ? S.coarse : "";
-    canvas.setAttribute("aria-label", `${label} ${source}`.trim());
+    const source = found?.isFar ? S.byServer : found && this.store.coarse ? S.coarse : "";
+    this.canvas.setAttribute("aria-label", `${label} ${source}`.trim());
     if (!found) {
-      nothing(store.refused || (start ? S.asking(scene.reason) : S.notHere(scene.reason)));
+      this.nothing(this.store.refused || (this.start ? S.asking(scene.reason) : S.notHere(scene.reason)));
       return;
     }
-    const [low, high] = limits(found.z, output);
-    const section = cut ? store.section(otherInput()) : null;
+    const [low, high] = this.limits(found.z, output);
+    const section = this.cut ? this.store.section(this.otherInput()) : null;
     const picture = { g, width, height, found, low, high, x, y, output, section };
-    if (x === y) drawLine(picture);
-    else if (flat) drawContour(picture);
-    else drawSolid(picture);
-    if (x !== y) drawScale(picture);
+    if (x === y) this.drawLine(picture);
+    else if (this.flat) this.drawContour(picture);
+    else this.drawSolid(picture);
+    if (x !== y) this.drawScale(picture);
     if (source) {
       g.fillStyle = colourOf("--soft");
       g.font = "11px system-ui, sans-serif";
       g.textAlign = "left";
       g.fillText(source, 8, height - 6);
     }
-    if (cut) drawSection(picture);
-  }
+    if (this.cut) this.drawSection(picture);
+  };
 
   /** Say why nothing is drawn. */
-  function nothing(words) {
-    const { g, width } = context(canvas, size.width, size.height);
+  nothing = (words) => {
+    const { g, width } = context(this.canvas, this.size.width, this.size.height);
     g.fillStyle = colourOf("--soft");
     g.font = "13px system-ui, sans-serif";
-    wrapped(g, clean(words), 12, 24, width - 24);
-    canvas.setAttribute("aria-label", clean(words));
-  }
+    this.wrapped(g, clean(words), 12, 24, width - 24);
+    this.canvas.setAttribute("aria-label", clean(words));
+  };
 
-  function limits(z, output) {
+  limits = (z, output) => {
     let [low, high] = [output.low, output.high];
     if (low === null || high === null) {
       [low, high] = [Infinity, -Infinity];
@@ -213,37 +298,37 @@ export function surfacePane(store, { start }) {
       }
     }
     return low < high ? [low, high] : [low - 1, low + 1];
-  }
+  };
 
-  function scaleImage() {
+  scaleImage = () => {
     const colours = new ImageData(1, 256);
     SHADES.forEach((shade, i) => colours.data.set([...shade, 255], 4 * (255 - i)));
     const made = new OffscreenCanvas(1, 256);
     made.getContext("2d").putImageData(colours, 0, 0);
     return made;
-  }
+  };
 
   /** What the colours stand for. */
-  function drawScale({ g, width, height, low, high }) {
+  drawScale = ({ g, width, height, low, high }) => {
     const [right, top, tall, wide] = [width - 10, 26, Math.min(150, height - 70), 9];
     if (tall < 40) return;
-    scale ??= scaleImage();
-    g.drawImage(scale, right - wide, top, wide, tall);
+    this.scale ??= this.scaleImage();
+    g.drawImage(this.scale, right - wide, top, wide, tall);
     g.fillStyle = colourOf("--soft");
     g.font = "11px system-ui, sans-serif";
     g.textAlign = "right";
     for (const tick of ticks(low, high, tall / 34)) {
       g.fillText(shortNumber(tick), right - wide - 4, top + (tall - 1) * (1 - (tick - low) / (high - low)) + 4);
     }
-  }
+  };
 
   // --- the solid ---
 
-  function drawSolid({ g, width, height, found, low, high, x, y, output }) {
+  drawSolid = ({ g, width, height, found, low, high, x, y, output }) => {
     const { z } = found;
     const n = found.xs.length;
-    const [ca, sa] = [Math.cos(turned.azimuth), Math.sin(turned.azimuth)];
-    const [ce, se] = [Math.cos(turned.elevation), Math.sin(turned.elevation)];
+    const [ca, sa] = [Math.cos(this.turned.azimuth), Math.sin(this.turned.azimuth)];
+    const [ce, se] = [Math.cos(this.turned.elevation), Math.sin(this.turned.elevation)];
     const reach = Math.min(width * 0.58, height * 0.68);
     const project = (u, v, w) => {
       const [right, depth] = [u * ca - v * sa, u * sa + v * ca];
@@ -260,17 +345,17 @@ export function surfacePane(store, { start }) {
         py[k] = at[1];
       }
     }
-    frame(g, project, { x, y, low, high, output, wanted: reach < 130 ? 2 : 4 });
+    this.frame(g, project, { x, y, low, high, output, wanted: reach < 130 ? 2 : 4 });
     // From far to near along both axes, so that what is in front covers what is behind.
-    const is = order(n - 1, sa > 0);
-    const js = order(n - 1, ca > 0);
+    const is = this.order(n - 1, sa > 0);
+    const js = this.order(n - 1, ca > 0);
     const ratio = 2; // pixels of the image for one of the page: their mean smooths the edges
     const [wide, tall] = [Math.round(ratio * width), Math.round(ratio * height)];
-    if (image?.width !== wide || image?.height !== tall) {
-      image = new ImageData(wide, tall);
-      layer = new OffscreenCanvas(wide, tall);
+    if (this.image?.width !== wide || this.image?.height !== tall) {
+      this.image = new ImageData(wide, tall);
+      this.layer = new OffscreenCanvas(wide, tall);
     }
-    const pixels = new Uint32Array(image.data.buffer);
+    const pixels = new Uint32Array(this.image.data.buffer);
     pixels.fill(0);
     for (let k = 0; k < n * n; k++) {
       px[k] *= ratio;
@@ -288,21 +373,23 @@ export function surfacePane(store, { start }) {
         fillTriangle(pixels, wide, tall, px[a], py[a], px[b], py[b], px[d], py[d], colour);
       }
     }
-    layer.getContext("2d").putImageData(image, 0, 0);
-    g.drawImage(layer, 0, 0, width, height);
-    const value = store.value();
-    if (cut) drawPlane(g, project, low, high);
+    this.layer.getContext("2d").putImageData(this.image, 0, 0);
+    g.drawImage(this.layer, 0, 0, width, height);
+    const value = this.store.value();
+    if (this.cut) this.drawPlane(g, project, low, high);
     if (Number.isFinite(value)) {
-      const [u, v] = [x, y].map((each, k) => place(each, store.point[k ? store.axes.y : store.axes.x]));
-      dot(g, ...project(u - 0.5, v - 0.5, (value - low) / (high - low) - 0.5));
+      const [u, v] = [x, y].map((each, k) =>
+        this.place(each, this.store.point[k ? this.store.axes.y : this.store.axes.x]),
+      );
+      this.dot(g, ...project(u - 0.5, v - 0.5, (value - low) / (high - low) - 0.5));
     }
-  }
+  };
 
   /** The plane of the cut, where it meets the surface, and the handle that moves it. */
-  function drawPlane(g, project, low, high) {
-    const [one, other] = [cutInput(), otherInput()].map((i) => store.scene.inputs[i]);
-    const at = place(one, store.point[cutInput()]) - 0.5;
-    const corner = (along, w) => (cut === "x" ? project(at, along, w) : project(along, at, w));
+  drawPlane = (g, project, low, high) => {
+    const [one, other] = [this.cutInput(), this.otherInput()].map((i) => this.store.scene.inputs[i]);
+    const at = this.place(one, this.store.point[this.cutInput()]) - 0.5;
+    const corner = (along, w) => (this.cut === "x" ? project(at, along, w) : project(along, at, w));
     g.fillStyle = g.strokeStyle = colourOf("--lit");
     g.globalAlpha = 0.12;
     g.beginPath();
@@ -317,38 +404,27 @@ export function surfacePane(store, { start }) {
     g.globalAlpha = 1;
     g.lineWidth = 1;
     g.stroke();
-    const section = store.section(otherInput());
+    const section = this.store.section(this.otherInput());
     g.lineWidth = 2;
     g.beginPath();
     let down = false;
     section?.z.forEach((value, i) => {
-      const spot = corner(place(other, section.xs[i]) - 0.5, (value - low) / (high - low) - 0.5);
+      const spot = corner(this.place(other, section.xs[i]) - 0.5, (value - low) / (high - low) - 0.5);
       if (Number.isFinite(value)) down ? g.lineTo(...spot) : g.moveTo(...spot);
       down = Number.isFinite(value);
     });
     g.stroke();
-    const way = (share) => (cut === "x" ? project(share, front("y"), -0.5) : project(front("x"), share, -0.5));
-    handle = { at: way(at), from: way(-0.5), to: way(0.5) };
+    const way = (share) =>
+      this.cut === "x" ? project(share, this.front("y"), -0.5) : project(this.front("x"), share, -0.5);
+    this.handle = { at: way(at), from: way(-0.5), to: way(0.5) };
     g.fillStyle = colourOf("--pane");
     g.beginPath();
-    g.arc(...handle.at, 6, 0, 2 * Math.PI);
+    g.arc(...this.handle.at, 6, 0, 2 * Math.PI);
     g.fill();
     g.stroke();
-  }
-
-  /** The side of the base, -0.5 or 0.5, that is nearer to the eye. */
-  const front = (axis) => {
-    const depth = axis === "x" ? Math.sin(turned.azimuth) : Math.cos(turned.azimuth);
-    return depth > 0 ? -0.5 : 0.5;
   };
 
-  const order = (count, forward) => Array.from({ length: count }, (_, i) => (forward ? count - 1 - i : i));
-  const place = (variable, value) => {
-    const [low, high] = rangeOf(variable);
-    return (value - low) / (high - low);
-  };
-
-  function frame(g, project, { x, y, low, high, output, wanted }) {
+  frame = (g, project, { x, y, low, high, output, wanted }) => {
     g.strokeStyle = colourOf("--line");
     g.fillStyle = colourOf("--soft");
     g.font = "11px system-ui, sans-serif";
@@ -364,8 +440,8 @@ export function surfacePane(store, { start }) {
     base.forEach((at, i) => (i ? g.lineTo(...at) : g.moveTo(...at)));
     g.closePath();
     g.stroke();
-    const near = Math.cos(turned.azimuth) > 0 ? -0.5 : 0.5;
-    const side = Math.sin(turned.azimuth) > 0 ? -0.5 : 0.5;
+    const near = Math.cos(this.turned.azimuth) > 0 ? -0.5 : 0.5;
+    const side = Math.sin(this.turned.azimuth) > 0 ? -0.5 : 0.5;
     const axis = (variable, at) => {
       const [a, b] = rangeOf(variable);
       for (const tick of ticks(a, b, wanted)) {
@@ -379,9 +455,9 @@ export function surfacePane(store, { start }) {
     axis(y, (t, out) => project(side * out, t, -0.5));
     g.textAlign = "left";
     g.fillText(`${clean(output.name).slice(0, 24)}: ${shortNumber(low)} … ${shortNumber(high)}`, 8, 15);
-  }
+  };
 
-  function dot(g, x, y) {
+  dot = (g, x, y) => {
     g.fillStyle = colourOf("--lit");
     g.strokeStyle = "#ffffff";
     g.lineWidth = 1.5;
@@ -389,20 +465,11 @@ export function surfacePane(store, { start }) {
     g.arc(x, y, 4.5, 0, 2 * Math.PI);
     g.fill();
     g.stroke();
-  }
+  };
 
-  // --- the contour ---
-
-  const box = (width, height) => ({
-    left: 44,
-    top: 10,
-    wide: width - (store.axes.x === store.axes.y ? 56 : 104),
-    tall: height - 48,
-  });
-
-  function drawContour({ g, width, height, found, low, high, x, y }) {
+  drawContour = ({ g, width, height, found, low, high, x, y }) => {
     const n = found.xs.length;
-    const { left, top, wide, tall } = box(width, height);
+    const { left, top, wide, tall } = this.box(width, height);
     const colours = new ImageData(n, n);
     for (let j = 0; j < n; j++) {
       for (let i = 0; i < n; i++) {
@@ -424,8 +491,8 @@ export function surfacePane(store, { start }) {
     g.beginPath();
     for (const level of ticks(low, high, LEVELS)) {
       if (level <= low || level >= high) continue;
-      const spots = lines(g, found.z, n, level, spotOf);
-      labelled(labels, spots, level, { left, top, wide, tall });
+      const spots = this.lines(g, found.z, n, level, spotOf);
+      this.labelled(labels, spots, level, { left, top, wide, tall });
     }
     g.stroke();
     g.font = "10.5px system-ui, sans-serif";
@@ -438,23 +505,26 @@ export function surfacePane(store, { start }) {
       g.fillText(shortNumber(level), spot[0], spot[1] + 4);
     }
     drawAxes(g, { left, top, wide, tall }, rangeOf(x), rangeOf(y), x.name, y.name);
-    const [u, v] = [place(x, store.point[store.axes.x]), place(y, store.point[store.axes.y])];
+    const [u, v] = [
+      this.place(x, this.store.point[this.store.axes.x]),
+      this.place(y, this.store.point[this.store.axes.y]),
+    ];
     g.strokeStyle = "rgb(255 255 255 / 0.6)";
     g.setLineDash([4, 4]);
     g.strokeRect(left, top + tall * (1 - v), wide, 0);
     g.strokeRect(left + wide * u, top, 0, tall);
     g.setLineDash([]);
-    if (cut) {
+    if (this.cut) {
       g.strokeStyle = colourOf("--lit");
       g.lineWidth = 2;
-      if (cut === "x") g.strokeRect(left + wide * u, top, 0, tall);
+      if (this.cut === "x") g.strokeRect(left + wide * u, top, 0, tall);
       else g.strokeRect(left, top + tall * (1 - v), wide, 0);
     }
-    dot(g, left + wide * u, top + tall * (1 - v));
-  }
+    this.dot(g, left + wide * u, top + tall * (1 - v));
+  };
 
   /** Choose places for the number of a level: away from the edges and from other numbers. */
-  function labelled(labels, spots, level, { left, top, wide, tall }) {
+  labelled = (labels, spots, level, { left, top, wide, tall }) => {
     let count = 0;
     for (let i = 0; i < spots.length && count < 2; i++) {
       const spot = spots[Math.floor(((i * 0.618034) % 1) * spots.length)]; // spread over the line
@@ -464,10 +534,10 @@ export function surfacePane(store, { start }) {
       labels.push({ spot, level });
       count++;
     }
-  }
+  };
 
   /** Where a level crosses the sides of each cell, joined two by two; a spot of each. */
-  function lines(g, z, n, level, at) {
+  lines = (g, z, n, level, at) => {
     const spots = [];
     for (let j = 0; j + 1 < n; j++) {
       for (let i = 0; i + 1 < n; i++) {
@@ -486,36 +556,36 @@ export function surfacePane(store, { start }) {
       }
     }
     return spots;
-  }
+  };
 
   // --- a line: over one input, or the section of the cut ---
 
-  function drawLine({ g, width, height, found, low, high, x, output }) {
-    const where = box(width, height);
+  drawLine = ({ g, width, height, found, low, high, x, output }) => {
+    const where = this.box(width, height);
     drawAxes(g, where, rangeOf(x), [low, high], x.name, output.name);
-    curve(g, where, { xs: found.xs, z: found.z, low, high, variable: x, at: store.point[store.axes.x] });
-  }
+    this.curve(g, where, { xs: found.xs, z: found.z, low, high, variable: x, at: this.store.point[this.store.axes.x] });
+  };
 
-  function drawSection({ section: found, low, high, output }) {
-    const { g, width, height } = context(line, lineSize.width, lineSize.height);
-    const [at, other] = [cutInput(), otherInput()].map((i) => store.scene.inputs[i]);
-    cutSlider.value = store.point[cutInput()];
-    const said = S.cutAt(at.name, shortNumber(store.point[cutInput()]));
-    cutLabel.firstChild.textContent = clean(said);
-    line.setAttribute("aria-label", S.sectionLabel(output.name, other.name, said));
-    if (!found || !lineSize.width) return;
+  drawSection = ({ section: found, low, high, output }) => {
+    const { g, width, height } = context(this.line, this.lineSize.width, this.lineSize.height);
+    const [at, other] = [this.cutInput(), this.otherInput()].map((i) => this.store.scene.inputs[i]);
+    this.cutSlider.value = this.store.point[this.cutInput()];
+    const said = S.cutAt(at.name, shortNumber(this.store.point[this.cutInput()]));
+    this.cutLabel.firstChild.textContent = clean(said);
+    this.line.setAttribute("aria-label", S.sectionLabel(output.name, other.name, said));
+    if (!found || !this.lineSize.width) return;
     const where = { left: 44, top: 6, wide: width - 56, tall: height - 40 };
     drawAxes(g, where, rangeOf(other), [low, high], other.name, output.name);
-    curve(g, where, { ...found, low, high, variable: other, at: store.point[otherInput()] });
-  }
+    this.curve(g, where, { ...found, low, high, variable: other, at: this.store.point[this.otherInput()] });
+  };
 
-  function curve(g, { left, top, wide, tall }, { xs, z, low, high, variable, at }) {
+  curve = (g, { left, top, wide, tall }, { xs, z, low, high, variable, at }) => {
     g.strokeStyle = colourOf("--accent");
     g.lineWidth = 2;
     g.beginPath();
     let down = false;
     z.forEach((value, i) => {
-      const spot = [left + wide * place(variable, xs[i]), top + tall * (1 - (value - low) / (high - low))];
+      const spot = [left + wide * this.place(variable, xs[i]), top + tall * (1 - (value - low) / (high - low))];
       if (Number.isFinite(value)) {
         if (down) g.lineTo(...spot);
         else g.moveTo(...spot);
@@ -523,13 +593,13 @@ export function surfacePane(store, { start }) {
       down = Number.isFinite(value);
     });
     g.stroke();
-    const value = store.value();
+    const value = this.store.value();
     if (Number.isFinite(value)) {
-      dot(g, left + wide * place(variable, at), top + tall * (1 - (value - low) / (high - low)));
+      this.dot(g, left + wide * this.place(variable, at), top + tall * (1 - (value - low) / (high - low)));
     }
-  }
+  };
 
-  function wrapped(g, text, x, y, width) {
+  wrapped = (g, text, x, y, width) => {
     let line = "";
     for (const word of text.split(" ")) {
       if (line && g.measureText(`${line} ${word}`).width > width) {
@@ -538,93 +608,44 @@ export function surfacePane(store, { start }) {
       } else line = line ? `${line} ${word}` : word;
     }
     g.fillText(line, x, y);
-  }
+  };
 
   // --- hands ---
 
-  function aim(event) {
-    const { left, top, wide, tall } = box(canvas.clientWidth, canvas.clientHeight);
-    const { x, y } = store.axes;
+  aim = (event) => {
+    const { left, top, wide, tall } = this.box(this.canvas.clientWidth, this.canvas.clientHeight);
+    const { x, y } = this.store.axes;
     const shares = [(event.offsetX - left) / wide, 1 - (event.offsetY - top) / tall];
     [x, y].forEach((input, k) => {
       if (k && x === y) return;
-      const [low, high] = rangeOf(store.scene.inputs[input]);
-      store.setPoint(input, low + Math.min(1, Math.max(0, shares[k])) * (high - low));
+      const [low, high] = rangeOf(this.store.scene.inputs[input]);
+      this.store.setPoint(input, low + Math.min(1, Math.max(0, shares[k])) * (high - low));
     });
-  }
+  };
 
-  const isPlane = () => flat || store.axes.x === store.axes.y;
-  let held = false; // whether the hand is on the cut
-  canvas.addEventListener("pointerdown", (event) => {
-    if (!store.scene) return;
-    canvas.setPointerCapture(event.pointerId);
-    held = Boolean(handle) && Math.hypot(event.offsetX - handle.at[0], event.offsetY - handle.at[1]) < 12;
-    if (isPlane()) aim(event);
-  });
-  canvas.addEventListener("pointermove", (event) => {
-    if (!store.scene || !event.buttons) return;
-    if (isPlane()) aim(event);
-    else if (held && handle) slide(event);
-    else turn(0.01 * event.movementX, 0.01 * event.movementY);
-  });
-  canvas.addEventListener("keydown", (event) => {
-    const step = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key];
-    if (!step || !store.scene) return;
-    event.preventDefault();
-    if (isPlane()) nudge(step[0] ? store.axes.x : store.axes.y, step[0] + step[1]);
-    else turn(0.1 * step[0], 0.1 * step[1]);
-  });
-
-  function nudge(input, steps) {
-    const [low, high] = rangeOf(store.scene.inputs[input]);
-    store.setPoint(input, store.point[input] + steps * 0.01 * (high - low));
-  }
+  nudge = (input, steps) => {
+    const [low, high] = rangeOf(this.store.scene.inputs[input]);
+    this.store.setPoint(input, this.store.point[input] + steps * 0.01 * (high - low));
+  };
 
   /** Move the cut to where the pointer is along the edge that its handle runs on. */
-  function slide(event) {
-    const { from, to } = handle;
+  slide = (event) => {
+    const { from, to } = this.handle;
     const [dx, dy] = [to[0] - from[0], to[1] - from[1]];
     const share = ((event.offsetX - from[0]) * dx + (event.offsetY - from[1]) * dy) / (dx * dx + dy * dy);
-    const [low, high] = rangeOf(store.scene.inputs[cutInput()]);
-    store.setPoint(cutInput(), low + share * (high - low));
-  }
+    const [low, high] = rangeOf(this.store.scene.inputs[this.cutInput()]);
+    this.store.setPoint(this.cutInput(), low + share * (high - low));
+  };
 
-  function aimLine(event) {
-    const share = (event.offsetX - 44) / (line.clientWidth - 56);
-    const [low, high] = rangeOf(store.scene.inputs[otherInput()]);
-    store.setPoint(otherInput(), low + share * (high - low));
-  }
+  aimLine = (event) => {
+    const share = (event.offsetX - 44) / (this.line.clientWidth - 56);
+    const [low, high] = rangeOf(this.store.scene.inputs[this.otherInput()]);
+    this.store.setPoint(this.otherInput(), low + share * (high - low));
+  };
 
-  line.addEventListener("pointerdown", (event) => {
-    line.setPointerCapture(event.pointerId);
-    aimLine(event);
-  });
-  line.addEventListener("pointermove", (event) => {
-    if (event.buttons) aimLine(event);
-  });
-  line.addEventListener("keydown", (event) => {
-    const step = { ArrowLeft: -1, ArrowRight: 1, ArrowDown: -1, ArrowUp: 1 }[event.key];
-    if (!step) return;
-    event.preventDefault();
-    nudge(otherInput(), step);
-  });
-
-  function turn(azimuth, elevation) {
-    turned.azimuth -= azimuth;
-    turned.elevation = Math.min(1.5, Math.max(0.05, turned.elevation + elevation));
-    redraw();
-  }
-
-  const redraw = eachFrame(draw);
-  store.on("scene", build);
-  store.on("axes", build);
-  for (const name of ["reshaped", "point", "theme", "told"]) store.on(name, redraw);
-  const watch = new ResizeObserver(() => {
-    size = { width: main.clientWidth, height: main.clientHeight };
-    lineSize = { width: line.parentElement.clientWidth, height: line.parentElement.clientHeight };
-    redraw();
-  });
-  watch.observe(main);
-  watch.observe(line.parentElement);
-  return section;
+  turn = (azimuth, elevation) => {
+    this.turned.azimuth -= azimuth;
+    this.turned.elevation = Math.min(1.5, Math.max(0.05, this.turned.elevation + elevation));
+    this.redraw();
+  };
 }

@@ -14,40 +14,59 @@ export const isTable = (name) => /\.lut$/i.test(name);
  * @param {Page.Hand} hand
  */
 function cellsPane(store, hand) {
-  const { section, bar, body } = pane("cells", S.cells);
-  let page = [];
-  let asked = 0;
-  section.hidden = true;
+  return new CellsPane(store, hand).section;
+}
 
-  async function look() {
-    section.hidden = !isTable(hand.file());
-    if (section.hidden || store.view !== "table") return;
-    const mine = ++asked;
-    const { table } = await hand.askNow("table", { page });
-    if (mine !== asked) return;
-    if (table) show(table);
-    else section.classList.add("stale");
+class CellsPane {
+  /**
+   * @param {Page.Store} store
+   * @param {Page.Hand} hand
+   */
+  constructor(store, hand) {
+    this.store = store;
+    this.hand = hand;
+
+    const { section, bar, body } = pane("cells", S.cells);
+    this.section = section;
+    this.bar = bar;
+    this.body = body;
+    this.page = [];
+    this.asked = 0;
+    this.section.hidden = true;
+
+    this.store.on("view", this.look);
+    this.store.on("text", this.look);
   }
 
-  function show(table) {
-    section.classList.remove("stale");
-    ({ page } = table);
-    while (bar.childNodes.length > 1) bar.lastChild.remove();
-    bar.append(el("span", { class: "space" }));
+  look = async () => {
+    this.section.hidden = !isTable(this.hand.file());
+    if (this.section.hidden || this.store.view !== "table") return;
+    const mine = ++this.asked;
+    const { table } = await this.hand.askNow("table", { page: this.page });
+    if (mine !== this.asked) return;
+    if (table) this.show(table);
+    else this.section.classList.add("stale");
+  };
+
+  show = (table) => {
+    this.section.classList.remove("stale");
+    ({ page: this.page } = table);
+    while (this.bar.childNodes.length > 1) this.bar.lastChild.remove();
+    this.bar.append(el("span", { class: "space" }));
     const outer = table.axes.slice(0, -2);
     outer.forEach((axis, k) => {
       const levels = axis.levels.map((x, i) => [String(i), shortNumber(x, 6)]);
-      bar.append(
-        choice(axis.name, levels, String(page[k]), (i) => {
-          page = page.with(k, Number(i));
-          look();
+      this.bar.append(
+        choice(axis.name, levels, String(this.page[k]), (i) => {
+          this.page = this.page.with(k, Number(i));
+          this.look();
         }),
       );
     });
-    body.replaceChildren(words(table), grid(table));
-  }
+    this.body.replaceChildren(this.words(table), this.grid(table));
+  };
 
-  function words(table) {
+  words = (table) => {
     const axes = table.axes.map((axis) =>
       S.axisLevels(
         axis.name,
@@ -74,9 +93,9 @@ function cellsPane(store, hand) {
         .filter(Boolean)
         .join(" · "),
     });
-  }
+  };
 
-  function grid(table) {
+  grid = (table) => {
     const across = table.axes.at(-1);
     const down = table.axes.at(-2);
     const corner = down ? `${down.name} \\ ${across.name}` : across.name;
@@ -87,11 +106,11 @@ function cellsPane(store, hand) {
       const label = down ? shortNumber(down.levels[i], 5) : table.output;
       const line = el("tr", {}, el("th", { scope: "row", textContent: label }));
       table.values[k].forEach((value, m) => {
-        const cell = [...page, ...(down ? [i] : []), table.columns[m]];
+        const cell = [...this.page, ...(down ? [i] : []), table.columns[m]];
         const shown = el("button", {
           textContent: shortNumber(value, 5),
           tabIndex: k || m ? -1 : 0,
-          onclick: () => goTo(cell),
+          onclick: () => this.goTo(cell),
         });
         [shown.style.background, shown.style.color] = heat((value - table.low) / (table.high - table.low || 1));
         line.append(el("td", {}, shown));
@@ -105,12 +124,12 @@ function cellsPane(store, hand) {
       el("thead", {}, head),
       el("tbody", {}, ...rows),
     );
-    made.addEventListener("keydown", (event) => step(event, made));
+    made.addEventListener("keydown", (event) => this.step(event, made));
     return made;
-  }
+  };
 
   /** Arrow keys go from cell to cell; one of them is in the order of the Tab key. */
-  function step(event, made) {
+  step = (event, made) => {
     const [dy, dx] = { ArrowUp: [-1, 0], ArrowDown: [1, 0], ArrowLeft: [0, -1], ArrowRight: [0, 1] }[event.key] ?? [];
     const held = /** @type {HTMLElement} */ (document.activeElement);
     const td = held.closest?.("td");
@@ -124,16 +143,12 @@ function cellsPane(store, hand) {
     held.tabIndex = -1;
     next.tabIndex = 0;
     next.focus();
-  }
+  };
 
-  async function goTo(cell) {
-    const { range } = await hand.askNow("table-cell", { cell });
-    if (range) hand.goTo(range[0]);
-  }
-
-  store.on("view", look);
-  store.on("text", look);
-  return section;
+  goTo = async (cell) => {
+    const { range } = await this.hand.askNow("table-cell", { cell });
+    if (range) this.hand.goTo(range[0]);
+  };
 }
 
 /**
@@ -143,53 +158,98 @@ function cellsPane(store, hand) {
  * @param {Page.Hand} hand
  */
 function errorPane(store, hand) {
-  const { section, bar, body } = pane("accuracy", S.tableError);
-  const canvas = el("canvas", { role: "img", "aria-label": S.tableError });
-  const state = el("p", { class: "note", role: "status" });
-  const worst = el("p", { class: "worst" });
-  const lines = el("pre", { class: "printed", tabIndex: 0, hidden: true, "aria-label": S.report });
-  const wanted = { levels: "", mode: "", output: "", x: "", y: "" };
-  const side = el("div", { class: "side" }, worst, state, lines);
-  body.append(el("div", { class: "beside" }, canvas, side));
-  let job = null;
-  let found = null; // { map, cells, worst }
-  let shown = "difference";
-  let built = "";
-  const go = el("button", { textContent: S.measure, onclick: run });
+  return new ErrorPane(store, hand).section;
+}
 
-  function build() {
-    const outputs = isTable(hand.file()) ? [] : (store.scene?.outputs ?? []).map((each) => each.name);
-    const names = found?.map.names ?? [];
-    const key = JSON.stringify([isTable(hand.file()), outputs, names, shown]);
-    if (key === built) return;
-    built = key;
-    while (bar.childNodes.length > 1) bar.lastChild.remove();
-    bar.append(el("span", { class: "space" }));
+class ErrorPane {
+  /**
+   * @param {Page.Store} store
+   * @param {Page.Hand} hand
+   */
+  constructor(store, hand) {
+    this.store = store;
+    this.hand = hand;
+
+    const { section, bar, body } = pane("accuracy", S.tableError);
+    this.section = section;
+    this.bar = bar;
+    this.canvas = el("canvas", { role: "img", "aria-label": S.tableError });
+    this.state = el("p", { class: "note", role: "status" });
+    this.worst = el("p", { class: "worst" });
+    this.lines = el("pre", { class: "printed", tabIndex: 0, hidden: true, "aria-label": S.report });
+    this.wanted = { levels: "", mode: "", output: "", x: "", y: "" };
+    const side = el("div", { class: "side" }, this.worst, this.state, this.lines);
+    body.append(el("div", { class: "beside" }, this.canvas, side));
+    this.job = null;
+    this.found = null; // { map, cells, worst }
+    this.shown = "difference";
+    this.built = "";
+    this.go = el("button", { textContent: S.measure, onclick: this.run });
+
+    this.redraw = eachFrame(() => {
+      this.build();
+      this.draw();
+    });
+    this.store.on("view", () => {
+      this.build();
+      if (this.store.view === "table" && !this.found && !this.job) this.run();
+      else this.redraw();
+    });
+    this.store.on("text", () => {
+      if (!this.found) return;
+      this.go.textContent = S.measureAgain;
+      this.section.classList.add("stale");
+    });
+    this.go.addEventListener("click", () => this.section.classList.remove("stale"));
+    for (const name of ["theme", "scene"]) this.store.on(name, this.redraw);
+    new ResizeObserver(this.redraw).observe(body);
+  }
+
+  /** A proved cell as column, row and value: its numbers come in the order of the axes. */
+  /** @returns {(cell: number[]) => [number, number, number]} */
+  cellOf = (map) => (cell) => {
+    const value = cell.at(-1);
+    if (!map.y) return [cell[0], 0, value];
+    const [column, row] = [map.x, map.y].map((name) => cell[map.names.indexOf(name)]);
+    return [column, row, value];
+  };
+
+  /** @returns {Page.Pair | null} */
+  inSlice = (map, at) => (Object.keys(map.held).length ? null : [at[map.x], at[map.y]]);
+
+  build = () => {
+    const outputs = isTable(this.hand.file()) ? [] : (this.store.scene?.outputs ?? []).map((each) => each.name);
+    const names = this.found?.map.names ?? [];
+    const key = JSON.stringify([isTable(this.hand.file()), outputs, names, this.shown]);
+    if (key === this.built) return;
+    this.built = key;
+    while (this.bar.childNodes.length > 1) this.bar.lastChild.remove();
+    this.bar.append(el("span", { class: "space" }));
     const set = (name) => (value) => {
-      wanted[name] = value;
-      run();
+      this.wanted[name] = value;
+      this.run();
     };
     if (outputs.length > 1)
-      bar.append(
+      this.bar.append(
         choice(
           S.shown,
           outputs.map((n) => [n, n]),
-          wanted.output || outputs[0],
+          this.wanted.output || outputs[0],
           set("output"),
         ),
       );
-    if (!isTable(hand.file())) {
+    if (!isTable(this.hand.file())) {
       const levels = el("input", {
         type: "text",
         class: "short",
-        value: wanted.levels,
+        value: this.wanted.levels,
         placeholder: S.asInFile,
         title: S.levelsHint,
         onchange: () => set("levels")(levels.value),
       });
-      bar.append(el("label", { class: "small" }, S.options.levels, levels));
+      this.bar.append(el("label", { class: "small" }, S.options.levels, levels));
     }
-    bar.append(
+    this.bar.append(
       choice(
         S.options.mode,
         [
@@ -198,79 +258,82 @@ function errorPane(store, hand) {
           ["nearest", "nearest"],
           ["linear", "linear"],
         ],
-        wanted.mode,
+        this.wanted.mode,
         set("mode"),
       ),
     );
     if (names.length > 2) {
       const axes = names.map((n) => [n, n]);
-      bar.append(choice(S.horizontal, axes, found.map.x, set("x")), choice(S.vertical, axes, found.map.y, set("y")));
+      this.bar.append(
+        choice(S.horizontal, axes, this.found.map.x, set("x")),
+        choice(S.vertical, axes, this.found.map.y, set("y")),
+      );
     }
-    bar.append(
+    this.bar.append(
       choice(
         S.view,
         [
           ["difference", S.signed],
           ["proved", S.provedCells],
         ],
-        shown,
+        this.shown,
         (value) => {
-          shown = value;
-          redraw();
+          this.shown = value;
+          this.redraw();
         },
       ),
-      go,
+      this.go,
     );
-  }
+  };
 
-  async function run() {
-    job?.stop();
-    if (store.view !== "table" || !hand.file()) return;
-    state.classList.remove("error");
-    state.textContent = S.working;
-    if (!(await hand.settled())) {
-      state.textContent = S.gone;
+  run = async () => {
+    this.job?.stop();
+    if (this.store.view !== "table" || !this.hand.file()) return;
+    this.state.classList.remove("error");
+    this.state.textContent = S.working;
+    if (!(await this.hand.settled())) {
+      this.state.textContent = S.gone;
       return;
     }
-    const { levels, mode, output, x, y } = wanted;
-    const at = Object.fromEntries((store.scene?.inputs ?? []).map((each, i) => [each.name, store.point[i]]));
-    const mine = hand.start("table-error", { options: { levels, mode, output }, axes: { x, y, at } }, (news) => {
-      if (mine === job || !job) hear(news);
+    const { levels, mode, output, x, y } = this.wanted;
+    const at = Object.fromEntries((this.store.scene?.inputs ?? []).map((each, i) => [each.name, this.store.point[i]]));
+    const mine = this.hand.start("table-error", { options: { levels, mode, output }, axes: { x, y, at } }, (news) => {
+      if (mine === this.job || !this.job) this.hear(news);
     });
-    job = mine;
-  }
+    this.job = mine;
+  };
 
-  function hear(news) {
+  hear = (news) => {
     if (news.map) {
-      found = { map: news.map, cells: [], worst: null };
-      build();
+      this.found = { map: news.map, cells: [], worst: null };
+      this.build();
     }
-    if (news.doing) state.textContent = clean(`${news.doing} …`);
+    if (news.doing) this.state.textContent = clean(`${news.doing} …`);
     if (news.cells) {
-      found.cells.push(...news.cells);
-      state.textContent = S.provedSoFar(news.done, news.of);
+      this.found.cells.push(...news.cells);
+      this.state.textContent = S.provedSoFar(news.done, news.of);
     }
     if (news.lines) {
-      lines.textContent = clean(news.lines.join("\n"));
-      lines.hidden = !news.lines.length;
-      found.worst = news.worst;
-      worst.textContent = clean(worstWords(news.worst, found.map.output));
+      this.lines.textContent = clean(news.lines.join("\n"));
+      this.lines.hidden = !news.lines.length;
+      this.found.worst = news.worst;
+      this.worst.textContent = clean(this.worstWords(news.worst, this.found.map.output));
     }
-    if (news.unproved) found.unproved = news.unproved;
-    if (news.end) ended(news);
-    redraw();
-  }
+    if (news.unproved) this.found.unproved = news.unproved;
+    if (news.end) this.ended(news);
+    this.redraw();
+  };
 
-  function ended(news) {
-    job = null;
+  ended = (news) => {
+    this.job = null;
     if (news.end === "failed") {
-      state.textContent = clean(news.message);
-      state.classList.add("error");
-      if (!found?.worst) worst.textContent = "";
-    } else if (news.end === "done") state.textContent = clean(found.unproved ?? S.provedAll);
-  }
+      this.state.textContent = clean(news.message);
+      this.state.classList.add("error");
+      if (!this.found?.worst) this.worst.textContent = "";
+    } else if (news.end === "done") this.state.textContent = clean(this.found.unproved ?? S.provedAll);
+  };
 
-  function worstWords({ at, table, direct, difference, proved, mode }, output) {
+  worstWords = ({ at, table, direct, difference, proved, mode }, output) => {
     const where = Object.entries(at)
       .map(([name, x]) => `${name} = ${shortNumber(x, 5)}`)
       .join(", ");
@@ -283,13 +346,13 @@ function errorPane(store, hand) {
       shortNumber(difference, 6),
       proved === null ? null : shortNumber(proved, 7),
     );
-  }
+  };
 
-  function draw() {
-    if (!found || store.view !== "table") return;
-    const { map } = found;
+  draw = () => {
+    if (!this.found || this.store.view !== "table") return;
+    const { map } = this.found;
     const [across, up] = [map.levels[map.x], map.levels[map.y || map.x]];
-    const place = found.worst && inSlice(map, found.worst.at);
+    const place = this.found.worst && this.inSlice(map, this.found.worst.at);
     const title = S.errorTitle(
       map.output,
       map.mode,
@@ -297,10 +360,10 @@ function errorPane(store, hand) {
         .map(([n, x]) => `${n} = ${shortNumber(x)}`)
         .join(", "),
     );
-    if (shown === "proved" && found.cells.length) {
-      const cells = found.cells.map(cellOf(map));
+    if (this.shown === "proved" && this.found.cells.length) {
+      const cells = this.found.cells.map(this.cellOf(map));
       const high = Math.max(...cells.map(([, , value]) => value)) || 1;
-      drawCells(canvas, {
+      drawCells(this.canvas, {
         title: `${title}: ${S.provedCells} (≤ ${shortNumber(high, 6)})`,
         across,
         up: map.y ? up : [0, 1],
@@ -319,41 +382,11 @@ function errorPane(store, hand) {
         x: map.x,
         y: map.y || map.output,
       };
-      if (map.y) drawPlane(canvas, { ...words, ...map, y: map.y, signed: true, grid: [across, up], worst: place });
-      else drawLines(canvas, { ...words, xs: map.xs, lines: [map.z], worst: found.worst?.at[map.x] ?? null });
+      if (map.y) drawPlane(this.canvas, { ...words, ...map, y: map.y, signed: true, grid: [across, up], worst: place });
+      else drawLines(this.canvas, { ...words, xs: map.xs, lines: [map.z], worst: this.found.worst?.at[map.x] ?? null });
     }
-    canvas.setAttribute("aria-label", `${title}. ${worst.textContent}`);
-  }
-
-  /** A proved cell as column, row and value: its numbers come in the order of the axes. */
-  const cellOf = (map) => (cell) => {
-    const value = cell.at(-1);
-    if (!map.y) return [cell[0], 0, value];
-    const [column, row] = [map.x, map.y].map((name) => cell[map.names.indexOf(name)]);
-    return [column, row, value];
+    this.canvas.setAttribute("aria-label", `${title}. ${this.worst.textContent}`);
   };
-
-  /** @returns {Page.Pair | null} */
-  const inSlice = (map, at) => (Object.keys(map.held).length ? null : [at[map.x], at[map.y]]);
-
-  const redraw = eachFrame(() => {
-    build();
-    draw();
-  });
-  store.on("view", () => {
-    build();
-    if (store.view === "table" && !found && !job) run();
-    else redraw();
-  });
-  store.on("text", () => {
-    if (!found) return;
-    go.textContent = S.measureAgain;
-    section.classList.add("stale");
-  });
-  go.addEventListener("click", () => section.classList.remove("stale"));
-  for (const name of ["theme", "scene"]) store.on(name, redraw);
-  new ResizeObserver(redraw).observe(body);
-  return section;
 }
 
 export const TABLE = {

@@ -1,6 +1,7 @@
 // Terms: the membership functions of every variable, with handles that a hand can move.
 
-import { el, svg, pane, hue, shortNumber, ticks, eachFrame } from "./draw.js";
+import { el, svg, pane, hue, shortNumber, eachFrame } from "./draw.js";
+import { ticks } from "./geometry/chart.js";
 import { rangeOf, cornersOf, sendable, sidesOf, shapeKey, WIDTHS } from "./store.js";
 import { S } from "./strings.js";
 import { addVariable, variableHead } from "./variables.js";
@@ -57,144 +58,206 @@ export const plotHeight = (room, count) =>
  * @param {Page.Hand} hand
  */
 export function termsPane(store, hand) {
-  const { edit, numbers, change, askFor } = hand;
-  const { section, bar, body: all } = pane("terms", S.terms);
-  const body = el("div", { class: "plots" });
-  const details = el("div", { class: "details", hidden: true });
-  all.append(body, details);
-  const option = (text, title, checked) => {
+  return new TermsPane(store, hand).section;
+}
+
+class TermsPane {
+  /**
+   * @param {Page.Store} store
+   * @param {Page.Hand} hand
+   */
+  constructor(store, hand) {
+    this.store = store;
+    this.hand = hand;
+
+    this.edit = this.hand.edit;
+    this.numbers = this.hand.numbers;
+    this.change = this.hand.change;
+    this.askFor = this.hand.askFor;
+    const { section, bar, body: all } = pane("terms", S.terms);
+    this.section = section;
+    this.bar = bar;
+    this.all = all;
+    this.body = el("div", { class: "plots" });
+    this.details = el("div", { class: "details", hidden: true });
+    this.all.append(this.body, this.details);
+    if (this.hand.attempt) this.bar.append(this.adding(S.addInput, "input"), this.adding(S.addOutput, "output"));
+    const toDiagram = el("button", {
+      textContent: S.diagram,
+      hidden: true,
+      onclick: () => this.store.turnDiagram(true),
+    });
+    this.bar.append(toDiagram, el("span", { class: "space" }));
+    this.partition = this.option(S.partition, S.partitionHint, false);
+    this.mirror = this.option(S.mirror, S.mirrorHint, false);
+    this.snap = this.option(S.snap, S.snapHint, true);
+    this.plots = new Map();
+    this.heads = new Map();
+    this.tall = LEAST;
+    this.chosen = ""; // "variable term" whose handles are shown
+    this.fields = null; // the numbers of the chosen term
+    this.rebuilding = false; // while they are put in the place of others
+    this.drag = null;
+    this.moving = ""; // the variable that a hand is on
+    this.waiting = 0;
+    this.wide = 0; // of the plots; asked for when it changes, as asking lays the page out
+    this.partly = "";
+
+    this.redraw = eachFrame(this.draw);
+    this.store.on("scene", this.build);
+    this.store.on("diagram", () => {
+      toDiagram.hidden = !this.store.diagram;
+    });
+    this.store.on("reshaped", () => {
+      this.partly = this.store.busy ? this.moving : "";
+      this.redraw();
+    });
+    this.store.on("point", () => {
+      this.partly = "";
+      this.redraw();
+    });
+    const watch = new ResizeObserver(() => {
+      this.wide = this.body.clientWidth;
+      this.tall = plotHeight(this.all.clientHeight, this.plots.size);
+      this.redraw();
+    });
+    watch.observe(this.body);
+    watch.observe(this.all);
+  }
+
+  option = (text, title, checked) => {
     const box = el("input", { type: "checkbox", checked });
-    bar.append(el("label", { class: "small", title }, box, text));
+    this.bar.append(el("label", { class: "small", title }, box, text));
     return box;
   };
-  const adding = (words, role) =>
-    el("button", { textContent: words, title: S.addRole[role], onclick: () => addVariable(hand, role) });
-  if (hand.attempt) bar.append(adding(S.addInput, "input"), adding(S.addOutput, "output"));
-  const toDiagram = el("button", { textContent: S.diagram, hidden: true, onclick: () => store.turnDiagram(true) });
-  bar.append(toDiagram, el("span", { class: "space" }));
-  const partition = option(S.partition, S.partitionHint, false);
-  const mirror = option(S.mirror, S.mirrorHint, false);
-  const snap = option(S.snap, S.snapHint, true);
-  const plots = new Map();
-  const heads = new Map();
-  let tall = LEAST;
-  let chosen = ""; // "variable term" whose handles are shown
-  let fields = null; // the numbers of the chosen term
-  let rebuilding = false; // while they are put in the place of others
-  let drag = null;
-  let moving = ""; // the variable that a hand is on
-  let waiting = 0;
-  let wide = 0; // of the plots; asked for when it changes, as asking lays the page out
-  let partly = "";
+  adding = (words, role) =>
+    el("button", { textContent: words, title: S.addRole[role], onclick: () => addVariable(this.hand, role) });
 
-  const each = () => [...store.scene.inputs, ...store.scene.outputs];
-  const termKey = (variable, term) => `${variable.name}\n${term.name}`;
+  each = () => [...this.store.scene.inputs, ...this.store.scene.outputs];
+  termKey = (variable, term) => `${variable.name}\n${term.name}`;
 
-  function found() {
-    for (const variable of each()) {
-      for (const term of variable.terms) if (termKey(variable, term) === chosen) return { variable, term };
+  roleOf = (v) => (v < this.store.scene.inputs.length ? S.inputs : S.outputs);
+
+  path = (points, at) =>
+    points.map(([x, y], i) => `${i ? "L" : "M"}${at.x(x).toFixed(1)} ${at.y(y).toFixed(1)}`).join("");
+
+  peak = (shape, parameters) => {
+    if (shape.kind === "triangle") return parameters[1];
+    if (shape.kind === "trapezoid") return 0.5 * (parameters[1] + parameters[2]);
+    return shape.handles.length === 1 ? parameters[shape.handles[0]] : null;
+  };
+
+  /** Whether the term has a place that another kind can take: a shape, or a number of an output. */
+  canChange = (term) => this.store.scene.kinds && !["formula", "linear"].includes(term.kind);
+
+  handleAt = (shape, parameters, index) =>
+    shape.handles.includes(index) ? parameters[index] : WIDTHS[shape.kind][index].at(parameters);
+
+  plain = ({ parameters, height }) => ({ parameters, height });
+
+  found = () => {
+    for (const variable of this.each()) {
+      for (const term of variable.terms) if (this.termKey(variable, term) === this.chosen) return { variable, term };
     }
     return null;
-  }
+  };
 
-  function build() {
-    const names = each().map((variable) => variable.name);
+  build = () => {
+    const names = this.each().map((variable) => variable.name);
     // A plot that a hand is on stays where it is.
-    if (body.firstChild && JSON.stringify(names) === JSON.stringify([...plots.keys()])) {
-      if (store.busy) grip(each().find((variable) => variable.name === moving));
+    if (this.body.firstChild && JSON.stringify(names) === JSON.stringify([...this.plots.keys()])) {
+      if (this.store.busy) this.grip(this.each().find((variable) => variable.name === this.moving));
     } else {
-      body.replaceChildren(...(names.length ? [] : [el("p", { class: "note", textContent: S.noVariables })]));
-      plots.clear();
-      heads.clear();
-      for (const variable of each()) {
+      this.body.replaceChildren(...(names.length ? [] : [el("p", { class: "note", textContent: S.noVariables })]));
+      this.plots.clear();
+      this.heads.clear();
+      for (const variable of this.each()) {
         const plot = svg("svg", { role: "group", "aria-label": variable.name });
-        const head = variableHead(hand, peakOfNew);
-        plots.set(variable.name, plot);
-        heads.set(variable.name, head);
-        body.append(head.element, plot);
+        const head = variableHead(this.hand, this.peakOfNew);
+        this.plots.set(variable.name, plot);
+        this.heads.set(variable.name, head);
+        this.body.append(head.element, plot);
       }
     }
-    tall = plotHeight(all.clientHeight, names.length);
-    each().forEach((variable, v) => heads.get(variable.name).show(variable, roleOf(v)));
-    describe();
-    draw();
-  }
-
-  const roleOf = (v) => (v < store.scene.inputs.length ? S.inputs : S.outputs);
+    this.tall = plotHeight(this.all.clientHeight, names.length);
+    this.each().forEach((variable, v) => this.heads.get(variable.name).show(variable, this.roleOf(v)));
+    this.describe();
+    this.draw();
+  };
 
   /** Where a new term of a variable stands: at the point, or in the middle. */
-  function peakOfNew(variable) {
+  peakOfNew = (variable) => {
     const [low, high] = rangeOf(variable);
-    const input = store.scene.inputs.indexOf(variable);
-    return rounded(input < 0 ? 0.5 * (low + high) : store.point[input], variable);
-  }
+    const input = this.store.scene.inputs.indexOf(variable);
+    return this.rounded(input < 0 ? 0.5 * (low + high) : this.store.point[input], variable);
+  };
 
-  function scale(variable) {
-    const width = Math.max(160, wide);
+  scale = (variable) => {
+    const width = Math.max(160, this.wide);
     const [low, high] = rangeOf(variable);
     const x = (value) => LEFT + ((value - low) / (high - low)) * (width - LEFT - RIGHT);
     const back = (pixel) => low + ((pixel - LEFT) / (width - LEFT - RIGHT)) * (high - low);
-    const y = (degree) => tall - BOTTOM - degree * (tall - TOP - BOTTOM);
-    const degree = (pixel) => (tall - BOTTOM - pixel) / (tall - TOP - BOTTOM);
+    const y = (degree) => this.tall - BOTTOM - degree * (this.tall - TOP - BOTTOM);
+    const degree = (pixel) => (this.tall - BOTTOM - pixel) / (this.tall - TOP - BOTTOM);
     return { width, low, high, x, y, back, degree };
-  }
+  };
 
   // --- pictures ---
 
-  function draw() {
-    if (!store.scene) return;
+  draw = () => {
+    if (!this.store.scene) return;
     const focused = /** @type {SVGElement} */ (document.activeElement)?.dataset?.handle;
-    const only = partly; // the plot that a hand is on; the others have not changed
-    partly = "";
-    each().forEach((variable, v) => {
-      if (!only || variable.name === only) drawOne(variable, v);
+    const only = this.partly; // the plot that a hand is on; the others have not changed
+    this.partly = "";
+    this.each().forEach((variable, v) => {
+      if (!only || variable.name === only) this.drawOne(variable, v);
     });
     if (focused) {
-      const same = [...body.querySelectorAll("[data-handle]")].find((e) => e.dataset.handle === focused);
+      const same = [...this.body.querySelectorAll("[data-handle]")].find((e) => e.dataset.handle === focused);
       same?.focus({ preventScroll: true });
     }
-    fill();
-  }
+    this.fill();
+  };
 
-  function drawOne(variable, v) {
-    const plot = plots.get(variable.name);
-    const at = scale(variable);
+  drawOne = (variable, v) => {
+    const plot = this.plots.get(variable.name);
+    const at = this.scale(variable);
     const parts = [];
     parts.push(svg("line", { class: "axis", x1: LEFT, x2: at.width - RIGHT, y1: at.y(0), y2: at.y(0) }));
     for (const tick of ticks(at.low, at.high, at.width / 80)) {
-      parts.push(svg("text", { x: at.x(tick), y: tall - 4, "text-anchor": "middle" }, shortNumber(tick)));
+      parts.push(svg("text", { x: at.x(tick), y: this.tall - 4, "text-anchor": "middle" }, shortNumber(tick)));
     }
-    if (v < store.scene.inputs.length) {
-      const x = at.x(store.point[v]);
+    if (v < this.store.scene.inputs.length) {
+      const x = at.x(this.store.point[v]);
       parts.push(svg("line", { class: "at", x1: x, x2: x, y1: TOP, y2: at.y(0) }));
     }
     const handles = [];
     variable.terms.forEach((term, t) => {
       if (!term.curve) return;
-      const isChosen = termKey(variable, term) === chosen;
+      const isChosen = this.termKey(variable, term) === this.chosen;
       const own = isChosen ? "chosen" : "";
       const style = `stroke: ${hue(t)}`;
-      const lines = sidesOf(term).map((shape) => curve(variable, shape, at));
+      const lines = sidesOf(term).map((shape) => this.curve(variable, shape, at));
       if (lines.length > 1) {
-        const d = `${path(lines[0], at)}${path([...lines[1]].reverse(), at).replace("M", "L")}Z`;
+        const d = `${this.path(lines[0], at)}${this.path([...lines[1]].reverse(), at).replace("M", "L")}Z`;
         parts.push(svg("path", { d, class: "footprint", style: `fill: ${hue(t)}` }));
       }
       lines.forEach((points, side) => {
-        parts.push(svg("path", { d: path(points, at), style, class: side ? `${own} lower` : own }));
+        parts.push(svg("path", { d: this.path(points, at), style, class: side ? `${own} lower` : own }));
       });
-      handles.push(...handlesOf(variable, term, t, at, isChosen));
+      handles.push(...this.handlesOf(variable, term, t, at, isChosen));
     });
     plot.setAttribute("width", at.width);
-    plot.setAttribute("height", tall);
+    plot.setAttribute("height", this.tall);
     plot.replaceChildren(...parts, ...handles);
-  }
+  };
 
-  function curve(variable, shape, at) {
-    const now = store.now(variable, shape);
+  curve = (variable, shape, at) => {
+    const now = this.store.now(variable, shape);
     const corners = shape.straight ? cornersOf(shape, now.parameters, now.height) : null;
     if (!corners) {
       const xs = Float64Array.from({ length: SMOOTH }, (_, i) => at.low + ((at.high - at.low) * i) / (SMOOTH - 1));
-      const ys = store.degrees(variable, shape, xs, now);
+      const ys = this.store.degrees(variable, shape, xs, now);
       return Array.from(xs, (x, i) => [x, ys[i]]);
     }
     const last = corners.length - 2;
@@ -202,14 +265,11 @@ export function termsPane(store, hand) {
     for (let i = 0; i <= last; i += 2) points.push([corners[i], corners[i + 1]]);
     points.push([Math.max(at.high, corners[last]), corners[last + 1]]);
     return points;
-  }
+  };
 
-  const path = (points, at) =>
-    points.map(([x, y], i) => `${i ? "L" : "M"}${at.x(x).toFixed(1)} ${at.y(y).toFixed(1)}`).join("");
-
-  function handlesOf(variable, term, t, at, isChosen) {
+  handlesOf = (variable, term, t, at, isChosen) => {
     const made = [];
-    const top = peak(term, store.now(variable, term).parameters) ?? term.centre;
+    const top = this.peak(term, this.store.now(variable, term).parameters) ?? term.centre;
     if (top !== null) {
       const x = at.x(Math.min(at.high, Math.max(at.low, top)));
       const half = 3.6 * term.name.length; // about half of its width: it stays inside
@@ -223,22 +283,22 @@ export function termsPane(store, hand) {
             "text-anchor": anchor,
             class: "term",
             style: `fill: ${hue(t)}`,
-            ...target(variable, term, term, null, S.wholeTerm(variable.name, term.name), top, at),
+            ...this.target(variable, term, term, null, S.wholeTerm(variable.name, term.name), top, at),
           },
           term.name,
         ),
       );
     }
     for (const shape of sidesOf(term)) {
-      const now = store.now(variable, shape);
+      const now = this.store.now(variable, shape);
       const style = `stroke: ${hue(t)}`;
       shape.handles.forEach((index, place) => {
         const value = now.parameters[index];
         if (!isChosen && (shape.side || value !== top)) return;
         if (value < at.low || value > at.high) return;
         const label = (shape.side ? S.lowerCorner : S.corner)(variable.name, term.name, place + 1);
-        const own = target(variable, term, shape, index, label, value, at);
-        const [cx, cy] = [at.x(value), at.y(heightAt(variable, shape, now, index, value))];
+        const own = this.target(variable, term, shape, index, label, value, at);
+        const [cx, cy] = [at.x(value), at.y(this.heightAt(variable, shape, now, index, value))];
         made.push(svg("circle", { cx, cy, r: isChosen && !shape.side ? 5.5 : 4, style, ...own }));
       });
       if (!isChosen) continue;
@@ -246,16 +306,16 @@ export function termsPane(store, hand) {
         const value = width.at(now.parameters);
         if (!(value >= at.low && value <= at.high)) continue;
         const said = S.width(variable.name, term.name, shape.names[index], Boolean(shape.side));
-        const own = target(variable, term, shape, Number(index), said, value, at, now.parameters[index]);
-        const [x, y] = [at.x(value), at.y(store.degrees(variable, shape, Float64Array.of(value), now)[0])];
+        const own = this.target(variable, term, shape, Number(index), said, value, at, now.parameters[index]);
+        const [x, y] = [at.x(value), at.y(this.store.degrees(variable, shape, Float64Array.of(value), now)[0])];
         const d = `M${x - DIAMOND} ${y}L${x} ${y - DIAMOND}L${x + DIAMOND} ${y}L${x} ${y + DIAMOND}Z`;
         made.push(svg("path", { d, class: "width", style, ...own }));
       }
     }
     return made;
-  }
+  };
 
-  function target(variable, term, shape, index, label, value, at, said = value) {
+  target = (variable, term, shape, index, label, value, at, said = value) => {
     return {
       tabindex: 0,
       role: "slider",
@@ -269,86 +329,79 @@ export function termsPane(store, hand) {
       "data-variable": variable.name,
       "data-term": term.name,
       "data-index": index ?? "whole",
-      onpointerdown: (event) => take(event, variable, term, shape, index),
-      onkeydown: (event) => step(event, variable, term, shape, index),
-      onfocus: () => choose(variable, term),
+      onpointerdown: (event) => this.take(event, variable, term, shape, index),
+      onkeydown: (event) => this.step(event, variable, term, shape, index),
+      onfocus: () => this.choose(variable, term),
     };
-  }
-
-  function choose(variable, term) {
-    const key = termKey(variable, term);
-    if (key !== chosen) {
-      chosen = key;
-      describe();
-      redraw();
-    }
-  }
-
-  const peak = (shape, parameters) => {
-    if (shape.kind === "triangle") return parameters[1];
-    if (shape.kind === "trapezoid") return 0.5 * (parameters[1] + parameters[2]);
-    return shape.handles.length === 1 ? parameters[shape.handles[0]] : null;
   };
 
-  function heightAt(variable, shape, now, index, value) {
+  choose = (variable, term) => {
+    const key = this.termKey(variable, term);
+    if (key !== this.chosen) {
+      this.chosen = key;
+      this.describe();
+      this.redraw();
+    }
+  };
+
+  heightAt = (variable, shape, now, index, value) => {
     if (shape.kind === "points") return now.parameters[index + 1] * now.height;
     if (shape.kind === "triangle") return index === 1 ? now.height : 0;
     if (shape.kind === "trapezoid") return index % 3 ? now.height : 0;
-    return store.degrees(variable, shape, Float64Array.of(value), now)[0];
-  }
+    return this.store.degrees(variable, shape, Float64Array.of(value), now)[0];
+  };
 
   // --- numbers beside, and what is done with whole terms ---
 
   /** Build the line below the plots for the term that is chosen. */
-  function describe() {
-    const one = found();
-    details.hidden = !one;
-    fields = [];
+  describe = () => {
+    const one = this.found();
+    this.details.hidden = !one;
+    this.fields = [];
     if (!one) {
-      details.replaceChildren();
+      this.details.replaceChildren();
       return;
     }
     const { variable, term } = one;
     const parts = [el("strong", { textContent: `${variable.name} ${term.name}` })];
     for (const shape of sidesOf(term)) {
-      if (change && !shape.side && canChange(term)) parts.push(kindOf(variable, term));
+      if (this.change && !shape.side && this.canChange(term)) parts.push(this.kindOf(variable, term));
       else parts.push(el("span", { textContent: shape.side ? `${S.overShape} ${shape.kind}` : shape.kind }));
-      if (term.kind !== "formula" && term.kind !== "linear") parts.push(...fieldsOf(variable, term, shape));
+      if (term.kind !== "formula" && term.kind !== "linear") parts.push(...this.fieldsOf(variable, term, shape));
     }
-    if (change) {
+    if (this.change) {
       const button = (text, act) => el("button", { textContent: text, onclick: act });
       parts.push(
         el("span", { class: "space" }),
-        button(S.rename, () => rename(variable, term)),
-        button(S.remove, () => change("term", { variable: variable.name, term: term.name })),
+        button(S.rename, () => this.rename(variable, term)),
+        button(S.remove, () => this.change("term", { variable: variable.name, term: term.name })),
       );
     }
     const onKind = document.activeElement?.closest(".details .kind");
     const typed = document.activeElement?.closest(".details input");
-    rebuilding = true;
-    details.replaceChildren(...parts);
-    rebuilding = false;
-    fill();
-    if (onKind) details.querySelector(".kind")?.focus(); // a kind after the other by the arrow keys
-    if (typed) goOnTyping(typed);
-  }
+    this.rebuilding = true;
+    this.details.replaceChildren(...parts);
+    this.rebuilding = false;
+    this.fill();
+    if (onKind) this.details.querySelector(".kind")?.focus(); // a kind after the other by the arrow keys
+    if (typed) this.goOnTyping(typed);
+  };
 
   /** A number that is being typed while the terms are drawn anew stays, with its cursor. */
-  function goOnTyping(typed) {
+  goOnTyping = (typed) => {
     const label = typed.getAttribute("aria-label");
-    const field = fields.find((each) => each.field.getAttribute("aria-label") === label)?.field;
+    const field = this.fields.find((each) => each.field.getAttribute("aria-label") === label)?.field;
     if (!field) return;
     field.value = typed.value;
     field.focus();
     field.setSelectionRange(typed.selectionStart, typed.selectionEnd);
-  }
-
-  /** Whether the term has a place that another kind can take: a shape, or a number of an output. */
-  const canChange = (term) => store.scene.kinds && !["formula", "linear"].includes(term.kind);
+  };
 
   /** Choose the kind of the shape; the text keeps place and width as far as the kinds allow. */
-  function kindOf(variable, term) {
-    const kinds = store.scene.kinds.includes(term.kind) ? store.scene.kinds : [term.kind, ...store.scene.kinds];
+  kindOf = (variable, term) => {
+    const kinds = this.store.scene.kinds.includes(term.kind)
+      ? this.store.scene.kinds
+      : [term.kind, ...this.store.scene.kinds];
     const select = el(
       "select",
       {
@@ -356,7 +409,7 @@ export function termsPane(store, hand) {
         title: S.kindHint,
         "aria-label": S.kindOf(variable.name, term.name),
         onchange: async () => {
-          const taken = await change("term", { variable: variable.name, term: term.name, kind: select.value });
+          const taken = await this.change("term", { variable: variable.name, term: term.name, kind: select.value });
           if (!taken) select.value = term.kind; // the status says why
         },
       },
@@ -364,9 +417,9 @@ export function termsPane(store, hand) {
     );
     select.value = term.kind;
     return select;
-  }
+  };
 
-  function fieldsOf(variable, term, shape) {
+  fieldsOf = (variable, term, shape) => {
     const side = shape.side ? `${S.overShape} ` : "";
     const count = shape.kind === "points" ? shape.parameters.length : shape.names.length;
     const name = (i) => shape.names[i] ?? `${i % 2 ? "y" : "x"}${Math.floor(i / 2) + 1}`;
@@ -376,33 +429,34 @@ export function termsPane(store, hand) {
         type: "text",
         inputMode: "decimal",
         title: label,
-        readOnly: !edit,
+        readOnly: !this.edit,
         "aria-label": `${variable.name} ${term.name}, ${side}${label}`,
         onblur: () => commit(),
         onkeydown: (event) => event.key === "Enter" && commit(),
       });
       // Not on `change`, which a field that was put in the place of another does not have.
       const commit = () => {
-        if (!rebuilding && field.value !== field.dataset.shown) put(variable, term, shape, i < count ? i : null, field);
+        if (!this.rebuilding && field.value !== field.dataset.shown)
+          this.put(variable, term, shape, i < count ? i : null, field);
       };
-      fields.push({ field, variable, shape, index: i < count ? i : null });
+      this.fields.push({ field, variable, shape, index: i < count ? i : null });
       return field;
     });
     return made;
-  }
+  };
 
   /** Show the numbers of the chosen term as they are now. */
-  function fill() {
-    for (const { field, variable, shape, index } of fields ?? []) {
-      const now = store.now(variable, shape);
+  fill = () => {
+    for (const { field, variable, shape, index } of this.fields ?? []) {
+      const now = this.store.now(variable, shape);
       const value = index === null ? now.height : now.parameters[index];
       const said = Number.isFinite(value) ? shortNumber(value, 8) : value > 0 ? "inf" : "-inf";
       if (document.activeElement !== field || field.value === field.dataset.shown) field.value = said;
       field.dataset.shown = said;
     }
-  }
+  };
 
-  function put(variable, term, shape, index, field) {
+  put = (variable, term, shape, index, field) => {
     const text = field.value.trim().replace(/^([+-]?)inf$/, "$1Infinity");
     const value = text === "" ? NaN : Number(text);
     if (Number.isNaN(value) || (index === null && !(value > 0 && value <= 1))) {
@@ -410,140 +464,135 @@ export function termsPane(store, hand) {
       return;
     }
     field.removeAttribute("aria-invalid");
-    begin(variable);
-    const now = store.now(variable, shape);
+    this.begin(variable);
+    const now = this.store.now(variable, shape);
     const parameters = index === null ? now.parameters : now.parameters.with(index, value);
-    store.reshape(variable, shape, parameters, index === null ? value : now.height);
-    drag = null;
-    finish(variable.name);
-  }
+    this.store.reshape(variable, shape, parameters, index === null ? value : now.height);
+    this.drag = null;
+    this.finish(variable.name);
+  };
 
-  async function rename(variable, term) {
-    const name = await askFor(`${S.renameTo} ${term.name}`, term.name, S.rename);
+  rename = async (variable, term) => {
+    const name = await this.askFor(`${S.renameTo} ${term.name}`, term.name, S.rename);
     if (!name || name === term.name) return;
-    const taken = await change("term", { variable: variable.name, term: term.name, name });
-    if (taken) chosen = `${variable.name}\n${name}`;
-  }
+    const taken = await this.change("term", { variable: variable.name, term: term.name, name });
+    if (taken) this.chosen = `${variable.name}\n${name}`;
+  };
 
   // --- moving ---
 
   /** Remember every shape of a variable as it is, to move from there. */
-  function begin(variable) {
-    drag = { variable, from: new Map() };
-    for (const shape of variable.terms.flatMap(sidesOf)) drag.from.set(shape, store.now(variable, shape));
-  }
+  begin = (variable) => {
+    this.drag = { variable, from: new Map() };
+    for (const shape of variable.terms.flatMap(sidesOf)) this.drag.from.set(shape, this.store.now(variable, shape));
+  };
 
-  function take(event, variable, term, shape, index) {
-    if (!edit) return;
+  take = (event, variable, term, shape, index) => {
+    if (!this.edit) return;
     event.preventDefault();
     event.currentTarget.focus({ preventScroll: true });
-    const at = scale(variable);
-    const plot = plots.get(variable.name);
+    const at = this.scale(variable);
+    const plot = this.plots.get(variable.name);
     const place = (each) => {
       const box = plot.getBoundingClientRect();
       return { x: at.back(each.clientX - box.left), degree: at.degree(each.clientY - box.top) };
     };
-    begin(variable);
+    this.begin(variable);
     const start = place(event);
-    const old = drag.from.get(shape);
-    const where = index === null ? 0 : handleAt(shape, old.parameters, index);
+    const old = this.drag.from.get(shape);
+    const where = index === null ? 0 : this.handleAt(shape, old.parameters, index);
     // The plot keeps the pointer: handles are drawn anew while they move.
     plot.setPointerCapture(event.pointerId);
-    grip(variable);
+    this.grip(variable);
     plot.onpointermove = (each) => {
       const here = place(each);
-      const rise = isRaised(shape, index) ? here.degree - start.degree : 0;
-      shift(variable, term, shape, index, where + here.x - start.x, rise, each);
+      const rise = this.isRaised(shape, index) ? here.degree - start.degree : 0;
+      this.shift(variable, term, shape, index, where + here.x - start.x, rise, each);
     };
     plot.onpointerup = plot.onpointercancel = () => {
       plot.onpointermove = plot.onpointerup = plot.onpointercancel = null;
-      drag = null;
-      finish(variable.name);
+      this.drag = null;
+      this.finish(variable.name);
     };
-  }
-
-  const handleAt = (shape, parameters, index) =>
-    shape.handles.includes(index) ? parameters[index] : WIDTHS[shape.kind][index].at(parameters);
+  };
 
   /** Whether a handle moves up and down as well: corners of points, and tops of lower functions. */
-  function isRaised(shape, index) {
+  isRaised = (shape, index) => {
     if (index === null || !shape.handles.includes(index)) return false;
     if (shape.kind === "points") return true;
     const tops = { triangle: [1], trapezoid: [1, 2], pi: [1, 2], rectangle: [0, 1] }[shape.kind];
     return Boolean(shape.side) && (tops ? tops.includes(index) : shape.handles.length === 1);
-  }
+  };
 
   /** Ask for the numbers of a variable that can be changed in place. */
-  function grip(variable) {
-    store.busy = true;
-    moving = variable.name;
-    if (store.held?.variable === variable.name) return;
-    numbers(variable.name).then((brought) => {
-      if (brought) store.hold(variable, brought);
+  grip = (variable) => {
+    this.store.busy = true;
+    this.moving = variable.name;
+    if (this.store.held?.variable === variable.name) return;
+    this.numbers(variable.name).then((brought) => {
+      if (brought) this.store.hold(variable, brought);
     });
-  }
+  };
 
-  function step(event, variable, term, shape, index) {
+  step = (event, variable, term, shape, index) => {
     const sign = { ArrowLeft: -1, ArrowDown: -1, ArrowRight: 1, ArrowUp: 1 }[event.key];
-    if (!sign || !edit) return;
+    if (!sign || !this.edit) return;
     event.preventDefault();
-    grip(variable);
-    begin(variable);
+    this.grip(variable);
+    this.begin(variable);
     const steps = sign * (event.ctrlKey ? 10 : 1);
-    const rises = isRaised(shape, index) && /Up|Down/.test(event.key);
-    const old = drag.from.get(shape).parameters;
-    const where = index === null ? 0 : handleAt(shape, old, index);
-    const by = rises ? 0 : steps * unit(variable);
-    shift(variable, term, shape, index, where + by, rises ? 0.05 * steps : 0, event);
-    drag = null;
-    clearTimeout(waiting);
-    waiting = setTimeout(() => finish(variable.name), 350);
-  }
+    const rises = this.isRaised(shape, index) && /Up|Down/.test(event.key);
+    const old = this.drag.from.get(shape).parameters;
+    const where = index === null ? 0 : this.handleAt(shape, old, index);
+    const by = rises ? 0 : steps * this.unit(variable);
+    this.shift(variable, term, shape, index, where + by, rises ? 0.05 * steps : 0, event);
+    this.drag = null;
+    clearTimeout(this.waiting);
+    this.waiting = setTimeout(() => this.finish(variable.name), 350);
+  };
 
   /** A round number, about a two-hundredth of the range. */
-  function unit(variable) {
+  unit = (variable) => {
     const [low, high] = rangeOf(variable);
     const power = 10 ** Math.floor(Math.log10((high - low) / 100));
     return power * ((high - low) / power > 400 ? 5 : (high - low) / power > 200 ? 2 : 1);
-  }
+  };
 
-  function rounded(value, variable) {
-    const step = snap.checked ? unit(variable) : unit(variable) / 100;
+  rounded = (value, variable) => {
+    const step = this.snap.checked ? this.unit(variable) : this.unit(variable) / 100;
     return Number((Math.round(value / step) * step).toPrecision(12));
-  }
+  };
 
   /** Move a handle to, or a whole term by, a number; neighbours and the mirror image as asked. */
-  function shift(variable, term, shape, index, value, rise, event) {
+  shift = (variable, term, shape, index, value, rise, event) => {
     const changed = new Map();
     if (index === null) {
-      const by = rounded(value, variable);
+      const by = this.rounded(value, variable);
       for (const side of sidesOf(term)) {
-        const old = drag.from.get(side);
-        changed.set(side, { ...plain(old), parameters: moved(side, old.parameters, null, 0, by) });
+        const old = this.drag.from.get(side);
+        changed.set(side, { ...this.plain(old), parameters: moved(side, old.parameters, null, 0, by) });
       }
-    } else changed.set(shape, one(variable, shape, index, value, rise));
-    if (partition.checked || event.altKey) {
-      for (const [side, next] of [...changed]) neighbours(variable, side, next.parameters, changed);
+    } else changed.set(shape, this.one(variable, shape, index, value, rise));
+    if (this.partition.checked || event.altKey) {
+      for (const [side, next] of [...changed]) this.neighbours(variable, side, next.parameters, changed);
     }
-    if (mirror.checked || event.shiftKey) mirrored(variable, changed);
-    for (const each of variable.terms) keepBelow(variable, each, changed);
-    for (const [each, next] of changed) store.reshape(variable, each, next.parameters, next.height);
-  }
-
-  const plain = ({ parameters, height }) => ({ parameters, height });
+    if (this.mirror.checked || event.shiftKey) this.mirrored(variable, changed);
+    for (const each of variable.terms) this.keepBelow(variable, each, changed);
+    for (const [each, next] of changed) this.store.reshape(variable, each, next.parameters, next.height);
+  };
 
   /** Parameters and height of a shape after one of its handles has moved. */
-  function one(variable, shape, index, value, rise) {
-    const old = drag.from.get(shape);
+  one = (variable, shape, index, value, rise) => {
+    const old = this.drag.from.get(shape);
     const tidy = (x, step) =>
-      snap.checked ? Number((Math.round(x / step) * step).toPrecision(12)) : Number(x.toPrecision(6));
+      this.snap.checked ? Number((Math.round(x / step) * step).toPrecision(12)) : Number(x.toPrecision(6));
     if (!shape.handles.includes(index)) {
-      const width = WIDTHS[shape.kind][index].to(old.parameters, rounded(value, variable));
+      const width = WIDTHS[shape.kind][index].to(old.parameters, this.rounded(value, variable));
       const sound = Number.isFinite(width) && Math.abs(width) > 1e-9;
-      const said = Number(width.toPrecision(snap.checked ? 3 : 6));
-      return { ...plain(old), parameters: sound ? old.parameters.with(index, said) : old.parameters };
+      const said = Number(width.toPrecision(this.snap.checked ? 3 : 6));
+      return { ...this.plain(old), parameters: sound ? old.parameters.with(index, said) : old.parameters };
     }
-    const parameters = moved(shape, old.parameters, index, rounded(value, variable));
+    const parameters = moved(shape, old.parameters, index, this.rounded(value, variable));
     if (!rise) return { parameters, height: old.height };
     if (shape.kind === "points") {
       const y = tidy(old.parameters[index + 1] + rise / old.height, 0.05);
@@ -552,23 +601,24 @@ export function termsPane(store, hand) {
     }
     const height = Math.min(1, Math.max(LEAST_HEIGHT, tidy(old.height + rise, 0.05)));
     return { parameters, height };
-  }
+  };
 
-  function neighbours(variable, shape, next, changed) {
-    const old = drag.from.get(shape).parameters;
+  neighbours = (variable, shape, next, changed) => {
+    const old = this.drag.from.get(shape).parameters;
     for (const other of variable.terms.flatMap(sidesOf)) {
       if (changed.has(other) || (other.side ?? 0) !== (shape.side ?? 0) || other.kind === "points") continue;
-      const from = drag.from.get(other);
+      const from = this.drag.from.get(other);
       const to = from.parameters.map((x, i) => {
         const shared = other.handles.includes(i) ? shape.handles.findIndex((k) => old[k] === x) : -1;
         return shared < 0 ? x : next[shape.handles[shared]];
       });
       const sorted = other.handles.every((i, k) => !k || to[other.handles[k - 1]] <= to[i]);
-      if (sorted && to.some((x, i) => x !== from.parameters[i])) changed.set(other, { ...plain(from), parameters: to });
+      if (sorted && to.some((x, i) => x !== from.parameters[i]))
+        changed.set(other, { ...this.plain(from), parameters: to });
     }
-  }
+  };
 
-  function mirrored(variable, changed) {
+  mirrored = (variable, changed) => {
     const [low, high] = rangeOf(variable);
     for (const [shape, next] of [...changed]) {
       const place = variable.terms.findIndex((term) => sidesOf(term).includes(shape));
@@ -578,16 +628,16 @@ export function termsPane(store, hand) {
       const parameters = mirrorOf(shape.kind, next.parameters, low + high);
       if (parameters) changed.set(other, { parameters, height: next.height });
     }
-  }
+  };
 
   /** Stop where the lower function of a term would rise above the upper one. */
-  function keepBelow(variable, term, changed) {
+  keepBelow = (variable, term, changed) => {
     if (!term.lower || !term.curve) return;
     const sides = sidesOf(term);
     if (!sides.some((side) => changed.has(side))) return;
-    const from = sides.map((side) => drag.from.get(side));
+    const from = sides.map((side) => this.drag.from.get(side));
     const to = sides.map((side, i) => changed.get(side) ?? from[i]);
-    if (isBelow(variable, sides, to)) return;
+    if (this.isBelow(variable, sides, to)) return;
     const between = (share) =>
       from.map((start, i) => ({
         parameters: start.parameters.map((x, k) => (Number.isFinite(x) ? x + share * (to[i].parameters[k] - x) : x)),
@@ -596,7 +646,7 @@ export function termsPane(store, hand) {
     let [reach, beyond] = [0, 1];
     for (let i = 0; i < 12; i++) {
       const middle = 0.5 * (reach + beyond);
-      if (isBelow(variable, sides, between(middle))) reach = middle;
+      if (this.isBelow(variable, sides, between(middle))) reach = middle;
       else beyond = middle;
     }
     const kept = between(reach);
@@ -604,32 +654,32 @@ export function termsPane(store, hand) {
       parameters: parameters.map((x) => Number(x.toPrecision(4))),
       height: Number(height.toPrecision(3)),
     }));
-    const best = isBelow(variable, sides, short) ? short : kept;
+    const best = this.isBelow(variable, sides, short) ? short : kept;
     sides.forEach((side, i) => {
       if (changed.has(side)) changed.set(side, best[i]);
     });
-  }
+  };
 
-  function isBelow(variable, sides, numbers) {
+  isBelow = (variable, sides, numbers) => {
     const [[upper, lower], [high, low]] = [sides, numbers];
     const [start, end] = rangeOf(variable);
     const corners = [cornersOf(upper, high.parameters), cornersOf(lower, low.parameters)];
     const bends = corners.flatMap((found) => (found ?? []).filter((_, i) => i % 2 === 0));
     const even = Array.from({ length: SMOOTH }, (_, i) => start + ((end - start) * i) / (SMOOTH - 1));
     const xs = Float64Array.from([...even, ...bends.filter((x) => x >= start && x <= end)]);
-    const above = store.degrees(variable, upper, xs, high);
-    return store.degrees(variable, lower, xs, low).every((y, i) => y <= above[i] + 1e-12);
-  }
+    const above = this.store.degrees(variable, upper, xs, high);
+    return this.store.degrees(variable, lower, xs, low).every((y, i) => y <= above[i] + 1e-12);
+  };
 
-  function finish(name) {
-    const variable = each().find((other) => other.name === name);
-    store.busy = false;
+  finish = (name) => {
+    const variable = this.each().find((other) => other.name === name);
+    this.store.busy = false;
     const isSame = (shape) => {
-      const now = store.now(variable, shape);
+      const now = this.store.now(variable, shape);
       return now.height === shape.height && now.parameters.every((x, i) => x === shape.parameters[i]);
     };
     const said = (shape) => {
-      const { parameters, height } = store.now(variable, shape);
+      const { parameters, height } = this.store.now(variable, shape);
       return { kind: shape.kind, parameters: parameters.map(sendable), height };
     };
     const shapes = variable.terms.flatMap((term) =>
@@ -638,30 +688,8 @@ export function termsPane(store, hand) {
         : [{ variable: variable.name, term: term.name, ...said(term), lower: term.lower ? said(term.lower) : null }],
     );
     if (!shapes.length) return;
-    Promise.resolve(edit(shapes)).then((taken) => {
-      if (taken === false) store.forget();
+    Promise.resolve(this.edit(shapes)).then((taken) => {
+      if (taken === false) this.store.forget();
     });
-  }
-
-  const redraw = eachFrame(draw);
-  store.on("scene", build);
-  store.on("diagram", () => {
-    toDiagram.hidden = !store.diagram;
-  });
-  store.on("reshaped", () => {
-    partly = store.busy ? moving : "";
-    redraw();
-  });
-  store.on("point", () => {
-    partly = "";
-    redraw();
-  });
-  const watch = new ResizeObserver(() => {
-    wide = body.clientWidth;
-    tall = plotHeight(all.clientHeight, plots.size);
-    redraw();
-  });
-  watch.observe(body);
-  watch.observe(all);
-  return section;
+  };
 }

@@ -86,198 +86,243 @@ export function difference(old, now) {
 
 /** The pane and its editor; `link` talks to the server. */
 export function textPane(link, nonce) {
-  const { section, bar, body } = pane("text", S.text);
-  const shared = new Compartment();
-  const frozen = new Compartment(); // until the file is open there is nothing to write in
-  const revert = el("button", {
-    textContent: S.revert,
-    title: S.revertHint,
-    disabled: true,
-    onclick: () => replace(link.saved()),
-  });
-  const list = el("ul", { class: "findings", "aria-label": S.findings });
-  const host = el("div", { class: "editor" });
-  let epoch = "";
-  let findings = [];
-  let sending = false;
-  let waiting = 0;
-  const quick = (text, title, act) => el("button", { textContent: text, title, onclick: act });
-  bar.append(
-    el("span", { class: "space" }),
-    quick(S.undo, "Ctrl+Z", () => undo(view)),
-    quick(S.redo, "Ctrl+Shift+Z", () => redo(view)),
-    revert,
-    quick(S.format, "Shift+Alt+F", format),
-  );
-  body.append(host, list);
+  return new TextPane(link, nonce).api();
+}
 
-  const view = new EditorView({
-    parent: host,
-    state: EditorState.create({
-      doc: "",
-      extensions: [
-        lineNumbers(),
-        highlightSpecialChars(),
-        history(),
-        drawSelection(),
-        highlightActiveLine(),
-        highlightSelectionMatches(),
-        EditorView.cspNonce.of(nonce),
-        EditorState.lineSeparator.of("\n"),
-        colourField,
-        EditorView.contentAttributes.of({ "aria-label": S.editor, tabindex: "0" }),
-        autocompletion({ override: [completions] }),
-        hoverTooltip(hovered),
-        shared.of([]),
-        frozen.of([EditorState.readOnly.of(true), EditorView.editable.of(false)]),
-        keymap.of([
-          { key: "Mod-s", run: () => link.save() ?? true },
-          { key: "F2", run: () => rename() ?? true },
-          { key: "Mod-.", run: () => fixes(head()) ?? true },
-          { key: "Shift-Alt-f", run: () => format() ?? true },
-          ...completionKeymap,
-          ...defaultKeymap,
-          ...historyKeymap,
-          ...searchKeymap,
-        ]),
-        EditorView.updateListener.of((update) => {
-          if (update.docChanged) {
-            link.edited(view.state.doc.toString());
-            clearTimeout(waiting);
-            waiting = setTimeout(send, WAIT);
-          }
-        }),
-      ],
-    }),
-  });
+class TextPane {
+  constructor(link, nonce) {
+    this.link = link;
+
+    const { section, bar, body } = pane("text", S.text);
+    this.section = section;
+    this.shared = new Compartment();
+    this.frozen = new Compartment(); // until the file is open there is nothing to write in
+    this.revert = el("button", {
+      textContent: S.revert,
+      title: S.revertHint,
+      disabled: true,
+      onclick: () => this.replace(this.link.saved()),
+    });
+    this.list = el("ul", { class: "findings", "aria-label": S.findings });
+    const host = el("div", { class: "editor" });
+    this.epoch = "";
+    this.findings = [];
+    this.sending = false;
+    let waiting = 0;
+    bar.append(
+      el("span", { class: "space" }),
+      this.quick(S.undo, "Ctrl+Z", () => undo(this.view)),
+      this.quick(S.redo, "Ctrl+Shift+Z", () => redo(this.view)),
+      this.revert,
+      this.quick(S.format, "Shift+Alt+F", this.format),
+    );
+    body.append(host, this.list);
+
+    this.view = new EditorView({
+      parent: host,
+      state: EditorState.create({
+        doc: "",
+        extensions: [
+          lineNumbers(),
+          highlightSpecialChars(),
+          history(),
+          drawSelection(),
+          highlightActiveLine(),
+          highlightSelectionMatches(),
+          EditorView.cspNonce.of(nonce),
+          EditorState.lineSeparator.of("\n"),
+          colourField,
+          EditorView.contentAttributes.of({ "aria-label": S.editor, tabindex: "0" }),
+          autocompletion({ override: [this.completions] }),
+          hoverTooltip(this.hovered),
+          this.shared.of([]),
+          this.frozen.of([EditorState.readOnly.of(true), EditorView.editable.of(false)]),
+          keymap.of([
+            { key: "Mod-s", run: () => this.link.save() ?? true },
+            { key: "F2", run: () => this.rename() ?? true },
+            { key: "Mod-.", run: () => this.fixes(this.head()) ?? true },
+            { key: "Shift-Alt-f", run: () => this.format() ?? true },
+            ...completionKeymap,
+            ...defaultKeymap,
+            ...historyKeymap,
+            ...searchKeymap,
+          ]),
+          EditorView.updateListener.of((update) => {
+            if (update.docChanged) {
+              this.link.edited(this.view.state.doc.toString());
+              clearTimeout(waiting);
+              waiting = setTimeout(this.send, WAIT);
+            }
+          }),
+        ],
+      }),
+    });
+  }
+
+  api() {
+    return {
+      section: this.section,
+      view: this.view,
+      question: this.question,
+      sent: this.sent,
+      replace: this.replace,
+      close: () => this.view.destroy(),
+      open: this.open,
+      revertible: (changed) => {
+        this.revert.disabled = !changed;
+      },
+      receive: this.receive,
+      show: this.show,
+      settled: this.settled,
+      state: () => ({ text: this.view.state.doc.toString(), epoch: this.epoch }),
+      undo: () => undo(this.view),
+      redo: () => redo(this.view),
+      version: () => getSyncedVersion(this.view.state),
+      goTo: (at) => this.select(this.offset(at), this.offset(at)),
+      edit: async (what, details) => this.apply(await this.question(what, details), `input.${what}`),
+      /** Make an edit; what is wrong with it is in the answer. */
+      attempt: async (what, details) => {
+        const answer = await this.question(what, details);
+        if (!answer.error) this.apply(answer, `input.${what}`);
+        return answer;
+      },
+      numbers: async (variable) => (await this.question("numbers", { variable })).numbers ?? null,
+    };
+  }
+
+  quick = (text, title, act) => el("button", { textContent: text, title, onclick: act });
 
   // --- positions: line and unit from 0 on the wire, offsets in the editor ---
 
-  const offset = ([line, unit]) => {
-    const doc = view.state.doc;
+  offset = ([line, unit]) => {
+    const doc = this.view.state.doc;
     if (line >= doc.lines) return doc.length;
     const found = doc.line(line + 1);
     return Math.min(found.from + unit, found.to);
   };
-  const position = (at) => {
-    const line = view.state.doc.lineAt(at);
+  position = (at) => {
+    const line = this.view.state.doc.lineAt(at);
     return [line.number - 1, at - line.from];
   };
-  const head = () => view.state.selection.main.head;
+  head = () => this.view.state.selection.main.head;
+
+  /** Whether the server has everything that is here. */
+  settled = () => Boolean(this.epoch) && !this.sending && sendableUpdates(this.view.state).length === 0;
 
   // --- changes ---
 
-  function send() {
-    if (sending || !epoch) return;
-    const updates = sendableUpdates(view.state);
+  send = () => {
+    if (this.sending || !this.epoch) return;
+    const updates = sendableUpdates(this.view.state);
     if (!updates.length) return;
-    sending = link.push(
-      getSyncedVersion(view.state),
+    this.sending = this.link.push(
+      getSyncedVersion(this.view.state),
       updates.map((update) => ({ clientID: update.clientID, changes: update.changes.toJSON() })),
     );
-  }
+  };
 
   /** Take the changes of all windows from a version on; our own are confirmed by it. */
-  function receive({ version, updates }) {
-    sending = false;
-    const known = getSyncedVersion(view.state) - version;
+  receive = ({ version, updates }) => {
+    this.sending = false;
+    const known = getSyncedVersion(this.view.state) - version;
     const news = updates.slice(Math.max(0, known));
     if (known >= 0 && news.length) {
-      view.dispatch(
+      this.view.dispatch(
         receiveUpdates(
-          view.state,
+          this.view.state,
           news.map((update) => ({ clientID: update.clientID, changes: ChangeSet.fromJSON(update.changes) })),
         ),
       );
     }
-    send();
-  }
+    this.send();
+  };
 
   /** Start from the server's text. It comes as the change of somebody else, so that undo does not take it back. */
-  function open(message) {
-    epoch = message.epoch;
-    sending = false;
-    const change = difference(view.state.doc.toString(), message.text);
+  open = (message) => {
+    this.epoch = message.epoch;
+    this.sending = false;
+    const change = difference(this.view.state.doc.toString(), message.text);
     // Without an old state of `collab` in between, the new one starts at its version.
-    view.dispatch({ effects: shared.reconfigure([]) });
-    view.dispatch({
-      effects: [shared.reconfigure(collab({ startVersion: message.version - 1 })), frozen.reconfigure([])],
+    this.view.dispatch({ effects: this.shared.reconfigure([]) });
+    this.view.dispatch({
+      effects: [this.shared.reconfigure(collab({ startVersion: message.version - 1 })), this.frozen.reconfigure([])],
     });
-    const changes = ChangeSet.of(change, view.state.doc.length);
-    view.dispatch(receiveUpdates(view.state, [{ clientID: epoch, changes }]));
-    link.edited(message.text);
-  }
-
-  /** Whether the server has everything that is here. */
-  const settled = () => Boolean(epoch) && !sending && sendableUpdates(view.state).length === 0;
+    const changes = ChangeSet.of(change, this.view.state.doc.length);
+    this.view.dispatch(receiveUpdates(this.view.state, [{ clientID: this.epoch, changes }]));
+    this.link.edited(message.text);
+  };
 
   /** Ask something of the text as it is: what is typed first goes first. */
-  async function question(what, details = {}) {
+  question = async (what, details = {}) => {
     for (let tries = 0; tries < TRIES; tries++) {
-      send();
-      if (settled()) {
-        const version = getSyncedVersion(view.state);
-        const answer = await link.ask({ what, ...details });
+      this.send();
+      if (this.settled()) {
+        const version = getSyncedVersion(this.view.state);
+        const answer = await this.link.ask({ what, ...details });
         if (
           answer.version === undefined ||
-          (settled() && version === answer.version && getSyncedVersion(view.state) === version)
+          (this.settled() && version === answer.version && getSyncedVersion(this.view.state) === version)
         )
           return answer;
       }
       await new Promise((resolve) => setTimeout(resolve, BETWEEN));
     }
     return { error: S.gone };
-  }
+  };
 
   /** Put the edits of an answer into the text: one step back undoes them. */
-  function apply(answer, label) {
+  apply = (answer, label) => {
     if (answer.error) {
-      link.say(answer.error);
+      this.link.say(answer.error);
       return false;
     }
     const changes = answer.edits
-      ? answer.edits.map((edit) => ({ from: offset(edit.range[0]), to: offset(edit.range[1]), insert: edit.text }))
+      ? answer.edits.map((edit) => ({
+          from: this.offset(edit.range[0]),
+          to: this.offset(edit.range[1]),
+          insert: edit.text,
+        }))
       : ChangeSet.fromJSON(answer.changes);
-    view.dispatch({ changes, userEvent: label, scrollIntoView: false });
-    send();
+    this.view.dispatch({ changes, userEvent: label, scrollIntoView: false });
+    this.send();
     return true;
-  }
+  };
 
-  async function format() {
-    apply(await question("format"), "input.format");
-  }
+  format = async () => {
+    this.apply(await this.question("format"), "input.format");
+  };
 
-  async function rename() {
-    const at = position(head());
-    const found = await question("rename", { at });
+  rename = async () => {
+    const at = this.position(this.head());
+    const found = await this.question("rename", { at });
     if (!found.name) return;
     const name = await ask(`${S.renameTo} ${found.name}`, found.name, S.rename);
-    if (name && name !== found.name) apply(await question("rename", { at, name }), "input.rename");
-    view.focus();
-  }
+    if (name && name !== found.name) this.apply(await this.question("rename", { at, name }), "input.rename");
+    this.view.focus();
+  };
 
   /** Offer the repairs of a finding; without its name those of all in the line. */
-  async function fixes(offsetOfFinding, name = null) {
-    const found = await question("fixes", { at: position(offsetOfFinding), name });
+  fixes = async (offsetOfFinding, name = null) => {
+    const found = await this.question("fixes", { at: this.position(offsetOfFinding), name });
     if (!found.fixes?.length) {
-      link.say(S.noFix);
+      this.link.say(S.noFix);
       return;
     }
     const picked = await choose(
       S.fixes,
       found.fixes.map((fix) => fix.title),
     );
-    if (picked !== null) apply(found.fixes[picked], "input.fix");
-    view.focus();
-  }
+    if (picked !== null) this.apply(found.fixes[picked], "input.fix");
+    this.view.focus();
+  };
 
-  async function completions(context) {
+  completions = async (context) => {
     const word = context.matchBefore(/[\w'-]*$/);
     if (!context.explicit && !word?.text && !/[ :\\']$/.test(context.state.doc.lineAt(context.pos).text)) return null;
-    const answer = await question("complete", { at: position(context.pos) });
+    const answer = await this.question("complete", { at: this.position(context.pos) });
     if (!answer.options?.length || context.aborted) return null;
     const ranges = answer.options.map((each) => each.range).filter(Boolean);
-    const from = ranges.length ? offset(ranges[0][0]) : (word?.from ?? context.pos);
+    const from = ranges.length ? this.offset(ranges[0][0]) : (word?.from ?? context.pos);
     return {
       from,
       options: answer.options.map((each, rank) => ({
@@ -288,39 +333,39 @@ export function textPane(link, nonce) {
         type: { term: "enum", shape: "function", value: "constant", row: "text" }[each.kind] ?? each.kind,
       })),
     };
-  }
+  };
 
-  async function hovered(_view, at) {
-    const answer = await question("hover", { at: position(at) });
+  hovered = async (_view, at) => {
+    const answer = await this.question("hover", { at: this.position(at) });
     if (!answer.markdown) return null;
     return {
-      pos: offset(answer.range[0]),
-      end: offset(answer.range[1]),
+      pos: this.offset(answer.range[0]),
+      end: this.offset(answer.range[1]),
       above: true,
       create: () => ({ dom: el("div", { class: "hover" }, ...explained(answer.markdown)) }),
     };
-  }
+  };
 
   // --- findings ---
 
-  function show(message) {
-    if (message.version !== getSyncedVersion(view.state) || !settled()) return;
-    const doc = view.state.doc;
+  show = (message) => {
+    if (message.version !== getSyncedVersion(this.view.state) || !this.settled()) return;
+    const doc = this.view.state.doc;
     const marks = [];
     for (const [line, start, end, colour] of message.colours) {
-      const [from, to] = [offset([line, start]), offset([line, end])];
+      const [from, to] = [this.offset([line, start]), this.offset([line, end])];
       if (to > from) marks.push(Decoration.mark({ class: `colour-${colour}` }).range(from, to));
     }
-    findings = message.findings.map((each) => {
-      const from = offset(each.range[0]);
-      const to = Math.max(from, offset(each.range[1]));
+    this.findings = message.findings.map((each) => {
+      const from = this.offset(each.range[0]);
+      const to = Math.max(from, this.offset(each.range[1]));
       return { ...each, from, to: to > from ? to : Math.min(doc.length, from + 1) };
     });
-    view.dispatch({ effects: setColours.of(Decoration.set(marks, true)) });
-    view.dispatch(
+    this.view.dispatch({ effects: setColours.of(Decoration.set(marks, true)) });
+    this.view.dispatch(
       setDiagnostics(
-        view.state,
-        findings.map((each) => ({
+        this.view.state,
+        this.findings.map((each) => ({
           from: each.from,
           to: each.to,
           severity: each.severity,
@@ -329,74 +374,47 @@ export function textPane(link, nonce) {
         })),
       ),
     );
-    list.replaceChildren(
-      ...(findings.length ? findings.map(item) : [el("li", { class: "none", textContent: S.noFindings })]),
+    this.list.replaceChildren(
+      ...(this.findings.length
+        ? this.findings.map(this.item)
+        : [el("li", { class: "none", textContent: S.noFindings })]),
     );
-  }
+  };
 
-  function item(each) {
-    const place = view.state.doc.lineAt(each.from).number;
+  item = (each) => {
+    const place = this.view.state.doc.lineAt(each.from).number;
     const text = `${place}: ${each.message}${each.hint ? ` (${each.hint})` : ""}`;
     // What only silences a finding does not mend it.
     const fix = el("button", {
       textContent: each.fixes.some(Boolean) ? S.fix : S.allow,
-      onclick: () => fixes(each.from, each.name),
+      onclick: () => this.fixes(each.from, each.name),
     });
     return el(
       "li",
       {},
       el("span", { class: each.severity, textContent: each.severity }),
-      el("button", { class: "go", textContent: text, onclick: () => select(each.from, each.to) }),
+      el("button", { class: "go", textContent: text, onclick: () => this.select(each.from, each.to) }),
       ...(each.fixes.length ? [fix] : []),
     );
-  }
+  };
 
-  function select(from, to) {
-    view.dispatch({ selection: { anchor: from, head: to }, scrollIntoView: true });
-    view.focus();
-  }
+  select = (from, to) => {
+    this.view.dispatch({ selection: { anchor: from, head: to }, scrollIntoView: true });
+    this.view.focus();
+  };
 
   /** Wait until the server has everything that is here; whether it has. */
-  async function sent() {
-    for (let tries = 0; tries < TRIES && !settled(); tries++) {
-      send();
+  sent = async () => {
+    for (let tries = 0; tries < TRIES && !this.settled(); tries++) {
+      this.send();
       await new Promise((resolve) => setTimeout(resolve, BETWEEN));
     }
-    return settled();
-  }
+    return this.settled();
+  };
 
   /** Put another text in the place of this one: one step back undoes it. */
-  function replace(words) {
-    view.dispatch({ changes: difference(view.state.doc.toString(), words), userEvent: "input.replace" });
-    send();
-  }
-
-  return {
-    section,
-    view,
-    question,
-    sent,
-    replace,
-    close: () => view.destroy(),
-    open,
-    revertible(changed) {
-      revert.disabled = !changed;
-    },
-    receive,
-    show,
-    settled,
-    state: () => ({ text: view.state.doc.toString(), epoch }),
-    undo: () => undo(view),
-    redo: () => redo(view),
-    version: () => getSyncedVersion(view.state),
-    goTo: (at) => select(offset(at), offset(at)),
-    edit: async (what, details) => apply(await question(what, details), `input.${what}`),
-    /** Make an edit; what is wrong with it is in the answer. */
-    async attempt(what, details) {
-      const answer = await question(what, details);
-      if (!answer.error) apply(answer, `input.${what}`);
-      return answer;
-    },
-    numbers: async (variable) => (await question("numbers", { variable })).numbers ?? null,
+  replace = (words) => {
+    this.view.dispatch({ changes: difference(this.view.state.doc.toString(), words), userEvent: "input.replace" });
+    this.send();
   };
 }

@@ -25,292 +25,362 @@ export const TUNE = {
  * @param {Page.Hand} hand
  */
 function tunePanes(store, hand) {
-  let facts = null; // whether the text can be tuned, and on what
-  let job = null; // the search; when it is over it is kept, until its change has been taken
-  let running = false;
-  let ending = false; // a hand has said that it is enough
-  let moving = []; // the numbers that move
-  let costs = { search: [], linear: [] };
-  let state = null; // the last word of the search
-  let phase = "search";
-  let report = null;
-  let stale = true;
+  return new TunePanes(store, hand).panes;
+}
 
-  // --- what may be asked ---
+class TunePanes {
+  /**
+   * @param {Page.Store} store
+   * @param {Page.Hand} hand
+   */
+  constructor(store, hand) {
+    this.store = store;
+    this.hand = hand;
 
-  const top = pane("tuning", S.tune);
-  const plant = el("select", { onchange: () => fit() });
-  const reference = el("input", { type: "text", size: 16 });
-  const seconds = el("input", { type: "number", min: 0.001, step: "any", placeholder: S.usual });
-  const data = el("select");
-  const cost = el("input", { type: "text", size: 18, spellcheck: false });
-  const scenarios = el("input", { type: "number", min: 1, max: 1000, placeholder: S.usual });
-  const evals = number(500, 1, 100000);
-  const unseen = number(24, 0, 1000);
-  const seed = number(1, 0, 100000);
-  const method = el("select");
-  const over = el("select");
-  refill(over, [
-    ["mean", S.mean],
-    ["worst", S.worst],
-  ]);
-  const linear = el("input", { type: "checkbox", checked: true });
-  const trajectory = el("select");
-  const payload = el("input", { type: "checkbox", checked: true });
-  const test = el("select");
-  const target = el("input", { type: "text", size: 10, spellcheck: false, placeholder: S.usual });
-  const vary = el("input", { type: "text", size: 18, spellcheck: false, autocomplete: "off" });
-  const longest = el("input", { type: "text", size: 7, spellcheck: false, placeholder: S.noLimit });
-  const digits = number(3, 1, 12);
-  const experiment = experimentFields();
-  const lines = el("textarea", { rows: 2, cols: 34, spellcheck: false, placeholder: S.linesExample });
-  const load = el("label", { class: "check" }, payload, S.payload);
-  const along = [field(S.trajectory, trajectory), load];
-  const elsewhere = [field(S.reference, reference, S.referenceHint), field(S.seconds, seconds)];
-  const inLoop = [
-    field(S.plant, plant),
-    ...elsewhere,
-    ...along,
-    field(S.scenarios, scenarios, S.scenariosHint),
-    field(S.vary, vary, S.varyHint),
-    field(S.overScenarios, over),
-    el("label", { class: "check", title: S.linearHint }, linear, S.linear),
-  ];
-  const onSamples = [
-    field(S.samples, data),
-    field(S.testedOn, test, S.testedOnHint),
-    field(S.target, target, S.targetHint),
-  ];
-  const inputs = { ...experiment.inputs, reference, cost, vary, lines, time: longest };
-  const fields = el(
-    "div",
-    { class: "fields" },
-    ...inLoop.slice(0, 5),
-    ...onSamples,
-    field(S.cost, cost, S.costHint),
-    ...inLoop.slice(5),
-    field(S.evals, evals),
-    field(S.longest, longest, S.longestHint),
-    field(S.unseen, unseen, S.unseenHint),
-    field(S.seed, seed),
-    field(S.digits, digits, S.digitsHint),
-    field(S.method, method),
-    field(S.lines, lines, S.linesHint),
-  );
-  const more = el(
-    "details",
-    { class: "experiment" },
-    el("summary", { textContent: S.runMoreTitle }),
-    el("div", { class: "fields" }, ...experiment.shown),
-  );
-  const start = el("button", { class: "main", textContent: S.start, onclick: () => begin() });
-  const stop = el("button", { textContent: S.stopAndKeep, disabled: true, onclick: () => enough() });
-  const insert = el("button", { textContent: S.insertTune, hidden: true, onclick: () => hand.change("movable", {}) });
-  const says = el("span", { class: "says" });
-  const said = el("p", { class: "said", role: "status" });
-  const actions = el("div", { class: "actions" }, start, stop, says, insert);
-  top.body.append(fields, more, actions, said);
+    this.facts = null; // whether the text can be tuned, and on what
+    this.job = null; // the search; when it is over it is kept, until its change has been taken
+    this.running = false;
+    this.ending = false; // a hand has said that it is enough
+    this.moving = []; // the numbers that move
+    this.costs = { search: [], linear: [] };
+    this.state = null; // the last word of the search
+    this.phase = "search";
+    this.report = null;
+    this.stale = true;
 
-  function fit() {
-    const known = facts?.plants.find((each) => each.name === plant.value);
-    const moves = Boolean(facts?.loop && known?.trajectories.length);
-    for (const each of [...inLoop, more]) each.hidden = !facts?.loop;
-    for (const each of elsewhere) each.hidden = !facts?.loop || moves;
-    for (const each of along) each.hidden = !moves;
-    load.hidden = !moves || !known.carries;
-    refill(trajectory, [["", S.asCompared], ...(known?.trajectories ?? []).map((each) => [each, each])]);
-    for (const each of onSamples) each.hidden = !facts || facts.loop;
-    reference.placeholder = known?.reference ?? "";
+    // --- what may be asked ---
+
+    this.top = pane("tuning", S.tune);
+    this.plant = el("select", { onchange: () => this.fit() });
+    this.reference = el("input", { type: "text", size: 16 });
+    this.seconds = el("input", { type: "number", min: 0.001, step: "any", placeholder: S.usual });
+    this.data = el("select");
+    this.cost = el("input", { type: "text", size: 18, spellcheck: false });
+    this.scenarios = el("input", { type: "number", min: 1, max: 1000, placeholder: S.usual });
+    this.evals = number(500, 1, 100000);
+    this.unseen = number(24, 0, 1000);
+    this.seed = number(1, 0, 100000);
+    this.method = el("select");
+    this.over = el("select");
+    refill(this.over, [
+      ["mean", S.mean],
+      ["worst", S.worst],
+    ]);
+    this.linear = el("input", { type: "checkbox", checked: true });
+    this.trajectory = el("select");
+    this.payload = el("input", { type: "checkbox", checked: true });
+    this.test = el("select");
+    this.target = el("input", { type: "text", size: 10, spellcheck: false, placeholder: S.usual });
+    this.vary = el("input", { type: "text", size: 18, spellcheck: false, autocomplete: "off" });
+    this.longest = el("input", { type: "text", size: 7, spellcheck: false, placeholder: S.noLimit });
+    this.digits = number(3, 1, 12);
+    this.experiment = experimentFields();
+    this.lines = el("textarea", { rows: 2, cols: 34, spellcheck: false, placeholder: S.linesExample });
+    this.arrange();
+    this.makeActions();
+    this.makePictures();
+    this.listen();
   }
 
-  function ask() {
-    if (store.view !== TUNE.name || !stale || running) return;
-    stale = false;
-    hand.start("tunable", {}, (message) => {
+  arrange() {
+    this.load = el("label", { class: "check" }, this.payload, S.payload);
+    this.along = [field(S.trajectory, this.trajectory), this.load];
+    this.elsewhere = [field(S.reference, this.reference, S.referenceHint), field(S.seconds, this.seconds)];
+    this.inLoop = [
+      field(S.plant, this.plant),
+      ...this.elsewhere,
+      ...this.along,
+      field(S.scenarios, this.scenarios, S.scenariosHint),
+      field(S.vary, this.vary, S.varyHint),
+      field(S.overScenarios, this.over),
+      el("label", { class: "check", title: S.linearHint }, this.linear, S.linear),
+    ];
+    this.onSamples = [
+      field(S.samples, this.data),
+      field(S.testedOn, this.test, S.testedOnHint),
+      field(S.target, this.target, S.targetHint),
+    ];
+    this.inputs = {
+      ...this.experiment.inputs,
+      reference: this.reference,
+      cost: this.cost,
+      vary: this.vary,
+      lines: this.lines,
+      time: this.longest,
+    };
+    this.fields = el(
+      "div",
+      { class: "fields" },
+      ...this.inLoop.slice(0, 5),
+      ...this.onSamples,
+      field(S.cost, this.cost, S.costHint),
+      ...this.inLoop.slice(5),
+      field(S.evals, this.evals),
+      field(S.longest, this.longest, S.longestHint),
+      field(S.unseen, this.unseen, S.unseenHint),
+      field(S.seed, this.seed),
+      field(S.digits, this.digits, S.digitsHint),
+      field(S.method, this.method),
+      field(S.lines, this.lines, S.linesHint),
+    );
+    this.more = el(
+      "details",
+      { class: "experiment" },
+      el("summary", { textContent: S.runMoreTitle }),
+      el("div", { class: "fields" }, ...this.experiment.shown),
+    );
+  }
+
+  makeActions() {
+    this.start = el("button", { class: "main", textContent: S.start, onclick: () => this.begin() });
+    this.stop = el("button", { textContent: S.stopAndKeep, disabled: true, onclick: () => this.enough() });
+    this.insert = el("button", {
+      textContent: S.insertTune,
+      hidden: true,
+      onclick: () => this.hand.change("movable", {}),
+    });
+    this.says = el("span", { class: "says" });
+    this.said = el("p", { class: "said", role: "status" });
+    const actions = el("div", { class: "actions" }, this.start, this.stop, this.says, this.insert);
+    this.top.body.append(this.fields, this.more, actions, this.said);
+
+    this.told = 0;
+  }
+
+  makePictures() {
+    // --- pictures ---
+
+    this.left = pane("cost", S.costOfTrials);
+    this.right = pane("numbers", S.numbersThatMove);
+    this.below = pane("report", S.whatCameOfIt);
+    this.counted = el("span", { class: "readout" });
+    this.left.bar.append(el("span", { class: "space" }), this.counted);
+    this.curve = stage(this.store, this.left.body, (paper) => {
+      const best = this.falling(this.costs.search);
+      const least = best.filter((v) => v !== null).at(-1) ?? 1;
+      const shown = (v) => (v !== null && v < LOST && v <= 20 * least ? v : null);
+      const spread = Math.max(...best.filter((v) => v !== null && v < LOST), least) / least;
+      const others = this.falling(this.costs.linear).map(shown);
+      drawChart(
+        paper,
+        [
+          { dots: true, values: this.costs.search.map(shown), line: 0 },
+          { name: S.best, steps: true, values: best.map(shown), line: 0 },
+          ...(others.length ? [{ name: S.linearPd, steps: true, values: others, line: 1 }] : []),
+        ],
+        { across: S.trials, up: S.cost, logarithmic: least > 0 && spread > 5 },
+      );
+    });
+
+    this.rows = [];
+
+    // --- what came of it ---
+
+    this.takeIt = el("button", {
+      class: "main",
+      textContent: S.takeIt,
+      title: S.takeItHint,
+      onclick: () => this.job?.say({ take: true }),
+    });
+    this.below.bar.append(el("span", { class: "space" }), this.takeIt);
+    this.drawn = null;
+  }
+
+  listen() {
+    this.store.on("view", this.ask);
+    this.store.on("text", () => {
+      this.stale = true;
+      this.ask();
+    });
+    this.show();
+    this.panes = new DocumentFragment();
+    this.panes.append(this.top.section, this.left.section, this.right.section, this.below.section);
+  }
+
+  shown = (value) => (value === null ? "–" : shortNumber(value));
+
+  fit = () => {
+    const known = this.facts?.plants.find((each) => each.name === this.plant.value);
+    const moves = Boolean(this.facts?.loop && known?.trajectories.length);
+    for (const each of [...this.inLoop, this.more]) each.hidden = !this.facts?.loop;
+    for (const each of this.elsewhere) each.hidden = !this.facts?.loop || moves;
+    for (const each of this.along) each.hidden = !moves;
+    this.load.hidden = !moves || !known.carries;
+    refill(this.trajectory, [["", S.asCompared], ...(known?.trajectories ?? []).map((each) => [each, each])]);
+    for (const each of this.onSamples) each.hidden = !this.facts || this.facts.loop;
+    this.reference.placeholder = known?.reference ?? "";
+  };
+
+  ask = () => {
+    if (this.store.view !== TUNE.name || !this.stale || this.running) return;
+    this.stale = false;
+    this.hand.start("tunable", {}, (message) => {
       if (message.end === "failed") {
-        facts = null;
-        says.textContent = clean(message.message);
-        insert.hidden = true;
-        start.disabled = true;
+        this.facts = null;
+        this.says.textContent = clean(message.message);
+        this.insert.hidden = true;
+        this.start.disabled = true;
       }
       if (message.end) return;
-      const first = !facts;
-      facts = message;
+      const first = !this.facts;
+      this.facts = message;
       refill(
-        plant,
-        facts.plants.map((each) => [each.name, each.fits ? each.name : S.needsConnect(each.name)]),
+        this.plant,
+        this.facts.plants.map((each) => [each.name, each.fits ? each.name : S.needsConnect(each.name)]),
       );
       refill(
-        data,
-        facts.samples.map((each) => [each, each]),
+        this.data,
+        this.facts.samples.map((each) => [each, each]),
       );
-      refill(test, [["", S.fifth], ...facts.samples.map((each) => [each, each])]);
+      refill(this.test, [["", S.fifth], ...this.facts.samples.map((each) => [each, each])]);
       refill(
-        method,
-        facts.methods.map((each) => [each, each]),
+        this.method,
+        this.facts.methods.map((each) => [each, each]),
       );
-      if (first) cost.placeholder = facts.defaults.cost;
-      says.textContent = clean(S.whatMoves(/** @type {any} */ (facts)));
-      insert.hidden = facts.says || facts.parameters.length === 0;
-      start.disabled = running || (facts.loop ? !facts.plants.length : !facts.samples.length);
-      fit();
+      if (first) this.cost.placeholder = this.facts.defaults.cost;
+      this.says.textContent = clean(S.whatMoves(/** @type {any} */ (this.facts)));
+      this.insert.hidden = this.facts.says || this.facts.parameters.length === 0;
+      this.start.disabled = this.running || (this.facts.loop ? !this.facts.plants.length : !this.facts.samples.length);
+      this.fit();
     });
-  }
+  };
 
   // --- the search ---
 
-  function begin() {
-    job?.stop();
-    moving = [];
-    costs = { search: [], linear: [] };
-    state = report = null;
-    phase = "search";
-    running = true;
-    ending = false;
-    said.textContent = S.preparing;
-    markField(inputs, "");
-    const known = facts?.plants.find((each) => each.name === plant.value);
-    const where = !facts?.loop
-      ? { data: data.value, test: test.value, target: target.value }
+  begin = () => {
+    this.job?.stop();
+    this.moving = [];
+    this.costs = { search: [], linear: [] };
+    this.state = this.report = null;
+    this.phase = "search";
+    this.running = true;
+    this.ending = false;
+    this.said.textContent = S.preparing;
+    markField(this.inputs, "");
+    const known = this.facts?.plants.find((each) => each.name === this.plant.value);
+    const where = !this.facts?.loop
+      ? { data: this.data.value, test: this.test.value, target: this.target.value }
       : known?.trajectories.length
-        ? { trajectory: trajectory.value, payload: payload.checked }
-        : { reference: wordsOf(reference.value), seconds: seconds.value };
-    const mine = (job = hand.start(
+        ? { trajectory: this.trajectory.value, payload: this.payload.checked }
+        : { reference: wordsOf(this.reference.value), seconds: this.seconds.value };
+    const mine = (this.job = this.hand.start(
       "tune",
       {
         ...where,
-        ...(facts?.loop ? { plant: plant.value, vary: wordsOf(vary.value), ...experiment.asked() } : {}),
-        time: longest.value.trim(),
-        digits: digits.value,
-        cost: cost.value.trim(),
-        scenarios: facts?.loop ? scenarios.value : "",
-        evals: evals.value,
-        unseen: unseen.value,
-        seed: seed.value,
-        method: method.value,
-        over: over.value,
-        linear: linear.checked,
-        lines: lines.value,
+        ...(this.facts?.loop
+          ? { plant: this.plant.value, vary: wordsOf(this.vary.value), ...this.experiment.asked() }
+          : {}),
+        time: this.longest.value.trim(),
+        digits: this.digits.value,
+        cost: this.cost.value.trim(),
+        scenarios: this.facts?.loop ? this.scenarios.value : "",
+        evals: this.evals.value,
+        unseen: this.unseen.value,
+        seed: this.seed.value,
+        method: this.method.value,
+        over: this.over.value,
+        linear: this.linear.checked,
+        lines: this.lines.value,
       },
       (message) => {
-        if (job === mine) hear(message);
+        if (this.job === mine) this.hear(message);
       },
     ));
-    show();
-  }
+    this.show();
+  };
 
-  function enough() {
-    job?.say({ enough: true });
-    ending = true;
-    said.textContent = S.stopping;
-    show();
-  }
+  enough = () => {
+    this.job?.say({ enough: true });
+    this.ending = true;
+    this.said.textContent = S.stopping;
+    this.show();
+  };
 
-  function hear(message) {
+  hear = (message) => {
     if (message.end) {
-      job = null;
-      running = false;
-      if (message.end === "failed") said.textContent = clean(message.field ? "" : message.message);
-      ask();
-    } else if (message.moving) moving = message.moving;
-    else if (message.phase) take(message);
+      this.job = null;
+      this.running = false;
+      if (message.end === "failed") this.said.textContent = clean(message.field ? "" : message.message);
+      this.ask();
+    } else if (message.moving) this.moving = message.moving;
+    else if (message.phase) this.take(message);
     else if (message.report) {
-      report = message.report;
-      running = false;
-      said.textContent = clean(report.interrupted ? S.stopped(report) : S.tuned(report));
-      ask();
-    } else if (message.exists) replace(message.exists);
-    else if (message.untaken) said.textContent = clean(message.untaken);
-    else if (message.taken) edit(message.taken);
-    show();
-    if (message.end === "failed") markField(inputs, message.field ?? "", message.message);
-  }
+      this.report = message.report;
+      this.running = false;
+      this.said.textContent = clean(this.report.interrupted ? S.stopped(this.report) : S.tuned(this.report));
+      this.ask();
+    } else if (message.exists) this.replace(message.exists);
+    else if (message.untaken) this.said.textContent = clean(message.untaken);
+    else if (message.taken) this.edit(message.taken);
+    this.show();
+    if (message.end === "failed") markField(this.inputs, message.field ?? "", message.message);
+  };
 
-  let told = 0;
-
-  function take(message) {
-    costs[message.phase].push(...message.costs);
-    if (message.phase === "search") state = message;
-    const turned = phase !== message.phase;
-    phase = message.phase;
+  take = (message) => {
+    this.costs[message.phase].push(...message.costs);
+    if (message.phase === "search") this.state = message;
+    const turned = this.phase !== message.phase;
+    this.phase = message.phase;
     // The line is read out: every five seconds is enough.
-    if (!ending && (turned || performance.now() - told > 5000)) {
-      told = performance.now();
-      said.textContent = clean(S.searching(phase, costs[phase].length, message.best, Number(evals.value)));
+    if (!this.ending && (turned || performance.now() - this.told > 5000)) {
+      this.told = performance.now();
+      this.said.textContent = clean(
+        S.searching(this.phase, this.costs[this.phase].length, message.best, Number(this.evals.value)),
+      );
     }
-  }
+  };
 
-  async function replace(names) {
-    if (await confirm(S.replaceFile(names.join(", ")), S.replace)) job?.say({ take: true, replace: true });
-  }
+  replace = async (names) => {
+    if (await confirm(S.replaceFile(names.join(", ")), S.replace)) this.job?.say({ take: true, replace: true });
+  };
 
-  async function edit({ old, new: changed, written }) {
-    const done = await hand.change("merge", { old, new: changed });
-    said.textContent = clean(done ? S.taken(written) : S.notTaken);
-    show();
-  }
+  edit = async ({ old, new: changed, written }) => {
+    const done = await this.hand.change("merge", { old, new: changed });
+    this.said.textContent = clean(done ? S.taken(written) : S.notTaken);
+    this.show();
+  };
 
-  function show() {
-    start.disabled = running || !facts || (facts.loop ? !facts.plants.length : !facts.samples.length);
-    stop.disabled = !running || ending;
-    for (const form of [fields, more]) {
-      for (const input of form.querySelectorAll("input, select, textarea")) input.disabled = running;
+  show = () => {
+    this.start.disabled =
+      this.running || !this.facts || (this.facts.loop ? !this.facts.plants.length : !this.facts.samples.length);
+    this.stop.disabled = !this.running || this.ending;
+    for (const form of [this.fields, this.more]) {
+      for (const input of form.querySelectorAll("input, select, textarea")) input.disabled = this.running;
     }
-    counted.textContent = clean(state ? S.searchState(costs.search.length, state.best, state.seconds) : "");
-    curve.canvas.setAttribute("aria-label", clean(S.costLabel(costs.search.length, state?.best ?? null)));
-    curve.redraw();
-    drawNumbers();
-    drawReport();
-  }
-
-  // --- pictures ---
-
-  const left = pane("cost", S.costOfTrials);
-  const right = pane("numbers", S.numbersThatMove);
-  const below = pane("report", S.whatCameOfIt);
-  const counted = el("span", { class: "readout" });
-  left.bar.append(el("span", { class: "space" }), counted);
-  const curve = stage(store, left.body, (paper) => {
-    const best = falling(costs.search);
-    const least = best.filter((v) => v !== null).at(-1) ?? 1;
-    const shown = (v) => (v !== null && v < LOST && v <= 20 * least ? v : null);
-    const spread = Math.max(...best.filter((v) => v !== null && v < LOST), least) / least;
-    const others = falling(costs.linear).map(shown);
-    drawChart(
-      paper,
-      [
-        { dots: true, values: costs.search.map(shown), line: 0 },
-        { name: S.best, steps: true, values: best.map(shown), line: 0 },
-        ...(others.length ? [{ name: S.linearPd, steps: true, values: others, line: 1 }] : []),
-      ],
-      { across: S.trials, up: S.cost, logarithmic: least > 0 && spread > 5 },
+    this.counted.textContent = clean(
+      this.state ? S.searchState(this.costs.search.length, this.state.best, this.state.seconds) : "",
     );
-  });
+    this.curve.canvas.setAttribute(
+      "aria-label",
+      clean(S.costLabel(this.costs.search.length, this.state?.best ?? null)),
+    );
+    this.curve.redraw();
+    this.drawNumbers();
+    this.drawReport();
+  };
 
   /** The best cost after each trial. */
-  function falling(trials) {
+  falling = (trials) => {
     let best = null;
     return trials.map((v) => {
       if (v !== null && (best === null || v < best)) best = v;
       return best;
     });
-  }
+  };
 
-  let rows = [];
-
-  function drawNumbers() {
-    if (!moving.length) {
-      rows = [];
-      right.body.replaceChildren(el("p", { class: "note", textContent: S.noSearch }));
+  drawNumbers = () => {
+    if (!this.moving.length) {
+      this.rows = [];
+      this.right.body.replaceChildren(el("p", { class: "note", textContent: S.noSearch }));
       return;
     }
-    if (rows.length !== Math.min(moving.length, MOST_ROWS) || rows[0].of !== moving) build();
-    rows.forEach(({ number: each, track, best, now, value }, i) => {
-      const at = state?.best_shares?.[i] ?? each.share;
+    if (this.rows.length !== Math.min(this.moving.length, MOST_ROWS) || this.rows[0].of !== this.moving) this.build();
+    this.rows.forEach(({ number: each, track, best, now, value }, i) => {
+      const at = this.state?.best_shares?.[i] ?? each.share;
       best.style.left = `${100 * at}%`;
-      now.style.left = `${100 * (state?.shares?.[i] ?? each.share)}%`;
-      now.hidden = !running || phase !== "search";
-      const shown = shortNumber(state?.values?.[i] ?? each.start);
+      now.style.left = `${100 * (this.state?.shares?.[i] ?? each.share)}%`;
+      now.hidden = !this.running || this.phase !== "search";
+      const shown = shortNumber(this.state?.values?.[i] ?? each.start);
       value.textContent = clean(shown);
       track.setAttribute(
         "aria-label",
@@ -318,11 +388,11 @@ function tunePanes(store, hand) {
       );
       track.classList.toggle("bound", Math.min(at, 1 - at) < 1e-3);
     });
-  }
+  };
 
-  function build() {
+  build = () => {
     const list = el("div", { class: "moving" });
-    rows = moving.slice(0, MOST_ROWS).map((each) => {
+    this.rows = this.moving.slice(0, MOST_ROWS).map((each) => {
       const first = el("i", { class: "first", title: S.inTheFile });
       first.style.left = `${100 * each.share}%`;
       const [now, best] = [el("i", { class: "now" }), el("i", { class: "best" })];
@@ -335,53 +405,42 @@ function tunePanes(store, hand) {
         el("span", { class: "end", textContent: shortNumber(each.high, 3) }),
         value,
       );
-      return { of: moving, number: each, track, best, now, value };
+      return { of: this.moving, number: each, track, best, now, value };
     });
-    right.body.replaceChildren(list);
-    if (moving.length > MOST_ROWS)
-      right.body.append(el("p", { class: "note", textContent: S.more(moving.length - MOST_ROWS) }));
-  }
+    this.right.body.replaceChildren(list);
+    if (this.moving.length > MOST_ROWS)
+      this.right.body.append(el("p", { class: "note", textContent: S.more(this.moving.length - MOST_ROWS) }));
+  };
 
-  // --- what came of it ---
-
-  const takeIt = el("button", {
-    class: "main",
-    textContent: S.takeIt,
-    title: S.takeItHint,
-    onclick: () => job?.say({ take: true }),
-  });
-  below.bar.append(el("span", { class: "space" }), takeIt);
-  let drawn = null;
-
-  function drawReport() {
-    takeIt.disabled = !report?.changes.length || !job;
-    if (drawn === report && drawn !== null) return;
-    drawn = report;
-    if (!report) {
-      below.body.replaceChildren(el("p", { class: "note", textContent: running ? S.waiting : S.noReport }));
+  drawReport = () => {
+    this.takeIt.disabled = !this.report?.changes.length || !this.job;
+    if (this.drawn === this.report && this.drawn !== null) return;
+    this.drawn = this.report;
+    if (!this.report) {
+      this.below.body.replaceChildren(el("p", { class: "note", textContent: this.running ? S.waiting : S.noReport }));
       return;
     }
-    const found = el("div", {}, table(), el("p", { textContent: report.claim }));
-    for (const line of [...report.remarks, ...report.faults]) found.append(el("p", { textContent: line }));
-    if (report.changes.length) found.append(difference());
-    const changed = report.changes.length ? [el("div", { class: "listed" }, changes())] : [];
-    below.body.replaceChildren(el("div", { class: "two" }, found, ...changed));
-  }
+    const found = el("div", {}, this.table(), el("p", { textContent: this.report.claim }));
+    for (const line of [...this.report.remarks, ...this.report.faults]) found.append(el("p", { textContent: line }));
+    if (this.report.changes.length) found.append(this.difference());
+    const changed = this.report.changes.length ? [el("div", { class: "listed" }, this.changes())] : [];
+    this.below.body.replaceChildren(el("div", { class: "two" }, found, ...changed));
+  };
 
-  function table() {
-    const columns = ["train", "unseen", "noisy"].filter((name) => report.rows.tuned[name]);
-    const loop = Object.values(report.rows).some((row) => row.train.chatter !== null);
+  table = () => {
+    const columns = ["train", "unseen", "noisy"].filter((name) => this.report.rows.tuned[name]);
+    const loop = Object.values(this.report.rows).some((row) => row.train.chatter !== null);
     const last = columns[Math.min(1, columns.length - 1)];
     const head = [
       ...columns.map((name) => S.sets[name]),
       ...(loop ? [S.rmsOf(S.sets[last]), S.chatterOf(S.sets[last])] : []),
     ];
-    const body = Object.entries(report.rows).map(([name, row]) => {
+    const body = Object.entries(this.report.rows).map(([name, row]) => {
       const score = row[last] ?? row.train;
       const cells = columns.map((each) =>
-        row[each] ? (row[each].diverged ? S.diverge(row[each].diverged) : shown(row[each].cost)) : "–",
+        row[each] ? (row[each].diverged ? S.diverge(row[each].diverged) : this.shown(row[each].cost)) : "–",
       );
-      if (loop) cells.push(shown(score.rms), shown(score.chatter));
+      if (loop) cells.push(this.shown(score.rms), this.shown(score.chatter));
       return el(
         "tr",
         {},
@@ -392,16 +451,14 @@ function tunePanes(store, hand) {
     return el(
       "table",
       { class: "scores" },
-      el("caption", { textContent: S.costs(report) }),
+      el("caption", { textContent: S.costs(this.report) }),
       el("thead", {}, el("tr", {}, el("td"), ...head.map((text) => el("th", { scope: "col", textContent: text })))),
       el("tbody", {}, ...body),
     );
-  }
+  };
 
-  const shown = (value) => (value === null ? "–" : shortNumber(value));
-
-  function changes() {
-    const body = report.changes.map((each) =>
+  changes = () => {
+    const body = this.report.changes.map((each) =>
       el(
         "tr",
         {},
@@ -412,10 +469,10 @@ function tunePanes(store, hand) {
       ),
     );
     return el("table", { class: "changes" }, el("caption", { textContent: S.changes }), el("tbody", {}, ...body));
-  }
+  };
 
-  function difference() {
-    const listing = report.diff
+  difference = () => {
+    const listing = this.report.diff
       .split("\n")
       .map((line) =>
         el("span", {
@@ -429,15 +486,5 @@ function tunePanes(store, hand) {
       el("summary", { textContent: S.difference }),
       el("pre", { class: "difference", tabIndex: 0, "aria-label": S.difference }, ...listing),
     );
-  }
-
-  store.on("view", ask);
-  store.on("text", () => {
-    stale = true;
-    ask();
-  });
-  show();
-  const found = new DocumentFragment();
-  found.append(top.section, left.section, right.section, below.section);
-  return found;
+  };
 }

@@ -13,38 +13,77 @@ const SPARE = 2; // rules drawn beyond what is seen
  * @param {Page.Store} store
  */
 export function viewerPane(store) {
-  const { section, bar, body } = pane("inference", S.inference);
-  const sliders = el("div", { class: "sliders" });
-  const why = el("div", { "aria-live": "polite" });
-  const head = el("div", { class: "fired head" });
-  const rows = el("div", { class: "rules-fired", tabIndex: 0, role: "group", "aria-label": S.rules });
-  const foot = el("div", { class: "fired foot" });
-  let inputs = [];
-  let order = "strength";
-  bar.append(
-    el("span", { class: "space" }),
-    choice(
-      S.order,
-      [
-        ["strength", S.strongest],
-        ["text", S.asWritten],
-      ],
-      order,
-      (to) => {
-        order = to;
-        rows.scrollTop = 0;
-        draw();
-      },
-    ),
-  );
-  body.append(sliders, why, head, rows, foot);
+  return new ViewerPane(store).section;
+}
 
-  function build() {
-    sliders.replaceChildren();
-    inputs = store.scene.inputs.map((variable, i) => {
+class ViewerPane {
+  /**
+   * @param {Page.Store} store
+   */
+  constructor(store) {
+    this.store = store;
+
+    const { section, bar, body } = pane("inference", S.inference);
+    this.section = section;
+    this.sliders = el("div", { class: "sliders" });
+    this.why = el("div", { "aria-live": "polite" });
+    this.head = el("div", { class: "fired head" });
+    this.rows = el("div", { class: "rules-fired", tabIndex: 0, role: "group", "aria-label": S.rules });
+    this.foot = el("div", { class: "fired foot" });
+    this.inputs = [];
+    this.order = "strength";
+    bar.append(
+      el("span", { class: "space" }),
+      choice(
+        S.order,
+        [
+          ["strength", S.strongest],
+          ["text", S.asWritten],
+        ],
+        this.order,
+        (to) => {
+          this.order = to;
+          this.rows.scrollTop = 0;
+          this.draw();
+        },
+      ),
+    );
+    body.append(this.sliders, this.why, this.head, this.rows, this.foot);
+
+    const redraw = eachFrame(this.draw);
+    this.store.on("scene", this.build);
+    for (const name of ["reshaped", "point", "told"]) this.store.on(name, redraw);
+    this.rows.addEventListener("scroll", redraw);
+    new ResizeObserver(redraw).observe(this.rows);
+  }
+
+  small = (x) => (x > 0 && x < 1e-3 ? x.toExponential(0) : shortNumber(x, 3));
+  degree = (found, number) => {
+    const [high, low] = [found.strengths[number], found.lower[number]].map(this.small);
+    return high === low ? high : S.between(low, high);
+  };
+
+  samples = (variable) => {
+    const [low, high] = rangeOf(variable);
+    return Float64Array.from({ length: SAMPLES }, (_, i) => low + ((high - low) * i) / (SAMPLES - 1));
+  };
+  across = (i) => ((100 * i) / (SAMPLES - 1)).toFixed(2);
+  line = (y) => Array.from(y, (v, i) => `${i ? "L" : "M"}${this.across(i)} ${(-v).toFixed(3)}`).join("");
+  area = (y) => `${this.line(y)}L100 0L0 0Z`;
+  filled = (y, side) => svg("path", { class: side ? "cut lower" : "cut", d: this.area(y) });
+  outline = (y, side) => svg("path", { class: side ? "set lower" : "set", d: this.line(y) });
+
+  share = (variable, value) => {
+    const [low, high] = rangeOf(variable);
+    return (100 * (value - low)) / (high - low);
+  };
+
+  build = () => {
+    this.sliders.replaceChildren();
+    this.inputs = this.store.scene.inputs.map((variable, i) => {
       const [low, high] = rangeOf(variable);
       const set = (value) => {
-        if (Number.isFinite(value)) store.setPoint(i, value);
+        if (Number.isFinite(value)) this.store.setPoint(i, value);
       };
       const label = el("label", { textContent: variable.name, title: variable.description || variable.name });
       const range = el("input", {
@@ -62,59 +101,55 @@ export function viewerPane(store) {
         "aria-label": `${variable.name}: ${S.value}`,
         onchange: () => set(Number(number.value)),
       });
-      sliders.append(el("div", { class: "slider" }, label, range, number));
+      this.sliders.append(el("div", { class: "slider" }, label, range, number));
       return { range, number };
     });
-    const { scene } = store;
+    const { scene } = this.store;
     const first = scene.rules.some((rule) => rule.readings.length > 1) ? "8.4em" : "5.4em";
     const columns = `${first} repeat(${scene.inputs.length + scene.outputs.length}, minmax(0, 1fr))`;
-    for (const part of [head, foot]) part.style.gridTemplateColumns = columns;
-    rows.style.setProperty("--columns", columns);
-    head.replaceChildren(
+    for (const part of [this.head, this.foot]) part.style.gridTemplateColumns = columns;
+    this.rows.style.setProperty("--columns", columns);
+    this.head.replaceChildren(
       el("span"),
       ...[...scene.inputs, ...scene.outputs].map((variable) =>
         el("strong", { class: "cell", textContent: variable.name }),
       ),
     );
-    draw();
-  }
-
-  function draw() {
-    if (!store.scene) return;
-    inputs.forEach(({ range, number }, i) => {
-      range.value = store.point[i];
-      if (document.activeElement !== number) number.value = shortNumber(store.point[i], 6);
-    });
-    if (store.scene.missing.length) {
-      why.replaceChildren();
-      for (const part of [head, rows, foot]) part.hidden = true;
-      return;
-    }
-    const found = store.fired();
-    const isKnown = found || store.running;
-    for (const part of [head, rows, foot]) part.hidden = !found;
-    if (!isKnown) {
-      why.replaceChildren(el("p", { class: "note", textContent: store.refused || S.notHere(store.scene.reason) }));
-      return;
-    }
-    why.replaceChildren(...reasons(found));
-    if (!found) return;
-    list(found);
-    foot.replaceChildren(
-      el("span"),
-      ...store.scene.inputs.map(() => el("span")),
-      ...store.scene.outputs.map((output, o) => whole(output, o, found)),
-    );
-  }
-
-  const small = (x) => (x > 0 && x < 1e-3 ? x.toExponential(0) : shortNumber(x, 3));
-  const degree = (found, number) => {
-    const [high, low] = [found.strengths[number], found.lower[number]].map(small);
-    return high === low ? high : S.between(low, high);
+    this.draw();
   };
 
-  function reasons(found) {
-    return store.scene.outputs.map((output, o) => {
+  draw = () => {
+    if (!this.store.scene) return;
+    this.inputs.forEach(({ range, number }, i) => {
+      range.value = this.store.point[i];
+      if (document.activeElement !== number) number.value = shortNumber(this.store.point[i], 6);
+    });
+    if (this.store.scene.missing.length) {
+      this.why.replaceChildren();
+      for (const part of [this.head, this.rows, this.foot]) part.hidden = true;
+      return;
+    }
+    const found = this.store.fired();
+    const isKnown = found || this.store.running;
+    for (const part of [this.head, this.rows, this.foot]) part.hidden = !found;
+    if (!isKnown) {
+      this.why.replaceChildren(
+        el("p", { class: "note", textContent: this.store.refused || S.notHere(this.store.scene.reason) }),
+      );
+      return;
+    }
+    this.why.replaceChildren(...this.reasons(found));
+    if (!found) return;
+    this.list(found);
+    this.foot.replaceChildren(
+      el("span"),
+      ...this.store.scene.inputs.map(() => el("span")),
+      ...this.store.scene.outputs.map((output, o) => this.whole(output, o, found)),
+    );
+  };
+
+  reasons = (found) => {
+    return this.store.scene.outputs.map((output, o) => {
       const value = found?.outputs[o];
       const line = el("p", { class: "why" });
       const ends = output.interval && found?.ends?.[o].every(Number.isFinite) ? found.ends[o] : null;
@@ -122,58 +157,58 @@ export function viewerPane(store) {
       const said = Number.isFinite(value) ? shortNumber(value, 6) : S.noValue;
       line.append(el("output", { textContent: `${output.name} = ${said}${interval}` }));
       let first = -1;
-      store.scene.rules.forEach((rule, number) => {
+      this.store.scene.rules.forEach((rule, number) => {
         const strength = found?.strengths[number] ?? 0;
         const concludes = rule.concludes.some(([k]) => k === o);
         if (concludes && strength > (first < 0 ? 0 : found.strengths[first])) first = number;
       });
       const reason =
         first >= 0
-          ? ` ${S.because} ${store.scene.rules[first].text} (${S.strength} ${degree(found, first)}, ${store.scene.rules[first].place})`
+          ? ` ${S.because} ${this.store.scene.rules[first].text} (${S.strength} ${this.degree(found, first)}, ${this.store.scene.rules[first].place})`
           : ` – ${S.nothingFires}`;
       line.append(clean(reason));
       return line;
     });
-  }
+  };
 
   /** Draw the rules that are seen; those above and below are as much room. */
-  function list(found) {
-    const { rules } = store.scene;
+  list = (found) => {
+    const { rules } = this.store.scene;
     let numbers = rules.map((_, number) => number);
-    if (order === "strength") {
+    if (this.order === "strength") {
       numbers = numbers.filter((number) => found.strengths[number] > 0);
       numbers.sort((a, b) => found.strengths[b] - found.strengths[a]);
     }
-    const first = Math.max(0, Math.floor(rows.scrollTop / ROW) - SPARE);
-    const last = Math.min(numbers.length, first + Math.ceil((rows.clientHeight || 200) / ROW) + 2 * SPARE);
+    const first = Math.max(0, Math.floor(this.rows.scrollTop / ROW) - SPARE);
+    const last = Math.min(numbers.length, first + Math.ceil((this.rows.clientHeight || 200) / ROW) + 2 * SPARE);
     const room = (count) => {
       const made = el("div");
       made.style.height = `${count * ROW}px`;
       return made;
     };
-    rows.replaceChildren(
+    this.rows.replaceChildren(
       room(first),
-      ...numbers.slice(first, last).map((number) => row(found, number)),
+      ...numbers.slice(first, last).map((number) => this.row(found, number)),
       room(numbers.length - last),
     );
-  }
+  };
 
-  function row(found, number) {
-    const { scene } = store;
+  row = (found, number) => {
+    const { scene } = this.store;
     const rule = scene.rules[number];
     const made = el("div", {
       class: found.strengths[number] > 0 ? "fired" : "fired silent",
-      title: `${rule.place}: ${rule.text} (${S.strength} ${degree(found, number)})`,
+      title: `${rule.place}: ${rule.text} (${S.strength} ${this.degree(found, number)})`,
     });
-    made.append(el("span", { class: "degree" }, el("span", { textContent: rule.place }), degree(found, number)));
-    scene.inputs.forEach((variable, i) => made.append(premise(variable, i, rule)));
-    scene.outputs.forEach((output, o) => made.append(conclusion(output, o, rule, found, number)));
+    made.append(el("span", { class: "degree" }, el("span", { textContent: rule.place }), this.degree(found, number)));
+    scene.inputs.forEach((variable, i) => made.append(this.premise(variable, i, rule)));
+    scene.outputs.forEach((output, o) => made.append(this.conclusion(output, o, rule, found, number)));
     return made;
-  }
+  };
 
   // --- pictures, 100 wide and 1 high ---
 
-  function picture(label, kind, ...parts) {
+  picture = (label, kind, ...parts) => {
     const title = svg("title", {}, label);
     return svg(
       "svg",
@@ -182,63 +217,48 @@ export function viewerPane(store) {
       svg("line", { class: "base", x1: 0, x2: 100, y1: 0, y2: 0 }),
       ...parts,
     );
-  }
-
-  const samples = (variable) => {
-    const [low, high] = rangeOf(variable);
-    return Float64Array.from({ length: SAMPLES }, (_, i) => low + ((high - low) * i) / (SAMPLES - 1));
-  };
-  const across = (i) => ((100 * i) / (SAMPLES - 1)).toFixed(2);
-  const line = (y) => Array.from(y, (v, i) => `${i ? "L" : "M"}${across(i)} ${(-v).toFixed(3)}`).join("");
-  const area = (y) => `${line(y)}L100 0L0 0Z`;
-  const filled = (y, side) => svg("path", { class: side ? "cut lower" : "cut", d: area(y) });
-  const outline = (y, side) => svg("path", { class: side ? "set lower" : "set", d: line(y) });
-
-  const share = (variable, value) => {
-    const [low, high] = rangeOf(variable);
-    return (100 * (value - low)) / (high - low);
   };
 
-  function mark(variable, value) {
-    const x = share(variable, value);
+  mark = (variable, value) => {
+    const x = this.share(variable, value);
     return svg("line", { x1: x, x2: x, y1: -1.04, y2: 0 });
-  }
+  };
 
-  function premise(variable, i, rule) {
+  premise = (variable, i, rule) => {
     const parts = [];
     const words = [];
     for (const [input, name, hedges] of rule.parts) {
       const term = variable.terms.find((each) => input === i && each.name === name);
       if (!term?.curve) continue;
       const degrees = sidesOf(term).map((shape) => {
-        const y = store.degrees(variable, shape, samples(variable));
-        const at = store.degrees(variable, shape, Float64Array.of(store.point[i]))[0];
+        const y = this.store.degrees(variable, shape, this.samples(variable));
+        const at = this.store.degrees(variable, shape, Float64Array.of(this.store.point[i]))[0];
         const side = shape.side ?? 0;
         parts.push(
-          filled(
+          this.filled(
             y.map((v) => Math.min(v, at)),
             side,
           ),
-          outline(y, side),
+          this.outline(y, side),
         );
         return shortNumber(at, 3);
       });
       words.push(`${hedges} ${name}: ${degrees.length > 1 ? S.between(degrees[1], degrees[0]) : degrees[0]}`.trim());
     }
     if (!parts.length) return el("span");
-    return picture(`${variable.name} ${words.join(", ")}`, "", ...parts, mark(variable, store.point[i]));
-  }
+    return this.picture(`${variable.name} ${words.join(", ")}`, "", ...parts, this.mark(variable, this.store.point[i]));
+  };
 
   /** Degrees of a consequent at the samples, as it is now. */
-  function setOf(output, member) {
+  setOf = (output, member) => {
     const term = output.terms.find((each) => each.name === member.term);
     const shape = member.isLower ? (term?.lower ?? term) : term;
-    if (shape?.curve && !member.hedged) return store.degrees(output, shape, samples(output));
+    if (shape?.curve && !member.hedged) return this.store.degrees(output, shape, this.samples(output));
     const numbers = Float64Array.from(member.curve.numbers);
-    return store.curves.degrees(member.curve.address, numbers, samples(output));
-  }
+    return this.store.curves.degrees(member.curve.address, numbers, this.samples(output));
+  };
 
-  function conclusion(output, o, rule, found, number) {
+  conclusion = (output, o, rule, found, number) => {
     const parts = [];
     const words = [];
     const sides = [
@@ -251,24 +271,24 @@ export function viewerPane(store) {
         if (k !== o) continue;
         if (!side) words.push(member.words);
         if (member.curve === null) {
-          if (member.value !== null) parts.push(stem(output, member.value, strengths[number]));
+          if (member.value !== null) parts.push(this.stem(output, member.value, strengths[number]));
           continue;
         }
-        const y = setOf(output, member);
+        const y = this.setOf(output, member);
         const cut = new Float64Array(SAMPLES);
-        store.curves.cut(member.implication, 2, strengths[number], y, cut);
-        parts.push(filled(cut, side), outline(y, side));
+        this.store.curves.cut(member.implication, 2, strengths[number], y, cut);
+        parts.push(this.filled(cut, side), this.outline(y, side));
       }
     });
-    return words.length ? picture(`${output.name} ${words.join(", ")}`, "", ...parts) : el("span");
-  }
+    return words.length ? this.picture(`${output.name} ${words.join(", ")}`, "", ...parts) : el("span");
+  };
 
-  function stem(output, value, height) {
-    const x = share(output, value);
+  stem = (output, value, height) => {
+    const x = this.share(output, value);
     return svg("line", { x1: x, x2: x, y1: -height, y2: 0 });
-  }
+  };
 
-  function whole(output, o, found) {
+  whole = (output, o, found) => {
     const parts = [];
     for (const side of output.twoSided ? [0, 1] : [0]) {
       const aggregate = new Float64Array(SAMPLES);
@@ -276,29 +296,22 @@ export function viewerPane(store) {
         const height = found.heights[o][index];
         if (!(height > 0) || member.side !== side) return;
         if (member.curve !== null) {
-          store.curves.cut(member.implication, output.aggregation, height, setOf(output, member), aggregate);
-        } else if (member.value !== null) parts.push(stem(output, member.value, height));
+          this.store.curves.cut(member.implication, output.aggregation, height, this.setOf(output, member), aggregate);
+        } else if (member.value !== null) parts.push(this.stem(output, member.value, height));
       });
-      if (aggregate.some((v) => v > 0)) parts.unshift(filled(aggregate, side));
+      if (aggregate.some((v) => v > 0)) parts.unshift(this.filled(aggregate, side));
     }
     const value = found.outputs[o];
     let said = Number.isFinite(value) ? shortNumber(value, 6) : S.noValue;
     const ends = output.interval ? found.ends?.[o] : null;
     if (ends?.every(Number.isFinite)) {
-      const [left, right] = ends.map((end) => share(output, end));
+      const [left, right] = ends.map((end) => this.share(output, end));
       parts.push(
         svg("rect", { class: "interval", x: left, width: Math.max(0.2, right - left), y: -1.04, height: 1.04 }),
       );
       said += ` ${S.interval(...ends.map((x) => shortNumber(x, 6)))}`;
     }
-    if (Number.isFinite(value)) parts.push(mark(output, value));
-    return picture(`${S.aggregate}: ${output.name} = ${said}`, "whole", ...parts);
-  }
-
-  const redraw = eachFrame(draw);
-  store.on("scene", build);
-  for (const name of ["reshaped", "point", "told"]) store.on(name, redraw);
-  rows.addEventListener("scroll", redraw);
-  new ResizeObserver(redraw).observe(rows);
-  return section;
+    if (Number.isFinite(value)) parts.push(this.mark(output, value));
+    return this.picture(`${S.aggregate}: ${output.name} = ${said}`, "whole", ...parts);
+  };
 }

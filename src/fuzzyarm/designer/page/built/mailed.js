@@ -1,5 +1,17 @@
 // @ts-nocheck: built by editors/designer/build.js from exported.js and what it imports
 (() => {
+  // geometry/chart.js
+  function ticks(low, high, wanted = 5) {
+    const raw = (high - low) / wanted;
+    const power = 10 ** Math.floor(Math.log10(raw));
+    const step = [1, 2, 5, 10].map((x) => x * power).find((x) => x >= raw) ?? raw;
+    const found = [];
+    for (let x = Math.ceil(low / step - 1e-9); x * step <= high + 1e-9 * step; x++) {
+      found.push(Number((x * step).toPrecision(12)));
+    }
+    return found;
+  }
+
   // draw.js
   var UNSEEN = /[\u0000-\u0008\u000b-\u001f\u007f-\u009f\u200e\u200f\u2028-\u202e\u2066-\u2069]/g;
   function clean(text) {
@@ -117,16 +129,6 @@
   }
   function colourOf(name) {
     return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
-  }
-  function ticks(low, high, wanted = 5) {
-    const raw = (high - low) / wanted;
-    const power = 10 ** Math.floor(Math.log10(raw));
-    const step = [1, 2, 5, 10].map((x) => x * power).find((x) => x >= raw) ?? raw;
-    const found = [];
-    for (let x = Math.ceil(low / step - 1e-9); x * step <= high + 1e-9 * step; x++) {
-      found.push(Number((x * step).toPrecision(12)));
-    }
-    return found;
   }
   function eachFrame(draw) {
     let asked = 0;
@@ -1229,7 +1231,7 @@ ${shape.side ?? 0}`;
         words.title = now.description;
         for (const tool of tools) {
           const label = `${now.name}: ${tool.title}`;
-          tool.setAttribute("aria-label", label.includes(tool.textContent) ? label : `${tool.textContent} ${label}`);
+          tool.setAttribute("aria-label", label.includes(tool.textContent) ? label : `${label} (${tool.textContent})`);
         }
       }
     };
@@ -1271,134 +1273,187 @@ ${shape.side ?? 0}`;
   }
   var plotHeight = (room, count) => Math.round(Math.min(MOST, Math.max(LEAST, (room - DETAILS) / Math.max(1, count) - HEAD)));
   function termsPane(store, hand) {
-    const { edit, numbers, change, askFor } = hand;
-    const { section, bar, body: all } = pane("terms", S.terms);
-    const body = el("div", { class: "plots" });
-    const details = el("div", { class: "details", hidden: true });
-    all.append(body, details);
-    const option = (text, title, checked) => {
+    return new TermsPane(store, hand).section;
+  }
+  var TermsPane = class {
+    /**
+     * @param {Page.Store} store
+     * @param {Page.Hand} hand
+     */
+    constructor(store, hand) {
+      this.store = store;
+      this.hand = hand;
+      this.edit = this.hand.edit;
+      this.numbers = this.hand.numbers;
+      this.change = this.hand.change;
+      this.askFor = this.hand.askFor;
+      const { section, bar, body: all } = pane("terms", S.terms);
+      this.section = section;
+      this.bar = bar;
+      this.all = all;
+      this.body = el("div", { class: "plots" });
+      this.details = el("div", { class: "details", hidden: true });
+      this.all.append(this.body, this.details);
+      if (this.hand.attempt) this.bar.append(this.adding(S.addInput, "input"), this.adding(S.addOutput, "output"));
+      const toDiagram = el("button", {
+        textContent: S.diagram,
+        hidden: true,
+        onclick: () => this.store.turnDiagram(true)
+      });
+      this.bar.append(toDiagram, el("span", { class: "space" }));
+      this.partition = this.option(S.partition, S.partitionHint, false);
+      this.mirror = this.option(S.mirror, S.mirrorHint, false);
+      this.snap = this.option(S.snap, S.snapHint, true);
+      this.plots = /* @__PURE__ */ new Map();
+      this.heads = /* @__PURE__ */ new Map();
+      this.tall = LEAST;
+      this.chosen = "";
+      this.fields = null;
+      this.rebuilding = false;
+      this.drag = null;
+      this.moving = "";
+      this.waiting = 0;
+      this.wide = 0;
+      this.partly = "";
+      this.redraw = eachFrame(this.draw);
+      this.store.on("scene", this.build);
+      this.store.on("diagram", () => {
+        toDiagram.hidden = !this.store.diagram;
+      });
+      this.store.on("reshaped", () => {
+        this.partly = this.store.busy ? this.moving : "";
+        this.redraw();
+      });
+      this.store.on("point", () => {
+        this.partly = "";
+        this.redraw();
+      });
+      const watch = new ResizeObserver(() => {
+        this.wide = this.body.clientWidth;
+        this.tall = plotHeight(this.all.clientHeight, this.plots.size);
+        this.redraw();
+      });
+      watch.observe(this.body);
+      watch.observe(this.all);
+    }
+    option = (text, title, checked) => {
       const box = el("input", { type: "checkbox", checked });
-      bar.append(el("label", { class: "small", title }, box, text));
+      this.bar.append(el("label", { class: "small", title }, box, text));
       return box;
     };
-    const adding = (words, role) => el("button", { textContent: words, title: S.addRole[role], onclick: () => addVariable(hand, role) });
-    if (hand.attempt) bar.append(adding(S.addInput, "input"), adding(S.addOutput, "output"));
-    const toDiagram = el("button", { textContent: S.diagram, hidden: true, onclick: () => store.turnDiagram(true) });
-    bar.append(toDiagram, el("span", { class: "space" }));
-    const partition = option(S.partition, S.partitionHint, false);
-    const mirror = option(S.mirror, S.mirrorHint, false);
-    const snap = option(S.snap, S.snapHint, true);
-    const plots = /* @__PURE__ */ new Map();
-    const heads = /* @__PURE__ */ new Map();
-    let tall = LEAST;
-    let chosen = "";
-    let fields = null;
-    let rebuilding = false;
-    let drag = null;
-    let moving = "";
-    let waiting = 0;
-    let wide = 0;
-    let partly = "";
-    const each = () => [...store.scene.inputs, ...store.scene.outputs];
-    const termKey = (variable, term) => `${variable.name}
+    adding = (words, role) => el("button", { textContent: words, title: S.addRole[role], onclick: () => addVariable(this.hand, role) });
+    each = () => [...this.store.scene.inputs, ...this.store.scene.outputs];
+    termKey = (variable, term) => `${variable.name}
 ${term.name}`;
-    function found() {
-      for (const variable of each()) {
-        for (const term of variable.terms) if (termKey(variable, term) === chosen) return { variable, term };
+    roleOf = (v) => v < this.store.scene.inputs.length ? S.inputs : S.outputs;
+    path = (points, at) => points.map(([x, y], i) => `${i ? "L" : "M"}${at.x(x).toFixed(1)} ${at.y(y).toFixed(1)}`).join("");
+    peak = (shape, parameters) => {
+      if (shape.kind === "triangle") return parameters[1];
+      if (shape.kind === "trapezoid") return 0.5 * (parameters[1] + parameters[2]);
+      return shape.handles.length === 1 ? parameters[shape.handles[0]] : null;
+    };
+    /** Whether the term has a place that another kind can take: a shape, or a number of an output. */
+    canChange = (term) => this.store.scene.kinds && !["formula", "linear"].includes(term.kind);
+    handleAt = (shape, parameters, index) => shape.handles.includes(index) ? parameters[index] : WIDTHS[shape.kind][index].at(parameters);
+    plain = ({ parameters, height }) => ({ parameters, height });
+    found = () => {
+      for (const variable of this.each()) {
+        for (const term of variable.terms) if (this.termKey(variable, term) === this.chosen) return { variable, term };
       }
       return null;
-    }
-    function build() {
-      const names = each().map((variable) => variable.name);
-      if (body.firstChild && JSON.stringify(names) === JSON.stringify([...plots.keys()])) {
-        if (store.busy) grip(each().find((variable) => variable.name === moving));
+    };
+    build = () => {
+      const names = this.each().map((variable) => variable.name);
+      if (this.body.firstChild && JSON.stringify(names) === JSON.stringify([...this.plots.keys()])) {
+        if (this.store.busy) this.grip(this.each().find((variable) => variable.name === this.moving));
       } else {
-        body.replaceChildren(...names.length ? [] : [el("p", { class: "note", textContent: S.noVariables })]);
-        plots.clear();
-        heads.clear();
-        for (const variable of each()) {
+        this.body.replaceChildren(...names.length ? [] : [el("p", { class: "note", textContent: S.noVariables })]);
+        this.plots.clear();
+        this.heads.clear();
+        for (const variable of this.each()) {
           const plot = svg("svg", { role: "group", "aria-label": variable.name });
-          const head = variableHead(hand, peakOfNew);
-          plots.set(variable.name, plot);
-          heads.set(variable.name, head);
-          body.append(head.element, plot);
+          const head = variableHead(this.hand, this.peakOfNew);
+          this.plots.set(variable.name, plot);
+          this.heads.set(variable.name, head);
+          this.body.append(head.element, plot);
         }
       }
-      tall = plotHeight(all.clientHeight, names.length);
-      each().forEach((variable, v) => heads.get(variable.name).show(variable, roleOf(v)));
-      describe();
-      draw();
-    }
-    const roleOf = (v) => v < store.scene.inputs.length ? S.inputs : S.outputs;
-    function peakOfNew(variable) {
+      this.tall = plotHeight(this.all.clientHeight, names.length);
+      this.each().forEach((variable, v) => this.heads.get(variable.name).show(variable, this.roleOf(v)));
+      this.describe();
+      this.draw();
+    };
+    /** Where a new term of a variable stands: at the point, or in the middle. */
+    peakOfNew = (variable) => {
       const [low, high] = rangeOf(variable);
-      const input = store.scene.inputs.indexOf(variable);
-      return rounded(input < 0 ? 0.5 * (low + high) : store.point[input], variable);
-    }
-    function scale(variable) {
-      const width = Math.max(160, wide);
+      const input = this.store.scene.inputs.indexOf(variable);
+      return this.rounded(input < 0 ? 0.5 * (low + high) : this.store.point[input], variable);
+    };
+    scale = (variable) => {
+      const width = Math.max(160, this.wide);
       const [low, high] = rangeOf(variable);
       const x = (value) => LEFT + (value - low) / (high - low) * (width - LEFT - RIGHT);
       const back = (pixel) => low + (pixel - LEFT) / (width - LEFT - RIGHT) * (high - low);
-      const y = (degree2) => tall - BOTTOM - degree2 * (tall - TOP - BOTTOM);
-      const degree = (pixel) => (tall - BOTTOM - pixel) / (tall - TOP - BOTTOM);
+      const y = (degree2) => this.tall - BOTTOM - degree2 * (this.tall - TOP - BOTTOM);
+      const degree = (pixel) => (this.tall - BOTTOM - pixel) / (this.tall - TOP - BOTTOM);
       return { width, low, high, x, y, back, degree };
-    }
-    function draw() {
-      if (!store.scene) return;
+    };
+    // --- pictures ---
+    draw = () => {
+      if (!this.store.scene) return;
       const focused = (
         /** @type {SVGElement} */
         document.activeElement?.dataset?.handle
       );
-      const only = partly;
-      partly = "";
-      each().forEach((variable, v) => {
-        if (!only || variable.name === only) drawOne(variable, v);
+      const only = this.partly;
+      this.partly = "";
+      this.each().forEach((variable, v) => {
+        if (!only || variable.name === only) this.drawOne(variable, v);
       });
       if (focused) {
-        const same = [...body.querySelectorAll("[data-handle]")].find((e) => e.dataset.handle === focused);
+        const same = [...this.body.querySelectorAll("[data-handle]")].find((e) => e.dataset.handle === focused);
         same?.focus({ preventScroll: true });
       }
-      fill();
-    }
-    function drawOne(variable, v) {
-      const plot = plots.get(variable.name);
-      const at = scale(variable);
+      this.fill();
+    };
+    drawOne = (variable, v) => {
+      const plot = this.plots.get(variable.name);
+      const at = this.scale(variable);
       const parts = [];
       parts.push(svg("line", { class: "axis", x1: LEFT, x2: at.width - RIGHT, y1: at.y(0), y2: at.y(0) }));
       for (const tick of ticks(at.low, at.high, at.width / 80)) {
-        parts.push(svg("text", { x: at.x(tick), y: tall - 4, "text-anchor": "middle" }, shortNumber(tick)));
+        parts.push(svg("text", { x: at.x(tick), y: this.tall - 4, "text-anchor": "middle" }, shortNumber(tick)));
       }
-      if (v < store.scene.inputs.length) {
-        const x = at.x(store.point[v]);
+      if (v < this.store.scene.inputs.length) {
+        const x = at.x(this.store.point[v]);
         parts.push(svg("line", { class: "at", x1: x, x2: x, y1: TOP, y2: at.y(0) }));
       }
       const handles = [];
       variable.terms.forEach((term, t) => {
         if (!term.curve) return;
-        const isChosen = termKey(variable, term) === chosen;
+        const isChosen = this.termKey(variable, term) === this.chosen;
         const own = isChosen ? "chosen" : "";
         const style = `stroke: ${hue(t)}`;
-        const lines = sidesOf(term).map((shape) => curve(variable, shape, at));
+        const lines = sidesOf(term).map((shape) => this.curve(variable, shape, at));
         if (lines.length > 1) {
-          const d = `${path(lines[0], at)}${path([...lines[1]].reverse(), at).replace("M", "L")}Z`;
+          const d = `${this.path(lines[0], at)}${this.path([...lines[1]].reverse(), at).replace("M", "L")}Z`;
           parts.push(svg("path", { d, class: "footprint", style: `fill: ${hue(t)}` }));
         }
         lines.forEach((points, side) => {
-          parts.push(svg("path", { d: path(points, at), style, class: side ? `${own} lower` : own }));
+          parts.push(svg("path", { d: this.path(points, at), style, class: side ? `${own} lower` : own }));
         });
-        handles.push(...handlesOf(variable, term, t, at, isChosen));
+        handles.push(...this.handlesOf(variable, term, t, at, isChosen));
       });
       plot.setAttribute("width", at.width);
-      plot.setAttribute("height", tall);
+      plot.setAttribute("height", this.tall);
       plot.replaceChildren(...parts, ...handles);
-    }
-    function curve(variable, shape, at) {
-      const now = store.now(variable, shape);
+    };
+    curve = (variable, shape, at) => {
+      const now = this.store.now(variable, shape);
       const corners = shape.straight ? cornersOf(shape, now.parameters, now.height) : null;
       if (!corners) {
         const xs = Float64Array.from({ length: SMOOTH }, (_, i) => at.low + (at.high - at.low) * i / (SMOOTH - 1));
-        const ys = store.degrees(variable, shape, xs, now);
+        const ys = this.store.degrees(variable, shape, xs, now);
         return Array.from(xs, (x, i) => [x, ys[i]]);
       }
       const last = corners.length - 2;
@@ -1406,11 +1461,10 @@ ${term.name}`;
       for (let i = 0; i <= last; i += 2) points.push([corners[i], corners[i + 1]]);
       points.push([Math.max(at.high, corners[last]), corners[last + 1]]);
       return points;
-    }
-    const path = (points, at) => points.map(([x, y], i) => `${i ? "L" : "M"}${at.x(x).toFixed(1)} ${at.y(y).toFixed(1)}`).join("");
-    function handlesOf(variable, term, t, at, isChosen) {
+    };
+    handlesOf = (variable, term, t, at, isChosen) => {
       const made = [];
-      const top = peak(term, store.now(variable, term).parameters) ?? term.centre;
+      const top = this.peak(term, this.store.now(variable, term).parameters) ?? term.centre;
       if (top !== null) {
         const x = at.x(Math.min(at.high, Math.max(at.low, top)));
         const half = 3.6 * term.name.length;
@@ -1424,22 +1478,22 @@ ${term.name}`;
               "text-anchor": anchor,
               class: "term",
               style: `fill: ${hue(t)}`,
-              ...target(variable, term, term, null, S.wholeTerm(variable.name, term.name), top, at)
+              ...this.target(variable, term, term, null, S.wholeTerm(variable.name, term.name), top, at)
             },
             term.name
           )
         );
       }
       for (const shape of sidesOf(term)) {
-        const now = store.now(variable, shape);
+        const now = this.store.now(variable, shape);
         const style = `stroke: ${hue(t)}`;
         shape.handles.forEach((index, place) => {
           const value = now.parameters[index];
           if (!isChosen && (shape.side || value !== top)) return;
           if (value < at.low || value > at.high) return;
           const label = (shape.side ? S.lowerCorner : S.corner)(variable.name, term.name, place + 1);
-          const own = target(variable, term, shape, index, label, value, at);
-          const [cx, cy] = [at.x(value), at.y(heightAt(variable, shape, now, index, value))];
+          const own = this.target(variable, term, shape, index, label, value, at);
+          const [cx, cy] = [at.x(value), at.y(this.heightAt(variable, shape, now, index, value))];
           made.push(svg("circle", { cx, cy, r: isChosen && !shape.side ? 5.5 : 4, style, ...own }));
         });
         if (!isChosen) continue;
@@ -1447,15 +1501,15 @@ ${term.name}`;
           const value = width.at(now.parameters);
           if (!(value >= at.low && value <= at.high)) continue;
           const said2 = S.width(variable.name, term.name, shape.names[index], Boolean(shape.side));
-          const own = target(variable, term, shape, Number(index), said2, value, at, now.parameters[index]);
-          const [x, y] = [at.x(value), at.y(store.degrees(variable, shape, Float64Array.of(value), now)[0])];
+          const own = this.target(variable, term, shape, Number(index), said2, value, at, now.parameters[index]);
+          const [x, y] = [at.x(value), at.y(this.store.degrees(variable, shape, Float64Array.of(value), now)[0])];
           const d = `M${x - DIAMOND} ${y}L${x} ${y - DIAMOND}L${x + DIAMOND} ${y}L${x} ${y + DIAMOND}Z`;
           made.push(svg("path", { d, class: "width", style, ...own }));
         }
       }
       return made;
-    }
-    function target(variable, term, shape, index, label, value, at, said2 = value) {
+    };
+    target = (variable, term, shape, index, label, value, at, said2 = value) => {
       return {
         tabindex: 0,
         role: "slider",
@@ -1470,73 +1524,71 @@ ${index}`,
         "data-variable": variable.name,
         "data-term": term.name,
         "data-index": index ?? "whole",
-        onpointerdown: (event) => take(event, variable, term, shape, index),
-        onkeydown: (event) => step(event, variable, term, shape, index),
-        onfocus: () => choose(variable, term)
+        onpointerdown: (event) => this.take(event, variable, term, shape, index),
+        onkeydown: (event) => this.step(event, variable, term, shape, index),
+        onfocus: () => this.choose(variable, term)
       };
-    }
-    function choose(variable, term) {
-      const key = termKey(variable, term);
-      if (key !== chosen) {
-        chosen = key;
-        describe();
-        redraw();
-      }
-    }
-    const peak = (shape, parameters) => {
-      if (shape.kind === "triangle") return parameters[1];
-      if (shape.kind === "trapezoid") return 0.5 * (parameters[1] + parameters[2]);
-      return shape.handles.length === 1 ? parameters[shape.handles[0]] : null;
     };
-    function heightAt(variable, shape, now, index, value) {
+    choose = (variable, term) => {
+      const key = this.termKey(variable, term);
+      if (key !== this.chosen) {
+        this.chosen = key;
+        this.describe();
+        this.redraw();
+      }
+    };
+    heightAt = (variable, shape, now, index, value) => {
       if (shape.kind === "points") return now.parameters[index + 1] * now.height;
       if (shape.kind === "triangle") return index === 1 ? now.height : 0;
       if (shape.kind === "trapezoid") return index % 3 ? now.height : 0;
-      return store.degrees(variable, shape, Float64Array.of(value), now)[0];
-    }
-    function describe() {
-      const one2 = found();
-      details.hidden = !one2;
-      fields = [];
-      if (!one2) {
-        details.replaceChildren();
+      return this.store.degrees(variable, shape, Float64Array.of(value), now)[0];
+    };
+    // --- numbers beside, and what is done with whole terms ---
+    /** Build the line below the plots for the term that is chosen. */
+    describe = () => {
+      const one = this.found();
+      this.details.hidden = !one;
+      this.fields = [];
+      if (!one) {
+        this.details.replaceChildren();
         return;
       }
-      const { variable, term } = one2;
+      const { variable, term } = one;
       const parts = [el("strong", { textContent: `${variable.name} ${term.name}` })];
       for (const shape of sidesOf(term)) {
-        if (change && !shape.side && canChange(term)) parts.push(kindOf(variable, term));
+        if (this.change && !shape.side && this.canChange(term)) parts.push(this.kindOf(variable, term));
         else parts.push(el("span", { textContent: shape.side ? `${S.overShape} ${shape.kind}` : shape.kind }));
-        if (term.kind !== "formula" && term.kind !== "linear") parts.push(...fieldsOf(variable, term, shape));
+        if (term.kind !== "formula" && term.kind !== "linear") parts.push(...this.fieldsOf(variable, term, shape));
       }
-      if (change) {
+      if (this.change) {
         const button = (text, act) => el("button", { textContent: text, onclick: act });
         parts.push(
           el("span", { class: "space" }),
-          button(S.rename, () => rename2(variable, term)),
-          button(S.remove, () => change("term", { variable: variable.name, term: term.name }))
+          button(S.rename, () => this.rename(variable, term)),
+          button(S.remove, () => this.change("term", { variable: variable.name, term: term.name }))
         );
       }
       const onKind = document.activeElement?.closest(".details .kind");
       const typed = document.activeElement?.closest(".details input");
-      rebuilding = true;
-      details.replaceChildren(...parts);
-      rebuilding = false;
-      fill();
-      if (onKind) details.querySelector(".kind")?.focus();
-      if (typed) goOnTyping(typed);
-    }
-    function goOnTyping(typed) {
+      this.rebuilding = true;
+      this.details.replaceChildren(...parts);
+      this.rebuilding = false;
+      this.fill();
+      if (onKind) this.details.querySelector(".kind")?.focus();
+      if (typed) this.goOnTyping(typed);
+    };
+    /** A number that is being typed while the terms are drawn anew stays, with its cursor. */
+    goOnTyping = (typed) => {
       const label = typed.getAttribute("aria-label");
-      const field = fields.find((each2) => each2.field.getAttribute("aria-label") === label)?.field;
+      const field = this.fields.find((each) => each.field.getAttribute("aria-label") === label)?.field;
       if (!field) return;
       field.value = typed.value;
       field.focus();
       field.setSelectionRange(typed.selectionStart, typed.selectionEnd);
-    }
-    const canChange = (term) => store.scene.kinds && !["formula", "linear"].includes(term.kind);
-    function kindOf(variable, term) {
-      const kinds = store.scene.kinds.includes(term.kind) ? store.scene.kinds : [term.kind, ...store.scene.kinds];
+    };
+    /** Choose the kind of the shape; the text keeps place and width as far as the kinds allow. */
+    kindOf = (variable, term) => {
+      const kinds = this.store.scene.kinds.includes(term.kind) ? this.store.scene.kinds : [term.kind, ...this.store.scene.kinds];
       const select = el(
         "select",
         {
@@ -1544,7 +1596,7 @@ ${index}`,
           title: S.kindHint,
           "aria-label": S.kindOf(variable.name, term.name),
           onchange: async () => {
-            const taken = await change("term", { variable: variable.name, term: term.name, kind: select.value });
+            const taken = await this.change("term", { variable: variable.name, term: term.name, kind: select.value });
             if (!taken) select.value = term.kind;
           }
         },
@@ -1552,8 +1604,8 @@ ${index}`,
       );
       select.value = term.kind;
       return select;
-    }
-    function fieldsOf(variable, term, shape) {
+    };
+    fieldsOf = (variable, term, shape) => {
       const side = shape.side ? `${S.overShape} ` : "";
       const count = shape.kind === "points" ? shape.parameters.length : shape.names.length;
       const name = (i) => shape.names[i] ?? `${i % 2 ? "y" : "x"}${Math.floor(i / 2) + 1}`;
@@ -1563,29 +1615,31 @@ ${index}`,
           type: "text",
           inputMode: "decimal",
           title: label,
-          readOnly: !edit,
+          readOnly: !this.edit,
           "aria-label": `${variable.name} ${term.name}, ${side}${label}`,
           onblur: () => commit(),
           onkeydown: (event) => event.key === "Enter" && commit()
         });
         const commit = () => {
-          if (!rebuilding && field.value !== field.dataset.shown) put(variable, term, shape, i < count ? i : null, field);
+          if (!this.rebuilding && field.value !== field.dataset.shown)
+            this.put(variable, term, shape, i < count ? i : null, field);
         };
-        fields.push({ field, variable, shape, index: i < count ? i : null });
+        this.fields.push({ field, variable, shape, index: i < count ? i : null });
         return field;
       });
       return made;
-    }
-    function fill() {
-      for (const { field, variable, shape, index } of fields ?? []) {
-        const now = store.now(variable, shape);
+    };
+    /** Show the numbers of the chosen term as they are now. */
+    fill = () => {
+      for (const { field, variable, shape, index } of this.fields ?? []) {
+        const now = this.store.now(variable, shape);
         const value = index === null ? now.height : now.parameters[index];
         const said2 = Number.isFinite(value) ? shortNumber(value, 8) : value > 0 ? "inf" : "-inf";
         if (document.activeElement !== field || field.value === field.dataset.shown) field.value = said2;
         field.dataset.shown = said2;
       }
-    }
-    function put(variable, term, shape, index, field) {
+    };
+    put = (variable, term, shape, index, field) => {
       const text = field.value.trim().replace(/^([+-]?)inf$/, "$1Infinity");
       const value = text === "" ? NaN : Number(text);
       if (Number.isNaN(value) || index === null && !(value > 0 && value <= 1)) {
@@ -1593,118 +1647,123 @@ ${index}`,
         return;
       }
       field.removeAttribute("aria-invalid");
-      begin(variable);
-      const now = store.now(variable, shape);
+      this.begin(variable);
+      const now = this.store.now(variable, shape);
       const parameters = index === null ? now.parameters : now.parameters.with(index, value);
-      store.reshape(variable, shape, parameters, index === null ? value : now.height);
-      drag = null;
-      finish(variable.name);
-    }
-    async function rename2(variable, term) {
-      const name = await askFor(`${S.renameTo} ${term.name}`, term.name, S.rename);
+      this.store.reshape(variable, shape, parameters, index === null ? value : now.height);
+      this.drag = null;
+      this.finish(variable.name);
+    };
+    rename = async (variable, term) => {
+      const name = await this.askFor(`${S.renameTo} ${term.name}`, term.name, S.rename);
       if (!name || name === term.name) return;
-      const taken = await change("term", { variable: variable.name, term: term.name, name });
-      if (taken) chosen = `${variable.name}
+      const taken = await this.change("term", { variable: variable.name, term: term.name, name });
+      if (taken) this.chosen = `${variable.name}
 ${name}`;
-    }
-    function begin(variable) {
-      drag = { variable, from: /* @__PURE__ */ new Map() };
-      for (const shape of variable.terms.flatMap(sidesOf)) drag.from.set(shape, store.now(variable, shape));
-    }
-    function take(event, variable, term, shape, index) {
-      if (!edit) return;
+    };
+    // --- moving ---
+    /** Remember every shape of a variable as it is, to move from there. */
+    begin = (variable) => {
+      this.drag = { variable, from: /* @__PURE__ */ new Map() };
+      for (const shape of variable.terms.flatMap(sidesOf)) this.drag.from.set(shape, this.store.now(variable, shape));
+    };
+    take = (event, variable, term, shape, index) => {
+      if (!this.edit) return;
       event.preventDefault();
       event.currentTarget.focus({ preventScroll: true });
-      const at = scale(variable);
-      const plot = plots.get(variable.name);
-      const place = (each2) => {
+      const at = this.scale(variable);
+      const plot = this.plots.get(variable.name);
+      const place = (each) => {
         const box = plot.getBoundingClientRect();
-        return { x: at.back(each2.clientX - box.left), degree: at.degree(each2.clientY - box.top) };
+        return { x: at.back(each.clientX - box.left), degree: at.degree(each.clientY - box.top) };
       };
-      begin(variable);
+      this.begin(variable);
       const start = place(event);
-      const old = drag.from.get(shape);
-      const where = index === null ? 0 : handleAt(shape, old.parameters, index);
+      const old = this.drag.from.get(shape);
+      const where = index === null ? 0 : this.handleAt(shape, old.parameters, index);
       plot.setPointerCapture(event.pointerId);
-      grip(variable);
-      plot.onpointermove = (each2) => {
-        const here = place(each2);
-        const rise = isRaised(shape, index) ? here.degree - start.degree : 0;
-        shift(variable, term, shape, index, where + here.x - start.x, rise, each2);
+      this.grip(variable);
+      plot.onpointermove = (each) => {
+        const here = place(each);
+        const rise = this.isRaised(shape, index) ? here.degree - start.degree : 0;
+        this.shift(variable, term, shape, index, where + here.x - start.x, rise, each);
       };
       plot.onpointerup = plot.onpointercancel = () => {
         plot.onpointermove = plot.onpointerup = plot.onpointercancel = null;
-        drag = null;
-        finish(variable.name);
+        this.drag = null;
+        this.finish(variable.name);
       };
-    }
-    const handleAt = (shape, parameters, index) => shape.handles.includes(index) ? parameters[index] : WIDTHS[shape.kind][index].at(parameters);
-    function isRaised(shape, index) {
+    };
+    /** Whether a handle moves up and down as well: corners of points, and tops of lower functions. */
+    isRaised = (shape, index) => {
       if (index === null || !shape.handles.includes(index)) return false;
       if (shape.kind === "points") return true;
       const tops = { triangle: [1], trapezoid: [1, 2], pi: [1, 2], rectangle: [0, 1] }[shape.kind];
       return Boolean(shape.side) && (tops ? tops.includes(index) : shape.handles.length === 1);
-    }
-    function grip(variable) {
-      store.busy = true;
-      moving = variable.name;
-      if (store.held?.variable === variable.name) return;
-      numbers(variable.name).then((brought) => {
-        if (brought) store.hold(variable, brought);
+    };
+    /** Ask for the numbers of a variable that can be changed in place. */
+    grip = (variable) => {
+      this.store.busy = true;
+      this.moving = variable.name;
+      if (this.store.held?.variable === variable.name) return;
+      this.numbers(variable.name).then((brought) => {
+        if (brought) this.store.hold(variable, brought);
       });
-    }
-    function step(event, variable, term, shape, index) {
+    };
+    step = (event, variable, term, shape, index) => {
       const sign = { ArrowLeft: -1, ArrowDown: -1, ArrowRight: 1, ArrowUp: 1 }[event.key];
-      if (!sign || !edit) return;
+      if (!sign || !this.edit) return;
       event.preventDefault();
-      grip(variable);
-      begin(variable);
+      this.grip(variable);
+      this.begin(variable);
       const steps = sign * (event.ctrlKey ? 10 : 1);
-      const rises = isRaised(shape, index) && /Up|Down/.test(event.key);
-      const old = drag.from.get(shape).parameters;
-      const where = index === null ? 0 : handleAt(shape, old, index);
-      const by = rises ? 0 : steps * unit(variable);
-      shift(variable, term, shape, index, where + by, rises ? 0.05 * steps : 0, event);
-      drag = null;
-      clearTimeout(waiting);
-      waiting = setTimeout(() => finish(variable.name), 350);
-    }
-    function unit(variable) {
+      const rises = this.isRaised(shape, index) && /Up|Down/.test(event.key);
+      const old = this.drag.from.get(shape).parameters;
+      const where = index === null ? 0 : this.handleAt(shape, old, index);
+      const by = rises ? 0 : steps * this.unit(variable);
+      this.shift(variable, term, shape, index, where + by, rises ? 0.05 * steps : 0, event);
+      this.drag = null;
+      clearTimeout(this.waiting);
+      this.waiting = setTimeout(() => this.finish(variable.name), 350);
+    };
+    /** A round number, about a two-hundredth of the range. */
+    unit = (variable) => {
       const [low, high] = rangeOf(variable);
       const power = 10 ** Math.floor(Math.log10((high - low) / 100));
       return power * ((high - low) / power > 400 ? 5 : (high - low) / power > 200 ? 2 : 1);
-    }
-    function rounded(value, variable) {
-      const step2 = snap.checked ? unit(variable) : unit(variable) / 100;
-      return Number((Math.round(value / step2) * step2).toPrecision(12));
-    }
-    function shift(variable, term, shape, index, value, rise, event) {
+    };
+    rounded = (value, variable) => {
+      const step = this.snap.checked ? this.unit(variable) : this.unit(variable) / 100;
+      return Number((Math.round(value / step) * step).toPrecision(12));
+    };
+    /** Move a handle to, or a whole term by, a number; neighbours and the mirror image as asked. */
+    shift = (variable, term, shape, index, value, rise, event) => {
       const changed = /* @__PURE__ */ new Map();
       if (index === null) {
-        const by = rounded(value, variable);
+        const by = this.rounded(value, variable);
         for (const side of sidesOf(term)) {
-          const old = drag.from.get(side);
-          changed.set(side, { ...plain(old), parameters: moved(side, old.parameters, null, 0, by) });
+          const old = this.drag.from.get(side);
+          changed.set(side, { ...this.plain(old), parameters: moved(side, old.parameters, null, 0, by) });
         }
-      } else changed.set(shape, one(variable, shape, index, value, rise));
-      if (partition.checked || event.altKey) {
-        for (const [side, next] of [...changed]) neighbours(variable, side, next.parameters, changed);
+      } else changed.set(shape, this.one(variable, shape, index, value, rise));
+      if (this.partition.checked || event.altKey) {
+        for (const [side, next] of [...changed]) this.neighbours(variable, side, next.parameters, changed);
       }
-      if (mirror.checked || event.shiftKey) mirrored(variable, changed);
-      for (const each2 of variable.terms) keepBelow(variable, each2, changed);
-      for (const [each2, next] of changed) store.reshape(variable, each2, next.parameters, next.height);
-    }
-    const plain = ({ parameters, height }) => ({ parameters, height });
-    function one(variable, shape, index, value, rise) {
-      const old = drag.from.get(shape);
-      const tidy = (x, step2) => snap.checked ? Number((Math.round(x / step2) * step2).toPrecision(12)) : Number(x.toPrecision(6));
+      if (this.mirror.checked || event.shiftKey) this.mirrored(variable, changed);
+      for (const each of variable.terms) this.keepBelow(variable, each, changed);
+      for (const [each, next] of changed) this.store.reshape(variable, each, next.parameters, next.height);
+    };
+    /** Parameters and height of a shape after one of its handles has moved. */
+    one = (variable, shape, index, value, rise) => {
+      const old = this.drag.from.get(shape);
+      const tidy = (x, step) => this.snap.checked ? Number((Math.round(x / step) * step).toPrecision(12)) : Number(x.toPrecision(6));
       if (!shape.handles.includes(index)) {
-        const width = WIDTHS[shape.kind][index].to(old.parameters, rounded(value, variable));
+        const width = WIDTHS[shape.kind][index].to(old.parameters, this.rounded(value, variable));
         const sound = Number.isFinite(width) && Math.abs(width) > 1e-9;
-        const said2 = Number(width.toPrecision(snap.checked ? 3 : 6));
-        return { ...plain(old), parameters: sound ? old.parameters.with(index, said2) : old.parameters };
+        const said2 = Number(width.toPrecision(this.snap.checked ? 3 : 6));
+        return { ...this.plain(old), parameters: sound ? old.parameters.with(index, said2) : old.parameters };
       }
-      const parameters = moved(shape, old.parameters, index, rounded(value, variable));
+      const parameters = moved(shape, old.parameters, index, this.rounded(value, variable));
       if (!rise) return { parameters, height: old.height };
       if (shape.kind === "points") {
         const y = tidy(old.parameters[index + 1] + rise / old.height, 0.05);
@@ -1713,21 +1772,22 @@ ${name}`;
       }
       const height = Math.min(1, Math.max(LEAST_HEIGHT, tidy(old.height + rise, 0.05)));
       return { parameters, height };
-    }
-    function neighbours(variable, shape, next, changed) {
-      const old = drag.from.get(shape).parameters;
+    };
+    neighbours = (variable, shape, next, changed) => {
+      const old = this.drag.from.get(shape).parameters;
       for (const other of variable.terms.flatMap(sidesOf)) {
         if (changed.has(other) || (other.side ?? 0) !== (shape.side ?? 0) || other.kind === "points") continue;
-        const from = drag.from.get(other);
+        const from = this.drag.from.get(other);
         const to = from.parameters.map((x, i) => {
           const shared = other.handles.includes(i) ? shape.handles.findIndex((k) => old[k] === x) : -1;
           return shared < 0 ? x : next[shape.handles[shared]];
         });
         const sorted = other.handles.every((i, k) => !k || to[other.handles[k - 1]] <= to[i]);
-        if (sorted && to.some((x, i) => x !== from.parameters[i])) changed.set(other, { ...plain(from), parameters: to });
+        if (sorted && to.some((x, i) => x !== from.parameters[i]))
+          changed.set(other, { ...this.plain(from), parameters: to });
       }
-    }
-    function mirrored(variable, changed) {
+    };
+    mirrored = (variable, changed) => {
       const [low, high] = rangeOf(variable);
       for (const [shape, next] of [...changed]) {
         const place = variable.terms.findIndex((term2) => sidesOf(term2).includes(shape));
@@ -1737,14 +1797,15 @@ ${name}`;
         const parameters = mirrorOf(shape.kind, next.parameters, low + high);
         if (parameters) changed.set(other, { parameters, height: next.height });
       }
-    }
-    function keepBelow(variable, term, changed) {
+    };
+    /** Stop where the lower function of a term would rise above the upper one. */
+    keepBelow = (variable, term, changed) => {
       if (!term.lower || !term.curve) return;
       const sides = sidesOf(term);
       if (!sides.some((side) => changed.has(side))) return;
-      const from = sides.map((side) => drag.from.get(side));
+      const from = sides.map((side) => this.drag.from.get(side));
       const to = sides.map((side, i) => changed.get(side) ?? from[i]);
-      if (isBelow(variable, sides, to)) return;
+      if (this.isBelow(variable, sides, to)) return;
       const between = (share) => from.map((start, i) => ({
         parameters: start.parameters.map((x, k) => Number.isFinite(x) ? x + share * (to[i].parameters[k] - x) : x),
         height: start.height + share * (to[i].height - start.height)
@@ -1752,7 +1813,7 @@ ${name}`;
       let [reach, beyond] = [0, 1];
       for (let i = 0; i < 12; i++) {
         const middle = 0.5 * (reach + beyond);
-        if (isBelow(variable, sides, between(middle))) reach = middle;
+        if (this.isBelow(variable, sides, between(middle))) reach = middle;
         else beyond = middle;
       }
       const kept2 = between(reach);
@@ -1760,62 +1821,41 @@ ${name}`;
         parameters: parameters.map((x) => Number(x.toPrecision(4))),
         height: Number(height.toPrecision(3))
       }));
-      const best = isBelow(variable, sides, short) ? short : kept2;
+      const best = this.isBelow(variable, sides, short) ? short : kept2;
       sides.forEach((side, i) => {
         if (changed.has(side)) changed.set(side, best[i]);
       });
-    }
-    function isBelow(variable, sides, numbers2) {
-      const [[upper, lower], [high, low]] = [sides, numbers2];
+    };
+    isBelow = (variable, sides, numbers) => {
+      const [[upper, lower], [high, low]] = [sides, numbers];
       const [start, end] = rangeOf(variable);
       const corners = [cornersOf(upper, high.parameters), cornersOf(lower, low.parameters)];
-      const bends = corners.flatMap((found2) => (found2 ?? []).filter((_, i) => i % 2 === 0));
+      const bends = corners.flatMap((found) => (found ?? []).filter((_, i) => i % 2 === 0));
       const even = Array.from({ length: SMOOTH }, (_, i) => start + (end - start) * i / (SMOOTH - 1));
       const xs = Float64Array.from([...even, ...bends.filter((x) => x >= start && x <= end)]);
-      const above = store.degrees(variable, upper, xs, high);
-      return store.degrees(variable, lower, xs, low).every((y, i) => y <= above[i] + 1e-12);
-    }
-    function finish(name) {
-      const variable = each().find((other) => other.name === name);
-      store.busy = false;
+      const above = this.store.degrees(variable, upper, xs, high);
+      return this.store.degrees(variable, lower, xs, low).every((y, i) => y <= above[i] + 1e-12);
+    };
+    finish = (name) => {
+      const variable = this.each().find((other) => other.name === name);
+      this.store.busy = false;
       const isSame = (shape) => {
-        const now = store.now(variable, shape);
+        const now = this.store.now(variable, shape);
         return now.height === shape.height && now.parameters.every((x, i) => x === shape.parameters[i]);
       };
       const said2 = (shape) => {
-        const { parameters, height } = store.now(variable, shape);
+        const { parameters, height } = this.store.now(variable, shape);
         return { kind: shape.kind, parameters: parameters.map(sendable), height };
       };
       const shapes = variable.terms.flatMap(
         (term) => sidesOf(term).every(isSame) ? [] : [{ variable: variable.name, term: term.name, ...said2(term), lower: term.lower ? said2(term.lower) : null }]
       );
       if (!shapes.length) return;
-      Promise.resolve(edit(shapes)).then((taken) => {
-        if (taken === false) store.forget();
+      Promise.resolve(this.edit(shapes)).then((taken) => {
+        if (taken === false) this.store.forget();
       });
-    }
-    const redraw = eachFrame(draw);
-    store.on("scene", build);
-    store.on("diagram", () => {
-      toDiagram.hidden = !store.diagram;
-    });
-    store.on("reshaped", () => {
-      partly = store.busy ? moving : "";
-      redraw();
-    });
-    store.on("point", () => {
-      partly = "";
-      redraw();
-    });
-    const watch = new ResizeObserver(() => {
-      wide = body.clientWidth;
-      tall = plotHeight(all.clientHeight, plots.size);
-      redraw();
-    });
-    watch.observe(body);
-    watch.observe(all);
-    return section;
-  }
+    };
+  };
 
   // help.js
   function showHelp(views) {
@@ -2032,108 +2072,145 @@ ${name}`;
   var MOST_CELLS = 700;
   var MOST_SENTENCES = 400;
   function rulesPane(store, hand) {
-    const { setCell, goTo, change, attempt } = hand;
-    const { section, bar, body } = pane("rules", S.rules);
-    const methods = methodLines(change);
-    const grid = el("button", { textContent: S.gridDots, title: S.gridHint, onclick: () => addGrid(hand, store.scene) });
-    if (attempt) bar.append(el("span", { class: "space" }), grid);
-    let lit = [];
-    let shown = [];
-    const fresh = { rule: null, text: "" };
-    const drafts = /* @__PURE__ */ new Set();
-    function build() {
-      const { grids, rules, outputs } = store.scene;
-      const isReady = canConclude(store.scene);
-      grid.disabled = !isReady;
-      methods.show(store.scene.methods);
-      const refocus = keepFocus(section);
-      findAgain(rules);
-      lit = [];
-      shown = [];
-      const seen = body.scrollTop;
-      body.replaceChildren(...outputs.length ? [methods.element] : []);
-      const cells = grids.reduce((sum, grid2) => sum + grid2.rows.length * grid2.columns.length, 0);
-      grids.forEach((grid2, k) => body.append(table(grid2, outputs, setCell && cells <= MOST_CELLS, k)));
+    return new RulesPane(store, hand).section;
+  }
+  var RulesPane = class {
+    /**
+     * @param {Page.Store} store
+     * @param {Page.Hand} hand
+     */
+    constructor(store, hand) {
+      this.store = store;
+      this.hand = hand;
+      this.setCell = this.hand.setCell;
+      this.goTo = this.hand.goTo;
+      this.change = this.hand.change;
+      this.attempt = this.hand.attempt;
+      const { section, bar, body } = pane("rules", S.rules);
+      this.section = section;
+      this.body = body;
+      this.methods = methodLines(this.change);
+      this.grid = el("button", {
+        textContent: S.gridDots,
+        title: S.gridHint,
+        onclick: () => addGrid(this.hand, this.store.scene)
+      });
+      if (this.attempt) bar.append(el("span", { class: "space" }), this.grid);
+      this.lit = [];
+      this.shown = [];
+      this.fresh = { rule: null, text: "" };
+      this.drafts = /* @__PURE__ */ new Set();
+      this.composed = { names: "", form: null };
+      const relight = eachFrame(this.light);
+      this.store.on("scene", this.build);
+      this.store.on("point", relight);
+      this.store.on("told", relight);
+      this.store.on("reshaped", relight);
+    }
+    // --- findings ---
+    before = (one, other) => one[0] < other[0] || one[0] === other[0] && one[1] < other[1];
+    words = (finding) => `${S.severity[finding.severity] ?? finding.severity}: ${finding.message}`;
+    /** A sign with the findings as its name. */
+    sign = (found) => el("span", {
+      class: `sign ${found[0].severity}`,
+      role: "img",
+      textContent: "\u25B2",
+      title: found.map(this.words).join("\n"),
+      "aria-label": found.map(this.words).join("; ")
+    });
+    present = (grid, row) => row ? grid.rows.map((each) => each.label) : grid.columns;
+    said = (cell) => cell.term === null ? "\xB7" : cell.weight ? `${cell.term} \xD7${cell.weight}` : cell.term;
+    build = () => {
+      const { grids, rules, outputs } = this.store.scene;
+      const isReady = canConclude(this.store.scene);
+      this.grid.disabled = !isReady;
+      this.methods.show(this.store.scene.methods);
+      const refocus = keepFocus(this.section);
+      this.findAgain(rules);
+      this.lit = [];
+      this.shown = [];
+      const seen = this.body.scrollTop;
+      this.body.replaceChildren(...outputs.length ? [this.methods.element] : []);
+      const cells = grids.reduce((sum, grid) => sum + grid.rows.length * grid.columns.length, 0);
+      grids.forEach((grid, k) => this.body.append(this.table(grid, outputs, this.setCell && cells <= MOST_CELLS, k)));
       const sentences = rules.map((rule, number) => (
         /** @type {const} */
         [rule, number]
       )).filter(([rule]) => !rule.inGrid);
       if (sentences.length) {
         const list = el("ol");
-        for (const [rule, number] of sentences.slice(0, MOST_SENTENCES)) list.append(item(rule, number));
-        body.append(list);
+        for (const [rule, number] of sentences.slice(0, MOST_SENTENCES)) list.append(this.item(rule, number));
+        this.body.append(list);
       }
       if (!rules.length)
-        body.append(
+        this.body.append(
           el("p", {
             class: "note",
-            textContent: grids.length || !store.scene.missing.includes("no-rules") ? S.tooManyRules : S.noRulesYet
+            textContent: grids.length || !this.store.scene.missing.includes("no-rules") ? S.tooManyRules : S.noRulesYet
           })
         );
-      if (attempt && isReady) body.append(composing());
-      if (change && isReady) body.append(writer(fresh, S.newRule));
-      body.scrollTop = seen;
+      if (this.attempt && isReady) this.body.append(this.composing());
+      if (this.change && isReady) this.body.append(this.writer(this.fresh, S.newRule));
+      this.body.scrollTop = seen;
       refocus();
-      light();
-    }
-    function findAgain(rules) {
-      for (const draft of drafts) {
+      this.light();
+    };
+    /**
+     * Find the rules again that are being changed, in a text that may have other lines now: one that says what it
+     * said, the nearest; else the one in its place, where there are as many. What has no rule any more may be a new one.
+     */
+    findAgain = (rules) => {
+      for (const draft of this.drafts) {
         const same = rules.flatMap((rule2, number) => rule2.written === draft.written ? [number] : []);
         same.sort((a, b) => Math.abs(a - draft.rule) - Math.abs(b - draft.rule));
         const inPlace = rules.length === draft.of && rules[draft.rule]?.written ? draft.rule : null;
         const rule = same[0] ?? inPlace;
         if (rule === null) {
-          fresh.text ||= draft.text;
-          drafts.delete(draft);
+          this.fresh.text ||= draft.text;
+          this.drafts.delete(draft);
         } else Object.assign(draft, { rule, of: rules.length });
       }
-    }
-    let composed = { names: "", form: null };
-    function composing() {
-      const { inputs, outputs } = store.scene;
+    };
+    /** The lists of a new rule: what has been chosen stays while the variables do. */
+    composing = () => {
+      const { inputs, outputs } = this.store.scene;
       const names = JSON.stringify(
         [inputs, outputs].map((each) => each.map(({ name, terms }) => [name, terms.map((term) => term.name)]))
       );
-      if (names !== composed.names) composed = { names, form: composer(attempt, store.scene) };
-      return composed.form;
-    }
-    const before = (one, other) => one[0] < other[0] || one[0] === other[0] && one[1] < other[1];
-    function findingsOf([start, end]) {
-      return store.findings.filter(
-        ({ range: [from, to] }) => from[0] === start[0] && !before(to, start) && (from[0] !== end[0] || before(from, end))
+      if (names !== this.composed.names) this.composed = { names, form: composer(this.attempt, this.store.scene) };
+      return this.composed.form;
+    };
+    /** Findings that lie within a stretch of the text, or cover it in its own line. */
+    findingsOf = ([start, end]) => {
+      return this.store.findings.filter(
+        ({ range: [from, to] }) => from[0] === start[0] && !this.before(to, start) && (from[0] !== end[0] || this.before(from, end))
       );
-    }
-    const words = (finding) => `${S.severity[finding.severity] ?? finding.severity}: ${finding.message}`;
-    function mark(element, named2, found) {
+    };
+    /** Mark an element with its findings, for the eye, the pointer and the screen reader. */
+    mark = (element, named2, found) => {
       if (!found.length) return;
-      const said3 = found.map(words).join("; ");
+      const said2 = found.map(this.words).join("; ");
       element.classList.add("found", found[0].severity);
-      named2.title = said3;
-      named2.setAttribute("aria-label", `${named2.getAttribute("aria-label") ?? named2.textContent}. ${said3}`);
-    }
-    const sign = (found) => el("span", {
-      class: `sign ${found[0].severity}`,
-      role: "img",
-      textContent: "\u25B2",
-      title: found.map(words).join("\n"),
-      "aria-label": found.map(words).join("; ")
-    });
-    function item(rule, number) {
-      const said3 = goTo ? el("button", { class: "said", textContent: rule.text, onclick: () => goTo(rule.at) }) : rule.text;
-      const li = el("li", {}, el("span", { class: "place", textContent: rule.place }), said3);
-      const found = findingsOf(rule.range);
+      named2.title = said2;
+      named2.setAttribute("aria-label", `${named2.getAttribute("aria-label") ?? named2.textContent}. ${said2}`);
+    };
+    // --- sentences ---
+    item = (rule, number) => {
+      const said2 = this.goTo ? el("button", { class: "said", textContent: rule.text, onclick: () => this.goTo(rule.at) }) : rule.text;
+      const li = el("li", {}, el("span", { class: "place", textContent: rule.place }), said2);
+      const found = this.findingsOf(rule.range);
       if (found.length) {
         li.classList.add("found", found[0].severity);
-        li.append(sign(found));
+        li.append(this.sign(found));
       }
-      const draft = [...drafts].find((each) => each.rule === number);
-      if (draft) li.replaceChildren(writer(draft, S.ruleAt(rule.place)));
-      else if (change && rule.written) {
+      const draft = [...this.drafts].find((each) => each.rule === number);
+      if (draft) li.replaceChildren(this.writer(draft, S.ruleAt(rule.place)));
+      else if (this.change && rule.written) {
         const edit = () => {
-          const line = { rule: number, of: store.scene.rules.length, written: rule.written, text: rule.written };
-          drafts.add(line);
-          build();
-          body.querySelector(`[data-key="write ${number}"]`).focus();
+          const line = { rule: number, of: this.store.scene.rules.length, written: rule.written, text: rule.written };
+          this.drafts.add(line);
+          this.build();
+          this.body.querySelector(`[data-key="write ${number}"]`).focus();
         };
         li.append(
           el("button", {
@@ -2149,42 +2226,43 @@ ${name}`;
             title: S.remove,
             "aria-label": `${S.remove} ${S.ruleAt(rule.place)}`,
             "data-key": `remove ${number}`,
-            onclick: () => change("rule", { line: rule.line, sentence: "" })
+            onclick: () => this.change("rule", { line: rule.line, sentence: "" })
           })
         );
       }
-      lit[number] = li;
+      this.lit[number] = li;
       return li;
-    }
-    function writer(draft, label2) {
-      const isNew = draft === fresh;
+    };
+    /** A line to write a rule in; one that is changed may be left with Escape. */
+    writer = (draft, label) => {
+      const isNew = draft === this.fresh;
       const key = `write ${isNew ? "new" : draft.rule}`;
       const field = el("input", {
         type: "text",
         class: "write",
         value: draft.text,
-        "aria-label": label2,
+        "aria-label": label,
         placeholder: S.ifThen,
         "data-key": key,
         spellcheck: false
       });
       const leave = () => {
-        drafts.delete(draft);
-        const isHeld = body.querySelector(`[data-key="${key}"]`)?.closest("form").contains(document.activeElement);
-        build();
-        if (isHeld) body.querySelector(`[data-key="edit ${draft.rule}"]`)?.focus();
+        this.drafts.delete(draft);
+        const isHeld = this.body.querySelector(`[data-key="${key}"]`)?.closest("form").contains(document.activeElement);
+        this.build();
+        if (isHeld) this.body.querySelector(`[data-key="edit ${draft.rule}"]`)?.focus();
       };
       const send = async (event) => {
         event.preventDefault();
         const sentence = draft.text;
         if (!sentence.trim()) return;
-        const line = isNew ? null : store.scene.rules[draft.rule].line;
-        const taken = await change("rule", { line, sentence });
+        const line = isNew ? null : this.store.scene.rules[draft.rule].line;
+        const taken = await this.change("rule", { line, sentence });
         if (!taken) field.setAttribute("aria-invalid", "true");
         else if (!isNew) leave();
-        else if (fresh.text === sentence) {
-          fresh.text = field.value = "";
-          if (!field.isConnected) build();
+        else if (this.fresh.text === sentence) {
+          this.fresh.text = field.value = "";
+          if (!field.isConnected) this.build();
         }
       };
       field.addEventListener("input", () => {
@@ -2200,93 +2278,104 @@ ${name}`;
         field,
         el("button", { class: "small", type: "submit", textContent: isNew ? S.add : S.ok, "data-key": `done ${key}` })
       );
-    }
-    function table(grid2, outputs, editable, k) {
-      const output = outputs.find((each) => each.name === grid2.output);
-      const when = grid2.condition ? ` when ${grid2.condition}` : "";
-      const corner = grid2.row ? `${grid2.row} \\ ${grid2.column}` : grid2.column;
+    };
+    // --- grids ---
+    table = (grid, outputs, editable, k) => {
+      const output = outputs.find((each) => each.name === grid.output);
+      const when = grid.condition ? ` when ${grid.condition}` : "";
+      const corner = grid.row ? `${grid.row} \\ ${grid.column}` : grid.column;
       const head = el("tr", {}, el("th", { scope: "col", textContent: corner }));
-      for (const name of grid2.columns) head.append(el("th", { scope: "col" }, label(grid2, name, false, k)));
-      const caption = el("caption", {}, el("span", { textContent: `${grid2.output}${when}` }), ...tools(grid2, k));
-      const found = findingsOf(grid2.range);
-      if (found.length) caption.append(" ", sign(found));
+      for (const name of grid.columns) head.append(el("th", { scope: "col" }, this.label(grid, name, false, k)));
+      const caption = el("caption", {}, el("span", { textContent: `${grid.output}${when}` }), ...this.tools(grid, k));
+      const found = this.findingsOf(grid.range);
+      if (found.length) caption.append(" ", this.sign(found));
       const made = el("table", {}, caption, el("thead", {}, head));
       const rows = el("tbody");
-      for (const row of grid2.rows) {
-        const line = el("tr", {}, el("th", { scope: "row" }, grid2.row ? label(grid2, row.label, true, k) : row.label));
+      for (const row of grid.rows) {
+        const line = el(
+          "tr",
+          {},
+          el("th", { scope: "row" }, grid.row ? this.label(grid, row.label, true, k) : row.label)
+        );
         row.cells.forEach((cell, i) => {
-          const label2 = S.ruleOf(row.label, grid2.columns[i]);
-          const change2 = editable && !(grid2.joined && cell.term === null);
-          const content = change2 ? picker(cell, output, label2, grid2.joined) : plain(cell);
-          content.dataset.key = `cell ${k} ${row.label}, ${grid2.columns[i]}`;
-          paint(content, cell.term, output);
+          const label = S.ruleOf(row.label, grid.columns[i]);
+          const change = editable && !(grid.joined && cell.term === null);
+          const content = change ? this.picker(cell, output, label, grid.joined) : this.plain(cell);
+          content.dataset.key = `cell ${k} ${row.label}, ${grid.columns[i]}`;
+          this.paint(content, cell.term, output);
           const td = el("td", {}, content);
-          mark(td, content, findingsOf(cell.range));
-          if (cell.rule !== null) lit[cell.rule] = td;
+          this.mark(td, content, this.findingsOf(cell.range));
+          if (cell.rule !== null) this.lit[cell.rule] = td;
           line.append(td);
         });
         rows.append(line);
       }
       made.append(rows);
       return made;
-    }
-    function label(grid2, term, row, k) {
-      if (!attempt) return el("span", { textContent: term, title: term });
-      const variable = row ? grid2.row : grid2.column;
+    };
+    /** What names a row or a column, and leads to what is done with it. */
+    label = (grid, term, row, k) => {
+      if (!this.attempt) return el("span", { textContent: term, title: term });
+      const variable = row ? grid.row : grid.column;
       return el("button", {
         textContent: term,
         "data-key": `head ${k} ${row} ${term}`,
         title: row ? S.rowOf(variable, term) : S.columnOf(variable, term),
-        onclick: () => headDialog(hand, store.scene, { line: grid2.line, row, variable, term, present: present(grid2, row) })
+        onclick: () => headDialog(this.hand, this.store.scene, {
+          line: grid.line,
+          row,
+          variable,
+          term,
+          present: this.present(grid, row)
+        })
       });
-    }
-    const present = (grid2, row) => row ? grid2.rows.map((each) => each.label) : grid2.columns;
-    function tools(grid2, k) {
-      if (!attempt) return [];
-      const adding = (words2, title, row) => el("button", {
+    };
+    /** Buttons of a grid: another row or column, and its removal. */
+    tools = (grid, k) => {
+      if (!this.attempt) return [];
+      const adding = (words, title, row) => el("button", {
         class: "small",
-        textContent: words2,
+        textContent: words,
         title,
         "data-key": `add ${k} ${row}`,
-        onclick: () => addHead(hand, store.scene, {
-          line: grid2.line,
+        onclick: () => addHead(this.hand, this.store.scene, {
+          line: grid.line,
           row,
-          variable: row ? grid2.row : grid2.column,
-          present: present(grid2, row)
+          variable: row ? grid.row : grid.column,
+          present: this.present(grid, row)
         })
       });
       return [
-        ...grid2.row ? [adding(S.rowDots, S.addRowOf(grid2.row), true)] : [],
-        adding(S.columnDots, S.addColumnOf(grid2.column), false),
+        ...grid.row ? [adding(S.rowDots, S.addRowOf(grid.row), true)] : [],
+        adding(S.columnDots, S.addColumnOf(grid.column), false),
         el("button", {
           class: "small",
           textContent: "\xD7",
-          title: S.removeGrid(grid2.output),
-          "aria-label": S.removeGrid(grid2.output),
-          onclick: () => change("grid", { line: grid2.line })
+          title: S.removeGrid(grid.output),
+          "aria-label": S.removeGrid(grid.output),
+          onclick: () => this.change("grid", { line: grid.line })
         })
       ];
-    }
-    const said2 = (cell) => cell.term === null ? "\xB7" : cell.weight ? `${cell.term} \xD7${cell.weight}` : cell.term;
-    function plain(cell) {
-      return el("span", { textContent: said2(cell), title: cell.term ?? S.noRule });
-    }
-    function picker(cell, output, label2, joined) {
-      const select = el("select", { "aria-label": label2, title: label2 });
+    };
+    plain = (cell) => {
+      return el("span", { textContent: this.said(cell), title: cell.term ?? S.noRule });
+    };
+    picker = (cell, output, label, joined) => {
+      const select = el("select", { "aria-label": label, title: label });
       const names = output.terms.map((term) => term.name);
       for (const name of names) {
-        const text = name === cell.term ? said2(cell) : name;
+        const text = name === cell.term ? this.said(cell) : name;
         select.append(el("option", { value: name, textContent: text, selected: name === cell.term }));
       }
       if (!joined) select.append(el("option", { value: "", textContent: "\xB7", selected: cell.term === null }));
       select.addEventListener("change", () => {
         const chosen = select.selectedIndex < names.length ? names[select.selectedIndex] : null;
-        paint(select, chosen, output);
-        setCell(cell.at, chosen);
+        this.paint(select, chosen, output);
+        this.setCell(cell.at, chosen);
       });
       return select;
-    }
-    function paint(element, name, output) {
+    };
+    paint = (element, name, output) => {
       const term = output.terms.find((each) => each.name === name);
       const [low, high] = rangeOf(output);
       const value = term && (term.centre ?? term.parameters[term.parameters.length - 1]);
@@ -2295,27 +2384,21 @@ ${name}`;
         return;
       }
       [element.style.background, element.style.color] = heat((value - low) / (high - low));
-    }
-    function light() {
-      const found = store.fired();
-      lit.forEach((element, number) => {
+    };
+    light = () => {
+      const found = this.store.fired();
+      this.lit.forEach((element, number) => {
         const strength = found?.strengths[number] ?? 0;
-        if (shown[number] === strength) return;
-        shown[number] = strength;
+        if (this.shown[number] === strength) return;
+        this.shown[number] = strength;
         element.classList.toggle("lit", strength > 0);
         const lower = found?.lower[number] ?? strength;
         const range = lower === strength ? shortNumber(strength, 3) : S.between(shortNumber(lower, 3), shortNumber(strength, 3));
-        const said3 = strength > 0 ? `${S.strength} ${range}` : S.silent;
-        element.title = S.fires(store.scene.rules[number].place, said3);
+        const said2 = strength > 0 ? `${S.strength} ${range}` : S.silent;
+        element.title = S.fires(this.store.scene.rules[number].place, said2);
       });
-    }
-    const relight = eachFrame(light);
-    store.on("scene", build);
-    store.on("point", relight);
-    store.on("told", relight);
-    store.on("reshaped", relight);
-    return section;
-  }
+    };
+  };
 
   // split.js
   var LEAST_SHARE = 0.08;
@@ -2424,50 +2507,126 @@ ${name}`;
     }
   }
   function surfacePane(store, { start }) {
-    const { section, bar, body } = pane("surface", S.surface);
-    const canvas = el("canvas", { tabIndex: 0, role: "img" });
-    const main = el("div", { class: "main" }, canvas);
-    const line = el("canvas", { tabIndex: 0, role: "img" });
-    const cutSlider = el("input", {
-      type: "range",
-      step: "any",
-      oninput: () => store.setPoint(cutInput(), Number(cutSlider.value))
+    return new SurfacePane(store, { start }).section;
+  }
+  var SurfacePane = class {
+    /**
+     * @param {Page.Store} store
+     */
+    constructor(store, { start }) {
+      this.store = store;
+      this.start = start;
+      const { section, bar, body } = pane("surface", S.surface);
+      this.section = section;
+      this.bar = bar;
+      this.canvas = el("canvas", { tabIndex: 0, role: "img" });
+      const main = el("div", { class: "main" }, this.canvas);
+      this.line = el("canvas", { tabIndex: 0, role: "img" });
+      this.cutSlider = el("input", {
+        type: "range",
+        step: "any",
+        oninput: () => this.store.setPoint(this.cutInput(), Number(this.cutSlider.value))
+      });
+      this.cutLabel = el("label", { class: "small" }, el("span"), this.cutSlider);
+      this.below = el("div", { class: "below", hidden: true }, this.cutLabel, el("div", { class: "line" }, this.line));
+      this.others = el("div", { class: "others" });
+      this.turned = { azimuth: -0.65, elevation: 0.55 };
+      this.flat = false;
+      this.cut = "";
+      this.image = null;
+      this.layer = null;
+      this.scale = null;
+      this.size = { width: 0, height: 0 };
+      this.lineSize = { width: 0, height: 0 };
+      this.handle = null;
+      this.sliders = [];
+      body.append(main, this.below, this.others);
+      let held = false;
+      this.canvas.addEventListener("pointerdown", (event) => {
+        if (!this.store.scene) return;
+        this.canvas.setPointerCapture(event.pointerId);
+        held = Boolean(this.handle) && Math.hypot(event.offsetX - this.handle.at[0], event.offsetY - this.handle.at[1]) < 12;
+        if (this.isPlane()) this.aim(event);
+      });
+      this.canvas.addEventListener("pointermove", (event) => {
+        if (!this.store.scene || !event.buttons) return;
+        if (this.isPlane()) this.aim(event);
+        else if (held && this.handle) this.slide(event);
+        else this.turn(0.01 * event.movementX, 0.01 * event.movementY);
+      });
+      this.canvas.addEventListener("keydown", (event) => {
+        const step = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key];
+        if (!step || !this.store.scene) return;
+        event.preventDefault();
+        if (this.isPlane()) this.nudge(step[0] ? this.store.axes.x : this.store.axes.y, step[0] + step[1]);
+        else this.turn(0.1 * step[0], 0.1 * step[1]);
+      });
+      this.line.addEventListener("pointerdown", (event) => {
+        this.line.setPointerCapture(event.pointerId);
+        this.aimLine(event);
+      });
+      this.line.addEventListener("pointermove", (event) => {
+        if (event.buttons) this.aimLine(event);
+      });
+      this.line.addEventListener("keydown", (event) => {
+        const step = { ArrowLeft: -1, ArrowRight: 1, ArrowDown: -1, ArrowUp: 1 }[event.key];
+        if (!step) return;
+        event.preventDefault();
+        this.nudge(this.otherInput(), step);
+      });
+      this.redraw = eachFrame(this.draw);
+      this.store.on("scene", this.build);
+      this.store.on("axes", this.build);
+      for (const name of ["reshaped", "point", "theme", "told"]) this.store.on(name, this.redraw);
+      const watch = new ResizeObserver(() => {
+        this.size = { width: main.clientWidth, height: main.clientHeight };
+        this.lineSize = { width: this.line.parentElement.clientWidth, height: this.line.parentElement.clientHeight };
+        this.redraw();
+      });
+      watch.observe(main);
+      watch.observe(this.line.parentElement);
+    }
+    cutInput = () => this.store.axes[this.cut];
+    otherInput = () => this.store.axes[this.cut === "x" ? "y" : "x"];
+    /** The side of the base, -0.5 or 0.5, that is nearer to the eye. */
+    front = (axis) => {
+      const depth = axis === "x" ? Math.sin(this.turned.azimuth) : Math.cos(this.turned.azimuth);
+      return depth > 0 ? -0.5 : 0.5;
+    };
+    order = (count, forward) => Array.from({ length: count }, (_, i) => forward ? count - 1 - i : i);
+    place = (variable, value) => {
+      const [low, high] = rangeOf(variable);
+      return (value - low) / (high - low);
+    };
+    // --- the contour ---
+    box = (width, height) => ({
+      left: 44,
+      top: 10,
+      wide: width - (this.store.axes.x === this.store.axes.y ? 56 : 104),
+      tall: height - 48
     });
-    const cutLabel = el("label", { class: "small" }, el("span"), cutSlider);
-    const below = el("div", { class: "below", hidden: true }, cutLabel, el("div", { class: "line" }, line));
-    const others = el("div", { class: "others" });
-    const turned = { azimuth: -0.65, elevation: 0.55 };
-    let flat = false;
-    let cut = "";
-    let image = null;
-    let layer = null;
-    let scale = null;
-    let size = { width: 0, height: 0 };
-    let lineSize = { width: 0, height: 0 };
-    let handle = null;
-    let sliders = [];
-    body.append(main, below, others);
-    function build() {
-      const focused = [...bar.querySelectorAll("select")].indexOf(document.activeElement);
-      while (bar.childNodes.length > 1) bar.lastChild.remove();
-      bar.append(el("span", { class: "space" }));
-      const { inputs, outputs, missing } = store.scene;
+    isPlane = () => this.flat || this.store.axes.x === this.store.axes.y;
+    build = () => {
+      const focused = [...this.bar.querySelectorAll("select")].indexOf(document.activeElement);
+      while (this.bar.childNodes.length > 1) this.bar.lastChild.remove();
+      this.bar.append(el("span", { class: "space" }));
+      const { inputs, outputs, missing } = this.store.scene;
       if (missing.length) {
-        below.hidden = true;
-        others.replaceChildren();
-        redraw();
+        this.below.hidden = true;
+        this.others.replaceChildren();
+        this.redraw();
         return;
       }
       const names = inputs.map((each, i) => [String(i), each.name]);
       if (inputs.length > 2) {
-        bar.append(
-          choice(S.horizontal, names, String(store.axes.x), (i) => pick({ x: Number(i) })),
-          choice(S.vertical, names, String(store.axes.y), (i) => pick({ y: Number(i) }))
+        this.bar.append(
+          choice(S.horizontal, names, String(this.store.axes.x), (i) => this.pick({ x: Number(i) })),
+          choice(S.vertical, names, String(this.store.axes.y), (i) => this.pick({ y: Number(i) }))
         );
       }
       if (outputs.length > 1) {
         const shown = outputs.map((each, i) => [String(i), each.name]);
-        bar.append(choice(S.shown, shown, String(store.axes.output), (i) => pick({ output: Number(i) })));
+        this.bar.append(choice(S.shown, shown, String(this.store.axes.output), (i) => this.pick({ output: Number(i) })));
       }
       if (inputs.length > 1) {
         const views = [
@@ -2476,43 +2635,42 @@ ${name}`;
         ];
         const cuts = [
           ["", S.noCut],
-          ["x", inputs[store.axes.x].name],
-          ["y", inputs[store.axes.y].name]
+          ["x", inputs[this.store.axes.x].name],
+          ["y", inputs[this.store.axes.y].name]
         ];
-        bar.append(
-          choice(S.view, views, flat ? "contour" : "solid", (view) => {
-            flat = view === "contour";
-            redraw();
+        this.bar.append(
+          choice(S.view, views, this.flat ? "contour" : "solid", (view) => {
+            this.flat = view === "contour";
+            this.redraw();
           }),
-          choice(S.cut, cuts, cut, (axis) => {
-            cut = axis;
-            prepare();
+          choice(S.cut, cuts, this.cut, (axis) => {
+            this.cut = axis;
+            this.prepare();
           })
         );
-      } else cut = "";
-      bar.querySelectorAll("select")[focused]?.focus();
-      prepare();
-    }
-    const cutInput = () => store.axes[cut];
-    const otherInput = () => store.axes[cut === "x" ? "y" : "x"];
-    function prepare() {
-      const { inputs } = store.scene;
-      below.hidden = !cut;
-      if (cut) {
-        const [low, high] = rangeOf(inputs[cutInput()]);
-        Object.assign(cutSlider, { min: low, max: high, step: (high - low) / 400 });
+      } else this.cut = "";
+      this.bar.querySelectorAll("select")[focused]?.focus();
+      this.prepare();
+    };
+    /** Set up the line below for the cut, and the sliders beside for the inputs that are no axes. */
+    prepare = () => {
+      const { inputs } = this.store.scene;
+      this.below.hidden = !this.cut;
+      if (this.cut) {
+        const [low, high] = rangeOf(inputs[this.cutInput()]);
+        Object.assign(this.cutSlider, { min: low, max: high, step: (high - low) / 400 });
       }
-      sliders = inputs.map((variable, i) => (
+      this.sliders = inputs.map((variable, i) => (
         /** @type {const} */
         [variable, i]
-      )).filter(([, i]) => i !== store.axes.x && i !== store.axes.y).map(([variable, i]) => {
+      )).filter(([, i]) => i !== this.store.axes.x && i !== this.store.axes.y).map(([variable, i]) => {
         const [low, high] = rangeOf(variable);
         const range = el("input", {
           type: "range",
           min: low,
           max: high,
           step: (high - low) / 400,
-          oninput: () => store.setPoint(i, Number(range.value))
+          oninput: () => this.store.setPoint(i, Number(range.value))
         });
         const said2 = el("output", {});
         return {
@@ -2522,20 +2680,20 @@ ${name}`;
           label: el("label", { class: "small" }, el("span", { textContent: variable.name }), range, said2)
         };
       });
-      others.replaceChildren(...sliders.map(({ label }) => label));
-      redraw();
-    }
-    function pick(axes) {
-      const { x, y } = store.axes;
+      this.others.replaceChildren(...this.sliders.map(({ label }) => label));
+      this.redraw();
+    };
+    pick = (axes) => {
+      const { x, y } = this.store.axes;
       if (axes.x === y) axes.y = x;
       else if (axes.y === x) axes.x = y;
-      store.setAxes(axes);
-    }
-    function draw() {
-      const { scene, axes } = store;
-      if (!scene || !size.width) return;
+      this.store.setAxes(axes);
+    };
+    draw = () => {
+      const { scene, axes } = this.store;
+      if (!scene || !this.size.width) return;
       if (scene.missing.length) {
-        nothing(
+        this.nothing(
           S.notYet(
             Object.keys(S.missing).filter((name) => scene.missing.includes(name)).map((name) => S.missing[name])
           )
@@ -2544,43 +2702,44 @@ ${name}`;
       }
       const [x, y] = [scene.inputs[axes.x], scene.inputs[axes.y]];
       const output = scene.outputs[axes.output];
-      for (const { i, range, said: said2 } of sliders) {
-        range.value = store.point[i];
-        said2.textContent = shortNumber(store.point[i]);
+      for (const { i, range, said: said2 } of this.sliders) {
+        range.value = this.store.point[i];
+        said2.textContent = shortNumber(this.store.point[i]);
       }
-      const { g, width, height } = context(canvas, size.width, size.height);
-      handle = null;
-      const found = store.surface();
+      const { g, width, height } = context(this.canvas, this.size.width, this.size.height);
+      this.handle = null;
+      const found = this.store.surface();
       const label = S.surfaceLabel(output.name, x.name, x === y ? "" : y.name);
-      const source = found?.isFar ? S.byServer : found && store.coarse ? S.coarse : "";
-      canvas.setAttribute("aria-label", `${label} ${source}`.trim());
+      const source = found?.isFar ? S.byServer : found && this.store.coarse ? S.coarse : "";
+      this.canvas.setAttribute("aria-label", `${label} ${source}`.trim());
       if (!found) {
-        nothing(store.refused || (start ? S.asking(scene.reason) : S.notHere(scene.reason)));
+        this.nothing(this.store.refused || (this.start ? S.asking(scene.reason) : S.notHere(scene.reason)));
         return;
       }
-      const [low, high] = limits(found.z, output);
-      const section2 = cut ? store.section(otherInput()) : null;
-      const picture = { g, width, height, found, low, high, x, y, output, section: section2 };
-      if (x === y) drawLine(picture);
-      else if (flat) drawContour(picture);
-      else drawSolid(picture);
-      if (x !== y) drawScale(picture);
+      const [low, high] = this.limits(found.z, output);
+      const section = this.cut ? this.store.section(this.otherInput()) : null;
+      const picture = { g, width, height, found, low, high, x, y, output, section };
+      if (x === y) this.drawLine(picture);
+      else if (this.flat) this.drawContour(picture);
+      else this.drawSolid(picture);
+      if (x !== y) this.drawScale(picture);
       if (source) {
         g.fillStyle = colourOf("--soft");
         g.font = "11px system-ui, sans-serif";
         g.textAlign = "left";
         g.fillText(source, 8, height - 6);
       }
-      if (cut) drawSection(picture);
-    }
-    function nothing(words) {
-      const { g, width } = context(canvas, size.width, size.height);
+      if (this.cut) this.drawSection(picture);
+    };
+    /** Say why nothing is drawn. */
+    nothing = (words) => {
+      const { g, width } = context(this.canvas, this.size.width, this.size.height);
       g.fillStyle = colourOf("--soft");
       g.font = "13px system-ui, sans-serif";
-      wrapped(g, clean(words), 12, 24, width - 24);
-      canvas.setAttribute("aria-label", clean(words));
-    }
-    function limits(z, output) {
+      this.wrapped(g, clean(words), 12, 24, width - 24);
+      this.canvas.setAttribute("aria-label", clean(words));
+    };
+    limits = (z, output) => {
       let [low, high] = [output.low, output.high];
       if (low === null || high === null) {
         [low, high] = [Infinity, -Infinity];
@@ -2590,31 +2749,33 @@ ${name}`;
         }
       }
       return low < high ? [low, high] : [low - 1, low + 1];
-    }
-    function scaleImage() {
+    };
+    scaleImage = () => {
       const colours = new ImageData(1, 256);
       SHADES.forEach((shade, i) => colours.data.set([...shade, 255], 4 * (255 - i)));
       const made = new OffscreenCanvas(1, 256);
       made.getContext("2d").putImageData(colours, 0, 0);
       return made;
-    }
-    function drawScale({ g, width, height, low, high }) {
+    };
+    /** What the colours stand for. */
+    drawScale = ({ g, width, height, low, high }) => {
       const [right, top, tall, wide] = [width - 10, 26, Math.min(150, height - 70), 9];
       if (tall < 40) return;
-      scale ??= scaleImage();
-      g.drawImage(scale, right - wide, top, wide, tall);
+      this.scale ??= this.scaleImage();
+      g.drawImage(this.scale, right - wide, top, wide, tall);
       g.fillStyle = colourOf("--soft");
       g.font = "11px system-ui, sans-serif";
       g.textAlign = "right";
       for (const tick of ticks(low, high, tall / 34)) {
         g.fillText(shortNumber(tick), right - wide - 4, top + (tall - 1) * (1 - (tick - low) / (high - low)) + 4);
       }
-    }
-    function drawSolid({ g, width, height, found, low, high, x, y, output }) {
+    };
+    // --- the solid ---
+    drawSolid = ({ g, width, height, found, low, high, x, y, output }) => {
       const { z } = found;
       const n = found.xs.length;
-      const [ca, sa] = [Math.cos(turned.azimuth), Math.sin(turned.azimuth)];
-      const [ce, se] = [Math.cos(turned.elevation), Math.sin(turned.elevation)];
+      const [ca, sa] = [Math.cos(this.turned.azimuth), Math.sin(this.turned.azimuth)];
+      const [ce, se] = [Math.cos(this.turned.elevation), Math.sin(this.turned.elevation)];
       const reach = Math.min(width * 0.58, height * 0.68);
       const project = (u, v, w) => {
         const [right, depth] = [u * ca - v * sa, u * sa + v * ca];
@@ -2631,16 +2792,16 @@ ${name}`;
           py[k] = at[1];
         }
       }
-      frame2(g, project, { x, y, low, high, output, wanted: reach < 130 ? 2 : 4 });
-      const is = order(n - 1, sa > 0);
-      const js = order(n - 1, ca > 0);
+      this.frame(g, project, { x, y, low, high, output, wanted: reach < 130 ? 2 : 4 });
+      const is = this.order(n - 1, sa > 0);
+      const js = this.order(n - 1, ca > 0);
       const ratio = 2;
       const [wide, tall] = [Math.round(ratio * width), Math.round(ratio * height)];
-      if (image?.width !== wide || image?.height !== tall) {
-        image = new ImageData(wide, tall);
-        layer = new OffscreenCanvas(wide, tall);
+      if (this.image?.width !== wide || this.image?.height !== tall) {
+        this.image = new ImageData(wide, tall);
+        this.layer = new OffscreenCanvas(wide, tall);
       }
-      const pixels = new Uint32Array(image.data.buffer);
+      const pixels = new Uint32Array(this.image.data.buffer);
       pixels.fill(0);
       for (let k = 0; k < n * n; k++) {
         px[k] *= ratio;
@@ -2658,19 +2819,22 @@ ${name}`;
           fillTriangle(pixels, wide, tall, px[a], py[a], px[b], py[b], px[d], py[d], colour);
         }
       }
-      layer.getContext("2d").putImageData(image, 0, 0);
-      g.drawImage(layer, 0, 0, width, height);
-      const value = store.value();
-      if (cut) drawPlane(g, project, low, high);
+      this.layer.getContext("2d").putImageData(this.image, 0, 0);
+      g.drawImage(this.layer, 0, 0, width, height);
+      const value = this.store.value();
+      if (this.cut) this.drawPlane(g, project, low, high);
       if (Number.isFinite(value)) {
-        const [u, v] = [x, y].map((each, k) => place(each, store.point[k ? store.axes.y : store.axes.x]));
-        dot(g, ...project(u - 0.5, v - 0.5, (value - low) / (high - low) - 0.5));
+        const [u, v] = [x, y].map(
+          (each, k) => this.place(each, this.store.point[k ? this.store.axes.y : this.store.axes.x])
+        );
+        this.dot(g, ...project(u - 0.5, v - 0.5, (value - low) / (high - low) - 0.5));
       }
-    }
-    function drawPlane(g, project, low, high) {
-      const [one, other] = [cutInput(), otherInput()].map((i) => store.scene.inputs[i]);
-      const at = place(one, store.point[cutInput()]) - 0.5;
-      const corner = (along, w) => cut === "x" ? project(at, along, w) : project(along, at, w);
+    };
+    /** The plane of the cut, where it meets the surface, and the handle that moves it. */
+    drawPlane = (g, project, low, high) => {
+      const [one, other] = [this.cutInput(), this.otherInput()].map((i) => this.store.scene.inputs[i]);
+      const at = this.place(one, this.store.point[this.cutInput()]) - 0.5;
+      const corner = (along, w) => this.cut === "x" ? project(at, along, w) : project(along, at, w);
       g.fillStyle = g.strokeStyle = colourOf("--lit");
       g.globalAlpha = 0.12;
       g.beginPath();
@@ -2685,34 +2849,25 @@ ${name}`;
       g.globalAlpha = 1;
       g.lineWidth = 1;
       g.stroke();
-      const section2 = store.section(otherInput());
+      const section = this.store.section(this.otherInput());
       g.lineWidth = 2;
       g.beginPath();
       let down = false;
-      section2?.z.forEach((value, i) => {
-        const spot = corner(place(other, section2.xs[i]) - 0.5, (value - low) / (high - low) - 0.5);
+      section?.z.forEach((value, i) => {
+        const spot = corner(this.place(other, section.xs[i]) - 0.5, (value - low) / (high - low) - 0.5);
         if (Number.isFinite(value)) down ? g.lineTo(...spot) : g.moveTo(...spot);
         down = Number.isFinite(value);
       });
       g.stroke();
-      const way = (share) => cut === "x" ? project(share, front("y"), -0.5) : project(front("x"), share, -0.5);
-      handle = { at: way(at), from: way(-0.5), to: way(0.5) };
+      const way = (share) => this.cut === "x" ? project(share, this.front("y"), -0.5) : project(this.front("x"), share, -0.5);
+      this.handle = { at: way(at), from: way(-0.5), to: way(0.5) };
       g.fillStyle = colourOf("--pane");
       g.beginPath();
-      g.arc(...handle.at, 6, 0, 2 * Math.PI);
+      g.arc(...this.handle.at, 6, 0, 2 * Math.PI);
       g.fill();
       g.stroke();
-    }
-    const front = (axis) => {
-      const depth = axis === "x" ? Math.sin(turned.azimuth) : Math.cos(turned.azimuth);
-      return depth > 0 ? -0.5 : 0.5;
     };
-    const order = (count, forward) => Array.from({ length: count }, (_, i) => forward ? count - 1 - i : i);
-    const place = (variable, value) => {
-      const [low, high] = rangeOf(variable);
-      return (value - low) / (high - low);
-    };
-    function frame2(g, project, { x, y, low, high, output, wanted }) {
+    frame = (g, project, { x, y, low, high, output, wanted }) => {
       g.strokeStyle = colourOf("--line");
       g.fillStyle = colourOf("--soft");
       g.font = "11px system-ui, sans-serif";
@@ -2728,8 +2883,8 @@ ${name}`;
       base.forEach((at, i) => i ? g.lineTo(...at) : g.moveTo(...at));
       g.closePath();
       g.stroke();
-      const near = Math.cos(turned.azimuth) > 0 ? -0.5 : 0.5;
-      const side = Math.sin(turned.azimuth) > 0 ? -0.5 : 0.5;
+      const near = Math.cos(this.turned.azimuth) > 0 ? -0.5 : 0.5;
+      const side = Math.sin(this.turned.azimuth) > 0 ? -0.5 : 0.5;
       const axis = (variable, at) => {
         const [a, b] = rangeOf(variable);
         for (const tick of ticks(a, b, wanted)) {
@@ -2743,8 +2898,8 @@ ${name}`;
       axis(y, (t, out) => project(side * out, t, -0.5));
       g.textAlign = "left";
       g.fillText(`${clean(output.name).slice(0, 24)}: ${shortNumber(low)} \u2026 ${shortNumber(high)}`, 8, 15);
-    }
-    function dot(g, x, y) {
+    };
+    dot = (g, x, y) => {
       g.fillStyle = colourOf("--lit");
       g.strokeStyle = "#ffffff";
       g.lineWidth = 1.5;
@@ -2752,16 +2907,10 @@ ${name}`;
       g.arc(x, y, 4.5, 0, 2 * Math.PI);
       g.fill();
       g.stroke();
-    }
-    const box = (width, height) => ({
-      left: 44,
-      top: 10,
-      wide: width - (store.axes.x === store.axes.y ? 56 : 104),
-      tall: height - 48
-    });
-    function drawContour({ g, width, height, found, low, high, x, y }) {
+    };
+    drawContour = ({ g, width, height, found, low, high, x, y }) => {
       const n = found.xs.length;
-      const { left, top, wide, tall } = box(width, height);
+      const { left, top, wide, tall } = this.box(width, height);
       const colours = new ImageData(n, n);
       for (let j = 0; j < n; j++) {
         for (let i = 0; i < n; i++) {
@@ -2782,8 +2931,8 @@ ${name}`;
       g.beginPath();
       for (const level of ticks(low, high, LEVELS)) {
         if (level <= low || level >= high) continue;
-        const spots = lines(g, found.z, n, level, spotOf);
-        labelled(labels, spots, level, { left, top, wide, tall });
+        const spots = this.lines(g, found.z, n, level, spotOf);
+        this.labelled(labels, spots, level, { left, top, wide, tall });
       }
       g.stroke();
       g.font = "10.5px system-ui, sans-serif";
@@ -2796,21 +2945,25 @@ ${name}`;
         g.fillText(shortNumber(level), spot[0], spot[1] + 4);
       }
       drawAxes(g, { left, top, wide, tall }, rangeOf(x), rangeOf(y), x.name, y.name);
-      const [u, v] = [place(x, store.point[store.axes.x]), place(y, store.point[store.axes.y])];
+      const [u, v] = [
+        this.place(x, this.store.point[this.store.axes.x]),
+        this.place(y, this.store.point[this.store.axes.y])
+      ];
       g.strokeStyle = "rgb(255 255 255 / 0.6)";
       g.setLineDash([4, 4]);
       g.strokeRect(left, top + tall * (1 - v), wide, 0);
       g.strokeRect(left + wide * u, top, 0, tall);
       g.setLineDash([]);
-      if (cut) {
+      if (this.cut) {
         g.strokeStyle = colourOf("--lit");
         g.lineWidth = 2;
-        if (cut === "x") g.strokeRect(left + wide * u, top, 0, tall);
+        if (this.cut === "x") g.strokeRect(left + wide * u, top, 0, tall);
         else g.strokeRect(left, top + tall * (1 - v), wide, 0);
       }
-      dot(g, left + wide * u, top + tall * (1 - v));
-    }
-    function labelled(labels, spots, level, { left, top, wide, tall }) {
+      this.dot(g, left + wide * u, top + tall * (1 - v));
+    };
+    /** Choose places for the number of a level: away from the edges and from other numbers. */
+    labelled = (labels, spots, level, { left, top, wide, tall }) => {
       let count = 0;
       for (let i = 0; i < spots.length && count < 2; i++) {
         const spot = spots[Math.floor(i * 0.618034 % 1 * spots.length)];
@@ -2820,8 +2973,9 @@ ${name}`;
         labels.push({ spot, level });
         count++;
       }
-    }
-    function lines(g, z, n, level, at) {
+    };
+    /** Where a level crosses the sides of each cell, joined two by two; a spot of each. */
+    lines = (g, z, n, level, at) => {
       const spots = [];
       for (let j = 0; j + 1 < n; j++) {
         for (let i = 0; i + 1 < n; i++) {
@@ -2840,31 +2994,32 @@ ${name}`;
         }
       }
       return spots;
-    }
-    function drawLine({ g, width, height, found, low, high, x, output }) {
-      const where = box(width, height);
+    };
+    // --- a line: over one input, or the section of the cut ---
+    drawLine = ({ g, width, height, found, low, high, x, output }) => {
+      const where = this.box(width, height);
       drawAxes(g, where, rangeOf(x), [low, high], x.name, output.name);
-      curve(g, where, { xs: found.xs, z: found.z, low, high, variable: x, at: store.point[store.axes.x] });
-    }
-    function drawSection({ section: found, low, high, output }) {
-      const { g, width, height } = context(line, lineSize.width, lineSize.height);
-      const [at, other] = [cutInput(), otherInput()].map((i) => store.scene.inputs[i]);
-      cutSlider.value = store.point[cutInput()];
-      const said2 = S.cutAt(at.name, shortNumber(store.point[cutInput()]));
-      cutLabel.firstChild.textContent = clean(said2);
-      line.setAttribute("aria-label", S.sectionLabel(output.name, other.name, said2));
-      if (!found || !lineSize.width) return;
+      this.curve(g, where, { xs: found.xs, z: found.z, low, high, variable: x, at: this.store.point[this.store.axes.x] });
+    };
+    drawSection = ({ section: found, low, high, output }) => {
+      const { g, width, height } = context(this.line, this.lineSize.width, this.lineSize.height);
+      const [at, other] = [this.cutInput(), this.otherInput()].map((i) => this.store.scene.inputs[i]);
+      this.cutSlider.value = this.store.point[this.cutInput()];
+      const said2 = S.cutAt(at.name, shortNumber(this.store.point[this.cutInput()]));
+      this.cutLabel.firstChild.textContent = clean(said2);
+      this.line.setAttribute("aria-label", S.sectionLabel(output.name, other.name, said2));
+      if (!found || !this.lineSize.width) return;
       const where = { left: 44, top: 6, wide: width - 56, tall: height - 40 };
       drawAxes(g, where, rangeOf(other), [low, high], other.name, output.name);
-      curve(g, where, { ...found, low, high, variable: other, at: store.point[otherInput()] });
-    }
-    function curve(g, { left, top, wide, tall }, { xs, z, low, high, variable, at }) {
+      this.curve(g, where, { ...found, low, high, variable: other, at: this.store.point[this.otherInput()] });
+    };
+    curve = (g, { left, top, wide, tall }, { xs, z, low, high, variable, at }) => {
       g.strokeStyle = colourOf("--accent");
       g.lineWidth = 2;
       g.beginPath();
       let down = false;
       z.forEach((value2, i) => {
-        const spot = [left + wide * place(variable, xs[i]), top + tall * (1 - (value2 - low) / (high - low))];
+        const spot = [left + wide * this.place(variable, xs[i]), top + tall * (1 - (value2 - low) / (high - low))];
         if (Number.isFinite(value2)) {
           if (down) g.lineTo(...spot);
           else g.moveTo(...spot);
@@ -2872,136 +3027,125 @@ ${name}`;
         down = Number.isFinite(value2);
       });
       g.stroke();
-      const value = store.value();
+      const value = this.store.value();
       if (Number.isFinite(value)) {
-        dot(g, left + wide * place(variable, at), top + tall * (1 - (value - low) / (high - low)));
+        this.dot(g, left + wide * this.place(variable, at), top + tall * (1 - (value - low) / (high - low)));
       }
-    }
-    function wrapped(g, text, x, y, width) {
-      let line2 = "";
+    };
+    wrapped = (g, text, x, y, width) => {
+      let line = "";
       for (const word of text.split(" ")) {
-        if (line2 && g.measureText(`${line2} ${word}`).width > width) {
-          g.fillText(line2, x, y);
-          [line2, y] = [word, y + 18];
-        } else line2 = line2 ? `${line2} ${word}` : word;
+        if (line && g.measureText(`${line} ${word}`).width > width) {
+          g.fillText(line, x, y);
+          [line, y] = [word, y + 18];
+        } else line = line ? `${line} ${word}` : word;
       }
-      g.fillText(line2, x, y);
-    }
-    function aim(event) {
-      const { left, top, wide, tall } = box(canvas.clientWidth, canvas.clientHeight);
-      const { x, y } = store.axes;
+      g.fillText(line, x, y);
+    };
+    // --- hands ---
+    aim = (event) => {
+      const { left, top, wide, tall } = this.box(this.canvas.clientWidth, this.canvas.clientHeight);
+      const { x, y } = this.store.axes;
       const shares = [(event.offsetX - left) / wide, 1 - (event.offsetY - top) / tall];
       [x, y].forEach((input, k) => {
         if (k && x === y) return;
-        const [low, high] = rangeOf(store.scene.inputs[input]);
-        store.setPoint(input, low + Math.min(1, Math.max(0, shares[k])) * (high - low));
+        const [low, high] = rangeOf(this.store.scene.inputs[input]);
+        this.store.setPoint(input, low + Math.min(1, Math.max(0, shares[k])) * (high - low));
       });
-    }
-    const isPlane = () => flat || store.axes.x === store.axes.y;
-    let held = false;
-    canvas.addEventListener("pointerdown", (event) => {
-      if (!store.scene) return;
-      canvas.setPointerCapture(event.pointerId);
-      held = Boolean(handle) && Math.hypot(event.offsetX - handle.at[0], event.offsetY - handle.at[1]) < 12;
-      if (isPlane()) aim(event);
-    });
-    canvas.addEventListener("pointermove", (event) => {
-      if (!store.scene || !event.buttons) return;
-      if (isPlane()) aim(event);
-      else if (held && handle) slide(event);
-      else turn(0.01 * event.movementX, 0.01 * event.movementY);
-    });
-    canvas.addEventListener("keydown", (event) => {
-      const step = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key];
-      if (!step || !store.scene) return;
-      event.preventDefault();
-      if (isPlane()) nudge(step[0] ? store.axes.x : store.axes.y, step[0] + step[1]);
-      else turn(0.1 * step[0], 0.1 * step[1]);
-    });
-    function nudge(input, steps) {
-      const [low, high] = rangeOf(store.scene.inputs[input]);
-      store.setPoint(input, store.point[input] + steps * 0.01 * (high - low));
-    }
-    function slide(event) {
-      const { from, to } = handle;
+    };
+    nudge = (input, steps) => {
+      const [low, high] = rangeOf(this.store.scene.inputs[input]);
+      this.store.setPoint(input, this.store.point[input] + steps * 0.01 * (high - low));
+    };
+    /** Move the cut to where the pointer is along the edge that its handle runs on. */
+    slide = (event) => {
+      const { from, to } = this.handle;
       const [dx, dy] = [to[0] - from[0], to[1] - from[1]];
       const share = ((event.offsetX - from[0]) * dx + (event.offsetY - from[1]) * dy) / (dx * dx + dy * dy);
-      const [low, high] = rangeOf(store.scene.inputs[cutInput()]);
-      store.setPoint(cutInput(), low + share * (high - low));
-    }
-    function aimLine(event) {
-      const share = (event.offsetX - 44) / (line.clientWidth - 56);
-      const [low, high] = rangeOf(store.scene.inputs[otherInput()]);
-      store.setPoint(otherInput(), low + share * (high - low));
-    }
-    line.addEventListener("pointerdown", (event) => {
-      line.setPointerCapture(event.pointerId);
-      aimLine(event);
-    });
-    line.addEventListener("pointermove", (event) => {
-      if (event.buttons) aimLine(event);
-    });
-    line.addEventListener("keydown", (event) => {
-      const step = { ArrowLeft: -1, ArrowRight: 1, ArrowDown: -1, ArrowUp: 1 }[event.key];
-      if (!step) return;
-      event.preventDefault();
-      nudge(otherInput(), step);
-    });
-    function turn(azimuth, elevation) {
-      turned.azimuth -= azimuth;
-      turned.elevation = Math.min(1.5, Math.max(0.05, turned.elevation + elevation));
-      redraw();
-    }
-    const redraw = eachFrame(draw);
-    store.on("scene", build);
-    store.on("axes", build);
-    for (const name of ["reshaped", "point", "theme", "told"]) store.on(name, redraw);
-    const watch = new ResizeObserver(() => {
-      size = { width: main.clientWidth, height: main.clientHeight };
-      lineSize = { width: line.parentElement.clientWidth, height: line.parentElement.clientHeight };
-      redraw();
-    });
-    watch.observe(main);
-    watch.observe(line.parentElement);
-    return section;
-  }
+      const [low, high] = rangeOf(this.store.scene.inputs[this.cutInput()]);
+      this.store.setPoint(this.cutInput(), low + share * (high - low));
+    };
+    aimLine = (event) => {
+      const share = (event.offsetX - 44) / (this.line.clientWidth - 56);
+      const [low, high] = rangeOf(this.store.scene.inputs[this.otherInput()]);
+      this.store.setPoint(this.otherInput(), low + share * (high - low));
+    };
+    turn = (azimuth, elevation) => {
+      this.turned.azimuth -= azimuth;
+      this.turned.elevation = Math.min(1.5, Math.max(0.05, this.turned.elevation + elevation));
+      this.redraw();
+    };
+  };
 
   // viewer.js
   var SAMPLES = 121;
   var ROW = 27;
   var SPARE = 2;
   function viewerPane(store) {
-    const { section, bar, body } = pane("inference", S.inference);
-    const sliders = el("div", { class: "sliders" });
-    const why = el("div", { "aria-live": "polite" });
-    const head = el("div", { class: "fired head" });
-    const rows = el("div", { class: "rules-fired", tabIndex: 0, role: "group", "aria-label": S.rules });
-    const foot = el("div", { class: "fired foot" });
-    let inputs = [];
-    let order = "strength";
-    bar.append(
-      el("span", { class: "space" }),
-      choice(
-        S.order,
-        [
-          ["strength", S.strongest],
-          ["text", S.asWritten]
-        ],
-        order,
-        (to) => {
-          order = to;
-          rows.scrollTop = 0;
-          draw();
-        }
-      )
-    );
-    body.append(sliders, why, head, rows, foot);
-    function build() {
-      sliders.replaceChildren();
-      inputs = store.scene.inputs.map((variable, i) => {
+    return new ViewerPane(store).section;
+  }
+  var ViewerPane = class {
+    /**
+     * @param {Page.Store} store
+     */
+    constructor(store) {
+      this.store = store;
+      const { section, bar, body } = pane("inference", S.inference);
+      this.section = section;
+      this.sliders = el("div", { class: "sliders" });
+      this.why = el("div", { "aria-live": "polite" });
+      this.head = el("div", { class: "fired head" });
+      this.rows = el("div", { class: "rules-fired", tabIndex: 0, role: "group", "aria-label": S.rules });
+      this.foot = el("div", { class: "fired foot" });
+      this.inputs = [];
+      this.order = "strength";
+      bar.append(
+        el("span", { class: "space" }),
+        choice(
+          S.order,
+          [
+            ["strength", S.strongest],
+            ["text", S.asWritten]
+          ],
+          this.order,
+          (to) => {
+            this.order = to;
+            this.rows.scrollTop = 0;
+            this.draw();
+          }
+        )
+      );
+      body.append(this.sliders, this.why, this.head, this.rows, this.foot);
+      const redraw = eachFrame(this.draw);
+      this.store.on("scene", this.build);
+      for (const name of ["reshaped", "point", "told"]) this.store.on(name, redraw);
+      this.rows.addEventListener("scroll", redraw);
+      new ResizeObserver(redraw).observe(this.rows);
+    }
+    small = (x) => x > 0 && x < 1e-3 ? x.toExponential(0) : shortNumber(x, 3);
+    degree = (found, number) => {
+      const [high, low] = [found.strengths[number], found.lower[number]].map(this.small);
+      return high === low ? high : S.between(low, high);
+    };
+    samples = (variable) => {
+      const [low, high] = rangeOf(variable);
+      return Float64Array.from({ length: SAMPLES }, (_, i) => low + (high - low) * i / (SAMPLES - 1));
+    };
+    across = (i) => (100 * i / (SAMPLES - 1)).toFixed(2);
+    line = (y) => Array.from(y, (v, i) => `${i ? "L" : "M"}${this.across(i)} ${(-v).toFixed(3)}`).join("");
+    area = (y) => `${this.line(y)}L100 0L0 0Z`;
+    filled = (y, side) => svg("path", { class: side ? "cut lower" : "cut", d: this.area(y) });
+    outline = (y, side) => svg("path", { class: side ? "set lower" : "set", d: this.line(y) });
+    share = (variable, value) => {
+      const [low, high] = rangeOf(variable);
+      return 100 * (value - low) / (high - low);
+    };
+    build = () => {
+      this.sliders.replaceChildren();
+      this.inputs = this.store.scene.inputs.map((variable, i) => {
         const [low, high] = rangeOf(variable);
         const set = (value) => {
-          if (Number.isFinite(value)) store.setPoint(i, value);
+          if (Number.isFinite(value)) this.store.setPoint(i, value);
         };
         const label = el("label", { textContent: variable.name, title: variable.description || variable.name });
         const range = el("input", {
@@ -3019,106 +3163,105 @@ ${name}`;
           "aria-label": `${variable.name}: ${S.value}`,
           onchange: () => set(Number(number.value))
         });
-        sliders.append(el("div", { class: "slider" }, label, range, number));
+        this.sliders.append(el("div", { class: "slider" }, label, range, number));
         return { range, number };
       });
-      const { scene } = store;
+      const { scene } = this.store;
       const first = scene.rules.some((rule) => rule.readings.length > 1) ? "8.4em" : "5.4em";
       const columns = `${first} repeat(${scene.inputs.length + scene.outputs.length}, minmax(0, 1fr))`;
-      for (const part of [head, foot]) part.style.gridTemplateColumns = columns;
-      rows.style.setProperty("--columns", columns);
-      head.replaceChildren(
+      for (const part of [this.head, this.foot]) part.style.gridTemplateColumns = columns;
+      this.rows.style.setProperty("--columns", columns);
+      this.head.replaceChildren(
         el("span"),
         ...[...scene.inputs, ...scene.outputs].map(
           (variable) => el("strong", { class: "cell", textContent: variable.name })
         )
       );
-      draw();
-    }
-    function draw() {
-      if (!store.scene) return;
-      inputs.forEach(({ range, number }, i) => {
-        range.value = store.point[i];
-        if (document.activeElement !== number) number.value = shortNumber(store.point[i], 6);
-      });
-      if (store.scene.missing.length) {
-        why.replaceChildren();
-        for (const part of [head, rows, foot]) part.hidden = true;
-        return;
-      }
-      const found = store.fired();
-      const isKnown = found || store.running;
-      for (const part of [head, rows, foot]) part.hidden = !found;
-      if (!isKnown) {
-        why.replaceChildren(el("p", { class: "note", textContent: store.refused || S.notHere(store.scene.reason) }));
-        return;
-      }
-      why.replaceChildren(...reasons(found));
-      if (!found) return;
-      list(found);
-      foot.replaceChildren(
-        el("span"),
-        ...store.scene.inputs.map(() => el("span")),
-        ...store.scene.outputs.map((output, o) => whole(output, o, found))
-      );
-    }
-    const small = (x) => x > 0 && x < 1e-3 ? x.toExponential(0) : shortNumber(x, 3);
-    const degree = (found, number) => {
-      const [high, low] = [found.strengths[number], found.lower[number]].map(small);
-      return high === low ? high : S.between(low, high);
+      this.draw();
     };
-    function reasons(found) {
-      return store.scene.outputs.map((output, o) => {
+    draw = () => {
+      if (!this.store.scene) return;
+      this.inputs.forEach(({ range, number }, i) => {
+        range.value = this.store.point[i];
+        if (document.activeElement !== number) number.value = shortNumber(this.store.point[i], 6);
+      });
+      if (this.store.scene.missing.length) {
+        this.why.replaceChildren();
+        for (const part of [this.head, this.rows, this.foot]) part.hidden = true;
+        return;
+      }
+      const found = this.store.fired();
+      const isKnown = found || this.store.running;
+      for (const part of [this.head, this.rows, this.foot]) part.hidden = !found;
+      if (!isKnown) {
+        this.why.replaceChildren(
+          el("p", { class: "note", textContent: this.store.refused || S.notHere(this.store.scene.reason) })
+        );
+        return;
+      }
+      this.why.replaceChildren(...this.reasons(found));
+      if (!found) return;
+      this.list(found);
+      this.foot.replaceChildren(
+        el("span"),
+        ...this.store.scene.inputs.map(() => el("span")),
+        ...this.store.scene.outputs.map((output, o) => this.whole(output, o, found))
+      );
+    };
+    reasons = (found) => {
+      return this.store.scene.outputs.map((output, o) => {
         const value = found?.outputs[o];
-        const line2 = el("p", { class: "why" });
+        const line = el("p", { class: "why" });
         const ends = output.interval && found?.ends?.[o].every(Number.isFinite) ? found.ends[o] : null;
         const interval = ends ? ` ${S.interval(...ends.map((x) => shortNumber(x, 6)))}` : "";
         const said2 = Number.isFinite(value) ? shortNumber(value, 6) : S.noValue;
-        line2.append(el("output", { textContent: `${output.name} = ${said2}${interval}` }));
+        line.append(el("output", { textContent: `${output.name} = ${said2}${interval}` }));
         let first = -1;
-        store.scene.rules.forEach((rule, number) => {
+        this.store.scene.rules.forEach((rule, number) => {
           const strength = found?.strengths[number] ?? 0;
           const concludes = rule.concludes.some(([k]) => k === o);
           if (concludes && strength > (first < 0 ? 0 : found.strengths[first])) first = number;
         });
-        const reason = first >= 0 ? ` ${S.because} ${store.scene.rules[first].text} (${S.strength} ${degree(found, first)}, ${store.scene.rules[first].place})` : ` \u2013 ${S.nothingFires}`;
-        line2.append(clean(reason));
-        return line2;
+        const reason = first >= 0 ? ` ${S.because} ${this.store.scene.rules[first].text} (${S.strength} ${this.degree(found, first)}, ${this.store.scene.rules[first].place})` : ` \u2013 ${S.nothingFires}`;
+        line.append(clean(reason));
+        return line;
       });
-    }
-    function list(found) {
-      const { rules } = store.scene;
+    };
+    /** Draw the rules that are seen; those above and below are as much room. */
+    list = (found) => {
+      const { rules } = this.store.scene;
       let numbers = rules.map((_, number) => number);
-      if (order === "strength") {
+      if (this.order === "strength") {
         numbers = numbers.filter((number) => found.strengths[number] > 0);
         numbers.sort((a, b) => found.strengths[b] - found.strengths[a]);
       }
-      const first = Math.max(0, Math.floor(rows.scrollTop / ROW) - SPARE);
-      const last = Math.min(numbers.length, first + Math.ceil((rows.clientHeight || 200) / ROW) + 2 * SPARE);
+      const first = Math.max(0, Math.floor(this.rows.scrollTop / ROW) - SPARE);
+      const last = Math.min(numbers.length, first + Math.ceil((this.rows.clientHeight || 200) / ROW) + 2 * SPARE);
       const room = (count) => {
         const made = el("div");
         made.style.height = `${count * ROW}px`;
         return made;
       };
-      rows.replaceChildren(
+      this.rows.replaceChildren(
         room(first),
-        ...numbers.slice(first, last).map((number) => row(found, number)),
+        ...numbers.slice(first, last).map((number) => this.row(found, number)),
         room(numbers.length - last)
       );
-    }
-    function row(found, number) {
-      const { scene } = store;
+    };
+    row = (found, number) => {
+      const { scene } = this.store;
       const rule = scene.rules[number];
       const made = el("div", {
         class: found.strengths[number] > 0 ? "fired" : "fired silent",
-        title: `${rule.place}: ${rule.text} (${S.strength} ${degree(found, number)})`
+        title: `${rule.place}: ${rule.text} (${S.strength} ${this.degree(found, number)})`
       });
-      made.append(el("span", { class: "degree" }, el("span", { textContent: rule.place }), degree(found, number)));
-      scene.inputs.forEach((variable, i) => made.append(premise(variable, i, rule)));
-      scene.outputs.forEach((output, o) => made.append(conclusion(output, o, rule, found, number)));
+      made.append(el("span", { class: "degree" }, el("span", { textContent: rule.place }), this.degree(found, number)));
+      scene.inputs.forEach((variable, i) => made.append(this.premise(variable, i, rule)));
+      scene.outputs.forEach((output, o) => made.append(this.conclusion(output, o, rule, found, number)));
       return made;
-    }
-    function picture(label, kind, ...parts) {
+    };
+    // --- pictures, 100 wide and 1 high ---
+    picture = (label, kind, ...parts) => {
       const title = svg("title", {}, label);
       return svg(
         "svg",
@@ -3127,56 +3270,44 @@ ${name}`;
         svg("line", { class: "base", x1: 0, x2: 100, y1: 0, y2: 0 }),
         ...parts
       );
-    }
-    const samples = (variable) => {
-      const [low, high] = rangeOf(variable);
-      return Float64Array.from({ length: SAMPLES }, (_, i) => low + (high - low) * i / (SAMPLES - 1));
     };
-    const across = (i) => (100 * i / (SAMPLES - 1)).toFixed(2);
-    const line = (y) => Array.from(y, (v, i) => `${i ? "L" : "M"}${across(i)} ${(-v).toFixed(3)}`).join("");
-    const area = (y) => `${line(y)}L100 0L0 0Z`;
-    const filled = (y, side) => svg("path", { class: side ? "cut lower" : "cut", d: area(y) });
-    const outline = (y, side) => svg("path", { class: side ? "set lower" : "set", d: line(y) });
-    const share = (variable, value) => {
-      const [low, high] = rangeOf(variable);
-      return 100 * (value - low) / (high - low);
-    };
-    function mark(variable, value) {
-      const x = share(variable, value);
+    mark = (variable, value) => {
+      const x = this.share(variable, value);
       return svg("line", { x1: x, x2: x, y1: -1.04, y2: 0 });
-    }
-    function premise(variable, i, rule) {
+    };
+    premise = (variable, i, rule) => {
       const parts = [];
       const words = [];
       for (const [input, name, hedges] of rule.parts) {
         const term = variable.terms.find((each) => input === i && each.name === name);
         if (!term?.curve) continue;
         const degrees = sidesOf(term).map((shape) => {
-          const y = store.degrees(variable, shape, samples(variable));
-          const at = store.degrees(variable, shape, Float64Array.of(store.point[i]))[0];
+          const y = this.store.degrees(variable, shape, this.samples(variable));
+          const at = this.store.degrees(variable, shape, Float64Array.of(this.store.point[i]))[0];
           const side = shape.side ?? 0;
           parts.push(
-            filled(
+            this.filled(
               y.map((v) => Math.min(v, at)),
               side
             ),
-            outline(y, side)
+            this.outline(y, side)
           );
           return shortNumber(at, 3);
         });
         words.push(`${hedges} ${name}: ${degrees.length > 1 ? S.between(degrees[1], degrees[0]) : degrees[0]}`.trim());
       }
       if (!parts.length) return el("span");
-      return picture(`${variable.name} ${words.join(", ")}`, "", ...parts, mark(variable, store.point[i]));
-    }
-    function setOf(output, member) {
+      return this.picture(`${variable.name} ${words.join(", ")}`, "", ...parts, this.mark(variable, this.store.point[i]));
+    };
+    /** Degrees of a consequent at the samples, as it is now. */
+    setOf = (output, member) => {
       const term = output.terms.find((each) => each.name === member.term);
       const shape = member.isLower ? term?.lower ?? term : term;
-      if (shape?.curve && !member.hedged) return store.degrees(output, shape, samples(output));
+      if (shape?.curve && !member.hedged) return this.store.degrees(output, shape, this.samples(output));
       const numbers = Float64Array.from(member.curve.numbers);
-      return store.curves.degrees(member.curve.address, numbers, samples(output));
-    }
-    function conclusion(output, o, rule, found, number) {
+      return this.store.curves.degrees(member.curve.address, numbers, this.samples(output));
+    };
+    conclusion = (output, o, rule, found, number) => {
       const parts = [];
       const words = [];
       const sides = [
@@ -3189,22 +3320,22 @@ ${name}`;
           if (k !== o) continue;
           if (!side) words.push(member.words);
           if (member.curve === null) {
-            if (member.value !== null) parts.push(stem(output, member.value, strengths[number]));
+            if (member.value !== null) parts.push(this.stem(output, member.value, strengths[number]));
             continue;
           }
-          const y = setOf(output, member);
+          const y = this.setOf(output, member);
           const cut = new Float64Array(SAMPLES);
-          store.curves.cut(member.implication, 2, strengths[number], y, cut);
-          parts.push(filled(cut, side), outline(y, side));
+          this.store.curves.cut(member.implication, 2, strengths[number], y, cut);
+          parts.push(this.filled(cut, side), this.outline(y, side));
         }
       });
-      return words.length ? picture(`${output.name} ${words.join(", ")}`, "", ...parts) : el("span");
-    }
-    function stem(output, value, height) {
-      const x = share(output, value);
+      return words.length ? this.picture(`${output.name} ${words.join(", ")}`, "", ...parts) : el("span");
+    };
+    stem = (output, value, height) => {
+      const x = this.share(output, value);
       return svg("line", { x1: x, x2: x, y1: -height, y2: 0 });
-    }
-    function whole(output, o, found) {
+    };
+    whole = (output, o, found) => {
       const parts = [];
       for (const side of output.twoSided ? [0, 1] : [0]) {
         const aggregate = new Float64Array(SAMPLES);
@@ -3212,31 +3343,25 @@ ${name}`;
           const height = found.heights[o][index];
           if (!(height > 0) || member.side !== side) return;
           if (member.curve !== null) {
-            store.curves.cut(member.implication, output.aggregation, height, setOf(output, member), aggregate);
-          } else if (member.value !== null) parts.push(stem(output, member.value, height));
+            this.store.curves.cut(member.implication, output.aggregation, height, this.setOf(output, member), aggregate);
+          } else if (member.value !== null) parts.push(this.stem(output, member.value, height));
         });
-        if (aggregate.some((v) => v > 0)) parts.unshift(filled(aggregate, side));
+        if (aggregate.some((v) => v > 0)) parts.unshift(this.filled(aggregate, side));
       }
       const value = found.outputs[o];
       let said2 = Number.isFinite(value) ? shortNumber(value, 6) : S.noValue;
       const ends = output.interval ? found.ends?.[o] : null;
       if (ends?.every(Number.isFinite)) {
-        const [left, right] = ends.map((end) => share(output, end));
+        const [left, right] = ends.map((end) => this.share(output, end));
         parts.push(
           svg("rect", { class: "interval", x: left, width: Math.max(0.2, right - left), y: -1.04, height: 1.04 })
         );
         said2 += ` ${S.interval(...ends.map((x) => shortNumber(x, 6)))}`;
       }
-      if (Number.isFinite(value)) parts.push(mark(output, value));
-      return picture(`${S.aggregate}: ${output.name} = ${said2}`, "whole", ...parts);
-    }
-    const redraw = eachFrame(draw);
-    store.on("scene", build);
-    for (const name of ["reshaped", "point", "told"]) store.on(name, redraw);
-    rows.addEventListener("scroll", redraw);
-    new ResizeObserver(redraw).observe(rows);
-    return section;
-  }
+      if (Number.isFinite(value)) parts.push(this.mark(output, value));
+      return this.picture(`${S.aggregate}: ${output.name} = ${said2}`, "whole", ...parts);
+    };
+  };
 
   // frame.js
   var DESIGN = {
@@ -3251,79 +3376,93 @@ ${name}`;
   };
   var DARK = "(prefers-color-scheme: dark)";
   function frame(store, hand, text, controls, shownViews = [DESIGN]) {
-    const note = el("p", { class: "note" });
-    const views = shownViews.map(({ name, title, drawn, panes, splits = [] }) => {
-      const made = [...panes.map((make) => make(store, hand)), ...splits.map(splitter)];
-      const panel = shownViews.length > 1 ? { role: "tabpanel", "aria-label": title } : {};
-      return el(
-        "div",
-        { class: `pictures view-${name}${drawn ? " drawn" : ""}`, id: `view-${name}`, hidden: true, ...panel },
-        ...made
-      );
-    });
-    const area = el("div", { class: "area" }, note, ...views);
-    const between = text ? [text, splitter({ key: "text", vertical: true, at: 1, usual: 0.35 })] : [];
-    const main = el("main", { class: text ? "design" : "design alone" }, ...between, area);
-    const gone = new AbortController();
-    const help = helpButton(
-      shownViews.map((view) => view.name),
-      gone.signal
-    );
-    const header = el(
-      "header",
-      {},
-      el("h1", { textContent: S.designer }),
-      ...controls,
-      el("span", { class: "last" }, help, themeButton(store))
-    );
-    let shown = 0;
-    const tabs = shownViews.map(
-      ({ name, title }, i) => el("button", { role: "tab", textContent: title, "aria-controls": `view-${name}`, onclick: () => turn(i) })
-    );
-    if (tabs.length > 1) header.lastChild.before(el("div", { role: "tablist", class: "tabs" }, ...tabs));
-    const root2 = el("div", { class: "desk" }, header, main);
-    function turn(to) {
-      shown = to;
-      note.hidden = !shownViews[shown].drawn || Boolean(store.scene ?? store.diagram);
-      views.forEach((view, i) => {
-        view.hidden = i !== shown || !note.hidden;
+    return new Frame(store, hand, text, controls, shownViews).api();
+  }
+  var Frame = class {
+    /**
+     * @param {Page.Store} store
+     * @param {Page.Hand} hand
+     */
+    constructor(store, hand, text, controls, shownViews = [DESIGN]) {
+      this.store = store;
+      this.shownViews = shownViews;
+      this.note = el("p", { class: "note" });
+      this.views = this.shownViews.map(({ name, title, drawn, panes, splits = [] }) => {
+        const made = [...panes.map((make) => make(this.store, hand)), ...splits.map(splitter)];
+        const panel = this.shownViews.length > 1 ? { role: "tabpanel", "aria-label": title } : {};
+        return el(
+          "div",
+          { class: `pictures view-${name}${drawn ? " drawn" : ""}`, id: `view-${name}`, hidden: true, ...panel },
+          ...made
+        );
       });
-      tabs.forEach((tab, i) => tab.setAttribute("aria-selected", String(i === shown)));
-      if (store.view === shownViews[shown].name) return;
-      store.view = shownViews[shown].name;
-      store.emit("view");
+      this.area = el("div", { class: "area" }, this.note, ...this.views);
+      const between = text ? [text, splitter({ key: "text", vertical: true, at: 1, usual: 0.35 })] : [];
+      const main = el("main", { class: text ? "design" : "design alone" }, ...between, this.area);
+      const gone = new AbortController();
+      const help = helpButton(
+        this.shownViews.map((view) => view.name),
+        gone.signal
+      );
+      const header = el(
+        "header",
+        {},
+        el("h1", { textContent: S.designer }),
+        ...controls,
+        el("span", { class: "last" }, help, themeButton(this.store))
+      );
+      this.shown = 0;
+      this.tabs = this.shownViews.map(
+        ({ name, title }, i) => el("button", { role: "tab", textContent: title, "aria-controls": `view-${name}`, onclick: () => this.turn(i) })
+      );
+      if (this.tabs.length > 1) header.lastChild.before(el("div", { role: "tablist", class: "tabs" }, ...this.tabs));
+      this.root = el("div", { class: "desk" }, header, main);
+      this.turn(0);
+      window.addEventListener(
+        "keydown",
+        (event) => {
+          if (event.key === "F6" && this.root.isConnected) this.step(event);
+        },
+        gone
+      );
+      matchMedia(DARK).addEventListener("change", () => this.store.emit("theme"), gone);
+      this.store.on("closed", () => gone.abort());
+      this.store.on("scene", this.sound);
+      this.store.on("diagram", this.sound);
+      this.store.on("stale", () => {
+        this.note.textContent = this.store.why === "other" ? S.noRules : S.notDrawn;
+        this.area.classList.add("stale");
+      });
     }
-    function step(event) {
+    api() {
+      return { root: this.root, turn: (name) => this.turn(this.shownViews.findIndex((view) => view.name === name)) };
+    }
+    sound = () => {
+      this.area.classList.remove("stale");
+      this.area.classList.toggle("as-diagram", Boolean(this.store.diagram) && this.store.asDiagram);
+      this.turn(this.shown);
+    };
+    turn = (to) => {
+      this.shown = to;
+      this.note.hidden = !this.shownViews[this.shown].drawn || Boolean(this.store.scene ?? this.store.diagram);
+      this.views.forEach((view, i) => {
+        view.hidden = i !== this.shown || !this.note.hidden;
+      });
+      this.tabs.forEach((tab, i) => tab.setAttribute("aria-selected", String(i === this.shown)));
+      if (this.store.view === this.shownViews[this.shown].name) return;
+      this.store.view = this.shownViews[this.shown].name;
+      this.store.emit("view");
+    };
+    /** Go to the next pane, or with Shift to the one before: there are many stops of Tab between. */
+    step = (event) => {
       if (document.querySelector("dialog[open]")) return;
-      const panes = [...root2.querySelectorAll(".pane")].filter((each) => each.offsetParent);
+      const panes = [...this.root.querySelectorAll(".pane")].filter((each) => each.offsetParent);
       const at = panes.findIndex((each) => each.contains(document.activeElement));
       const next = event.shiftKey ? Math.max(at, 0) - 1 : at + 1;
       event.preventDefault();
       panes.at(next % panes.length).focus();
-    }
-    turn(0);
-    window.addEventListener(
-      "keydown",
-      (event) => {
-        if (event.key === "F6" && root2.isConnected) step(event);
-      },
-      gone
-    );
-    matchMedia(DARK).addEventListener("change", () => store.emit("theme"), gone);
-    store.on("closed", () => gone.abort());
-    const sound = () => {
-      area.classList.remove("stale");
-      area.classList.toggle("as-diagram", Boolean(store.diagram) && store.asDiagram);
-      turn(shown);
     };
-    store.on("scene", sound);
-    store.on("diagram", sound);
-    store.on("stale", () => {
-      note.textContent = store.why === "other" ? S.noRules : S.notDrawn;
-      area.classList.add("stale");
-    });
-    return { root: root2, turn: (name) => turn(shownViews.findIndex((view) => view.name === name)) };
-  }
+  };
   function themeButton(store) {
     const root2 = document.documentElement;
     const dark = () => root2.dataset.theme ? root2.dataset.theme === "dark" : matchMedia(DARK).matches;
