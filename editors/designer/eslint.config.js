@@ -18,6 +18,6 @@ export default [
     },
   },
   { rules: { "max-lines-per-function": ["error", 80] } },
-  { files: ["*.js", "test/*.js"], languageOptions: { globals: globals.node } },
+  { files: ["editors/designer/**/*.js"], languageOptions: { globals: globals.node } },
   { ignores: ["**/node_modules/**", "src/fuzzyarm/designer/page/vendor/**", "src/fuzzyarm/designer/page/built/**"] },
 ];

@@ -6,6 +6,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from tempfile import TemporaryFile
 
 import pytest
 
@@ -40,7 +41,7 @@ class Served:
 
     def __init__(self, folder, port=0):
         self.folder, self.port = folder, port
-        self.log = Path(f"{folder}.log")
+        self.log = TemporaryFile("w+")  # noqa: SIM115  (it lives as long as the server)
         self.start()
 
     def start(self):
@@ -48,7 +49,7 @@ class Served:
         state = {"XDG_STATE_HOME": f"{self.folder}.state"}
         self.process = subprocess.Popen(
             [*words, "--port", str(self.port)],
-            stdout=subprocess.PIPE, stderr=self.log.open("w"), text=True,
+            stdout=subprocess.PIPE, stderr=self.log, text=True,
             env={**os.environ, **state},
         )  # fmt: skip
         self.address = self.process.stdout.readline().strip()
@@ -59,7 +60,9 @@ class Served:
         self.process.terminate()
         self.process.wait(10)
         self.process.stdout.close()
-        assert "internal error" not in self.log.read_text(), self.log.read_text()
+        self.log.seek(0)
+        log = self.log.read()
+        assert "internal error" not in log, log
 
 
 @pytest.fixture

@@ -105,7 +105,7 @@ SHAPES = [
 ]  # fmt: skip
 
 CORNERS = """
-import { cornersOf, piecesOf } from "./store.js";
+import { cornersOf, piecesOf } from "./geometry/shapes.js";
 import { readFileSync } from "fs";
 console.log(JSON.stringify(JSON.parse(readFileSync(0)).map(([kind, numbers]) => {
   const corners = cornersOf({ kind, height: 0.5 }, numbers.map(Number));
@@ -116,8 +116,7 @@ console.log(JSON.stringify(JSON.parse(readFileSync(0)).map(([kind, numbers]) => 
 
 @pytest.mark.skipif(shutil.which("node") is None, reason="node is not installed")
 def test_corners_and_pieces_in_the_page_are_those_of_python(tmp_path):
-    for name in ("engine.js", "store.js"):
-        (tmp_path / name).write_bytes(asset(name)[0])
+    shutil.copytree(PAGE / "geometry", tmp_path / "geometry")
     (tmp_path / "package.json").write_text('{"type": "module"}')
     (tmp_path / "run.js").write_text(CORNERS)
     given_shapes = [(kind, [str(x).replace("inf", "Infinity") for x in p]) for kind, p in SHAPES]
@@ -142,8 +141,7 @@ CURVES = [
 ]  # fmt: skip
 
 WIDTHS_AND_MIRRORS = """
-import { WIDTHS } from "./store.js";
-import { mirrorOf } from "./terms.js";
+import { WIDTHS, mirrorOf } from "./geometry/shapes.js";
 import { readFileSync } from "fs";
 console.log(JSON.stringify(JSON.parse(readFileSync(0)).map(([kind, p]) => [
   mirrorOf(kind, p, 10),
@@ -154,9 +152,7 @@ console.log(JSON.stringify(JSON.parse(readFileSync(0)).map(([kind, p]) => [
 
 @pytest.mark.skipif(shutil.which("node") is None, reason="node is not installed")
 def test_widths_lead_to_handles_and_back_and_mirrors_are_mirrors(tmp_path):
-    names = ("engine.js", "store.js", "terms.js", "variables.js", "draw.js", "strings.js")
-    for name in names:
-        (tmp_path / name).write_bytes(asset(name)[0])
+    shutil.copytree(PAGE / "geometry", tmp_path / "geometry")
     (tmp_path / "package.json").write_text('{"type": "module"}')
     (tmp_path / "run.js").write_text(WIDTHS_AND_MIRRORS)
     done = subprocess.run(

@@ -26,7 +26,8 @@ console.log(JSON.stringify([
 
 @pytest.mark.skipif(shutil.which("node") is None, reason="node is not installed")
 def test_a_border_shares_its_room_and_leaves_some_to_both(tmp_path):
-    for name in ("split.js", "draw.js", "strings.js"):
+    (tmp_path / "geometry").mkdir()
+    for name in ("split.js", "draw.js", "strings.js", "geometry/chart.js"):
         (tmp_path / name).write_bytes(asset(name)[0])
     (tmp_path / "package.json").write_text('{"type": "module"}')
     (tmp_path / "run.js").write_text(SPLITS)

@@ -1,9 +1,9 @@
 // Grids by hand: a new one, its rows and columns, and a rule put together from lists.
 
 import { el, shortNumber } from "./draw.js";
-import { rangeOf } from "./store.js";
 import { S } from "./strings.js";
 import { newShape } from "./variables.js";
+import { rangeOf } from "./geometry/shapes.js";
 
 const pairs = (names) => names.map((name) => [name, name]);
 const named = (variables) => variables.filter((each) => each.terms.length).map((each) => each.name);

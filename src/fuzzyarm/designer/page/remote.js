@@ -1,6 +1,7 @@
 // What the page does not compute by itself, or not as finely: asked of the server, beside the rest.
 
-import { ACROSS, rangeOf } from "./store.js";
+import { ACROSS } from "./store.js";
+import { rangeOf } from "./geometry/shapes.js";
 
 const WAIT = 60; // ms after the last change
 

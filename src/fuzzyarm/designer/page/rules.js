@@ -4,8 +4,8 @@
 import { el, keepFocus, pane, heat, shortNumber, eachFrame } from "./draw.js";
 import { addGrid, addHead, canConclude, composer, headDialog } from "./gridtools.js";
 import { methodLines } from "./methods.js";
-import { rangeOf } from "./store.js";
 import { S } from "./strings.js";
+import { rangeOf } from "./geometry/shapes.js";
 
 const MOST_CELLS = 700; // of choices; beyond, cells are plain text
 const MOST_SENTENCES = 400;

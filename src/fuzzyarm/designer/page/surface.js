@@ -6,8 +6,9 @@
 
 import { choice, clean, colourOf, context, drawAxes, eachFrame, el, pane, SHADES, shortNumber } from "./draw.js";
 import { ticks } from "./geometry/chart.js";
-import { rangeOf } from "./store.js";
+import { crossings, farToNear, fillTriangle, limitsOf, projectionOf } from "./geometry/surface.js";
 import { S } from "./strings.js";
+import { rangeOf } from "./geometry/shapes.js";
 
 const LEVELS = 9;
 const packed = (share) =>
@@ -15,22 +16,6 @@ const packed = (share) =>
 const FILLS = Uint32Array.from(packed(1));
 const DARKER = Uint32Array.from(packed(0.87)); // of the mesh
 const MESH = 6;
-
-/** Fill a triangle of an image of 32-bit pixels. */
-function fillTriangle(pixels, width, height, x0, y0, x1, y1, x2, y2, colour) {
-  if (y1 < y0) [x0, y0, x1, y1] = [x1, y1, x0, y0];
-  if (y2 < y0) [x0, y0, x2, y2] = [x2, y2, x0, y0];
-  if (y2 < y1) [x1, y1, x2, y2] = [x2, y2, x1, y1];
-  const end = Math.min(height, Math.ceil(y2 - 0.5));
-  for (let row = Math.max(0, Math.ceil(y0 - 0.5)); row < end; row++) {
-    const y = row + 0.5;
-    const a = x0 + ((x2 - x0) * (y - y0)) / (y2 - y0);
-    const b = y < y1 ? x0 + ((x1 - x0) * (y - y0)) / (y1 - y0) : x1 + ((x2 - x1) * (y - y1)) / (y2 - y1);
-    const from = row * width + Math.max(0, Math.ceil((a < b ? a : b) - 0.5));
-    const to = row * width + Math.min(width, Math.ceil((a < b ? b : a) - 0.5));
-    for (let at = from; at < to; at++) pixels[at] = colour;
-  }
-}
 
 /**
  * @param {Page.Store} store
@@ -130,7 +115,6 @@ class SurfacePane {
     return depth > 0 ? -0.5 : 0.5;
   };
 
-  order = (count, forward) => Array.from({ length: count }, (_, i) => (forward ? count - 1 - i : i));
   place = (variable, value) => {
     const [low, high] = rangeOf(variable);
     return (value - low) / (high - low);
@@ -263,7 +247,7 @@ class SurfacePane {
       this.nothing(this.store.refused || (this.start ? S.asking(scene.reason) : S.notHere(scene.reason)));
       return;
     }
-    const [low, high] = this.limits(found.z, output);
+    const [low, high] = limitsOf(found.z, output);
     const section = this.cut ? this.store.section(this.otherInput()) : null;
     const picture = { g, width, height, found, low, high, x, y, output, section };
     if (x === y) this.drawLine(picture);
@@ -286,18 +270,6 @@ class SurfacePane {
     g.font = "13px system-ui, sans-serif";
     this.wrapped(g, clean(words), 12, 24, width - 24);
     this.canvas.setAttribute("aria-label", clean(words));
-  };
-
-  limits = (z, output) => {
-    let [low, high] = [output.low, output.high];
-    if (low === null || high === null) {
-      [low, high] = [Infinity, -Infinity];
-      for (const value of z) {
-        if (value < low) low = value;
-        if (value > high) high = value;
-      }
-    }
-    return low < high ? [low, high] : [low - 1, low + 1];
   };
 
   scaleImage = () => {
@@ -327,13 +299,7 @@ class SurfacePane {
   drawSolid = ({ g, width, height, found, low, high, x, y, output }) => {
     const { z } = found;
     const n = found.xs.length;
-    const [ca, sa] = [Math.cos(this.turned.azimuth), Math.sin(this.turned.azimuth)];
-    const [ce, se] = [Math.cos(this.turned.elevation), Math.sin(this.turned.elevation)];
-    const reach = Math.min(width * 0.58, height * 0.68);
-    const project = (u, v, w) => {
-      const [right, depth] = [u * ca - v * sa, u * sa + v * ca];
-      return [width / 2 + reach * right, height * 0.5 - reach * (0.62 * w * ce + depth * se)];
-    };
+    const { project, reach, farIsHigh } = projectionOf(this.turned, width, height);
     const px = new Float64Array(n * n);
     const py = new Float64Array(n * n);
     const share = new Float64Array(n * n);
@@ -346,9 +312,8 @@ class SurfacePane {
       }
     }
     this.frame(g, project, { x, y, low, high, output, wanted: reach < 130 ? 2 : 4 });
-    // From far to near along both axes, so that what is in front covers what is behind.
-    const is = this.order(n - 1, sa > 0);
-    const js = this.order(n - 1, ca > 0);
+    const is = farToNear(n - 1, farIsHigh.u);
+    const js = farToNear(n - 1, farIsHigh.v);
     const ratio = 2; // pixels of the image for one of the page: their mean smooths the edges
     const [wide, tall] = [Math.round(ratio * width), Math.round(ratio * height)];
     if (this.image?.width !== wide || this.image?.height !== tall) {
@@ -536,26 +501,14 @@ class SurfacePane {
     }
   };
 
-  /** Where a level crosses the sides of each cell, joined two by two; a spot of each. */
+  /** Trace a level; returns a spot of each of its cells. */
   lines = (g, z, n, level, at) => {
-    const spots = [];
-    for (let j = 0; j + 1 < n; j++) {
-      for (let i = 0; i + 1 < n; i++) {
-        const k = j * n + i;
-        const [a, b, c, d] = [z[k] - level, z[k + 1] - level, z[k + n + 1] - level, z[k + n] - level];
-        const found = [];
-        if (a < 0 !== b < 0) found.push(at(i + a / (a - b), j));
-        if (b < 0 !== c < 0) found.push(at(i + 1, j + b / (b - c)));
-        if (d < 0 !== c < 0) found.push(at(i + d / (d - c), j + 1));
-        if (a < 0 !== d < 0) found.push(at(i, j + a / (a - d)));
-        for (let m = 0; m + 1 < found.length; m += 2) {
-          g.moveTo(...found[m]);
-          g.lineTo(...found[m + 1]);
-          spots.push(found[m]);
-        }
-      }
+    const segments = crossings(z, n, level).map(([from, to]) => [at(...from), at(...to)]);
+    for (const [from, to] of segments) {
+      g.moveTo(...from);
+      g.lineTo(...to);
     }
-    return spots;
+    return segments.map(([from]) => from);
   };
 
   // --- a line: over one input, or the section of the cut ---

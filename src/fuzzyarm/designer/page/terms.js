@@ -2,9 +2,9 @@
 
 import { el, svg, pane, hue, shortNumber, eachFrame } from "./draw.js";
 import { ticks } from "./geometry/chart.js";
-import { rangeOf, cornersOf, sendable, sidesOf, shapeKey, WIDTHS } from "./store.js";
 import { S } from "./strings.js";
 import { addVariable, variableHead } from "./variables.js";
+import { rangeOf, cornersOf, sendable, sidesOf, shapeKey, WIDTHS, moved, mirrorOf, TURNED } from "./geometry/shapes.js";
 
 const [LEFT, RIGHT, TOP, BOTTOM] = [14, 14, 18, 15];
 const HEAD = 20; // of the line above a plot
@@ -13,37 +13,6 @@ const [LEAST, MOST] = [60, 240]; // height of a plot; three fit into a window of
 const SMOOTH = 161;
 const LEAST_HEIGHT = 0.05;
 const DIAMOND = 5.5;
-
-/** Parameters of a shape after one of them (null: all positions) has moved to or by a number. */
-export function moved(shape, parameters, index, to, by) {
-  const next = [...parameters];
-  if (index === null) {
-    for (const i of shape.handles) next[i] = parameters[i] + by;
-    return next;
-  }
-  const place = shape.handles.indexOf(index);
-  if (shape.ordered || shape.kind === "points") {
-    const before = parameters[shape.handles[place - 1]] ?? -Infinity;
-    const behind = parameters[shape.handles[place + 1]] ?? Infinity;
-    to = Math.min(behind, Math.max(before, to));
-  }
-  next[index] = to;
-  return next;
-}
-
-const SYMMETRIC = new Set(["triangle", "trapezoid", "rectangle", "pi", "semi-ellipse", "s", "z", "singleton"]);
-const TURNED = { s: "z", z: "s" };
-
-/** The parameters of the mirror image about half of `sum`; null where there is none. */
-export function mirrorOf(kind, p, sum) {
-  const flip = (x) => Number((sum - x).toPrecision(12));
-  if (SYMMETRIC.has(kind)) return [...p].reverse().map(flip);
-  if (kind === "two-sided-gaussian") return [flip(p[2]), p[3], flip(p[0]), p[1]];
-  if (kind === "sigmoid") return [flip(p[0]), -p[1]];
-  if (kind.startsWith("sigmoid-")) return [flip(p[2]), -p[3], flip(p[0]), -p[1]];
-  if (["ramp", "concave", "arc"].includes(kind)) return p.map(flip);
-  return WIDTHS[kind] ? [flip(p[0]), ...p.slice(1)] : null;
-}
 
 /** The height of each of so many plots in a pane: they share it, within bounds. */
 export const plotHeight = (room, count) =>

@@ -1,8 +1,8 @@
 // Variables: the line above the plot of each, and the dialogs that add, stretch, rename and remove them.
 
 import { el, shortNumber } from "./draw.js";
-import { rangeOf, sendable } from "./store.js";
 import { S } from "./strings.js";
+import { rangeOf, sendable } from "./geometry/shapes.js";
 
 /** Numbers of a range as a person types them; null where they are not numbers. */
 export function readEnds(low, high) {

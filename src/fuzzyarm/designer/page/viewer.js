@@ -2,8 +2,8 @@
 // they conclude, the aggregate, the value and why. Of interval type 2 both readings, and both ends.
 
 import { clean, el, svg, pane, choice, shortNumber, eachFrame } from "./draw.js";
-import { rangeOf, sidesOf } from "./store.js";
 import { S } from "./strings.js";
+import { rangeOf, sidesOf } from "./geometry/shapes.js";
 
 const SAMPLES = 121;
 const ROW = 27; // pixels of a rule

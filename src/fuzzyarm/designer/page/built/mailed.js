@@ -161,354 +161,6 @@
     g.restore();
   }
 
-  // front:engine
-  var { Engine } = globalThis.fuzzyarm;
-
-  // store.js
-  var ACROSS = 61;
-  var CORNERS = {
-    triangle: (p) => [p[0], 0, p[1], 1, p[2], 0],
-    trapezoid: (p) => [p[0], 0, p[1], 1, p[2], 1, p[3], 0],
-    rectangle: (p) => [p[0], 0, p[0], 1, p[1], 1, p[1], 0],
-    ramp: (p) => p[0] <= p[1] ? [p[0], 0, p[1], 1] : [p[1], 1, p[0], 0],
-    binary: (p) => p[1] > p[0] ? [p[0], 0, p[0], 1] : [p[0], 1, p[0], 0],
-    singleton: (p) => [p[0], 0, p[0], 1, p[0], 0]
-  };
-  function cornersOf(shape, parameters, height = shape.height) {
-    const points = shape.kind === "points" ? parameters : CORNERS[shape.kind]?.(parameters);
-    if (!points) return null;
-    const found = [];
-    for (let i = 0; i < points.length; i += 2) {
-      if (Number.isFinite(points[i])) found.push(points[i], points[i + 1] * height);
-    }
-    return found.length ? found : [0, height];
-  }
-  var LEVEL = Math.log(9);
-  var beside = (centre, width, way = 1, share = 1) => ({
-    at: (p) => p[centre] + way * share * p[width],
-    to: (p, x) => Math.abs(x - p[centre]) / share
-  });
-  var slope = (inflection, own) => ({
-    at: (p) => p[inflection] + LEVEL / p[own],
-    to: (p, x) => LEVEL / (x - p[inflection])
-  });
-  var WIDTHS = {
-    gaussian: { 1: beside(0, 1) },
-    // where it is exp(-1/2)
-    "two-sided-gaussian": { 1: beside(0, 1, -1), 3: beside(2, 3) },
-    bell: {
-      1: beside(0, 1),
-      // where it is one half; its slope where it is 0.9
-      2: {
-        at: (p) => p[0] + p[1] * (1 / 9) ** (0.5 / p[2]),
-        to: (p, x) => Math.min(50, Math.max(0.1, -0.5 * LEVEL / Math.log(Math.min(0.999, Math.abs(x - p[0]) / p[1]))))
-      }
-    },
-    sigmoid: { 1: slope(0, 1) },
-    "sigmoid-difference": { 1: slope(0, 1), 3: slope(2, 3) },
-    "sigmoid-product": { 1: slope(0, 1), 3: slope(2, 3) },
-    cosine: { 1: beside(0, 1, 1, 0.5) },
-    // where it is 0
-    spike: { 1: beside(0, 1, 1, 0.1) }
-    // where it is exp(-1)
-  };
-  var sidesOf = (term) => term.lower ? [term, term.lower] : [term];
-  var shapeKey = (variable, shape) => `${variable.name}
-${shape.name}
-${shape.side ?? 0}`;
-  function piecesOf(corners, low, high) {
-    const last = corners.length - 2;
-    const ends = [Math.min(low, corners[0]), corners[1], ...corners, Math.max(high, corners[last]), corners[last + 1]];
-    const pieces = [];
-    for (let i = 0; i + 3 < ends.length; i += 2) {
-      const [x0, y0, x1, y1] = ends.slice(i, i + 4);
-      const [a, b] = [Math.max(x0, low), Math.min(x1, high)];
-      if (!(b > a)) continue;
-      const slope2 = (y1 - y0) / (x1 - x0);
-      pieces.push(a, a === x0 ? y0 : y0 + slope2 * (a - x0), b, b === x1 ? y1 : y0 + slope2 * (b - x0));
-    }
-    return pieces;
-  }
-  var sendable = (x) => Number.isFinite(x) ? x : x > 0 ? "inf" : "-inf";
-  function rangeOf(variable) {
-    const known = variable.terms.flatMap((term) => term.parameters.map(Number)).filter(Number.isFinite);
-    const low = variable.low ?? Math.min(0, ...known) - 1;
-    const high = variable.high ?? Math.max(1, ...known) + 1;
-    return [low, high];
-  }
-  var evenly = ([low, high], points) => Float64Array.from({ length: points }, (_, k) => low + (high - low) * k / (points - 1));
-  var Store = class {
-    constructor() {
-      this.listeners = {};
-      this.scene = null;
-      this.engine = null;
-      this.held = null;
-      this.reshaped = /* @__PURE__ */ new Map();
-      this.busy = false;
-      this.point = [];
-      this.axes = { x: 0, y: 1, output: 0 };
-      this.stale = false;
-      this.sound = false;
-      this.findings = [];
-      this.far = null;
-      this.told = null;
-      this.view = "";
-      this.diagram = null;
-      this.refused = "";
-      this.why = "";
-      this.coarse = null;
-      this.cost = null;
-      this.asDiagram = true;
-    }
-    on(name, listener) {
-      (this.listeners[name] ??= []).push(listener);
-    }
-    emit(name) {
-      for (const listener of this.listeners[name] ?? []) listener();
-    }
-    /**
-     * Take a rule base; the point and the axes stay where they fit.
-     *
-     * @param {Messages.Scene} scene
-     */
-    show(scene) {
-      const same = this.scene && JSON.stringify(this.scene.inputs.map((v) => [v.name, v.low, v.high])) === JSON.stringify(scene.inputs.map((v) => [v.name, v.low, v.high]));
-      for (const variable of [...scene.inputs, ...scene.outputs]) {
-        for (const term of variable.terms) {
-          for (const shape of sidesOf(term)) {
-            shape.parameters = shape.parameters.map(Number);
-            if (shape.curve) shape.curve.numbers = shape.curve.numbers.map(Number);
-          }
-          if (term.lower) Object.assign(term.lower, { name: term.name, side: 1 });
-        }
-      }
-      for (const output of scene.outputs) {
-        for (const { curve } of output.members) if (curve) curve.numbers = curve.numbers.map(Number);
-      }
-      this.scene = scene;
-      this.engine = scene.numbers ? new Engine(scene.numbers) : null;
-      const none = { whole: "", floats: "", functions: scene.functions };
-      this.curves = this.engine ?? new Engine(none);
-      this.held = this.far = this.told = this.cost = null;
-      if (!this.busy) this.reshaped.clear();
-      this.stale = false;
-      if (!same) {
-        this.point = scene.inputs.map((variable) => {
-          const [low, high] = rangeOf(variable);
-          return low + 0.6 * (high - low);
-        });
-        this.axes = { x: 0, y: Math.max(0, Math.min(1, scene.inputs.length - 1)), output: 0 };
-      }
-      this.axes.output = Math.max(0, Math.min(this.axes.output, scene.outputs.length - 1));
-      this.emit("scene");
-    }
-    /**
-     * Take the block diagram of a controller, or that there is none.
-     *
-     * @param {Messages.Diagram | null} diagram
-     */
-    draw(diagram) {
-      this.diagram = diagram;
-      if (diagram) this.stale = false;
-      this.emit("diagram");
-    }
-    /** Show the block diagram or the rules, of a file that has both. */
-    turnDiagram(shown) {
-      this.asDiagram = shown;
-      this.emit("diagram");
-    }
-    /** Keep what is drawn, as of an earlier text; `why` says what the text is now. */
-    mistaken(why) {
-      this.why = why;
-      if (!this.stale) {
-        this.stale = true;
-        this.emit("stale");
-      }
-    }
-    /** Take whether the text of now is sound. */
-    judge(sound) {
-      this.sound = sound;
-      this.emit("judged");
-    }
-    /** The value of the output shown at the point; NaN where there is none, or it is not known. */
-    value() {
-      const outputs = this.running ? this.running.at(this.point) : this.told?.outputs;
-      return outputs?.[this.axes.output] ?? NaN;
-    }
-    /** The engine whose numbers are those of the picture. */
-    get running() {
-      return this.held?.engine ?? this.engine;
-    }
-    setPoint(index, value) {
-      const [low, high] = rangeOf(this.scene.inputs[index]);
-      this.point[index] = Math.min(high, Math.max(low, value));
-      this.emit("point");
-    }
-    setAxes(axes) {
-      Object.assign(this.axes, axes);
-      this.emit("axes");
-    }
-    // --- terms ---
-    /** Parameters and height of a shape as they are drawn: what a hand holds, or the text's. */
-    now(variable, shape) {
-      return this.reshaped.get(shapeKey(variable, shape)) ?? shape;
-    }
-    /** Degrees of a shape at some positions, as it is drawn, or with other numbers. */
-    degrees(variable, shape, x, now = this.now(variable, shape)) {
-      const numbers = Float64Array.from(this.numbersOf(shape, now));
-      const found = this.curves.degrees(shape.curve.address, numbers, x);
-      const factor = shape.height === 1 && !cornersOf(shape, now.parameters) ? now.height : 1;
-      if (factor !== 1) for (let i = 0; i < found.length; i++) found[i] *= factor;
-      return found;
-    }
-    /** What the row function of a shape takes: corners, or numbers and the height that the text has. */
-    numbersOf(shape, now) {
-      if (now === shape) return shape.curve.numbers;
-      const corners = cornersOf(shape, now.parameters, now.height);
-      if (corners) return corners;
-      return shape.height === 1 ? now.parameters : [...now.parameters, now.height];
-    }
-    /** Have the numbers of a variable's terms changed in place from now on. */
-    hold(variable, numbers) {
-      this.held = numbers ? { variable: variable.name, engine: new Engine(numbers) } : null;
-      for (const shape of variable.terms.flatMap(sidesOf)) {
-        const now = this.now(variable, shape);
-        if (now !== shape && this.held) this.patch(variable, shape, now);
-      }
-      this.emit("reshaped");
-    }
-    reshape(variable, shape, parameters, height = this.now(variable, shape).height) {
-      const now = { parameters, height };
-      this.reshaped.set(shapeKey(variable, shape), now);
-      if (this.held?.variable === variable.name) this.patch(variable, shape, now);
-      this.emit("reshaped");
-    }
-    /** Draw the terms as the text has them: a change was not taken. */
-    forget() {
-      this.held = null;
-      this.reshaped.clear();
-      this.emit("reshaped");
-    }
-    patch(variable, shape, now) {
-      const engine = this.held.engine;
-      for (const mark of engine.data.marks) {
-        if (!shape.marks.includes(mark.term)) continue;
-        if (mark.sort === "curve") {
-          const numbers = this.numbersOf(shape, now);
-          if (numbers.length === mark.room) engine.patch(mark.floats, numbers);
-        } else if (mark.sort === "value") engine.patch(mark.floats, [now.parameters[0]]);
-        else if (mark.sort === "samples") {
-          const output = this.scene.outputs.findIndex((each) => each.name === variable.name);
-          engine.patch(mark.floats, this.degrees(variable, shape, engine.positions(output), now));
-        } else {
-          const corners = cornersOf(shape, now.parameters, now.height);
-          const pieces = piecesOf(corners, ...rangeOf(variable));
-          engine.patch(mark.floats, pieces.slice(0, 4 * mark.room));
-          engine.patchWhole(mark.row, Math.min(mark.room, pieces.length / 4));
-        }
-      }
-    }
-    // --- values ---
-    /** Which surface is shown: what else it depends on than the point within it. */
-    surfaceKey() {
-      const { x, y, output } = this.axes;
-      return JSON.stringify([x, y, output, this.point.filter((_, i) => i !== x && i !== y)]);
-    }
-    /** How many points along an axis are computed within a tenth of a second. */
-    across() {
-      const few = this.scene.functions.some((each) => /^integrated_|_integral$/.test(each.program ?? "")) ? 15 : ACROSS;
-      const known = this.cost ? Math.floor(Math.sqrt(100 / this.cost)) : few;
-      return Math.min(ACROSS, Math.max(9, known));
-    }
-    /**
-     * The output shown over the two inputs of the axes, row by row; NaN where there is no value. It
-     * is the server's (`far`) where the page does not compute it, or not as finely; null before.
-     */
-    surface(points = this.across()) {
-      const isFar = this.far?.key === this.surfaceKey() && !this.reshaped.size;
-      const isCoarse = points < ACROSS;
-      if (isCoarse !== this.coarse) {
-        this.coarse = isCoarse;
-        this.emit("coarse");
-      }
-      if (isFar && (this.coarse || !this.running)) return this.far;
-      if (!this.running) return null;
-      const { x, y, output } = this.axes;
-      const flat = x === y;
-      const rows = flat ? 1 : points;
-      const columns = this.scene.inputs.map((_, i) => new Float64Array(points * rows).fill(this.point[i]));
-      const [xs, ys] = [x, y].map((i) => evenly(rangeOf(this.scene.inputs[i]), points));
-      for (let j = 0; j < rows; j++) {
-        for (let i = 0; i < points; i++) {
-          columns[x][j * points + i] = xs[i];
-          if (!flat) columns[y][j * points + i] = ys[j];
-        }
-      }
-      const start = performance.now();
-      const z = this.running.many(columns)[output];
-      const cost = (performance.now() - start) / (points * rows);
-      this.cost = Math.min(cost, this.cost ?? cost);
-      return { xs, ys, z, rows };
-    }
-    /** The output shown along one input through the point; of the server's surface by its lines. */
-    section(input, points = 2 * ACROSS - 1) {
-      const xs = evenly(rangeOf(this.scene.inputs[input]), points);
-      if (this.running) {
-        const few = this.coarse ? ACROSS : points;
-        const at = few === points ? xs : evenly([xs[0], xs[points - 1]], few);
-        const columns = this.scene.inputs.map((_, i) => i === input ? at : new Float64Array(few).fill(this.point[i]));
-        return { xs: at, z: this.running.many(columns)[this.axes.output] };
-      }
-      const found = this.surface();
-      if (!found) return null;
-      const { x, y } = this.axes;
-      if (x === y) return { xs: found.xs, z: found.z };
-      const other = input === x ? y : x;
-      const lines = other === x ? found.xs : found.ys;
-      const n = lines.length;
-      const share = (this.point[other] - lines[0]) / (lines[n - 1] - lines[0]) * (n - 1);
-      const low = Math.min(n - 2, Math.max(0, Math.floor(share)));
-      const value = (i, k) => other === x ? found.z[i * n + k] : found.z[k * n + i];
-      const z = Float64Array.from(
-        { length: n },
-        (_, i) => value(i, low) + (share - low) * (value(i, low + 1) - value(i, low))
-      );
-      return { xs: input === x ? found.xs : found.ys, z };
-    }
-    /**
-     * What fires at the point: the strength of each rule (`strengths`) and of its lower reading
-     * (`lower`), heights of the sets of each output, outputs and the ends of each; null where it is
-     * not known. What the page does not compute is what the server said of this point.
-     */
-    fired() {
-      const { scene } = this;
-      let found;
-      if (this.running) {
-        const read = this.running.fired(this.point);
-        if (!read) return null;
-        const of = (rule, side) => read.strengths[rule.readings[Math.min(side, rule.readings.length - 1)]];
-        found = {
-          outputs: read.outputs,
-          ends: scene.outputs.some((each) => each.interval) ? this.running.ends(this.point) : null,
-          strengths: scene.rules.map((rule) => of(rule, 0)),
-          lower: scene.rules.map((rule) => of(rule, 1)),
-          all: read.strengths
-        };
-      } else {
-        if (!this.told) return null;
-        found = { ...this.told, ends: null, lower: this.told.strengths, all: this.told.strengths };
-      }
-      found.heights = scene.outputs.map((output) => {
-        const heights = new Float64Array(output.members.length);
-        for (const [member, reading] of output.asserted) {
-          heights[member] = this.curves.joined(output.aggregation, heights[member], found.all[reading]);
-        }
-        return heights;
-      });
-      return found;
-    }
-  };
-
   // strings.js
   var S = {
     designer: "fuzzyarm designer",
@@ -1122,6 +774,104 @@ ${shape.side ?? 0}`;
     madeBy: (version) => `made by fuzzyarm ${version}`
   };
 
+  // geometry/shapes.js
+  var CORNERS = {
+    triangle: (p) => [p[0], 0, p[1], 1, p[2], 0],
+    trapezoid: (p) => [p[0], 0, p[1], 1, p[2], 1, p[3], 0],
+    rectangle: (p) => [p[0], 0, p[0], 1, p[1], 1, p[1], 0],
+    ramp: (p) => p[0] <= p[1] ? [p[0], 0, p[1], 1] : [p[1], 1, p[0], 0],
+    binary: (p) => p[1] > p[0] ? [p[0], 0, p[0], 1] : [p[0], 1, p[0], 0],
+    singleton: (p) => [p[0], 0, p[0], 1, p[0], 0]
+  };
+  function cornersOf(shape, parameters, height = shape.height) {
+    const points = shape.kind === "points" ? parameters : CORNERS[shape.kind]?.(parameters);
+    if (!points) return null;
+    const found = [];
+    for (let i = 0; i < points.length; i += 2) {
+      if (Number.isFinite(points[i])) found.push(points[i], points[i + 1] * height);
+    }
+    return found.length ? found : [0, height];
+  }
+  var LEVEL = Math.log(9);
+  var beside = (centre, width, way = 1, share = 1) => ({
+    at: (p) => p[centre] + way * share * p[width],
+    to: (p, x) => Math.abs(x - p[centre]) / share
+  });
+  var slope = (inflection, own) => ({
+    at: (p) => p[inflection] + LEVEL / p[own],
+    to: (p, x) => LEVEL / (x - p[inflection])
+  });
+  var WIDTHS = {
+    gaussian: { 1: beside(0, 1) },
+    // where it is exp(-1/2)
+    "two-sided-gaussian": { 1: beside(0, 1, -1), 3: beside(2, 3) },
+    bell: {
+      1: beside(0, 1),
+      // where it is one half; its slope where it is 0.9
+      2: {
+        at: (p) => p[0] + p[1] * (1 / 9) ** (0.5 / p[2]),
+        to: (p, x) => Math.min(50, Math.max(0.1, -0.5 * LEVEL / Math.log(Math.min(0.999, Math.abs(x - p[0]) / p[1]))))
+      }
+    },
+    sigmoid: { 1: slope(0, 1) },
+    "sigmoid-difference": { 1: slope(0, 1), 3: slope(2, 3) },
+    "sigmoid-product": { 1: slope(0, 1), 3: slope(2, 3) },
+    cosine: { 1: beside(0, 1, 1, 0.5) },
+    // where it is 0
+    spike: { 1: beside(0, 1, 1, 0.1) }
+    // where it is exp(-1)
+  };
+  var sidesOf = (term) => term.lower ? [term, term.lower] : [term];
+  var shapeKey = (variable, shape) => `${variable.name}
+${shape.name}
+${shape.side ?? 0}`;
+  function piecesOf(corners, low, high) {
+    const last = corners.length - 2;
+    const ends = [Math.min(low, corners[0]), corners[1], ...corners, Math.max(high, corners[last]), corners[last + 1]];
+    const pieces = [];
+    for (let i = 0; i + 3 < ends.length; i += 2) {
+      const [x0, y0, x1, y1] = ends.slice(i, i + 4);
+      const [a, b] = [Math.max(x0, low), Math.min(x1, high)];
+      if (!(b > a)) continue;
+      const slope2 = (y1 - y0) / (x1 - x0);
+      pieces.push(a, a === x0 ? y0 : y0 + slope2 * (a - x0), b, b === x1 ? y1 : y0 + slope2 * (b - x0));
+    }
+    return pieces;
+  }
+  var sendable = (x) => Number.isFinite(x) ? x : x > 0 ? "inf" : "-inf";
+  function rangeOf(variable) {
+    const known = variable.terms.flatMap((term) => term.parameters.map(Number)).filter(Number.isFinite);
+    const low = variable.low ?? Math.min(0, ...known) - 1;
+    const high = variable.high ?? Math.max(1, ...known) + 1;
+    return [low, high];
+  }
+  function moved(shape, parameters, index, to, by) {
+    const next = [...parameters];
+    if (index === null) {
+      for (const i of shape.handles) next[i] = parameters[i] + by;
+      return next;
+    }
+    const place = shape.handles.indexOf(index);
+    if (shape.ordered || shape.kind === "points") {
+      const before = parameters[shape.handles[place - 1]] ?? -Infinity;
+      const behind = parameters[shape.handles[place + 1]] ?? Infinity;
+      to = Math.min(behind, Math.max(before, to));
+    }
+    next[index] = to;
+    return next;
+  }
+  var SYMMETRIC = /* @__PURE__ */ new Set(["triangle", "trapezoid", "rectangle", "pi", "semi-ellipse", "s", "z", "singleton"]);
+  var TURNED = { s: "z", z: "s" };
+  function mirrorOf(kind, p, sum) {
+    const flip = (x) => Number((sum - x).toPrecision(12));
+    if (SYMMETRIC.has(kind)) return [...p].reverse().map(flip);
+    if (kind === "two-sided-gaussian") return [flip(p[2]), p[3], flip(p[0]), p[1]];
+    if (kind === "sigmoid") return [flip(p[0]), -p[1]];
+    if (kind.startsWith("sigmoid-")) return [flip(p[2]), -p[3], flip(p[0]), -p[1]];
+    if (["ramp", "concave", "arc"].includes(kind)) return p.map(flip);
+    return WIDTHS[kind] ? [flip(p[0]), ...p.slice(1)] : null;
+  }
+
   // variables.js
   function readEnds(low, high) {
     const ends = [low, high].map((text) => Number(String(text).trim().replace("inf", "Infinity") || NaN));
@@ -1245,32 +995,6 @@ ${shape.side ?? 0}`;
   var SMOOTH = 161;
   var LEAST_HEIGHT = 0.05;
   var DIAMOND = 5.5;
-  function moved(shape, parameters, index, to, by) {
-    const next = [...parameters];
-    if (index === null) {
-      for (const i of shape.handles) next[i] = parameters[i] + by;
-      return next;
-    }
-    const place = shape.handles.indexOf(index);
-    if (shape.ordered || shape.kind === "points") {
-      const before = parameters[shape.handles[place - 1]] ?? -Infinity;
-      const behind = parameters[shape.handles[place + 1]] ?? Infinity;
-      to = Math.min(behind, Math.max(before, to));
-    }
-    next[index] = to;
-    return next;
-  }
-  var SYMMETRIC = /* @__PURE__ */ new Set(["triangle", "trapezoid", "rectangle", "pi", "semi-ellipse", "s", "z", "singleton"]);
-  var TURNED = { s: "z", z: "s" };
-  function mirrorOf(kind, p, sum) {
-    const flip = (x) => Number((sum - x).toPrecision(12));
-    if (SYMMETRIC.has(kind)) return [...p].reverse().map(flip);
-    if (kind === "two-sided-gaussian") return [flip(p[2]), p[3], flip(p[0]), p[1]];
-    if (kind === "sigmoid") return [flip(p[0]), -p[1]];
-    if (kind.startsWith("sigmoid-")) return [flip(p[2]), -p[3], flip(p[0]), -p[1]];
-    if (["ramp", "concave", "arc"].includes(kind)) return p.map(flip);
-    return WIDTHS[kind] ? [flip(p[0]), ...p.slice(1)] : null;
-  }
   var plotHeight = (room, count) => Math.round(Math.min(MOST, Math.max(LEAST, (room - DETAILS) / Math.max(1, count) - HEAD)));
   function termsPane(store, hand) {
     return new TermsPane(store, hand).section;
@@ -2486,12 +2210,7 @@ ${name}`;
     return handle;
   }
 
-  // surface.js
-  var LEVELS = 9;
-  var packed = (share) => SHADES.map(([r, g, b]) => (255 << 24 | b * share << 16 | g * share << 8 | r * share) >>> 0);
-  var FILLS = Uint32Array.from(packed(1));
-  var DARKER = Uint32Array.from(packed(0.87));
-  var MESH = 6;
+  // geometry/surface.js
   function fillTriangle(pixels, width, height, x0, y0, x1, y1, x2, y2, colour) {
     if (y1 < y0) [x0, y0, x1, y1] = [x1, y1, x0, y0];
     if (y2 < y0) [x0, y0, x2, y2] = [x2, y2, x0, y0];
@@ -2506,6 +2225,56 @@ ${name}`;
       for (let at = from; at < to; at++) pixels[at] = colour;
     }
   }
+  function limitsOf(z, output) {
+    let [low, high] = [output.low, output.high];
+    if (low === null || high === null) {
+      [low, high] = [Infinity, -Infinity];
+      for (const value of z) {
+        if (value < low) low = value;
+        if (value > high) high = value;
+      }
+    }
+    return low < high ? [low, high] : [low - 1, low + 1];
+  }
+  function projectionOf(turned, width, height) {
+    const [ca, sa] = [Math.cos(turned.azimuth), Math.sin(turned.azimuth)];
+    const [ce, se] = [Math.cos(turned.elevation), Math.sin(turned.elevation)];
+    const reach = Math.min(width * 0.58, height * 0.68);
+    return {
+      reach,
+      /** @returns {Page.Pair} */
+      project(u, v, w) {
+        const [right, depth] = [u * ca - v * sa, u * sa + v * ca];
+        return [width / 2 + reach * right, height * 0.5 - reach * (0.62 * w * ce + depth * se)];
+      },
+      /** Whether the far end of each axis is the one with the large numbers. */
+      farIsHigh: { u: sa > 0, v: ca > 0 }
+    };
+  }
+  var farToNear = (count, farIsHigh) => Array.from({ length: count }, (_, i) => farIsHigh ? count - 1 - i : i);
+  function crossings(z, n, level) {
+    const segments = [];
+    for (let j = 0; j + 1 < n; j++) {
+      for (let i = 0; i + 1 < n; i++) {
+        const k = j * n + i;
+        const [a, b, c, d] = [z[k] - level, z[k + 1] - level, z[k + n + 1] - level, z[k + n] - level];
+        const found = [];
+        if (a < 0 !== b < 0) found.push([i + a / (a - b), j]);
+        if (b < 0 !== c < 0) found.push([i + 1, j + b / (b - c)]);
+        if (d < 0 !== c < 0) found.push([i + d / (d - c), j + 1]);
+        if (a < 0 !== d < 0) found.push([i, j + a / (a - d)]);
+        for (let m = 0; m + 1 < found.length; m += 2) segments.push([found[m], found[m + 1]]);
+      }
+    }
+    return segments;
+  }
+
+  // surface.js
+  var LEVELS = 9;
+  var packed = (share) => SHADES.map(([r, g, b]) => (255 << 24 | b * share << 16 | g * share << 8 | r * share) >>> 0);
+  var FILLS = Uint32Array.from(packed(1));
+  var DARKER = Uint32Array.from(packed(0.87));
+  var MESH = 6;
   function surfacePane(store, { start }) {
     return new SurfacePane(store, { start }).section;
   }
@@ -2593,7 +2362,6 @@ ${name}`;
       const depth = axis === "x" ? Math.sin(this.turned.azimuth) : Math.cos(this.turned.azimuth);
       return depth > 0 ? -0.5 : 0.5;
     };
-    order = (count, forward) => Array.from({ length: count }, (_, i) => forward ? count - 1 - i : i);
     place = (variable, value) => {
       const [low, high] = rangeOf(variable);
       return (value - low) / (high - low);
@@ -2716,7 +2484,7 @@ ${name}`;
         this.nothing(this.store.refused || (this.start ? S.asking(scene.reason) : S.notHere(scene.reason)));
         return;
       }
-      const [low, high] = this.limits(found.z, output);
+      const [low, high] = limitsOf(found.z, output);
       const section = this.cut ? this.store.section(this.otherInput()) : null;
       const picture = { g, width, height, found, low, high, x, y, output, section };
       if (x === y) this.drawLine(picture);
@@ -2738,17 +2506,6 @@ ${name}`;
       g.font = "13px system-ui, sans-serif";
       this.wrapped(g, clean(words), 12, 24, width - 24);
       this.canvas.setAttribute("aria-label", clean(words));
-    };
-    limits = (z, output) => {
-      let [low, high] = [output.low, output.high];
-      if (low === null || high === null) {
-        [low, high] = [Infinity, -Infinity];
-        for (const value of z) {
-          if (value < low) low = value;
-          if (value > high) high = value;
-        }
-      }
-      return low < high ? [low, high] : [low - 1, low + 1];
     };
     scaleImage = () => {
       const colours = new ImageData(1, 256);
@@ -2774,13 +2531,7 @@ ${name}`;
     drawSolid = ({ g, width, height, found, low, high, x, y, output }) => {
       const { z } = found;
       const n = found.xs.length;
-      const [ca, sa] = [Math.cos(this.turned.azimuth), Math.sin(this.turned.azimuth)];
-      const [ce, se] = [Math.cos(this.turned.elevation), Math.sin(this.turned.elevation)];
-      const reach = Math.min(width * 0.58, height * 0.68);
-      const project = (u, v, w) => {
-        const [right, depth] = [u * ca - v * sa, u * sa + v * ca];
-        return [width / 2 + reach * right, height * 0.5 - reach * (0.62 * w * ce + depth * se)];
-      };
+      const { project, reach, farIsHigh } = projectionOf(this.turned, width, height);
       const px = new Float64Array(n * n);
       const py = new Float64Array(n * n);
       const share = new Float64Array(n * n);
@@ -2793,8 +2544,8 @@ ${name}`;
         }
       }
       this.frame(g, project, { x, y, low, high, output, wanted: reach < 130 ? 2 : 4 });
-      const is = this.order(n - 1, sa > 0);
-      const js = this.order(n - 1, ca > 0);
+      const is = farToNear(n - 1, farIsHigh.u);
+      const js = farToNear(n - 1, farIsHigh.v);
       const ratio = 2;
       const [wide, tall] = [Math.round(ratio * width), Math.round(ratio * height)];
       if (this.image?.width !== wide || this.image?.height !== tall) {
@@ -2974,26 +2725,14 @@ ${name}`;
         count++;
       }
     };
-    /** Where a level crosses the sides of each cell, joined two by two; a spot of each. */
+    /** Trace a level; returns a spot of each of its cells. */
     lines = (g, z, n, level, at) => {
-      const spots = [];
-      for (let j = 0; j + 1 < n; j++) {
-        for (let i = 0; i + 1 < n; i++) {
-          const k = j * n + i;
-          const [a, b, c, d] = [z[k] - level, z[k + 1] - level, z[k + n + 1] - level, z[k + n] - level];
-          const found = [];
-          if (a < 0 !== b < 0) found.push(at(i + a / (a - b), j));
-          if (b < 0 !== c < 0) found.push(at(i + 1, j + b / (b - c)));
-          if (d < 0 !== c < 0) found.push(at(i + d / (d - c), j + 1));
-          if (a < 0 !== d < 0) found.push(at(i, j + a / (a - d)));
-          for (let m = 0; m + 1 < found.length; m += 2) {
-            g.moveTo(...found[m]);
-            g.lineTo(...found[m + 1]);
-            spots.push(found[m]);
-          }
-        }
+      const segments = crossings(z, n, level).map(([from, to]) => [at(...from), at(...to)]);
+      for (const [from, to] of segments) {
+        g.moveTo(...from);
+        g.lineTo(...to);
       }
-      return spots;
+      return segments.map(([from]) => from);
     };
     // --- a line: over one input, or the section of the cut ---
     drawLine = ({ g, width, height, found, low, high, x, output }) => {
@@ -3535,6 +3274,284 @@ ${shape.term}`, { from: place.from, to: place.to, text: said2 });
       }
     };
   }
+
+  // front:engine
+  var { Engine } = globalThis.fuzzyarm;
+
+  // store.js
+  var ACROSS = 61;
+  var evenly = ([low, high], points) => Float64Array.from({ length: points }, (_, k) => low + (high - low) * k / (points - 1));
+  var Store = class {
+    constructor() {
+      this.listeners = {};
+      this.scene = null;
+      this.engine = null;
+      this.held = null;
+      this.reshaped = /* @__PURE__ */ new Map();
+      this.busy = false;
+      this.point = [];
+      this.axes = { x: 0, y: 1, output: 0 };
+      this.stale = false;
+      this.sound = false;
+      this.findings = [];
+      this.far = null;
+      this.told = null;
+      this.view = "";
+      this.diagram = null;
+      this.refused = "";
+      this.why = "";
+      this.coarse = null;
+      this.cost = null;
+      this.asDiagram = true;
+    }
+    on(name, listener) {
+      (this.listeners[name] ??= []).push(listener);
+    }
+    emit(name) {
+      for (const listener of this.listeners[name] ?? []) listener();
+    }
+    /**
+     * Take a rule base; the point and the axes stay where they fit.
+     *
+     * @param {Messages.Scene} scene
+     */
+    show(scene) {
+      const same = this.scene && JSON.stringify(this.scene.inputs.map((v) => [v.name, v.low, v.high])) === JSON.stringify(scene.inputs.map((v) => [v.name, v.low, v.high]));
+      for (const variable of [...scene.inputs, ...scene.outputs]) {
+        for (const term of variable.terms) {
+          for (const shape of sidesOf(term)) {
+            shape.parameters = shape.parameters.map(Number);
+            if (shape.curve) shape.curve.numbers = shape.curve.numbers.map(Number);
+          }
+          if (term.lower) Object.assign(term.lower, { name: term.name, side: 1 });
+        }
+      }
+      for (const output of scene.outputs) {
+        for (const { curve } of output.members) if (curve) curve.numbers = curve.numbers.map(Number);
+      }
+      this.scene = scene;
+      this.engine = scene.numbers ? new Engine(scene.numbers) : null;
+      const none = { whole: "", floats: "", functions: scene.functions };
+      this.curves = this.engine ?? new Engine(none);
+      this.held = this.far = this.told = this.cost = null;
+      if (!this.busy) this.reshaped.clear();
+      this.stale = false;
+      if (!same) {
+        this.point = scene.inputs.map((variable) => {
+          const [low, high] = rangeOf(variable);
+          return low + 0.6 * (high - low);
+        });
+        this.axes = { x: 0, y: Math.max(0, Math.min(1, scene.inputs.length - 1)), output: 0 };
+      }
+      this.axes.output = Math.max(0, Math.min(this.axes.output, scene.outputs.length - 1));
+      this.emit("scene");
+    }
+    /**
+     * Take the block diagram of a controller, or that there is none.
+     *
+     * @param {Messages.Diagram | null} diagram
+     */
+    draw(diagram) {
+      this.diagram = diagram;
+      if (diagram) this.stale = false;
+      this.emit("diagram");
+    }
+    /** Show the block diagram or the rules, of a file that has both. */
+    turnDiagram(shown) {
+      this.asDiagram = shown;
+      this.emit("diagram");
+    }
+    /** Keep what is drawn, as of an earlier text; `why` says what the text is now. */
+    mistaken(why) {
+      this.why = why;
+      if (!this.stale) {
+        this.stale = true;
+        this.emit("stale");
+      }
+    }
+    /** Take whether the text of now is sound. */
+    judge(sound) {
+      this.sound = sound;
+      this.emit("judged");
+    }
+    /** The value of the output shown at the point; NaN where there is none, or it is not known. */
+    value() {
+      const outputs = this.running ? this.running.at(this.point) : this.told?.outputs;
+      return outputs?.[this.axes.output] ?? NaN;
+    }
+    /** The engine whose numbers are those of the picture. */
+    get running() {
+      return this.held?.engine ?? this.engine;
+    }
+    setPoint(index, value) {
+      const [low, high] = rangeOf(this.scene.inputs[index]);
+      this.point[index] = Math.min(high, Math.max(low, value));
+      this.emit("point");
+    }
+    setAxes(axes) {
+      Object.assign(this.axes, axes);
+      this.emit("axes");
+    }
+    // --- terms ---
+    /** Parameters and height of a shape as they are drawn: what a hand holds, or the text's. */
+    now(variable, shape) {
+      return this.reshaped.get(shapeKey(variable, shape)) ?? shape;
+    }
+    /** Degrees of a shape at some positions, as it is drawn, or with other numbers. */
+    degrees(variable, shape, x, now = this.now(variable, shape)) {
+      const numbers = Float64Array.from(this.numbersOf(shape, now));
+      const found = this.curves.degrees(shape.curve.address, numbers, x);
+      const factor = shape.height === 1 && !cornersOf(shape, now.parameters) ? now.height : 1;
+      if (factor !== 1) for (let i = 0; i < found.length; i++) found[i] *= factor;
+      return found;
+    }
+    /** What the row function of a shape takes: corners, or numbers and the height that the text has. */
+    numbersOf(shape, now) {
+      if (now === shape) return shape.curve.numbers;
+      const corners = cornersOf(shape, now.parameters, now.height);
+      if (corners) return corners;
+      return shape.height === 1 ? now.parameters : [...now.parameters, now.height];
+    }
+    /** Have the numbers of a variable's terms changed in place from now on. */
+    hold(variable, numbers) {
+      this.held = numbers ? { variable: variable.name, engine: new Engine(numbers) } : null;
+      for (const shape of variable.terms.flatMap(sidesOf)) {
+        const now = this.now(variable, shape);
+        if (now !== shape && this.held) this.patch(variable, shape, now);
+      }
+      this.emit("reshaped");
+    }
+    reshape(variable, shape, parameters, height = this.now(variable, shape).height) {
+      const now = { parameters, height };
+      this.reshaped.set(shapeKey(variable, shape), now);
+      if (this.held?.variable === variable.name) this.patch(variable, shape, now);
+      this.emit("reshaped");
+    }
+    /** Draw the terms as the text has them: a change was not taken. */
+    forget() {
+      this.held = null;
+      this.reshaped.clear();
+      this.emit("reshaped");
+    }
+    patch(variable, shape, now) {
+      const engine = this.held.engine;
+      for (const mark of engine.data.marks) {
+        if (!shape.marks.includes(mark.term)) continue;
+        if (mark.sort === "curve") {
+          const numbers = this.numbersOf(shape, now);
+          if (numbers.length === mark.room) engine.patch(mark.floats, numbers);
+        } else if (mark.sort === "value") engine.patch(mark.floats, [now.parameters[0]]);
+        else if (mark.sort === "samples") {
+          const output = this.scene.outputs.findIndex((each) => each.name === variable.name);
+          engine.patch(mark.floats, this.degrees(variable, shape, engine.positions(output), now));
+        } else {
+          const corners = cornersOf(shape, now.parameters, now.height);
+          const pieces = piecesOf(corners, ...rangeOf(variable));
+          engine.patch(mark.floats, pieces.slice(0, 4 * mark.room));
+          engine.patchWhole(mark.row, Math.min(mark.room, pieces.length / 4));
+        }
+      }
+    }
+    // --- values ---
+    /** Which surface is shown: what else it depends on than the point within it. */
+    surfaceKey() {
+      const { x, y, output } = this.axes;
+      return JSON.stringify([x, y, output, this.point.filter((_, i) => i !== x && i !== y)]);
+    }
+    /** How many points along an axis are computed within a tenth of a second. */
+    across() {
+      const few = this.scene.functions.some((each) => /^integrated_|_integral$/.test(each.program ?? "")) ? 15 : ACROSS;
+      const known = this.cost ? Math.floor(Math.sqrt(100 / this.cost)) : few;
+      return Math.min(ACROSS, Math.max(9, known));
+    }
+    /**
+     * The output shown over the two inputs of the axes, row by row; NaN where there is no value. It
+     * is the server's (`far`) where the page does not compute it, or not as finely; null before.
+     */
+    surface(points = this.across()) {
+      const isFar = this.far?.key === this.surfaceKey() && !this.reshaped.size;
+      const isCoarse = points < ACROSS;
+      if (isCoarse !== this.coarse) {
+        this.coarse = isCoarse;
+        this.emit("coarse");
+      }
+      if (isFar && (this.coarse || !this.running)) return this.far;
+      if (!this.running) return null;
+      const { x, y, output } = this.axes;
+      const flat = x === y;
+      const rows = flat ? 1 : points;
+      const columns = this.scene.inputs.map((_, i) => new Float64Array(points * rows).fill(this.point[i]));
+      const [xs, ys] = [x, y].map((i) => evenly(rangeOf(this.scene.inputs[i]), points));
+      for (let j = 0; j < rows; j++) {
+        for (let i = 0; i < points; i++) {
+          columns[x][j * points + i] = xs[i];
+          if (!flat) columns[y][j * points + i] = ys[j];
+        }
+      }
+      const start = performance.now();
+      const z = this.running.many(columns)[output];
+      const cost = (performance.now() - start) / (points * rows);
+      this.cost = Math.min(cost, this.cost ?? cost);
+      return { xs, ys, z, rows };
+    }
+    /** The output shown along one input through the point; of the server's surface by its lines. */
+    section(input, points = 2 * ACROSS - 1) {
+      const xs = evenly(rangeOf(this.scene.inputs[input]), points);
+      if (this.running) {
+        const few = this.coarse ? ACROSS : points;
+        const at = few === points ? xs : evenly([xs[0], xs[points - 1]], few);
+        const columns = this.scene.inputs.map((_, i) => i === input ? at : new Float64Array(few).fill(this.point[i]));
+        return { xs: at, z: this.running.many(columns)[this.axes.output] };
+      }
+      const found = this.surface();
+      if (!found) return null;
+      const { x, y } = this.axes;
+      if (x === y) return { xs: found.xs, z: found.z };
+      const other = input === x ? y : x;
+      const lines = other === x ? found.xs : found.ys;
+      const n = lines.length;
+      const share = (this.point[other] - lines[0]) / (lines[n - 1] - lines[0]) * (n - 1);
+      const low = Math.min(n - 2, Math.max(0, Math.floor(share)));
+      const value = (i, k) => other === x ? found.z[i * n + k] : found.z[k * n + i];
+      const z = Float64Array.from(
+        { length: n },
+        (_, i) => value(i, low) + (share - low) * (value(i, low + 1) - value(i, low))
+      );
+      return { xs: input === x ? found.xs : found.ys, z };
+    }
+    /**
+     * What fires at the point: the strength of each rule (`strengths`) and of its lower reading
+     * (`lower`), heights of the sets of each output, outputs and the ends of each; null where it is
+     * not known. What the page does not compute is what the server said of this point.
+     */
+    fired() {
+      const { scene } = this;
+      let found;
+      if (this.running) {
+        const read = this.running.fired(this.point);
+        if (!read) return null;
+        const of = (rule, side) => read.strengths[rule.readings[Math.min(side, rule.readings.length - 1)]];
+        found = {
+          outputs: read.outputs,
+          ends: scene.outputs.some((each) => each.interval) ? this.running.ends(this.point) : null,
+          strengths: scene.rules.map((rule) => of(rule, 0)),
+          lower: scene.rules.map((rule) => of(rule, 1)),
+          all: read.strengths
+        };
+      } else {
+        if (!this.told) return null;
+        found = { ...this.told, ends: null, lower: this.told.strengths, all: this.told.strengths };
+      }
+      found.heights = scene.outputs.map((output) => {
+        const heights = new Float64Array(output.members.length);
+        for (const [member, reading] of output.asserted) {
+          heights[member] = this.curves.joined(output.aggregation, heights[member], found.all[reading]);
+        }
+        return heights;
+      });
+      return found;
+    }
+  };
 
   // exported.js
   var given = JSON.parse(document.getElementById("start").textContent);

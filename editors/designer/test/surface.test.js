@@ -1,0 +1,72 @@
+import assert from "node:assert/strict";
+import test from "node:test";
+import {
+  crossings,
+  farToNear,
+  fillTriangle,
+  limitsOf,
+  projectionOf,
+} from "../../../src/fuzzyarm/designer/page/geometry/surface.js";
+
+test("a triangle fills as many pixels as it has area, and a shared side is filled once", () => {
+  const fill = (...corners) => {
+    const pixels = new Uint32Array(100 * 100);
+    fillTriangle(pixels, 100, 100, ...corners, 7);
+    return pixels;
+  };
+  const [one, two] = [fill(10, 10, 90, 10, 90, 90), fill(10, 10, 10, 90, 90, 90)];
+  const count = (pixels) => pixels.reduce((sum, colour) => sum + (colour === 7), 0);
+  assert.ok(Math.abs(count(one) - 3200) < 100);
+  assert.equal(count(one) + count(two), 6400);
+  assert.equal(
+    one.some((colour, k) => colour && two[k]),
+    false,
+  );
+});
+
+test("a triangle that reaches beyond the image stays within", () => {
+  const pixels = new Uint32Array(10 * 10);
+  fillTriangle(pixels, 10, 10, -50, -50, 60, -50, 5, 80, 3);
+  assert.equal(pixels.length, 100);
+  assert.ok(pixels.some((colour) => colour === 3));
+});
+
+test("the ends of the colours are those of the output, else of the values, and never one", () => {
+  assert.deepEqual(limitsOf([1, 2], { low: -4, high: 4 }), [-4, 4]);
+  assert.deepEqual(limitsOf([3, NaN, -1], { low: null, high: null }), [-1, 3]);
+  assert.deepEqual(limitsOf([2, 2], { low: null, high: null }), [1, 3]);
+});
+
+test("the middle of the cube is the middle of the picture, and what is higher is drawn above", () => {
+  const { project } = projectionOf({ azimuth: 0.7, elevation: 0.5 }, 400, 300);
+  assert.deepEqual(project(0, 0, 0), [200, 150]);
+  assert.ok(project(0, 0, 0.5)[1] < project(0, 0, -0.5)[1]);
+});
+
+test("cells go from far to near: the far ones are drawn higher up", () => {
+  for (const azimuth of [0.3, 1.9, 3.5, 5.1]) {
+    const { project, farIsHigh } = projectionOf({ azimuth, elevation: 0.6 }, 400, 300);
+    const along = farToNear(5, farIsHigh.u).map((i) => project(i / 4 - 0.5, 0, 0)[1]);
+    assert.deepEqual(
+      along,
+      [...along].sort((a, b) => a - b),
+    );
+    const across = farToNear(5, farIsHigh.v).map((j) => project(0, j / 4 - 0.5, 0)[1]);
+    assert.deepEqual(
+      across,
+      [...across].sort((a, b) => a - b),
+    );
+  }
+});
+
+test("a level of a plane is a straight line", () => {
+  const n = 9;
+  const z = Float64Array.from({ length: n * n }, (_, k) => 2 * (k % n) + 3 * Math.floor(k / n));
+  const segments = crossings(z, n, 17.5);
+  assert.ok(segments.length > 4);
+  for (const [i, j] of segments.flat()) assert.ok(Math.abs(2 * i + 3 * j - 17.5) < 1e-12);
+});
+
+test("a level beyond all values crosses nothing", () => {
+  assert.deepEqual(crossings([0, 1, 2, 3], 2, 9), []);
+});

@@ -1,0 +1,83 @@
+// A surface as numbers: how it is turned, what covers what, where it has a level. No drawing, no elements.
+
+/** Fill a triangle of an image of 32-bit pixels. */
+export function fillTriangle(pixels, width, height, x0, y0, x1, y1, x2, y2, colour) {
+  if (y1 < y0) [x0, y0, x1, y1] = [x1, y1, x0, y0];
+  if (y2 < y0) [x0, y0, x2, y2] = [x2, y2, x0, y0];
+  if (y2 < y1) [x1, y1, x2, y2] = [x2, y2, x1, y1];
+  const end = Math.min(height, Math.ceil(y2 - 0.5));
+  for (let row = Math.max(0, Math.ceil(y0 - 0.5)); row < end; row++) {
+    const y = row + 0.5;
+    const a = x0 + ((x2 - x0) * (y - y0)) / (y2 - y0);
+    const b = y < y1 ? x0 + ((x1 - x0) * (y - y0)) / (y1 - y0) : x1 + ((x2 - x1) * (y - y1)) / (y2 - y1);
+    const from = row * width + Math.max(0, Math.ceil((a < b ? a : b) - 0.5));
+    const to = row * width + Math.min(width, Math.ceil((a < b ? b : a) - 0.5));
+    for (let at = from; at < to; at++) pixels[at] = colour;
+  }
+}
+
+/** The ends of the colours: those of the output, or of the values where it has none. */
+export function limitsOf(z, output) {
+  let [low, high] = [output.low, output.high];
+  if (low === null || high === null) {
+    [low, high] = [Infinity, -Infinity];
+    for (const value of z) {
+      if (value < low) low = value;
+      if (value > high) high = value;
+    }
+  }
+  return low < high ? [low, high] : [low - 1, low + 1];
+}
+
+/**
+ * How a cube of side 1 about the origin is seen: inputs u and v lie across, the output w stands up.
+ *
+ * @param {{ azimuth: number, elevation: number }} turned radians
+ * @param {number} width pixels
+ * @param {number} height pixels
+ */
+export function projectionOf(turned, width, height) {
+  const [ca, sa] = [Math.cos(turned.azimuth), Math.sin(turned.azimuth)];
+  const [ce, se] = [Math.cos(turned.elevation), Math.sin(turned.elevation)];
+  const reach = Math.min(width * 0.58, height * 0.68);
+  return {
+    reach,
+    /** @returns {Page.Pair} */
+    project(u, v, w) {
+      const [right, depth] = [u * ca - v * sa, u * sa + v * ca];
+      return [width / 2 + reach * right, height * 0.5 - reach * (0.62 * w * ce + depth * se)];
+    },
+    /** Whether the far end of each axis is the one with the large numbers. */
+    farIsHigh: { u: sa > 0, v: ca > 0 },
+  };
+}
+
+/** Indices of so many cells from far to near: what is in front covers what is behind. */
+export const farToNear = (count, farIsHigh) => Array.from({ length: count }, (_, i) => (farIsHigh ? count - 1 - i : i));
+
+/**
+ * Where a level crosses the sides of each cell, joined two by two.
+ *
+ * @param {ArrayLike<number>} z n × n values, row by row
+ * @param {number} n
+ * @param {number} level
+ * @returns {Array<[Page.Pair, Page.Pair]>} in columns and rows of the grid
+ */
+export function crossings(z, n, level) {
+  /** @type {Array<[Page.Pair, Page.Pair]>} */
+  const segments = [];
+  for (let j = 0; j + 1 < n; j++) {
+    for (let i = 0; i + 1 < n; i++) {
+      const k = j * n + i;
+      const [a, b, c, d] = [z[k] - level, z[k + 1] - level, z[k + n + 1] - level, z[k + n] - level];
+      /** @type {Page.Pair[]} */
+      const found = [];
+      if (a < 0 !== b < 0) found.push([i + a / (a - b), j]);
+      if (b < 0 !== c < 0) found.push([i + 1, j + b / (b - c)]);
+      if (d < 0 !== c < 0) found.push([i + d / (d - c), j + 1]);
+      if (a < 0 !== d < 0) found.push([i, j + a / (a - d)]);
+      for (let m = 0; m + 1 < found.length; m += 2) segments.push([found[m], found[m + 1]]);
+    }
+  }
+  return segments;
+}
