@@ -93,7 +93,7 @@ def test_from_a_heading_to_a_rule_base_and_all_the_way_back(open_page):
     page.get_by_role("button", name="Remove the column N").click()
     until(lambda: re.search(r"e \\ 'the rate' +P\n", text_of(page)), "the column has gone")
     page.get_by_role(
-        "button", name="e: Give it another name, wherever it stands (Rename …)", exact=True
+        "button", name="e: Give it another name, wherever it stands: Rename …", exact=True
     ).click()
     fill(page, name="error")
     until(lambda: "input  error" in text_of(page), "its other name")

@@ -139,7 +139,7 @@ export function variableHead(hand, peakOf) {
       for (const tool of tools) {
         const label = `${now.name}: ${tool.title}`;
         // Who speaks to the page says what stands on the button.
-        tool.setAttribute("aria-label", label.includes(tool.textContent) ? label : `${label} (${tool.textContent})`);
+        tool.setAttribute("aria-label", label.includes(tool.textContent) ? label : `${label}: ${tool.textContent}`);
       }
     },
   };

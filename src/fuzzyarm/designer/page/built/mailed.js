@@ -981,7 +981,7 @@ ${shape.side ?? 0}`;
         words.title = now.description;
         for (const tool of tools) {
           const label = `${now.name}: ${tool.title}`;
-          tool.setAttribute("aria-label", label.includes(tool.textContent) ? label : `${label} (${tool.textContent})`);
+          tool.setAttribute("aria-label", label.includes(tool.textContent) ? label : `${label}: ${tool.textContent}`);
         }
       }
     };
