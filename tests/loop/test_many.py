@@ -141,7 +141,7 @@ def test_gains_loads_and_parameters():
     single = [
         simulate(pd.with_gains({"K_P": [100.0, 50.0], "K_D": [20.0]}), SHORT),
         simulate(pd.with_gains({"K_P": [200.0, 80.0]}), SHORT, payload=True),
-        simulate(pd, SHORT, schedule=tuple(heavy if each else light for each in SHORT.loaded)),
+        simulate(pd, SHORT, schedule=[vars(heavy if each else light) for each in SHORT.loaded]),
     ]
     for i, one in enumerate(single):
         np.testing.assert_array_equal(many.rms[i], one.rms)

@@ -198,7 +198,7 @@ def test_controller_that_returns_not_a_number_diverges_at_once():
 
 def test_schedule_that_does_not_fit_is_refused():
     with pytest.raises(ArmError, match="2 sets of parameters does not fit the 3 segments"):
-        simulate(controller("pd"), reach_return(), schedule=(UNLOADED, LOADED))
+        simulate(controller("pd"), reach_return(), schedule=[vars(UNLOADED), vars(LOADED)])
 
 
 @pytest.mark.parametrize(

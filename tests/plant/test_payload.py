@@ -10,17 +10,20 @@ from fuzzyarm.plant import (
     STUDY_CONVENTIONAL,
     STUDY_DIRECT,
     UNLOADED,
+    Arm,
     ArmError,
+    carried,
     pick_and_place,
     reach,
     reach_return,
-    schedule,
+    with_load,
 )
 from fuzzyarm.plant.arm import RATIOS, RESISTANCE, TORQUE_CONSTANT, motor_torque
+from fuzzyarm.plant.plant import with_parameters
 
 
 def loads(*args, **kwargs):
-    return [arm is LOADED for arm in schedule(*args, **kwargs)]
+    return [*carried(*args, **kwargs)]
 
 
 def test_load_is_on_from_the_second_segment_and_in_the_hold():
@@ -45,14 +48,23 @@ def test_pick_and_place_carries_in_the_second_and_fourth_segment():
 
 def test_own_schedule_overrules():
     assert loads(reach_return(), segments=[1, 3]) == [True, False, True]
-    arms = schedule(reach_return(), segments=[2], loaded=UNLOADED.with_values(m_2=9.0))
-    assert [arm.m_2 for arm in arms] == [2.0, 9.0, 2.0]
+
+
+def test_the_load_is_that_of_the_study_but_for_what_is_set():
+    assert with_load(Arm(), 1.0).arm == LOADED
+    assert with_load(Arm(), 0.0).arm == UNLOADED
+    heavier = UNLOADED.with_values(m_2=9.0)
+    assert with_load(Arm(heavier), 1.0).arm == LOADED.with_values(m_2=9.0)
+    # By value: what is set to what it was is set.
+    assert with_load(with_parameters(Arm(), {"m_2": 2.0}), 1.0).arm == LOADED.with_values(m_2=2.0)
+    between = with_load(with_parameters(Arm(), {"m_2": 9.0}), 0.3).arm
+    assert (between.m_2, between.m_1) == (9.0, 0.7 * 2.0 + 0.3 * 3.0)
 
 
 @pytest.mark.parametrize("segment", [0, 4, -1])
 def test_schedule_that_does_not_fit_is_refused(segment):
     with pytest.raises(ArmError, match="3 segments") as caught:
-        schedule(reach_return(), segments=[segment])
+        carried(reach_return(), segments=[segment])
     assert caught.value.value == segment
 
 

@@ -268,3 +268,70 @@ def test_only_the_command_line_prints():
         calls = [n for n in ast.walk(tree(path)) if isinstance(n, ast.Call)]
         printed = [n for n in calls if isinstance(n.func, ast.Name) and n.func.id == "print"]
         assert not printed, path
+
+
+# --- The arm is a plant ---
+
+OF_THE_ARM = {
+    "controller/adaptive.py": "laws of the study have models of the arm",
+    "controller/conventional.py": "laws of the study have models of the arm",
+    "controller/law.py": "laws of the study have models of the arm",
+    "controller/on_plant.py": "laws of the study ask for its ports and its pose",
+    "cli/study.py": "rows of the study are on its trajectories",
+    "show/figures/plants.py": "a table of how each shipped plant is drawn",
+    "designer/stage.py": "a table of how a hand pushes each shipped plant",
+}
+"""Modules above the plants that name the arm, and why; all others ask a plant what it has."""
+
+WORDS = re.compile(r"arm|joint[12](\.\w+)?|reach|reach-return|pick-and-place")
+NAMES = re.compile(r"(?i)(^|_)(arms?|armparameters)($|_)")
+OWN = {
+    "Arm",
+    "ArmParameters",
+    "LOADED",
+    "UNLOADED",
+    "ESTIMATE",
+    "INEXACT",
+    "TRAJECTORIES",
+    "JOINTS",
+}
+OWN |= {"reach", "reach_return", "pick_and_place"}
+
+
+def named_of_the_arm(path):
+    """Yield the line and the words by which a module knows the arm."""
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str):
+            if WORDS.fullmatch(node.value):
+                yield node.lineno, node.value
+        elif isinstance(node, ast.Name | ast.arg | ast.FunctionDef | ast.ClassDef | ast.Attribute):
+            kinds = ("id", "arg", "name", "attr")
+            name = next(getattr(node, kind) for kind in kinds if hasattr(node, kind))
+            if NAMES.search(name):
+                yield node.lineno, name
+        elif isinstance(node, ast.ImportFrom) and (node.module or "").startswith("fuzzyarm.plant"):
+            if node.module in ("fuzzyarm.plant.arm", "fuzzyarm.plant.driven_arm"):
+                yield node.lineno, node.module
+            yield from ((node.lineno, each.name) for each in node.names if each.name in OWN)
+
+
+ABOVE = [path for path in MODULES if package_of(path) not in ("plant", "study")]
+
+
+def test_only_named_modules_know_the_arm():
+    """What the arm has and other plants lack a plant says of itself: any may have it."""
+    found = {str(path.relative_to(SOURCE)): [*named_of_the_arm(path)] for path in ABOVE}
+    knowing = {name: words for name, words in found.items() if words}
+    others = {name: words for name, words in knowing.items() if name not in OF_THE_ARM}
+    assert not others
+    assert set(knowing) == set(OF_THE_ARM)  # no exception that is none any more
+
+
+def test_the_pages_know_no_plant_by_its_name():
+    from fuzzyarm.plant import PLANTS
+
+    names = "|".join(PLANTS)
+    for path in SOURCE.glob("designer/page/*.js"):
+        assert not re.findall(rf"""(?:===|!==|==)\s*["'`](?:{names})["'`]""", path.read_text()), (
+            path
+        )

@@ -14,7 +14,6 @@ import numpy as np
 from fuzzyarm.controller.controller import Controller
 from fuzzyarm.controller.on_plant import controller_on, site_of, timing_on
 from fuzzyarm.loop.course import Motion, Options, require_points
-from fuzzyarm.plant.arm import ArmParameters
 from fuzzyarm.plant.following import carries, followed, follower_of, trajectory_of, with_load
 from fuzzyarm.plant.own import find_plant
 from fuzzyarm.plant.plant import Plant, PlantError, interface_of, with_parameters
@@ -25,7 +24,7 @@ from fuzzyarm.plant.tried import require_sound
 AnyWay = Trajectory | Plant | Motion | str | os.PathLike[str]
 """What is followed: a trajectory, a plant, the name or the file of one, or set points."""
 
-Schedule = Sequence[Mapping[str, float] | ArmParameters]
+Schedule = Sequence[Mapping[str, float]]
 """For each segment of a trajectory the parameters of the plant that differ in it."""
 
 
@@ -211,7 +210,7 @@ def _met_by_schedule(plant: Plant, trajectory: Trajectory, schedule: Schedule) -
             name="schedule",
             value=len(schedule),
         )
-    sets = [dict(each) if isinstance(each, Mapping) else vars(each) for each in schedule]
+    sets = [dict(values) for values in schedule]
     kinds = [values for at, values in enumerate(sets) if values not in sets[:at]]
     plants = tuple(with_parameters(plant, values) for values in kinds)
     return _Met(plants, tuple(map(kinds.index, sets)))

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from fuzzyarm.lazy import lazily
 from fuzzyarm.plant.arm import ESTIMATE, INEXACT, LOADED, UNLOADED, ArmParameters
 from fuzzyarm.plant.driven_arm import Arm
+from fuzzyarm.plant.following import trajectory_of, with_load
 from fuzzyarm.plant.library import BallAndBeam, CartPole, Motor, Room, Tanks
 from fuzzyarm.plant.own import PLANTS, find_plant
 from fuzzyarm.plant.plant import Parameter, Plant, PlantError, Port
@@ -30,10 +31,10 @@ from fuzzyarm.plant.setting import (
 from fuzzyarm.plant.trajectory import (
     Segment,
     Trajectory,
+    carried,
     pick_and_place,
     reach,
     reach_return,
-    schedule,
     through,
 )
 
@@ -67,12 +68,14 @@ __all__ = [
     "State",
     "Tanks",
     "Trajectory",
+    "carried",
     "find_plant",
     "pick_and_place",
     "reach",
     "reach_return",
-    "schedule",
     "through",
+    "trajectory_of",
+    "with_load",
 ]
 
 if not TYPE_CHECKING:

@@ -15,7 +15,6 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzyarm.plant.arm import LOADED, UNLOADED, ArmParameters
 from fuzzyarm.plant.setting import (
     SET_POINT_PERIOD,
     STUDY_TIMING,
@@ -495,34 +494,3 @@ def carried(
         payload and loaded and (stays or not segment.hold)
         for loaded, segment in zip(trajectory.loaded, trajectory.segments, strict=True)
     )
-
-
-Schedule = tuple[ArmParameters, ...]
-"""One arm per segment."""
-
-
-def schedule(
-    trajectory: Trajectory,
-    *,
-    payload: bool = False,
-    segments: Sequence[int] | None = None,
-    conventions: Conventions | None = None,
-    unloaded: ArmParameters = UNLOADED,
-    loaded: ArmParameters = LOADED,
-) -> Schedule:
-    """Say for each segment which arm moves in it.
-
-    Parameters
-    ----------
-    trajectory, payload, segments, conventions
-        See :func:`carried`.
-    unloaded, loaded : ArmParameters, optional
-        The arm without and with its load.
-
-    Raises
-    ------
-    ArmError
-        If `segments` names one that the trajectory does not have.
-    """
-    found = carried(trajectory, payload=payload, segments=segments, conventions=conventions)
-    return tuple(loaded if each else unloaded for each in found)
