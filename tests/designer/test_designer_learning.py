@@ -1,12 +1,14 @@
 """Learning and tuning from a page have the bits of the commands; what does not fit is said."""
 
 import asyncio
+import json
 import multiprocessing
 import os
 import shutil
 
 import numpy as np
 import pytest
+from crane import write_crane
 
 from fuzzyarm.cli import main
 from fuzzyarm.designer import requests
@@ -294,6 +296,31 @@ def test_rule_bases_of_other_files_are_written_beside(page):
     assert written.count("# tuned: ") >= 3
     assert main(["check", str(page.folder / "servo-pd7.frb")]) == 0
     assert (page.folder / "pd7.frb").read_text() == shipped("pd7.frb").read_text()
+
+
+def test_a_plant_of_ones_own_offers_its_trajectories(page, monkeypatch, capsys):
+    monkeypatch.chdir(page.folder)
+    write_crane(page.folder)
+    page.own = ("crane.py",)
+    facts = page.do("tunable", "hook.frb")[0]
+    crane = next(each for each in facts["plants"] if each["name"] == "crane.py")
+    assert crane == {
+        "name": "crane.py", "fits": True, "trajectories": ["lift", "swing"], "shown": "lift",
+        "carries": True, "reference": "",
+    }  # fmt: skip
+
+    def take(news):
+        return {"take": True} if "report" in news else "close" if "taken" in news else None
+
+    asked = {"plant": "crane.py", "trajectory": "swing", "evals": 3, "unseen": 2, "linear": False}
+    heard = page.do("tune", "hook.frb", take, **asked, payload=True)
+    report = next(news["report"] for news in heard if "report" in news)
+    words = ["--plant", "crane.py", "--trajectory", "swing", "--evals", "3", "--unseen", "2"]
+    capsys.readouterr()
+    assert main(["tune", "hook.frb", *words, "--no-linear", "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert report["scenarios"] == told["scenarios"] == ["swing"]
+    assert report["rows"] == told["rows"]
 
 
 def test_a_plant_that_was_named_is_learned_and_tuned_on(page, monkeypatch, capsys):

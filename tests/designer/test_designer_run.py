@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from crane import write_crane
 
 from fuzzyarm.controller import find_controller
 from fuzzyarm.language.queries import ReshapeError, apply_edits, read, set_gain
@@ -115,7 +116,8 @@ def client(folder):
     from fuzzyarm.designer.server import Designer, Workspace
     from fuzzyarm.designer.stage import Plants
 
-    plants = Plants((f"{folder / 'mine.py'}:Kiln", f"{folder / 'mine.py'}:Fails"))
+    crane, _ = write_crane(folder)
+    plants = Plants((f"{folder / 'mine.py'}:Kiln", f"{folder / 'mine.py'}:Fails", crane))
     app = Designer(Workspace(folder), TOKEN, plants).app()
     with TestClient(app, base_url="http://127.0.0.1:8000") as found:
         yield found
@@ -373,6 +375,26 @@ def test_a_rule_base_runs_on_the_arm(open_page):
     last = [each["drawing"] for each in heard if each.get("drawing")][-1]
     assert {part["colour"] for part in last["parts"]} >= {"first", "second", "wanted", "metal"}
     page.stop()
+
+
+def test_a_plant_of_ones_own_runs_along_its_trajectory(open_page, folder):
+    crane = str(folder / "crane.py")
+    page = open_page("hook.frb")
+    page.start("plants")
+    found = page.hear(lambda news: "plants" in news)[-1]
+    (one,) = [each for each in found["plants"] if not each["why"]]
+    assert (one["name"], one["trajectories"], one["shown"]) == (crane, ["lift", "swing"], "lift")
+    assert (one["carries"], one["reference"], found["likely"]) == (True, "", "")
+    page.start("run", plant=crane, trajectory="swing", payload=True, speed=None)
+    heard = page.until("over")
+    ready = next(each for each in heard if each.get("news") == "ready")
+    run = simulate(str(folder / "hook.frb"), crane, along="swing", payload=True)
+    assert ready["duration"] == pytest.approx(run.samples * run.period)
+    metrics = next(each for each in reversed(heard) if each.get("news") == "metrics")["metrics"]
+    assert metrics["hook"]["rms"] == pytest.approx(run.rms[0], rel=1e-4)
+    page.stop()
+    page.start("run", plant=crane, trajectory="up", speed=None)
+    assert "the crane has no trajectory 'up'" in page.hear(lambda news: False)[-1]["message"]
 
 
 def test_a_run_that_is_stopped_leaves_no_thread(open_page):

@@ -40,9 +40,21 @@ def _whole_parser(records: Iterable[tuple[Command, str]]) -> argparse.ArgumentPa
     for command, summary in records:
         own = commands.add_parser(command.name, help=summary)
         for action in command.add_to(own):
+            _offer_names(action)
             values = str(action.metavar).partition(".")[0]
             if values == "DIR":
                 action.complete = shtab.DIRECTORY  # type: ignore[attr-defined]
             elif values in _FILES:
                 action.complete = shtab.FILE  # type: ignore[attr-defined]
     return parser
+
+
+def _offer_names(action: argparse.Action) -> None:
+    """Offer shipped plants, and their trajectories; an option takes others as well."""
+    from fuzzyarm.plant import PLANTS
+
+    if "--plant" in action.option_strings:
+        action.choices = list(PLANTS)
+    elif "--trajectory" in action.option_strings:
+        ways = [name for kind in PLANTS.values() for name in kind.trajectories]
+        action.choices = list(dict.fromkeys(ways))

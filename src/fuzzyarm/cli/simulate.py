@@ -1,4 +1,4 @@
-"""Run controllers on the two-link arm, or on any plant, and report their errors.
+"""Run controllers on a plant, the two-link arm or any other, and report their errors.
 
 CONTROLLER is a name (--list shows all), a controller as text (FILE.frb), a Python file of
 yours (FILE.py or FILE.py:CLASS) with a class derived from fuzzyarm.controller.Controller,
@@ -8,7 +8,7 @@ sign, and final, each at the set points. Where a set point stands for several co
 periods it is sampled in the last of them; beside that stand the root mean square over all
 periods, and that from the path on which the set points lie. Exit status 3 if a run diverged.
 
-The arm follows a trajectory; any other plant runs a controller as text along references.
+A plant that has trajectories, as the arm, follows one of them, any plant references.
 --set changes gains of the controller and parameters of the plant (plant.NAME where both
 have a name).
 
