@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import gc
+import math
 import weakref
 from concurrent.futures import ThreadPoolExecutor
 
@@ -24,6 +25,7 @@ from fuzzyarm.inference import (
     prepare,
 )
 from fuzzyarm.inference.arrays import infer_arrays
+from fuzzyarm.inference.errors import NotANumberError
 from fuzzyarm.inference.layout import lay_out
 from fuzzyarm.inference.plan import plan
 from fuzzyarm.inference.prepared import MOST, prepared
@@ -312,6 +314,21 @@ def test_arrays_of_any_shape_and_precision(pd7: RuleBase, shape: tuple[int, ...]
         np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12)
 
 
+def test_plain_arrays_and_others_have_the_bits_of_points(pd7: RuleBase) -> None:
+    e, ce = np.random.default_rng(9).uniform(-7, 7, (2, 120_000))  # on all processors
+    fast = compiled(pd7)
+    plain = fast(e=e, ce=ce)["u"]
+    np.testing.assert_array_equal(plain, fast(e=e, ce=np.repeat(ce, 2)[::2])["u"])
+    np.testing.assert_array_equal(
+        plain.reshape(300, 400), fast(e=e.reshape(300, 400), ce=ce.reshape(300, 400))["u"]
+    )
+    each = [fast.at(*point)[0] for point in zip(e[:500].tolist(), ce[:500].tolist(), strict=True)]
+    assert plain[:500].tolist() == each
+    e[7] = math.nan
+    with pytest.raises(NotANumberError):
+        fast(e=e, ce=ce)
+
+
 def test_more_points_than_a_chunk_and_views_with_steps(pd7: RuleBase) -> None:
     points = np.random.default_rng(7).uniform(-6, 6, (50_000, 2))
     found = compiled(pd7)(e=points[::2, 0], ce=points[::2, 1])["u"]
@@ -528,3 +545,31 @@ def test_programs_that_are_taken_over_are_those_that_would_be_written(pd7: RuleB
         for each, found in zip(moved, taken, strict=True):
             layout._programs.clear()
             assert lay_out(each) == found
+
+
+ENDLESS = """
+rulebase endless
+input x -inf .. inf
+input y -1 .. 1
+output u 0 .. 1
+terms y: triangles low high
+term x left:  sigmoid 0 -1
+term x right: sigmoid 0 1
+term x near:  triangle -1 0 1
+terms u: triangles small large
+rule if x is left and y is low then u is small
+rule if x is right or y is high then u is large
+rule if x is near then u is small
+"""
+
+
+def test_infinite_values_of_an_endless_input_lie_in_no_cell() -> None:
+    rulebase = parse(ENDLESS).rulebase
+    assert rulebase is not None
+    fast = compiled(rulebase)
+    assert fast.kernel in {"machine code", "python"}
+    x = np.array([-math.inf, -1e300, -2.0, 0.5, 2.0, 1e300, math.inf])
+    for y in (-1.0, 0.25):
+        expected = [infer(rulebase, x=value, y=y)["u"] for value in x]
+        assert fast(x=x, y=np.full(7, y))["u"].tolist() == expected
+        assert [fast(x=value, y=y)["u"] for value in x] == expected

@@ -4,10 +4,14 @@ import shutil
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 
+from fuzzyarm.kernels import call, kernel
 from fuzzyarm.native import build as building
-from fuzzyarm.native.build import BuildError, Compiler, build, find_compiler, kernels_in_c
+from fuzzyarm.native import printing
+from fuzzyarm.native.build import BuildError, Compiler, build, find_compiler
+from fuzzyarm.native.printing import kernels_in_c
 from fuzzyarm.native.roots import Root
 from fuzzyarm.table import lookup
 
@@ -15,15 +19,59 @@ ONE = [Root(lookup.gather, "fsf", over_rows=True)]
 
 
 def test_the_c_of_a_kernel():
-    text = kernels_in_c("baseline", "rows", ONE)
-    assert "static inline void gather(reals values_, shorts index_, reals out_) {" in text
-    assert '{"fuzzyarm.table.lookup.gather(fsf)", (void (*)(void))entry_0, spread_0},' in text
+    texts = kernels_in_c(ONE)
+    assert "static inline void gather(reals values_, shorts index_, reals out_) {" in texts["rows"]
+    row = '{"fuzzyarm.table.lookup.gather(fsf)", (void (*)(void))entry_0, spread_0, 4u},'
+    assert row in texts["rows"]
+    assert "gather" not in texts["numbers"]
+    assert "const table_row TABLE[] = {" in texts["numbers"]
 
 
-def test_a_kernel_stands_in_one_unit_only():
-    texts = {unit: kernels_in_c("v3", unit, ONE) for unit in building.UNITS}
-    assert {unit for unit, text in texts.items() if ONE[0].key in text} == {"rows"}
-    assert all(f"const table_row fuzzyarm_v3_{unit}[]" in text for unit, text in texts.items())
+# --- Which arrays a kernel fills in ---
+
+
+@kernel
+def filled_through_a_name(a, b, c):
+    part, other = b[1:3], a
+    part[0] = other[0] + c[0]
+
+
+@kernel
+def filled_by_what_it_calls(a, b, c):
+    filled_through_a_name(b, c, a)
+
+
+@kernel
+def filled_by_address(a, b, c, k):
+    call(k[0], c, a, b)
+
+
+@kernel
+def filled_as_whole_numbers(a):
+    k = a.view(np.int64)
+    k[0] = 1
+
+
+def test_which_arrays_a_kernel_fills_in():
+    named = {
+        function.__name__: Root(function, types)
+        for function, types in (
+            (filled_through_a_name, "fff"),
+            (filled_by_what_it_calls, "fff"),
+            (filled_by_address, "fffi"),
+            (filled_as_whole_numbers, "f"),
+        )
+    }
+    unit = printing._Unit()
+    for root in named.values():
+        unit.add(root)
+    filled = dict(printing.filled_arrays(unit.entries))
+    found = {name: filled[root.key] for name, root in named.items()}
+    assert found["filled_through_a_name"] == {1}
+    assert found["filled_by_what_it_calls"] == {2}
+    # At the address may stand either of the two above, or a program, which fills in the last.
+    assert found["filled_by_address"] == {0, 1}
+    assert found["filled_as_whole_numbers"] == {0}
 
 
 def test_a_named_compiler_comes_first(monkeypatch):

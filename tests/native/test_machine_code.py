@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fuzzyarm import kernels
+from fuzzyarm import compiled, kernels, load, shipped
 from fuzzyarm.expression.evaluation import evaluate
 from fuzzyarm.expression.nodes import apply, constant, symbol
 from fuzzyarm.expression.operations import OPERATIONS
@@ -98,6 +98,14 @@ def expressions(draw, depth=4):
 
 def walked(root, x, y, n):
     """Return an expression over rows by the walker of programs."""
+    address, _ = program_address(root)
+    into = np.zeros(len(x))
+    call_by_address(address, x, y, np.array([n]), into)
+    return into
+
+
+def program_address(root):
+    """Return the address of an expression of x, y and n, and what must live."""
 
     def function():
         """Stand for a function that was printed from an expression."""
@@ -106,9 +114,7 @@ def walked(root, x, y, n):
     function.__program__ = lambda: program_of([root], ("x", "y"), ("n",))
     address = address_of(function, 4, compiled=True)
     assert address % 2 == 1
-    into = np.zeros(len(x))
-    call_by_address(address, x, y, np.array([n]), into)
-    return into
+    return address, function
 
 
 def call_by_address(address, a, b, numbers, into):
@@ -153,6 +159,60 @@ def test_a_routine_refuses_arrays_that_machine_code_would_misread():
             run(good, bad, good)
     with pytest.raises(TypeError, match="3 arrays are needed, not 2"):
         run(good, good)
+
+
+def test_what_is_filled_in_must_be_writable_and_what_is_read_need_not():
+    root = ROOTS["fuzzyarm.inference.row_functions.corners_row(fff)"]
+    run = routine(root.function, "fff", compiled=True)
+    x, corners, into = np.array([0.5]), np.array([0.0, 0.0, 1.0, 1.0]), np.zeros(1)
+    for array in (x, corners, into):
+        array.flags.writeable = False
+    with pytest.raises(ValueError, match="an array that is filled in is read-only"):
+        run(x, corners, into)
+    with pytest.raises(ValueError, match="an array that is filled in is read-only"):
+        bound_routine(root.function, "fff", (x, corners, into))
+    assert into.tolist() == [0.0]
+    into.flags.writeable = True
+    run(x, corners, into)
+    assert into.tolist() == [0.5]
+
+
+def test_a_program_walks_over_arrays_that_fit_it_only():
+    address, keep = program_address(symbol("x") + symbol("n"))
+    row, numbers, into = np.zeros(3), np.zeros(1), np.zeros(3)
+    machine().walk(address, (row, row, numbers, into))
+    read_only = np.zeros(3)
+    read_only.flags.writeable = False
+    for arrays in (
+        (row[:2], row, numbers, into),
+        (row, row, np.zeros(2), into),
+        (row, numbers, into),
+        (row, row, row, numbers, into),
+        (row, row, numbers, read_only),
+    ):
+        with pytest.raises(ValueError, match=r"do not fit it|read-only"):
+            machine().walk(address, arrays)
+    with pytest.raises(ValueError, match="not a program"):
+        machine().walk(address + 1, (row, row, numbers, into))
+    assert keep
+
+
+def test_a_sweep_refuses_what_lies_outside():
+    fast = compiled(load(shipped("pd7.frb")))
+    sweep_arrays = fast._engine._sweeper()
+    x, into = np.zeros(10), np.zeros(10)
+    assert sweep_arrays((x, x, into), 0, 10) == 0
+    with pytest.raises(ValueError, match="an array ends before element 11"):
+        sweep_arrays((x, x, into), 0, 11)
+    with pytest.raises(ValueError, match="ends before"):
+        sweep_arrays((x, x, into), -1, 10)
+    with pytest.raises(TypeError, match="3 arrays are needed"):
+        sweep_arrays((x, into), 0, 10)
+    with pytest.raises(TypeError, match="float64 is needed"):
+        sweep_arrays((x, x.astype(np.float32), into), 0, 10)
+    into.flags.writeable = False
+    with pytest.raises(ValueError, match="read-only"):
+        sweep_arrays((x, x, into), 0, 10)
 
 
 def test_a_bound_routine_keeps_its_arrays_alive():

@@ -244,12 +244,19 @@ def sort(block: Any, k: Any, programs: Any, origin: Any, ends: Any) -> None:
         ends[programs[point] + 2] += 1
     for program in range(1, ends.shape[0]):
         ends[program] += ends[program - 1]
-    # Now slot p + 1 says where program p begins; filling it moves it to where it ends.
+    # Now slot p + 1 says where program p begins; filling it moves it to where it ends. Two inputs
+    # go along; the others follow one by one.
+    first, last = k[COLUMNS], k[COLUMNS] + width * min(k[INPUTS] - 1, 1)
+    one, other = block[first : first + programs.shape[0]], block[last : last + programs.shape[0]]
+    first, last = k[ORDERED], k[ORDERED] + width * min(k[INPUTS] - 1, 1)
+    into, beside = block[first : first + programs.shape[0]], block[last : last + programs.shape[0]]
     for point in range(programs.shape[0]):
         index = ends[programs[point] + 1]
         ends[programs[point] + 1] = index + 1
         origin[index] = point
-    for i in range(k[INPUTS]):
+        into[index] = one[point]
+        beside[index] = other[point]
+    for i in range(2, k[INPUTS]):
         begin = k[COLUMNS] + i * width
         column = block[begin : begin + programs.shape[0]]
         begin = k[ORDERED] + i * width
@@ -372,7 +379,10 @@ def run(block: Any) -> None:
             moment[point] = 0.0
         k[GROUPS] = at
         k[OUTPUT] = head
-        k[NEXT] = _fold_heights(k, f, room, at, k[head + AGGREGATION], count)
+        if k[head + IS_MAX_MIN] != 0 and k[OPERANDS] == 2:
+            k[NEXT] = _unite_rules(k, room, at, count)
+        else:
+            k[NEXT] = _fold_heights(k, f, room, at, k[head + AGGREGATION], count)
         call(k[head + DEFUZZIFIER], block)  # fills total and moment; moves k[NEXT]
         at = k[NEXT]
         begin = k[head + FLOATS_AT]
@@ -489,6 +499,32 @@ def _fold_heights(k: Any, f: Any, room: Any, at: int, fold: int, count: int) -> 
             at += RULE_HEAD + k[OPERANDS]
             if i:
                 join(fold, folded, strength, folded)
+    return at
+
+
+@kernel
+def _unite_rules(k: Any, room: Any, at: int, count: int) -> int:
+    """Do what :func:`_fold_heights` does for a grid of rules of two operands, as nearly all are."""
+    width = k[WIDTH]
+    groups = k[at]
+    at += 1
+    for group in range(k[HEIGHTS], k[HEIGHTS] + groups):
+        begin = group * width
+        folded = room[begin : begin + count]
+        rules = k[at]
+        at += GROUP_HEAD
+        for i in range(rules):
+            begin = k[at + RULE_HEAD] * width
+            one = room[begin : begin + count]
+            begin = k[at + RULE_HEAD + 1] * width
+            other = room[begin : begin + count]
+            at += RULE_HEAD + 2
+            if i:
+                for point in range(count):
+                    folded[point] = max(folded[point], min(one[point], other[point]))
+            else:
+                for point in range(count):
+                    folded[point] = min(one[point], other[point])
     return at
 
 
