@@ -696,7 +696,7 @@
     vary: "Vary",
     varyHint: "NAME=A..B: what differs from drawn scenario to drawn scenario, as in J=0.005..0.03; several with blanks between",
     needsConnect: (name) => `${name} (other axes)`,
-    asTheStudy: "both of the study",
+    asCompared: "the usual ones",
     testedOn: "Judged by",
     testedOnHint: "Samples to judge by; without them a fifth of the others",
     fifth: "a fifth of them",
