@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from fuzzyarm.formats.skfuzzy import to_skfuzzy
 
 import fuzzyarm
 from fuzzyarm import kinds, op
@@ -21,7 +22,6 @@ from fuzzyarm.expression.defuzzifiers import ASPECTS, DEFUZZIFIERS
 from fuzzyarm.expression.records import KindError
 from fuzzyarm.formats import PRODUCERS, same_model, write
 from fuzzyarm.formats import parse as parse_foreign
-from fuzzyarm.formats.skfuzzy import to_skfuzzy
 from fuzzyarm.inference import explain
 from fuzzyarm.inference.infer import infer_interval
 from fuzzyarm.language import format_text, parse
