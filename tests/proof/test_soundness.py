@@ -14,6 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import fuzzyarm
+from fuzzyarm.inference.bisector import _nearest_half, halve
 from fuzzyarm.inference.centroid_bounds import (
     average_bounds,
     centroid_bounds,
@@ -21,7 +22,6 @@ from fuzzyarm.inference.centroid_bounds import (
     ends_of_centroid_bounds,
 )
 from fuzzyarm.inference.errors import InferenceError
-from fuzzyarm.inference.maxima import _nearest_half, halve
 from fuzzyarm.inference.place_bounds import (
     bisector_bounds,
     halving_bounds,

@@ -7,6 +7,7 @@ import pytest
 
 import fuzzyarm
 from fuzzyarm import export, formats, loop, proof, show
+from fuzzyarm.closed_loop.claims import read_claim
 from fuzzyarm.controller import Controller, Sources, controller, find_controller
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language import load_rulebase
@@ -72,6 +73,17 @@ def test_where_a_rule_base_is_wanted(call, value, said):
 def test_where_a_controller_is_wanted(call, value, said):
     with pytest.raises(FuzzyarmError, match=said):
         call(value)
+
+
+def test_a_statement_on_a_loop_wants_a_controller():
+    claim = read_claim("stable on motor")
+    for statement in ("stable", "stable on motor", "on motor from e = 0 : always e <= 1", claim):
+        with pytest.raises(WrongKindError, match="'pd7' is a rule base, not a controller"):
+            fuzzyarm.prove(RULES, statement)
+    with pytest.raises(WrongKindError, match="3 is an int, not a rule base or a controller"):
+        fuzzyarm.prove(3, "u <= 6")
+    with pytest.raises(WrongKindError, match="'servo' is a controller, not a rule base"):
+        fuzzyarm.prove(SERVO, RULES.properties[0] if RULES.properties else 3)
 
 
 @pytest.mark.parametrize("value", [3, None, Controller, [SERVO]])

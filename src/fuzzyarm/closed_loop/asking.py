@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
@@ -16,10 +17,14 @@ from fuzzyarm.plant.own import find_plant
 from fuzzyarm.plant.plant import Plant
 from fuzzyarm.proof import verdicts
 from fuzzyarm.proof.verdicts import Verdict
+from fuzzyarm.text.mistaken import CONTROLLER, MODEL, RULE_BASE, OfKind, wrong_kind
 
 __all__ = ["prove"]
 
 Tell = Callable[[str, int, float], None]
+
+_LOOP_WORDS = re.compile(r"\s*(?:prove\s+)?(stable|on)\b")
+"""How a statement on a loop begins."""
 
 
 def prove(
@@ -73,6 +78,8 @@ def prove(
     ------
     RuleBaseError
         If the statement cannot be read.
+    WrongKindError
+        If it is one on a loop and `thing` is a rule base, or the other way round.
     PlantError
         If there is no such plant.
 
@@ -87,20 +94,30 @@ def prove(
     'proved'
     """
     if not isinstance(thing, ControllerText):
-        assert not isinstance(statement, LoopClaim)
+        if not isinstance(thing, OfKind):
+            raise wrong_kind(thing, MODEL)
+        if isinstance(statement, LoopClaim) or _is_of_a_loop(statement, thing):
+            raise wrong_kind(thing, CONTROLLER)
         return verdicts.prove(
             thing, statement, tolerance=tolerance, budget=budget, exact=exact, tell=tell
         )
     own = find_plant(plant) if plant is not None else None
     name = "" if own is None else plant if isinstance(plant, str) else own.name
-    if isinstance(statement, str):
+    if isinstance(statement, LoopClaim):
+        claim = statement
+    elif isinstance(statement, str) and (name or _LOOP_WORDS.match(statement)):
         claim = read_claim(statement, str(name))
     else:
-        assert isinstance(statement, LoopClaim)
-        claim = statement
+        raise wrong_kind(thing, RULE_BASE)
     if name and isinstance(plant, str):
         claim = replace(claim, plant=name)
     return prove_loop(
         thing, claim, plant=own, connect=connect, sensors=sensors, budget=budget,
         continuous=continuous, tell=tell,
     )  # fmt: skip
+
+
+def _is_of_a_loop(statement: str | Property, rulebase: AnyRuleBase) -> bool:
+    """Whether a text speaks of a loop; an output may be called ``stable`` or ``on``."""
+    words = _LOOP_WORDS.match(statement) if isinstance(statement, str) else None
+    return words is not None and all(words[1] != output.name for output in rulebase.model.outputs)

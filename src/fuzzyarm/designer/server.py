@@ -27,6 +27,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
+import anyio
 from starlette.applications import Starlette
 from starlette.requests import Request
 from starlette.responses import PlainTextResponse, Response
@@ -104,7 +105,7 @@ class Window:
 
     async def tell(self, message: Mapping[str, Any]) -> None:
         """Send a message; a window that has gone hears nothing."""
-        with contextlib.suppress(WebSocketDisconnect, RuntimeError):
+        with contextlib.suppress(WebSocketDisconnect, RuntimeError, anyio.ClosedResourceError):
             await self.socket.send_text(json.dumps(jsonable(message)))
 
 
