@@ -189,7 +189,9 @@ PURPOSES = {
         "fuzzyarm", "fuzzyarm.api", "fuzzyarm.builder", "fuzzyarm.model", "fuzzyarm.language",
         "fuzzyarm.formats", "fuzzyarm.live", "fuzzyarm.expression", "fuzzyarm.text",
     ),
-    "Evaluate, tabulate, prove": ("fuzzyarm.inference", "fuzzyarm.table", "fuzzyarm.proof"),
+    "Evaluate, tabulate, prove": (
+        "fuzzyarm.inference", "fuzzyarm.table", "fuzzyarm.proof", "fuzzyarm.closed_loop",
+    ),  # fmt: skip
     "Controllers, plants, runs": (
         "fuzzyarm.controller", "fuzzyarm.plant", "fuzzyarm.loop", "fuzzyarm.tuning",
         "fuzzyarm.study", "fuzzyarm.control",

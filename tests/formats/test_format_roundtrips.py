@@ -82,6 +82,8 @@ def inputs_only(rulebase: RuleBase) -> RuleBase:
 def fitted(output: Output, samples: tuple[int, str]) -> Output:
     """Sample an output as a program does; settle what it cannot say."""
     method = output.defuzzifier.method
+    if method == "middle-of-maximum":  # fuzzylite has none: its MM is the mean
+        method = "mean-of-maximum"
     kinds = {term.shape.kind for term in output.terms}
     if method == "tsukamoto" or kinds & set(VALUES):
         if kinds & set(VALUES) and method not in ("weighted-average", "weighted-sum"):
