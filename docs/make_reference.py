@@ -191,7 +191,7 @@ PURPOSES = {
     ),
     "Evaluate, tabulate, prove": (
         "fuzzyarm.inference", "fuzzyarm.table", "fuzzyarm.proof", "fuzzyarm.closed_loop",
-    ),  # fmt: skip
+    ),
     "Controllers, plants, runs": (
         "fuzzyarm.controller", "fuzzyarm.plant", "fuzzyarm.loop", "fuzzyarm.tuning",
         "fuzzyarm.study", "fuzzyarm.control",
