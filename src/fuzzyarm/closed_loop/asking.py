@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from typing import overload
 
 from fuzzyarm.closed_loop.claims import read_claim
 from fuzzyarm.closed_loop.verdicts import LoopVerdict, prove_loop
@@ -25,6 +26,32 @@ Tell = Callable[[str, int, float], None]
 
 _LOOP_WORDS = re.compile(r"\s*(?:prove\s+)?(stable|on)\b")
 """How a statement on a loop begins."""
+
+
+@overload
+def prove(
+    thing: ControllerText,
+    statement: str | LoopClaim,
+    *,
+    plant: str | Plant | None = None,
+    connect: Mapping[str, str] | None = None,
+    sensors: Mapping[str, Sensor] | None = None,
+    budget: float = math.inf,
+    continuous: bool = False,
+    tell: Tell | None = None,
+) -> LoopVerdict: ...
+
+
+@overload
+def prove(
+    thing: AnyRuleBase,
+    statement: str | Property,
+    *,
+    budget: float = math.inf,
+    tolerance: float | None = None,
+    exact: bool = False,
+    tell: Tell | None = None,
+) -> Verdict: ...
 
 
 def prove(
