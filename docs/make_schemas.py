@@ -377,6 +377,163 @@ REPRODUCED = record(
     published_inside=rows({"type": "boolean"}, "whether the printed figures lie in the band"),
 )
 
+_SCORE = record(
+    "a score",
+    cost=number("of the scenarios together", null="where one cannot be had"),
+    rms=number("root mean square error, mean of the scenarios", null="where one diverged"),
+    chatter=number("of the drive", null="without a plant"),
+    diverged=whole("in how many scenarios the loop diverged"),
+    each=numbers("the cost of each scenario", null="where it diverged"),
+)
+TUNED = record(
+    "a tuning",
+    cost=text("the formula that became small"),
+    over=text("how the costs of scenarios became one", "mean", "worst"),
+    method=text("of the search"),
+    seed=whole("of all random draws"),
+    trials=whole("of the search: how many"),
+    linear_trials=whole("of the linear opponent", null="without one"),
+    refused=whole("candidates that broke a line `expect` or `prove`"),
+    seconds=number("how long it took"),
+    interrupted=truth("whether Ctrl-C ended it"),
+    digits=whole("of the numbers that are written"),
+    scenarios=names("what was tuned on"),
+    unseen=names("what was judged by"),
+    rows=by_name(
+        by_name(_SCORE, "`train`, `unseen`, `noisy`"),
+        "`as in the file`, `tuned`, and a linear opponent, each on three sets of scenarios",
+    ),
+    claim=text("what can be said of it on what was not seen"),
+    comparisons=rows(
+        {
+            "type": "object",
+            "properties": {
+                "with": text("the other row"),
+                "better_on": whole("unseen scenarios on which it costs less"),
+                "of": whole("unseen scenarios; 0 where the cost is one number for all of them"),
+                "dearer_by": number("share of the other cost", null="where that is 0"),
+            },
+            "required": ["with", "better_on", "of", "dearer_by"],
+            "additionalProperties": False,
+        },
+        "with every other row",
+    ),
+    remarks=names("what else is to be known"),
+    faults=names("what failed; the numbers stand"),
+    line={
+        "type": ["object", "null"],
+        "additionalProperties": {"type": "array", "items": {"type": "number"}},
+        "description": "numbers of the linear opponent, one for each axis; null without one",
+    },
+    failed=whole("trials that ended by an error"),
+    parameters=rows(
+        record(
+            "a parameter",
+            name=text("what moved"), low=number("of its range"), high=number("of its range"),
+            start=number("as in the file"),
+        ),
+        "what moved",
+    ),
+    on_a_bound=names("parameters that ended on a bound of their range"),
+    changes=rows(
+        record(
+            "a change", what=text("of what"), old=text("in the file"), new=text("as written"),
+        ),
+        "in the words of the file",
+    ),
+    curve=numbers("the best cost after each trial", null="before the first that has one"),
+    front=rows(
+        record("a trial", rms=number("its error"), chatter=number("its chatter")),
+        "trials that no other beats in both",
+    ),
+    files=names("what was written"),
+)  # fmt: skip
+
+# --- Tables that learn ---
+
+_SNAPSHOT = {
+    "pass_": whole("from 1"),
+    "time": number("since the pass began, s"),
+    "rms": numbers("error of each axis, in the plant's unit", null="where it diverged"),
+    "complete": truth("whether the pass came to its end"),
+    "diverged": number("when, s", null="where it did not"),
+    "joints": rows(
+        record(
+            "a table",
+            visited=whole("cells that were used"),
+            changed=whole("cells that differ from the start"),
+            never_visited=whole("cells that were not used"),
+        ),
+        "by axis",
+    ),
+}
+_CELLS = {"type": "array", "description": "of each axis: a row for each level of the first input"}
+LEARNED = record(
+    "a training",
+    "snapshots",
+    passes=rows(record("a pass", **_SNAPSHOT), "those that came to their end"),
+    levels=by_name(rows({"type": "number"}, "in rising order"), "levels of each input"),
+    tables=_CELLS | {"description": "values of each axis, a row for each level of the first input"},
+    visits=_CELLS | {"description": "how often each cell was used, in the same order"},
+    file={"type": ["string", "null"], "description": "what was written; null without -o"},
+    snapshots=rows(record("a moment", **_SNAPSHOT), "with --every: what was shown meanwhile"),
+)
+
+# --- Sectors ---
+
+_WITHIN = rows({"type": "number"}, "low and high", length=2)
+_FACTOR = {
+    "weights": by_name({"type": "number"}, "the sum of the inputs that it bounds by"),
+    "low": number("the output is at least so many times the sum"),
+    "high": number("and at most so many times"),
+    "slack": number("by which it may lie beside, in units of the output"),
+}
+SECTORS = record(
+    "sectors of a rule base",
+    sectors=rows(
+        record(
+            "a sector",
+            **_FACTOR,
+            at_low=by_name({"type": "number"}, "a point near the lowest multiple"),
+            at_high=by_name({"type": "number"}, "a point near the highest"),
+            pieces=_BOUND["pieces"],
+        ),
+        "along each input, or along the sum of --along",
+    ),
+    open=names("why another could not be had"),
+)
+_GAIN = record(
+    "a gain",
+    source=text("of which source"),
+    low=number("the least slope near rest"), high=number("the greatest near rest"),
+    least=number("the least slope anywhere"), most=number("the greatest anywhere"),
+    unit=text("of the slope"),
+)  # fmt: skip
+DRIVE = record(
+    "what is proved of a drive",
+    drive=text("axis and port"),
+    unit=text("of the drive"),
+    low=number("it is never less"),
+    high=number("it is never more"),
+    free=rows({"type": "number"}, "its bounds without its limits", length=2),
+    limits={
+        "type": ["array", "null"],
+        "items": {"type": "number"},
+        "description": "of the text or of the plant's actuator; null without any",
+    },
+    reached=text("whether a limit is reached; empty without limits", "never", "yes", "open", ""),
+    at=by_name({"type": "number"}, "where it is"),
+    gains=rows(_GAIN, "by source"),
+    sectors=rows(
+        record(
+            "a sector", **_FACTOR,
+            within=by_name(_WITHIN, "the intervals on which it holds"),
+        ),
+        "of the drive, along its sources",
+    ),
+    open=names("why another could not be had"),
+)  # fmt: skip
+
 EVALUATED = by_name(
     {"type": ["number", "null", "array"]},
     "values; of interval type 2 with both ends; null where there is none",
@@ -416,6 +573,13 @@ OUTPUTS = (
         ),
     ),
     Output("prove-table", "prove FILE --table WHAT", "the error of a table", WORST),
+    Output("prove-sector", "prove FILE --sector", "multiples of the inputs", SECTORS),
+    Output(
+        "prove-drives",
+        "prove CONTROLLER --sector",
+        "what holds of its drives",
+        rows(DRIVE, "in the order of the axes"),
+    ),
     Output("compile", "compile FILE -o OUT.lut", "a table that was made", TABLE_REPORT),
     Output(
         "compile-source", "compile FILE -o OUT.c", "source text of rules and tables", SOURCE_REPORT
@@ -487,6 +651,8 @@ OUTPUTS = (
         "controllers on the arm",
         rows(COMPARED, "in the order in which they were named"),
     ),
+    Output("tune", "tune FILE -o OUT.frb", "what tuning came to", TUNED),
+    Output("learn", "learn CONTROLLER", "tables that a controller learned", LEARNED),
     Output("fit", "fit SAMPLES -o OUT.frb", "a rule base learned from samples", FIT),
     Output("validate", "validate FILE SAMPLES", "a rule base judged by samples", VALIDATED),
     Output(

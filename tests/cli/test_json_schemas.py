@@ -42,6 +42,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     )
     rows = [f"{x / 12},{y / 12},{(x * y + x) / 144}" for x in range(12) for y in range(12)]
     (folder / "samples.csv").write_text("\n".join(["x,y,z", *rows, ""]))
+    pairs = [f"{e},{ce},{(e + ce) / 2}" for e in range(-6, 7) for ce in range(-6, 7)]
+    (folder / "pairs.csv").write_text("\n".join(["e,ce,u", *pairs, ""]))
     (folder / "flowers.csv").write_text(
         "\n".join(["w,kind", *(f"{x / 40},{'rose' if x < 20 else 'lily'}" for x in range(40)), ""])
     )
@@ -55,6 +57,8 @@ CALLS = {
     "prove-range": [["prove", PD7, "--range"]],
     "prove-slope": [["prove", PD7, "--slope"]],
     "prove-table": [["prove", PD7, "--table", "linear"]],
+    "prove-sector": [["prove", PD7, "--sector"], ["prove", PD7, "--sector", "--along", "e=1,ce=1"]],
+    "prove-drives": [["prove", SERVO, "--sector"]],
     "compile": [
         ["compile", PD7, "-o", "a.lut"],
         ["compile", PD7, "--tolerance", "1", "-o", "b.lut"],
@@ -70,6 +74,11 @@ CALLS = {
     "simulate": [["simulate", "pd"], ["simulate", SERVO, "--plant", "motor"]],
     "sweep": [["sweep", SERVO, "--plant", "motor", "--sweep", "J=0.01..0.02:2"]],
     "compare": [["compare", "pd", "fuzzy-lut", "--operations"]],
+    "tune": [
+        ["tune", SERVO, "--plant", "motor", "--evals", "3", "--unseen", "2", "-o", "t.frb"],
+        ["tune", PD7, "--data", "pairs.csv", "--evals", "3", "--no-linear"],
+    ],
+    "learn": [["learn", "--segment", "0.1", "--hold", "0.05", "--every", "100", "-o", "l.lut"]],
     "fit": [["fit", "samples.csv", "-o", "f.frb"], ["fit", "flowers.csv", "-o", "g.frb"]],
     "validate": [["validate", "f.frb", "samples.csv"], ["validate", "g.frb", "flowers.csv"]],
     "reproduce": [["reproduce", "7.1.1/pd"]],
