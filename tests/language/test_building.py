@@ -236,9 +236,9 @@ def test_rows_and_columns_go_and_come_back_with_the_rest_of_the_grid(text):
     grids = [s.node for s in read(text).document.statements if isinstance(s.node, GridNode)]
     for grid in grids:
         line, rules = grid.span.line, len(read(text).model.rules)
-        heads = [(remove_column, add_column, each.text) for each in grid.columns]
+        heads = [(remove_column, add_column, str(each)) for each in grid.columns]
         if grid.row is not None:
-            heads += [(remove_row, add_row, each.label.text) for each in grid.rows]
+            heads += [(remove_row, add_row, str(each.label)) for each in grid.rows]
         for remove, add, term in heads:
             less = apply_edits(text, remove(read(text), line, term))
             assert len(read(less).model.rules) < rules or "." in text
@@ -250,8 +250,8 @@ def test_rows_and_columns_go_and_come_back_with_the_rest_of_the_grid(text):
                 for s in again.document.statements
                 if isinstance(s.node, GridNode) and s.node.span.line == line
             ]
-            assert [each.text for each in same.columns] == [each.text for each in grid.columns]
-            assert [e.label.text for e in same.rows] == [e.label.text for e in grid.rows]
+            assert same.columns == grid.columns
+            assert [e.label for e in same.rows] == [e.label for e in grid.rows]
             assert [e for e in again.parsed.diagnostics if e.is_error] == []
 
 

@@ -1,4 +1,4 @@
-"""A record and a node are all that a statement needs to be read, written, offered and renamed."""
+"""A row of parts is all that a statement needs to be read, written, offered and renamed."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from typing import NamedTuple
 import pytest
 
 from fuzzyarm.language import format_text, parse
-from fuzzyarm.language.phrases import Occurrence, of_variable
 from fuzzyarm.language.queries import (
     apply_edits,
     coloured,
@@ -19,9 +18,11 @@ from fuzzyarm.language.queries import (
     rename,
     symbols,
 )
-from fuzzyarm.language.statements import STATEMENTS, StatementKind
-from fuzzyarm.language.tokens import STARTERS, Cursor, Figure, Word, name_text
+from fuzzyarm.language.rows import Keyword, Mark, Number, Row, StatementKind, Variable
+from fuzzyarm.language.statements import STATEMENTS
+from fuzzyarm.language.tokens import STARTERS, name_text
 from fuzzyarm.text.diagnostic import NOWHERE, Span
+from fuzzyarm.text.placed import Figure, Word
 
 HEAD = """\
 rulebase r
@@ -40,23 +41,19 @@ class GainNode(NamedTuple):
     factor: Figure
     span: Span = NOWHERE
 
-    @classmethod
-    def read(cls, cursor: Cursor) -> GainNode:
-        cursor.take()
-        variable = cursor.variable("the name of an input", "input", " by")
-        cursor.expect("by", "after the input")
-        return cls(variable, cursor.figure("the factor"), cursor.whole)
-
-    def __str__(self) -> str:
-        return f"gain {self.variable} by {self.factor}"
-
-    def mentions(self) -> Iterator[Occurrence]:
-        yield of_variable(self.variable)
-
 
 @pytest.fixture(autouse=True)
 def gain(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    record = StatementKind("gain", GainNode, "INPUT by FACTOR", "scales an input", outline="gain")
+    row = Row(
+        GainNode,
+        Keyword("gain"),
+        Variable("variable", "the name of an input", role="input", follow=" by", label="INPUT"),
+        Mark("by", "after the input"),
+        Number("factor", "the factor", "FACTOR"),
+    )
+    record = StatementKind("gain", "scales an input", row, outline="gain")
+    assert record.syntax == "INPUT by FACTOR"
+    assert record.words == {"by": ""}
     monkeypatch.setitem(STATEMENTS, "gain", record)
     STARTERS.add("gain")
     yield

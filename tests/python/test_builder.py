@@ -17,6 +17,7 @@ from fuzzyarm.builder import ArgumentError
 from fuzzyarm.formats import FormatError
 from fuzzyarm.formats.registry import same_model
 from fuzzyarm.language.document import print_document
+from fuzzyarm.language.rows import sentence
 from fuzzyarm.language.writer import property_node, rule_node
 from fuzzyarm.model import Input, NotInModelError, Output
 from fuzzyarm.model import RuleBase as Model
@@ -84,8 +85,8 @@ def rebuilt(rulebase):
         else:
             made.inference(**norms)
         for rule in block.rules:
-            sentence = rule_node(dataclasses.replace(rule, weight=1.0))
-            made.rule(" ".join(sentence.parts), rule.weight)
+            node = rule_node(dataclasses.replace(rule, weight=1.0))
+            made.rule(sentence(node), rule.weight)
     if rulebase.lookup is not None:
         axes = rulebase.lookup.axes
         bins = {axis.variable: axis.bins for axis in axes if axis.bins is not None}

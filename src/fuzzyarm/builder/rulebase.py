@@ -621,7 +621,7 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
         """The name of the rule base."""
         for statement in self._statements:
             if isinstance(statement.node, Heading):
-                return statement.node.name.text
+                return statement.node.name
         return "unnamed"
 
     @property

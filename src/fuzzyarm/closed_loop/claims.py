@@ -10,6 +10,7 @@ from fuzzyarm.closed_loop.problem import LoopProblem, loop_problem
 from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.language.document import parse_document
 from fuzzyarm.language.loop_claims import LoopClaimNode, claim_node
+from fuzzyarm.language.rows import text_of
 from fuzzyarm.language.tokens import name_text
 from fuzzyarm.loop.course import Sensor
 from fuzzyarm.model.claims import LoopClaim
@@ -59,7 +60,7 @@ def claim_text(claim: LoopClaim) -> str:
     claim : LoopClaim
         Which.
     """
-    return str(claim_node(claim)).removeprefix("prove ")
+    return text_of(claim_node(claim)).removeprefix("prove ")
 
 
 def problem_of(

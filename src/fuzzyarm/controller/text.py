@@ -311,11 +311,9 @@ def teaching(rate: float | None = None, delay: int | None = None) -> Change:
         def taught(line: Line) -> Line:
             if not isinstance(line, Learn):
                 return line
-            return replace(
-                line,
-                rate=line.rate if rate is None else rate,
-                delay=line.delay if delay is None else delay,
-            )
+            changed = {"rate": rate, "delay": None if delay is None else float(delay)}
+            options = dict(line.options) | {k: v for k, v in changed.items() if v is not None}
+            return replace(line, options=tuple(options.items()))
 
         axes = tuple(replace(each, lines=tuple(map(taught, each.lines))) for each in model.axes)
         return replace(model, axes=axes)

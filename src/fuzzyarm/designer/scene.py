@@ -29,6 +29,8 @@ from fuzzyarm.inference.row_functions import norm_number
 from fuzzyarm.inference.trace import place_of, sentence
 from fuzzyarm.language.phrases import SETTINGS, SettingNode
 from fuzzyarm.language.queries import INCOMPLETE, Reading
+from fuzzyarm.language.rows import sentence as row_sentence
+from fuzzyarm.language.rows import text_of
 from fuzzyarm.language.rules import GridNode, RuleNode
 from fuzzyarm.language.statements import BlockNode, InferenceNode
 from fuzzyarm.lsp.session import UTF16, to_position
@@ -46,6 +48,7 @@ from fuzzyarm.model.rulebase import (
 from fuzzyarm.model.shapes import centre
 from fuzzyarm.text.diagnostic import Span
 from fuzzyarm.text.jsonable import jsonable
+from fuzzyarm.text.numbers import number_text
 
 __all__ = ["Positions", "held_numbers", "scene_of"]
 
@@ -245,7 +248,7 @@ def _rules(
             concluded.setdefault(index, []).append([o, member])
     names = [each.name for each in rulebase.inputs]
     nodes = (statement.node for statement in reading.document.statements)
-    written = {node.span.line: " ".join(node.parts) for node in nodes if isinstance(node, RuleNode)}
+    written = {node.span.line: row_sentence(node) for node in nodes if isinstance(node, RuleNode)}
     found: list[SceneRule] = []
     for number, rule in enumerate(rulebase.rules):
         found.append(
@@ -284,7 +287,7 @@ def _methods(rulebase: RuleBase, reading: Reading) -> list[Method]:
     """
     nodes = [statement.node for statement in reading.document.statements]
     written = {
-        ("" if node.target is None else node.target.text, each.key.text): _value(each)
+        ("" if node.target is None else str(node.target), str(each.key)): _value(each)
         for node in nodes
         if isinstance(node, InferenceNode)
         for each in node.settings
@@ -298,12 +301,12 @@ def _methods(rulebase: RuleBase, reading: Reading) -> list[Method]:
         for output in [*others[:1], *own]:
             target = output.name if output in own else ""
             found.append(_method(key, str(getattr(output, key)).removesuffix(" exact"), target))
-    said = [str(node) for node in nodes if isinstance(node, BlockNode) and node.settings]
+    said = [text_of(node) for node in nodes if isinstance(node, BlockNode) and node.settings]
     return [*found, *(Method(block=each) for each in said)]
 
 
 def _value(setting: SettingNode) -> str:
-    return str(setting).removeprefix(f"{setting.key.text} ").removesuffix(" exact")
+    return str(setting).removeprefix(f"{setting.key} ").removesuffix(" exact")
 
 
 def _method(key: str, value: str, target: str = "") -> Method:
@@ -324,25 +327,23 @@ def _grids(rulebase: RuleBase, reading: Reading, positions: Positions) -> list[G
     return [
         {
             "line": grid.span.line,
-            "output": part.output.text,
+            "output": part.output,
             "condition": "" if part.condition is None else str(part.condition),
-            "row": None if part.row is None else part.row.text,
-            "column": part.column.text,
-            "columns": [word.text for word in part.columns],
+            "row": None if part.row is None else part.row,
+            "column": part.column,
+            "columns": list(part.columns),
             "joined": bool(grid.joined),
             "range": positions.of(part.span),
             "rows": [
                 {
-                    "label": row.label.text,
+                    "label": row.label,
                     "cells": [
                         {
-                            "term": None if cell.term is None else cell.term.text,
-                            "weight": None if cell.weight is None else str(cell.weight),
+                            "term": None if cell.term is None else cell.term,
+                            "weight": None if cell.weight is None else number_text(cell.weight),
                             "at": [cell.span.line, cell.span.column],
                             "range": positions.of(cell.span),
-                            "rule": numbers.get(
-                                (cell.span.line, cell.span.column, part.output.text)
-                            ),
+                            "rule": numbers.get((cell.span.line, cell.span.column, part.output)),
                         }
                         for cell in row.cells
                     ],

@@ -5,35 +5,21 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Sequence
 from contextlib import suppress
+from dataclasses import replace
 
-from fuzzyarm.expression.sources import Setting, SourceKind
+from fuzzyarm.expression.sources import Setting
 from fuzzyarm.language.controller_doubts import doubts_of_lines
-from fuzzyarm.language.controllers import (
-    AxisNode,
-    ControllerHeading,
-    DriveNode,
-    GainNode,
-    LearnNode,
-    PartnerNode,
-    PeriodNode,
-    SetPointNode,
-    SignalNode,
-    UseNode,
-    ZoomNode,
-)
+from fuzzyarm.language.controllers import ControllerHeading, PeriodNode, SetPointNode
 from fuzzyarm.language.declarations import Scope
 from fuzzyarm.language.loop_claims import LoopClaimNode
-from fuzzyarm.language.signals import AmountNode, OptionNode, ProductNode
+from fuzzyarm.language.signals import amount_text, time_text
 from fuzzyarm.language.statements import Broken, StatementNode
-from fuzzyarm.language.tokens import Figure, Word, name_text
+from fuzzyarm.language.tokens import name_text
 from fuzzyarm.model.claims import LoopClaim
 from fuzzyarm.model.controller import (
-    SOURCES,
-    Amount,
     Axes,
     ControllerModel,
     Drive,
-    Factor,
     GainModel,
     Learn,
     Line,
@@ -41,13 +27,15 @@ from fuzzyarm.model.controller import (
     Product,
     Signal,
     Source,
-    Tune,
+    Time,
     Use,
     Zoom,
 )
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.text.diagnostic import Diagnostic, Related, Severity, Span
 from fuzzyarm.text.names import near_hint
+from fuzzyarm.text.numbers import number_text
+from fuzzyarm.text.placed import Figure, Word, span_of
 
 __all__ = ["elaborate_controller"]
 
@@ -80,11 +68,11 @@ class _Reader:
         self.broken = {node.keyword for node in nodes if isinstance(node, Broken)}
         # What a line would have read that could not be read itself.
         self.unread = any(map(_is_unread, nodes))
-        self.numbers: dict[str, Word] = {}  # gains and partners
-        self.sheets: dict[str, Word] = {}
+        self.numbers: dict[str, str] = {}  # gains and partners
+        self.sheets: dict[str, str] = {}
         self.used: set[str] = set()
         self.read: set[str] = set()  # signals, on the axis at hand
-        self.axes: dict[str, Word] = {}
+        self.axes: dict[str, str] = {}
 
         self.later: dict[str, Span] = {}
 
@@ -96,30 +84,23 @@ class _Reader:
         for each in own:
             self.sheets[each.name] = Word(each.name, heading.name.span)
             self.used.add(each.name)
-        uses = tuple(self._use(node) for node in self.nodes if isinstance(node, UseNode))
+        uses = tuple(node for node in self.nodes if isinstance(node, Use))
+        for use in uses:
+            self._declare(use.name, self.sheets)
         self._declare_gains()
         axes = self._axes()
         count = max(1, sum(len(each.names) for each in axes))
-        gains = [self._gain(node, count) for node in self.nodes if isinstance(node, GainNode)]
-        partners = [
-            Partner(
-                node.name.text,
-                node.law.text,
-                tuple((word.text, figure.value) for word, figure in node.gains),
-                node.span,
-            )
-            for node in self.nodes
-            if isinstance(node, PartnerNode)
-        ]
+        gains = [self._gain(node, count) for node in self.nodes if isinstance(node, GainModel)]
+        partners = tuple(node for node in self.nodes if isinstance(node, Partner))
         self._judge_files(uses, count)
         self._judge_unused()
         model = ControllerModel(
-            heading.name.text,
+            heading.name,
             self._period(heading),
             tuple(axes),
             tuple(gain for gain in gains if gain is not None),
             uses,
-            tuple(partners),
+            partners,
             self._every(),
             heading.description or "",
             own,
@@ -156,25 +137,25 @@ class _Reader:
                     hint="add a line like  period 1 ms",
                 )
             return math.nan
-        if not 0.0 < node.time.seconds <= 3600.0:
+        if not 0.0 < node.time <= 3600.0:
             self.scope.report(
                 "bad-period",
-                f"a period of {node.time} is out of range",
+                f"a period of {time_text(node.time)} is out of range",
                 node.time.figure.span,
                 hint="above 0 and at most 1 h",
             )
-        return node.time.seconds
+        return node.time
 
     def _every(self) -> int:
         self._report_repeated(SetPointNode, "set-point line")
         node = next((node for node in self.nodes if isinstance(node, SetPointNode)), None)
         if node is None:
             return 1
-        value = node.every.value
+        value = float(node.every)
         if value != int(value) or not 1 <= value <= MAX_EVERY:
             self.scope.report(
                 "bad-set-point",
-                f"a set point must last a whole number of periods, not {node.every}",
+                f"a set point must last a whole number of periods, not {number_text(node.every)}",
                 node.every.span,
             )
             return 1
@@ -186,10 +167,8 @@ class _Reader:
             if not isinstance(node, LoopClaimNode):
                 continue
             for stretch in node.stretches:
-                if stretch.low.value > stretch.high.value:
-                    self._turned(
-                        f"the interval of '{stretch.name.text}'", stretch.low, stretch.high
-                    )
+                if stretch.low > stretch.high:
+                    self._turned(f"the interval of '{stretch.name}'", stretch.low, stretch.high)
             self._judge_names_of(node)
             claim = node.claim
             if claim.begin > claim.end:
@@ -205,34 +184,30 @@ class _Reader:
             [port for port, _ in node.at],
         ):
             for k, word in enumerate(group):
-                if word.text in (each.text for each in group[:k]):
-                    message = f"'{word.text}' stands twice in the claim"
+                if word in group[:k]:
+                    message = f"'{word}' stands twice in the claim"
                     self.scope.report("duplicate-name", message, word.span)
 
-    def _use(self, node: UseNode) -> Use:
-        self._declare(node.name, self.sheets)
-        return Use(node.name.text, tuple(word.text for word in node.files), node.span)
-
-    def _declare(self, word: Word, names: dict[str, Word]) -> None:
-        if word.text in names:
+    def _declare(self, word: str, names: dict[str, str]) -> None:
+        if word in names:
             self.scope.report(
                 "duplicate-name",
-                f"'{word.text}' is declared twice",
-                word.span,
+                f"'{word}' is declared twice",
+                span_of(word),
                 hint="a name means one thing: take another for this one",
-                related=(Related("first here", names[word.text].span),),
+                related=(Related("first here", span_of(names[word])),),
             )
-        names.setdefault(word.text, word)
+        names.setdefault(word, word)
 
     def _declare_gains(self) -> None:
         for node in self.nodes:
-            if isinstance(node, GainNode | PartnerNode):
+            if isinstance(node, GainModel | Partner):
                 self._declare(node.name, self.numbers)
 
-    def _gain(self, node: GainNode, count: int) -> GainModel | None:
+    def _gain(self, node: GainModel, count: int) -> GainModel | None:
         if not node.values:  # the fault has been told
             return None
-        values = tuple(map(_amount_of, node.values))
+        values, tune = node.values, node.tune
         try:
             numbers = [value.value(math.pi) for value in values]
         except ZeroDivisionError:
@@ -241,306 +216,264 @@ class _Reader:
         if len(values) not in (1, count):
             self.scope.report(
                 "wrong-count",
-                f"gain {node.name.text} has {len(values)} values, the controller {_axes(count)}",
+                f"gain {node.name} has {len(values)} values, the controller {_axes(count)}",
                 node.values[-1].span,
                 hint=_values_hint(node),
             )
             return None
-        tune = None
-        if node.low is not None and node.high is not None:
-            tune = Tune(node.low.value, node.high.value, node.log)
+        if tune is not None:
             if not tune.low < tune.high:
-                self._turned("the range of tune", node.low, node.high)
+                self._turned("the range of tune", tune.low, tune.high)
             elif tune.log and tune.low <= 0.0:
                 message = "a logarithmic range must begin above 0"
-                self.scope.report("bad-range", message, node.low.span.to(node.high.span))
+                self.scope.report("bad-range", message, span_of(tune.low).to(span_of(tune.high)))
             elif not all(tune.low <= number <= tune.high for number in numbers):
                 self.scope.report(
                     "outside-tune",
-                    f"gain {node.name.text} = {numbers[0]:g} lies outside what tune allows,"
+                    f"gain {node.name} = {numbers[0]:g} lies outside what tune allows,"
                     f" {tune.low:g} .. {tune.high:g}",
                     node.values[0].span,
                     severity=Severity.WARNING,
                 )
-        return GainModel(node.name.text, values, node.unit or "", tune, node.span)
+        return node
 
     # --- Axes ---
 
     def _axes(self) -> list[Axes]:
         found: list[Axes] = []
         lines: list[Line] = []
-        signals: dict[str, Word] = {}
-        current: AxisNode | None = None
+        signals: dict[str, str] = {}
+        current: Axes | None = None
 
         def close() -> None:
             if current is not None:
-                names = tuple(word.text for word in current.names)
-                found.append(Axes(names, tuple(lines), current.span))
+                found.append(replace(current, lines=tuple(lines)))
                 self._judge_signals(signals)
 
         for index, node in enumerate(self.nodes):
-            if isinstance(node, AxisNode):
+            if isinstance(node, Axes):
                 close()
                 current, lines, signals = node, [], {}
                 self.read = set()
                 for word in node.names:
                     self._declare(word, self.axes)
                 self.later = _signals_behind(self.nodes[index + 1 :])
-            elif isinstance(node, SignalNode):
-                lines += self._signal(node, signals)
-            elif isinstance(node, ZoomNode):
-                lines.append(self._zoom(node, signals))
-            elif isinstance(node, LearnNode):
+            elif isinstance(node, Signal):
+                self._judge_signal(node, signals)
+                lines.append(node)
+            elif isinstance(node, Zoom):
+                self._judge_zoom(node, signals)
+                lines.append(node)
+            elif isinstance(node, Learn):
                 lines.append(self._learn(node, signals))
-            elif isinstance(node, DriveNode):
+            elif isinstance(node, Drive):
                 lines.append(self._drive(node, signals))
         close()
         return found
 
-    def _signal(self, node: SignalNode, signals: dict[str, Word]) -> list[Line]:
-        products = self._products(node.products, signals)
-        source = None
-        if node.source is not None:
-            kind = node.source.kind.text
-            of = SOURCES[kind].of
-            name = node.source.name
-            inputs: tuple[str, ...] = ()
-            if of == "signal":
-                self._need(name, signals)
-            elif of == "call":
-                self._need_sheet(name)
-                inputs = self._inputs(node.source.call.inputs if node.source.call else (), signals)
-            options = tuple(self._option(option) for option in node.options)
-            self._judge_options(node.options)
-            self._judge_source(SOURCES[kind], node)
-            source = Source(kind, name.text, inputs, options)
+    def _judge_signal(self, node: Signal, signals: dict[str, str]) -> None:
+        self._judge_sum(node.products, signals)
+        source = node.source
+        if source is not None:
+            if source.record.of == "signal":
+                self._need(source.name, signals)
+            elif source.record.of == "call":
+                self._need_sheet(source.name)
+                self._need_all(source.inputs, signals)
+            for word, value in source.options:
+                self._judge_option(word, value)
+            self._judge_repeated(source.options)
+            self._judge_source(source, node.span)
         if len(node.names) > 1 and (source is None or source.kind != "rules"):
             self.scope.report(
                 "several-signals",
                 "only rules give several signals at once",
-                node.names[0].span.to(node.names[-1].span),
+                span_of(node.names[0]).to(span_of(node.names[-1])),
             )
         for word in node.names:
-            if word.text in self.numbers:
+            if word in self.numbers:
                 self.scope.report(
                     "duplicate-name",
-                    f"'{word.text}' is a gain or a partner already",
-                    word.span,
-                    related=(Related("declared here", self.numbers[word.text].span),),
+                    f"'{word}' is a gain or a partner already",
+                    span_of(word),
+                    related=(Related("declared here", span_of(self.numbers[word])),),
                 )
             self._declare(word, signals)
-        return [Signal(tuple(word.text for word in node.names), source, products, node.span)]
 
-    def _products(
-        self, nodes: Sequence[ProductNode], signals: dict[str, Word]
-    ) -> tuple[Product, ...]:
-        products = []
-        for node in nodes:
-            factors = []
-            for each in node.factors:
-                if isinstance(each.value, Figure):
-                    factors.append(Factor(each.value.value, each.divides))
-                    if each.divides and each.value.value == 0.0:
-                        self.scope.report("bad-number", "a division by zero", each.value.span)
-                else:
-                    self._need(each.value, signals)
-                    factors.append(Factor(each.value.text, each.divides))
-            products.append(Product(tuple(factors), node.negative))
-        return tuple(products)
+    def _judge_sum(self, products: Sequence[Product], signals: dict[str, str]) -> None:
+        for product in products:
+            for factor in product.factors:
+                if isinstance(factor.value, str):
+                    self._need(factor.value, signals)
+                elif factor.divides and factor.value == 0.0:
+                    span = span_of(factor.value)
+                    self.scope.report("bad-number", "a division by zero", span)
 
-    def _need(self, word: Word, signals: dict[str, Word]) -> None:
+    def _need(self, word: str, signals: dict[str, str]) -> None:
         """Demand a signal that has been made, a gain or a partner."""
-        self.read.add(word.text)
-        self.used.add(word.text)
-        if word.text in signals or word.text in self.numbers:
+        self.read.add(word)
+        self.used.add(word)
+        if word in signals or word in self.numbers:
             return
-        if word.text in self.later:
+        if word in self.later:
             self.scope.report(
                 "signal-before-made",
-                f"'{word.text}' is read here, but made below",
-                word.span,
+                f"'{word}' is read here, but made below",
+                span_of(word),
                 hint="a signal is made above the lines that read it",
-                related=(Related("made here", self.later[word.text]),),
+                related=(Related("made here", self.later[word]),),
             )
             return
-        written = name_text(word.text)
+        written = name_text(word)
         new = f"a number is  gain {written} = 1 , a value of the plant  measured {written}"
         self._unknown("unknown-signal", "signal or gain", word, [*signals, *self.numbers], new)
 
     def _unknown(
-        self, name: str, what: str, word: Word, choices: Collection[str], new: str = ""
+        self, name: str, what: str, word: str, choices: Collection[str], new: str = ""
     ) -> None:
         """Report a name that nothing has; `new` says how it would be made."""
-        hint, replacement = near_hint(word.text, choices)
+        hint, replacement = near_hint(word, choices)
         if not hint:
             there = "there are " + ", ".join(list(choices)[:10]) if choices else ""
             hint = "; ".join(filter(None, (there, new)))
         self.scope.report(
             name,
-            f"no {what} is called '{word.text}'",
-            word.span,
+            f"no {what} is called '{word}'",
+            span_of(word),
             hint=hint,
             replacement=None if replacement is None else name_text(replacement),
         )
 
-    def _need_sheet(self, word: Word) -> None:
-        self.used.add(word.text)
-        if word.text not in self.sheets:
-            written = name_text(word.text)
-            new = f'a file is named by  use {written} from "{word.text}.frb"'
+    def _need_sheet(self, word: str) -> None:
+        self.used.add(word)
+        if word not in self.sheets:
+            written = name_text(word)
+            new = f'a file is named by  use {written} from "{word}.frb"'
             self._unknown("unknown-use", "rule base or table", word, list(self.sheets), new)
 
-    def _inputs(self, words: Sequence[Word], signals: dict[str, Word]) -> tuple[str, ...]:
+    def _need_all(self, words: Sequence[str], signals: dict[str, str]) -> None:
         for word in words:
             self._need(word, signals)
-        return tuple(word.text for word in words)
 
-    def _option(self, node: OptionNode) -> tuple[str, Setting]:
-        word = node.word.text
-        if isinstance(node.value, Figure) and node.high is not None:
-            low, high = node.value.value, node.high.value
+    def _judge_option(self, word: str, value: Setting) -> None:
+        if isinstance(value, tuple):
+            low, high = value
             if not low < high:
-                self._turned("limits", node.value, node.high)
-            return word, (low, high)
-        if isinstance(node.value, Figure):
-            return word, node.value.value
-        if isinstance(node.value, Word):
-            self._need_gain(node.value)
-            return word, node.value.text
-        if node.value is not None:
-            if not node.value.seconds > 0.0:
-                span = node.value.figure.span
+                self._turned("limits", low, high)
+        elif isinstance(value, Time):
+            if not value > 0.0:
+                span = value.figure.span
                 self.scope.report("bad-time", f"the time of {word} must be above 0", span)
-            return word, node.value.seconds
-        return word, "hold" if node.rest == ("hold",) else True
+        elif isinstance(value, Word):
+            self._need_gain(value)
 
-    def _turned(self, what: str, low: Figure, high: Figure) -> None:
+    def _turned(self, what: str, low: float, high: float) -> None:
         """Report a range that does not go up; where it goes down, with both ends changed."""
         verb = "must go from a lower to a higher number"
-        right = f"{high} .. {low}" if high.value < low.value else None
+        right = f"{number_text(high)} .. {number_text(low)}" if high < low else None
         self.scope.report(
             "bad-range",
             f"{what} {verb}",
-            low.span.to(high.span),
+            span_of(low).to(span_of(high)),
             hint="" if right is None else f"write  {right}",
             replacement=right,
         )
 
-    def _need_gain(self, word: Word) -> None:
-        self.used.add(word.text)
-        if word.text not in self.numbers:
+    def _need_gain(self, word: str) -> None:
+        self.used.add(word)
+        if word not in self.numbers:
             self._unknown("unknown-signal", "gain", word, list(self.numbers))
 
-    def _judge_options(self, options: Sequence[OptionNode]) -> None:
-        seen: dict[str, Span] = {}
-        for option in options:
-            if option.word.text in seen:
-                self.scope.report(
-                    "duplicate-setting", f"'{option.word.text}' is set twice", option.word.span
-                )
-            seen[option.word.text] = option.word.span
+    def _judge_repeated(self, options: Sequence[tuple[str, Setting]]) -> None:
+        seen: set[str] = set()
+        for word, _ in options:
+            if word in seen:
+                self.scope.report("duplicate-setting", f"'{word}' is set twice", span_of(word))
+            seen.add(word)
 
-    def _judge_source(self, kind: SourceKind, node: SignalNode) -> None:
+    def _judge_source(self, source: Source, span: Span) -> None:
         """Report what a source needs, and numbers that it cannot have."""
-        given = {option.word.text: option for option in node.options}
-        for word, option in kind.options.items():
+        given = dict(source.options)
+        for word, option in source.record.options.items():
             if option.needed and word not in given:
                 self.scope.report(
                     "incomplete-statement",
-                    f"the {word} of {kind.name} is missing",
-                    node.span,
+                    f"the {word} of {source.kind} is missing",
+                    span,
                     hint=f"add  , {word} {option.example}",
                 )
-            value = given[word].value if word in given else None
+            value = given.get(word)
             if not option.positive or not isinstance(value, Figure | Word):
                 continue
             for number in self._numbers_of(value):
                 if not number > 0.0:
-                    message = f"the {word} of {kind.name} must be above 0, not {number:g}"
+                    message = f"the {word} of {source.kind} must be above 0, not {number:g}"
                     self.scope.report("bad-number", message, value.span)
 
     def _numbers_of(self, value: Figure | Word) -> list[float]:
         """Return a number, or those of a gain, as far as they are known."""
         if isinstance(value, Figure):
-            return [value.value]
+            return [value]
         for node in self.nodes:
-            if isinstance(node, GainNode) and node.name.text == value.text:
+            if isinstance(node, GainModel) and node.name == value:
                 with suppress(ZeroDivisionError):  # which is reported where the gain stands
-                    return [amount.value(math.pi) for amount in map(_amount_of, node.values)]
+                    return [amount.value(math.pi) for amount in node.values]
         return []
 
-    def _amount(self, value: Figure | Word) -> str | float:
-        if isinstance(value, Figure):
-            return value.value
-        self._need_gain(value)
-        return value.text
-
-    def _zoom(self, node: ZoomNode, signals: dict[str, Word]) -> Zoom:
-        names = self._inputs(node.signals, signals)
-        by, inside = self._amount(node.by), self._amount(node.inside)
-        for value, span in ((by, node.by.span), (inside, node.inside.span)):
+    def _judge_zoom(self, node: Zoom, signals: dict[str, str]) -> None:
+        self._need_all(node.signals, signals)
+        for value in (node.by, node.inside):
+            if isinstance(value, str):
+                self._need_gain(value)
+        for value in (node.by, node.inside):
             if isinstance(value, float) and not value > 0.0:
-                self.scope.report("bad-number", "expected a number above 0", span)
-        return Zoom(names, by, inside, node.wait, node.span)
+                self.scope.report("bad-number", "expected a number above 0", span_of(value))
 
-    def _learn(self, node: LearnNode, signals: dict[str, Word]) -> Learn:
+    def _learn(self, node: Learn, signals: dict[str, str]) -> Learn:
+        """Judge a line; where its delay is out of range, it is the usual one."""
         self._need_sheet(node.table)
         self._need_sheet(node.judge)
-        self._judge_options(node.options)
-        inputs = self._inputs(node.call.inputs, signals)
-        given: dict[str, str | float] = {}
-        for option in node.options:
-            if isinstance(option.value, Figure | Word):
-                given[option.word.text] = self._amount(option.value)
-        delay = given.get("delay", 1.0)
-        if isinstance(delay, str) or delay != int(delay) or not 0 <= delay <= MAX_DELAY:
-            self.scope.report(
-                "bad-delay",
-                f"a delay of {delay} periods is out of range",
-                node.span,
-                hint=f"a whole number from 0 to {MAX_DELAY}",
-            )
-            delay = 1.0
-        return Learn(
-            node.table.text,
-            node.judge.text,
-            inputs,
-            int(delay),
-            given.get("rate", 1.0),
-            given.get("bound", 6.0),
+        self._judge_repeated(node.options)
+        self._need_all(node.inputs, signals)
+        for _, value in node.options:
+            if isinstance(value, str):
+                self._need_gain(value)
+        delay = dict(node.options).get("delay", 1.0)
+        if isinstance(delay, float) and float(delay).is_integer() and 0 <= delay <= MAX_DELAY:
+            return node
+        self.scope.report(
+            "bad-delay",
+            f"a delay of {delay} periods is out of range",
             node.span,
+            hint=f"a whole number from 0 to {MAX_DELAY}",
         )
+        return replace(node, options=tuple(each for each in node.options if each[0] != "delay"))
 
-    def _drive(self, node: DriveNode, signals: dict[str, Word]) -> Drive:
-        within = None
-        if node.low is not None and node.high is not None:
-            within = (node.low.value, node.high.value)
-            if not within[0] < within[1]:
-                self._turned("limits", node.low, node.high)
-        if node.slew is not None and not node.slew.value > 0.0:
-            self.scope.report("bad-number", "expected a number above 0", node.slew.span)
-        if node.port.text in signals and self._is_turned(node, signals):
-            return Drive(node.port.text, (), within, None, node.span)
-        slew = node.slew.value if node.slew is not None else None
-        return Drive(
-            node.port.text, self._products(node.products, signals), within, slew, node.span
-        )
+    def _drive(self, node: Drive, signals: dict[str, str]) -> Drive:
+        """Judge a line; one that is turned round drives nothing."""
+        if node.within is not None and not node.within[0] < node.within[1]:
+            self._turned("limits", *node.within)
+        if node.slew is not None and not node.slew > 0.0:
+            self.scope.report("bad-number", "expected a number above 0", span_of(node.slew))
+        if node.port in signals and self._is_turned(node, signals):
+            return replace(node, products=(), slew=None)
+        self._judge_sum(node.products, signals)
+        return node
 
-    def _is_turned(self, node: DriveNode, signals: dict[str, Word]) -> bool:
+    def _is_turned(self, node: Drive, signals: dict[str, str]) -> bool:
         """Report a drive that names its signal before its port."""
         factors = [factor.value for product in node.products for factor in product.factors]
         port = factors[0]
-        if len(factors) > 1 or not isinstance(port, Word):
+        if len(factors) > 1 or not isinstance(port, str):
             return False
-        if port.text in signals or port.text in self.numbers:
+        if port in signals or port in self.numbers:
             return False
-        self.read.add(node.port.text)
-        span = node.port.span.to(port.span)
-        right = f"{port} = {node.port}"
+        self.read.add(node.port)
+        right = f"{name_text(port)} = {name_text(node.port)}"
         self.scope.report(
             "unknown-signal",
-            f"the port stands before '=', and no signal is called '{port.text}'",
-            span,
+            f"the port stands before '=', and no signal is called '{port}'",
+            span_of(node.port).to(span_of(port)),
             hint=f"write  drive {right}",
             replacement=right,
         )
@@ -558,13 +491,13 @@ class _Reader:
                     hint="one file for all axes, or one for each",
                 )
 
-    def _judge_signals(self, signals: dict[str, Word]) -> None:
+    def _judge_signals(self, signals: dict[str, str]) -> None:
         for name, word in signals.items():
             if name not in self.read and not self.broken and not self.unread:
                 self.scope.report(
                     "unused-signal",
                     f"nothing reads the signal '{name}'",
-                    word.span,
+                    span_of(word),
                     severity=Severity.WARNING,
                 )
 
@@ -577,7 +510,7 @@ class _Reader:
                     self.scope.report(
                         "unused-name",
                         f"nothing reads the {what} '{name}'",
-                        word.span,
+                        span_of(word),
                         severity=Severity.WARNING,
                     )
 
@@ -602,10 +535,6 @@ class _Reader:
                 )
 
 
-def _amount_of(node: AmountNode) -> Amount:
-    return Amount(tuple((f.value if f else None, divides) for f, divides in node.factors))
-
-
 def _drive_for(axes: Axes) -> str:
     """Return what would drive the plant: the last signal, which may have the name of its port."""
     made = [line for line in axes.lines if isinstance(line, Signal)]
@@ -621,21 +550,21 @@ def _drive_for(axes: Axes) -> str:
 
 def _is_unread(node: StatementNode) -> bool:
     """Whether of a statement only the name could be read."""
-    if isinstance(node, SignalNode):
+    if isinstance(node, Signal):
         return node.source is None and not node.products
-    if isinstance(node, GainNode):
+    if isinstance(node, GainModel):
         return not node.values
-    return isinstance(node, UseNode) and not node.files
+    return isinstance(node, Use) and not node.files
 
 
 def _axes(count: int) -> str:
     return "1 axis" if count == 1 else f"{count} axes"
 
 
-def _values_hint(node: GainNode) -> str:
+def _values_hint(node: GainModel) -> str:
     """Say what values a gain takes; of two numbers that may be one with a comma, that one."""
     if len(node.values) == 2:
-        first, second = (str(value) for value in node.values)
+        first, second = map(amount_text, node.values)
         if first.lstrip("-").isdigit() and second.isdigit():
             return f"{_ONE_OR_EACH}; a decimal mark is a point: {first}.{second}"
     return _ONE_OR_EACH
@@ -648,9 +577,9 @@ def _signals_behind(nodes: Sequence[StatementNode]) -> dict[str, Span]:
     """Return the signals that are made before the next axis."""
     found: dict[str, Span] = {}
     for node in nodes:
-        if isinstance(node, AxisNode):
+        if isinstance(node, Axes):
             break
-        if isinstance(node, SignalNode):
+        if isinstance(node, Signal):
             for word in node.names:
-                found.setdefault(word.text, word.span)
+                found.setdefault(word, span_of(word))
     return found

@@ -15,7 +15,7 @@ from fuzzyarm.language.statements import (
     TermNode,
     VariableNode,
 )
-from fuzzyarm.language.tokens import Word, name_text
+from fuzzyarm.language.tokens import name_text
 from fuzzyarm.model.rulebase import POSITION, Defuzzifier, Shape, Term
 from fuzzyarm.model.shapes import first_above, first_sample_above, membership_function
 from fuzzyarm.text.diagnostic import (
@@ -32,6 +32,7 @@ from fuzzyarm.text.diagnostic import (
 )
 from fuzzyarm.text.names import near_hint
 from fuzzyarm.text.numbers import number_text
+from fuzzyarm.text.placed import Word
 
 # --- The names in scope, and the findings ---
 
@@ -44,7 +45,7 @@ class Draft:
 
     def __init__(self, node: VariableNode) -> None:
         self.node = node
-        self.name = node.name.text
+        self.name = str(node.name)
         self.is_input = node.role == "input"
         self.terms: dict[str, Term] = {}
         self.spread: set[str] = set()  # names of terms from a `terms` line
@@ -92,19 +93,19 @@ class Scope:
 
     def variable(self, word: Word, role: str = "") -> Draft | None:
         """Return the variable called by `word`; report it where there is none of that role."""
-        draft = self.drafts.get(word.text)
+        draft = self.drafts.get(word)
         if draft is None:
             # A broken `input` line is reported once, not at every use of its name.
-            if not self.broken_variables and word.text not in self.presumed:
+            if not self.broken_variables and word not in self.presumed:
                 self._unknown("unknown-variable", "variable", word, self.names(role))
             return None
         if role and draft.node.role != role:
             article = "an input" if draft.is_input else "an output"
             self.report(
                 f"not-an-{role}",
-                f"'{word.text}' is {article}, not an {role}",
+                f"'{word}' is {article}, not an {role}",
                 word.span,
-                related=(Related(f"'{word.text}' is declared here", draft.node.name.span),),
+                related=(Related(f"'{word}' is declared here", draft.node.name.span),),
             )
             return None
         return draft
@@ -113,7 +114,7 @@ class Scope:
         """Return the term of `draft` called by `word`; report it where there is none."""
         if draft is None:
             return None
-        term = draft.terms.get(word.text)
+        term = draft.terms.get(word)
         if term is None:
             self._unknown("unknown-term", f"term of '{draft.name}'", word, draft.terms)
         return term
@@ -126,12 +127,12 @@ class Scope:
         options = list(choices)
         hint, replacement = "", None
         if len(self.diagnostics) < _MOST_HINTS:
-            hint, replacement = near_hint(word.text, options)
+            hint, replacement = near_hint(word, options)
         if not hint and options:
             shown = ", ".join(options[:10]) + (", …" if len(options) > 10 else "")
             hint = f"there are {shown}"
         self.report(
-            name, f"no {what} is called '{word.text}'", word.span, hint=hint,
+            name, f"no {what} is called '{word}'", word.span, hint=hint,
             replacement=None if replacement is None else name_text(replacement),
         )  # fmt: skip
 
@@ -141,12 +142,12 @@ class Scope:
 
 def _elaborate_shape(node: ShapeNode, draft: Draft | None, scope: Scope) -> Shape | None:
     """Return the shape that `node` means, or None after a report."""
-    height = node.height.value if node.height else 1.0
+    height = 1.0 if node.height is None else node.height
     if not 0.0 < height <= 1.0:
         assert node.height is not None
         scope.report("bad-height", "a height must be above 0 and at most 1", node.height.span)
         return None
-    kind = node.kind.text
+    kind = str(node.kind)
     if not SHAPES[kind].fuzzy and draft is not None and draft.is_input:
         scope.report(
             "not-a-fuzzy-set",
@@ -158,7 +159,7 @@ def _elaborate_shape(node: ShapeNode, draft: Draft | None, scope: Scope) -> Shap
         return _linear(node, scope)
     if kind == "formula":
         return _formula(node, scope)
-    parameters = tuple(figure.value for figure in node.figures)
+    parameters = tuple(map(float, node.figures))
     fault = _shape_fault(kind, parameters)
     if fault is not None:
         index, message = fault
@@ -170,7 +171,7 @@ def _elaborate_shape(node: ShapeNode, draft: Draft | None, scope: Scope) -> Shap
         else:
             scope.report("bad-shape", message, node.figures[index].span)
         return None
-    return Shape(kind, parameters, height)
+    return Shape(kind, parameters, float(height))
 
 
 def _turned_round(kind: str, parameters: tuple[float, ...]) -> str:
@@ -232,7 +233,7 @@ def _linear(node: ShapeNode, scope: Scope) -> Shape | None:
         if part.variable is None:
             constant += part.factor
         elif scope.variable(part.variable, "input") is not None:
-            coefficients[part.variable.text] += part.factor
+            coefficients[part.variable] += part.factor
     return Shape("linear", (*coefficients.values(), constant))
 
 
@@ -249,7 +250,7 @@ def _formula(node: ShapeNode, scope: Scope) -> Shape | None:
             hint, _ = near_hint(name, scope.drafts)
             message = f"unknown variable '{name}' in the formula"
             scope.report("unknown-variable", message, node.formula_span, hint=hint)
-    return Shape("formula", formula=node.formula)
+    return Shape("formula", formula=str(node.formula))
 
 
 def _elaborate_lower(node: ShapeNode, upper: Shape, draft: Draft, scope: Scope) -> Shape | None:
@@ -322,11 +323,11 @@ _LIMITS = {"input": MAX_INPUTS, "output": MAX_OUTPUTS}
 
 def declare_variable(node: VariableNode, scope: Scope) -> None:
     """Add the variable of `node` to `scope`."""
-    known = scope.drafts.get(node.name.text)
+    known = scope.drafts.get(node.name)
     if known is not None:
         scope.report(
             "duplicate-variable",
-            f"'{node.name.text}' is declared twice",
+            f"'{node.name}' is declared twice",
             node.name.span,
             related=(Related("first here", known.node.name.span),),
         )
@@ -341,21 +342,23 @@ def declare_variable(node: VariableNode, scope: Scope) -> None:
         scope.full.add(node.role)
         scope.broken_variables = True
         return
-    if node.low is not None and node.high is not None and not node.low.value < node.high.value:
-        turned = f"{node.high} .. {node.low}" if node.low.value > node.high.value else None
+    if node.low is not None and node.high is not None and not node.low < node.high:
+        turned = (
+            f"{number_text(node.high)} .. {number_text(node.low)}" if node.low > node.high else None
+        )
         scope.report(
             "bad-range",
-            f"the range of '{node.name.text}' must go from a lower to a higher number",
+            f"the range of '{node.name}' must go from a lower to a higher number",
             node.low.span.to(node.high.span),
-            hint=f"write  {node.role} {node.name} {turned}" if turned else "",
+            hint=f"write  {node.role} {name_text(node.name)} {turned}" if turned else "",
             replacement=turned,
         )
     elif node.low is not None and node.high is not None:
-        fault = _range_fault(node.low.value, node.high.value)
+        fault = _range_fault(node.low, node.high)
         if fault is not None:
             span = node.low.span.to(node.high.span)
-            scope.report("bad-range", f"the range of '{node.name.text}' {fault}", span)
-    scope.drafts[node.name.text] = Draft(node)
+            scope.report("bad-range", f"the range of '{node.name}' {fault}", span)
+    scope.drafts[node.name] = Draft(node)
 
 
 def _range_fault(low: float, high: float) -> str | None:
@@ -371,7 +374,7 @@ def range_of(node: VariableNode) -> tuple[float, float]:
     """Return the range of a variable; 0 to 1 where the file's is not one."""
     if node.low is None or node.high is None:
         return 0.0, 1.0
-    low, high = node.low.value, node.high.value
+    low, high = float(node.low), float(node.high)
     if not low < high or _range_fault(low, high):
         return 0.0, 1.0
     return low, high
@@ -388,7 +391,7 @@ def add_term(node: TermNode, scope: Scope) -> None:
     if draft is not None:
         # A term with a bad shape is declared all the same, so that its uses are not mistakes too.
         shape = shape or Shape("singleton", (0.0,))
-        _add(draft, Term(node.name.text, shape, node.name.span, lower), scope)
+        _add(draft, Term(str(node.name), shape, node.name.span, lower), scope)
 
 
 def add_even_terms(node: EvenTermsNode, scope: Scope) -> None:
@@ -407,22 +410,22 @@ def add_even_terms(node: EvenTermsNode, scope: Scope) -> None:
             )
             # The terms are known all the same, so that their uses are not mistakes too.
             for name in node.names:
-                _add(draft, Term(name.text, Shape("singleton", (0.0,)), name.span), scope)
+                _add(draft, Term(str(name), Shape("singleton", (0.0,)), name.span), scope)
             continue
-        if len(node.names) < 2 and node.family.text != "singletons":
+        if len(node.names) < 2 and node.family != "singletons":
             scope.report(
                 "too-few-terms", "evenly spaced terms need at least two names", node.names[0].span
             )
             continue
-        if node.family.text == "singletons" and draft.is_input:
+        if node.family == "singletons" and draft.is_input:
             scope.report(
                 "singleton-input",
                 f"singletons would leave the input '{draft.name}' uncovered between them",
                 node.family.span,
             )
-        shapes = even_shapes(node.family.text, len(node.names), low, high)
+        shapes = even_shapes(node.family, len(node.names), low, high)
         for name, shape in zip(node.names, shapes, strict=True):
-            _add(draft, Term(name.text, shape, name.span), scope, spread=True)
+            _add(draft, Term(str(name), shape, name.span), scope, spread=True)
 
 
 def even_shapes(family: str, count: int, low: float, high: float) -> list[Shape]:
@@ -492,12 +495,11 @@ def apply_inference(node: InferenceNode, scope: Scope, norms: Norms) -> None:
         drafts = [] if draft is None else [draft]
     _report_repeated(node.settings, scope)
     for setting in node.settings:
-        if SETTINGS[setting.key.text].of == "rules":
+        if SETTINGS[setting.key].of == "rules":
             if node.target is not None:
                 scope.report(
                     "misplaced-setting",
-                    f"'{setting.key.text}' belongs to rules, not to the variable"
-                    f" '{node.target.text}'",
+                    f"'{setting.key}' belongs to rules, not to the variable '{node.target}'",
                     setting.key.span,
                     hint="set it on a line of its own without a name, or on a block",
                 )
@@ -513,12 +515,12 @@ def block_norms(node: BlockNode, scope: Scope, norms: Norms) -> Norms:
     own = norms.copy()
     _report_repeated(node.settings, scope)
     for setting in node.settings:
-        if SETTINGS[setting.key.text].of == "rules":
+        if SETTINGS[setting.key].of == "rules":
             _set_norm(setting, scope, own)
         else:
             scope.report(
                 "misplaced-setting",
-                f"'{setting.key.text}' belongs to an output, not to a block",
+                f"'{setting.key}' belongs to an output, not to a block",
                 setting.key.span,
                 hint="write it on an inference line",
             )
@@ -527,36 +529,34 @@ def block_norms(node: BlockNode, scope: Scope, norms: Norms) -> Norms:
 
 def _set_norm(setting: SettingNode, scope: Scope, norms: Norms) -> None:
     if setting.figure is not None:
-        if not 0.0 <= setting.figure.value < 1.0:
+        if not 0.0 <= setting.figure < 1.0:
             scope.report(
                 "bad-threshold", "a threshold must be at least 0 and below 1", setting.figure.span
             )
-        norms["threshold"] = setting.figure.value
+        norms["threshold"] = float(setting.figure)
     elif setting.value is not None:
-        key = setting.key.text
+        key = setting.key
         if key == "and":
-            norms["conjunction"] = setting.value.text
+            norms["conjunction"] = str(setting.value)
         elif key == "or":
-            norms["disjunction"] = setting.value.text
+            norms["disjunction"] = str(setting.value)
         else:
-            norms["implication"] = setting.value.text
+            norms["implication"] = str(setting.value)
 
 
 def _report_repeated(settings: tuple[SettingNode, ...], scope: Scope) -> None:
     seen: set[str] = set()
     for setting in settings:
-        if setting.key.text in seen:
-            scope.report(
-                "duplicate-setting", f"'{setting.key.text}' is set twice", setting.key.span
-            )
-        seen.add(setting.key.text)
+        if setting.key in seen:
+            scope.report("duplicate-setting", f"'{setting.key}' is set twice", setting.key.span)
+        seen.add(setting.key)
 
 
 def _apply(setting: SettingNode, draft: Draft, scope: Scope, *, named: bool) -> None:
-    key = setting.key.text
+    key = setting.key
     if key == "outside":
         assert setting.value is not None
-        draft.outside = setting.value.text
+        draft.outside = str(setting.value)
     elif draft.is_input:
         if named:
             scope.report(
@@ -566,22 +566,22 @@ def _apply(setting: SettingNode, draft: Draft, scope: Scope, *, named: bool) -> 
             )
     elif key == "aggregation":
         assert setting.value is not None
-        draft.aggregation = setting.value.text
+        draft.aggregation = str(setting.value)
     elif key == "no-rule":
         if setting.value is not None:
-            draft.no_rule = setting.value.text
+            draft.no_rule = str(setting.value)
         elif setting.figure is not None:
-            draft.no_rule = setting.figure.value
+            draft.no_rule = float(setting.figure)
     else:
         draft.defuzzifier = _defuzzifier(setting, scope)
 
 
 def _defuzzifier(setting: SettingNode, scope: Scope) -> Defuzzifier:
     assert setting.value is not None
-    method = setting.value.text
+    method = str(setting.value)
     if setting.resolution is None:
         return Defuzzifier(method)
-    samples = setting.resolution.value
+    samples = float(setting.resolution)
     record = DEFUZZIFIERS[method]
     if record.weighs:
         scope.report(
@@ -594,7 +594,7 @@ def _defuzzifier(setting: SettingNode, scope: Scope) -> Defuzzifier:
             setting.resolution.span,
         )
         return Defuzzifier(method)
-    sampling = setting.sampling.text if setting.sampling else "endpoints"
+    sampling = "endpoints" if setting.sampling is None else str(setting.sampling)
     if setting.sampling is not None and sampling == "joined" and not record.joins:
         message = f"{method} does not know joined samples"
         scope.report("misplaced-setting", message, setting.sampling.span)

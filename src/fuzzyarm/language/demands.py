@@ -35,7 +35,7 @@ from fuzzyarm.text.diagnostic import (
     Severity,
     Span,
 )
-from fuzzyarm.text.numbers import even_levels
+from fuzzyarm.text.numbers import even_levels, number_text
 
 # --- `expect` lines ---
 
@@ -47,9 +47,9 @@ def elaborate_expectation(node: ExpectNode, scope: Scope) -> Expectation | None:
     for word, figure in node.inputs:
         if scope.variable(word, "input") is None:
             continue
-        if word.text in given:
-            scope.report("duplicate-setting", f"'{word.text}' is given twice", word.span)
-        given[word.text] = figure.value
+        if word in given:
+            scope.report("duplicate-setting", f"'{word}' is given twice", word.span)
+        given[str(word)] = float(figure)
     missing = [name for name in scope.names("input") if name not in given]
     if missing and len(scope.diagnostics) == before and not scope.broken_variables:
         scope.report(
@@ -69,15 +69,14 @@ def elaborate_expectation(node: ExpectNode, scope: Scope) -> Expectation | None:
 def _outcome(node: OutcomeNode, scope: Scope) -> Outcome:
     scope.variable(node.variable, "output")
     other = node.other
-    if node.relation == "=" and other is not None and other.value < 0.0:
+    if node.relation == "=" and other is not None and other < 0.0:
         scope.report("bad-tolerance", "a tolerance must not be negative", other.span)
-    if node.relation == "in" and other is not None and other.value < node.value.value:
+    if node.relation == "in" and other is not None and other < node.value:
         scope.report(
             "bad-range", "the interval must go from a lower to a higher number", other.span
         )
-    return Outcome(
-        node.variable.text, node.relation, node.value.value, other.value if other else None
-    )
+    tolerance = None if other is None else float(other)
+    return Outcome(str(node.variable), node.relation, float(node.value), tolerance)
 
 
 # --- `prove` lines ---
@@ -92,25 +91,25 @@ def elaborate_property(node: ProveNode, scope: Scope) -> Property | None:
         draft = scope.variable(word, "input")
         if draft is None:
             continue
-        if word.text in region:
-            scope.report("duplicate-setting", f"'{word.text}' is given twice", word.span)
-        low, high = stretch.low.value, stretch.high.value
+        if word in region:
+            scope.report("duplicate-setting", f"'{word}' is given twice", word.span)
+        low, high = stretch.low, stretch.high
         _demand_stretch(stretch.high.span, low, high, scope)
         first, last = range_of(draft.node)
         if not first <= low <= high <= last and low <= high:
             scope.report(
                 "bad-range",
-                f"{low:g} .. {high:g} leaves the range of '{word.text}', {first:g} .. {last:g}",
+                f"{low:g} .. {high:g} leaves the range of '{word}', {first:g} .. {last:g}",
                 stretch.low.span.to(stretch.high.span),
             )
-        region[word.text] = low, high
+        region[str(word)] = float(low), float(high)
     output = _claimed_output(node, scope)
     outcome = None if node.outcome is None else _outcome(node.outcome, scope)
     if node.input is not None:
         scope.variable(node.input, "input")
     if node.verb == "slope" and node.low is not None and node.high is not None:
-        _demand_stretch(node.high.span, node.low.value, node.high.value, scope)
-    if node.verb == "table" and node.high is not None and not node.high.value > 0.0:
+        _demand_stretch(node.high.span, node.low, node.high, scope)
+    if node.verb == "table" and node.high is not None and not node.high > 0.0:
         scope.report("bad-tolerance", "the worst error of a table must be above 0", node.high.span)
     if node.verb == "odd":
         _demand_symmetry(node, region, scope)
@@ -121,10 +120,10 @@ def elaborate_property(node: ProveNode, scope: Scope) -> Property | None:
         output,
         tuple((name, *ends) for name, ends in region.items()),
         outcome,
-        node.input.text if node.input else "",
-        node.low.value if node.low else 0.0,
-        node.high.value if node.high else 0.0,
-        node.mode.text if node.mode else "",
+        "" if node.input is None else str(node.input),
+        0.0 if node.low is None else float(node.low),
+        0.0 if node.high is None else float(node.high),
+        "" if node.mode is None else str(node.mode),
         node.span,
     )
 
@@ -142,11 +141,12 @@ def _claimed_output(node: ProveNode, scope: Scope) -> str | None:
     if len(outputs) == 1:
         return outputs[0]
     if outputs:
+        error = "" if node.high is None else number_text(node.high)
         scope.report(
             "ambiguous-output",
             "the file has several outputs: say which one the table is of",
             node.span,
-            hint=f"write  table of {name_text(outputs[0])} {node.mode} within {node.high}",
+            hint=f"write  table of {name_text(outputs[0])} {node.mode} within {error}",
         )
     return None
 
@@ -172,9 +172,9 @@ def elaborate_lookup(node: LookupNode, scope: Scope) -> Lookup:
     for item in node.items:
         if item.variable is not None and scope.variable(item.variable, "input") is None:
             continue
-        which = item.key.text, item.variable.text if item.variable else None
+        which = item.key, item.variable
         if which in items:
-            message = f"'{item.key.text}' is set twice"
+            message = f"'{item.key}' is set twice"
             scope.report("duplicate-setting", message, item.key.span)
         items[which] = item
     axes = []
@@ -209,7 +209,7 @@ def _axis(
 
 
 def _levels(item: LookupItem, scope: Scope) -> tuple[float, ...] | None:
-    figures = [figure.value for figure in item.figures]
+    figures = list(map(float, item.figures))
     span = item.figures[0].span.to(item.figures[-1].span)
     if item.form == "list":
         if len(figures) < 2 or any(b <= a for a, b in itertools.pairwise(figures)):
@@ -222,7 +222,7 @@ def _levels(item: LookupItem, scope: Scope) -> tuple[float, ...] | None:
         return None
     if item.form == "count":
         intervals = third - 1.0
-        fits = math.isfinite(third) and third == int(third) and third >= 2
+        fits = math.isfinite(third) and float(third).is_integer() and third >= 2
     else:
         intervals = (high - low) / third if third > 0.0 else 0.0
         finite = math.isfinite(intervals)
@@ -241,7 +241,7 @@ def _levels(item: LookupItem, scope: Scope) -> tuple[float, ...] | None:
 
 
 def _bins(item: LookupItem, levels: tuple[float, ...], scope: Scope) -> tuple[float, ...] | None:
-    values = [figure.value for figure in item.figures]
+    values = list(map(float, item.figures))
     span = item.figures[0].span.to(item.figures[-1].span)
     if item.form == "mirrored":
         values = [-value for value in reversed(values)] + values
@@ -263,10 +263,10 @@ def _rounding(item: LookupItem | None, scope: Scope) -> float | None:
     if item is None:
         return None
     figure = item.figures[0]
-    if not figure.value > 0.0:
+    if not figure > 0.0:
         scope.report("bad-round", "the rounding step must be above 0", figure.span)
         return None
-    return figure.value
+    return float(figure)
 
 
 # --- The `tune` block ---
@@ -282,11 +282,11 @@ def elaborate_tuning(node: TuneNode, scope: Scope) -> Tuning:
     kept: list[tuple[str, str]] = []
     moved: set[str] = set()
     for item in node.items:
-        if item.key.text == "peaks":
+        if item.key == "peaks":
             _report_twice(item, moved, scope)
             found = _peaks(item, scope)
             peaks += [found] if found.variables else []
-        elif item.key.text == "gain":
+        elif item.key == "gain":
             _report_twice(item, moved, scope)
             gains += [_tuned_gain(item)] if _sound_range(item, scope) else []
         else:
@@ -300,9 +300,9 @@ def elaborate_tuning(node: TuneNode, scope: Scope) -> Tuning:
 
 def _report_twice(item: TuneItem, moved: set[str], scope: Scope) -> None:
     for word in item.names:
-        name = f"{item.key.text} {word.text}"
+        name = f"{item.key} {word}"
         if name in moved:
-            scope.report("duplicate-setting", f"'{word.text}' is tuned twice", word.span)
+            scope.report("duplicate-setting", f"'{word}' is tuned twice", word.span)
         moved.add(name)
 
 
@@ -314,10 +314,10 @@ def _peaks(item: TuneItem, scope: Scope) -> PeakTuning:
             scope.report("bad-range", message, word.span)
     gap = {}
     if item.gap is not None:
-        if not 0.0 <= item.gap.value <= MOST_GAP:
+        if not 0.0 <= item.gap <= MOST_GAP:
             message = f"a gap is 0 to {MOST_GAP:g} percent of the range"
             scope.report("bad-range", message, item.gap.span)
-        gap["gap"] = item.gap.value / 100.0
+        gap["gap"] = item.gap / 100.0
     return PeakTuning(
         tuple(draft.name for draft in drafts if draft is not None),
         "mirrored" in item.words,
@@ -331,10 +331,10 @@ def _sound_range(item: TuneItem, scope: Scope) -> bool:
     assert item.low is not None
     assert item.high is not None
     span, before = item.low.span.to(item.high.span), len(scope.diagnostics)
-    if not item.low.value < item.high.value:
+    if not item.low < item.high:
         message = "the range of a gain must go from a lower to a higher number"
         scope.report("bad-range", message, span)
-    elif {"times", "log"} & set(item.words) and not item.low.value > 0.0:
+    elif {"times", "log"} & set(item.words) and not item.low > 0.0:
         scope.report("bad-range", "multiples and logarithms of a gain begin above 0", span)
     return len(scope.diagnostics) == before
 
@@ -343,5 +343,5 @@ def _tuned_gain(item: TuneItem) -> GainTuning:
     assert item.low is not None
     assert item.high is not None
     flags = ("times" in item.words, "log" in item.words, "per axis" in item.words)
-    names = tuple(word.text for word in item.names)
-    return GainTuning(names, item.low.value, item.high.value, *flags, item.span)
+    names = tuple(map(str, item.names))
+    return GainTuning(names, float(item.low), float(item.high), *flags, item.span)

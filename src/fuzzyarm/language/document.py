@@ -15,11 +15,11 @@ from typing import Any, NamedTuple
 from fuzzyarm.expression.kinds import HEDGES
 from fuzzyarm.language.controllers import CONTROLLER_STATEMENTS, SIGNAL
 from fuzzyarm.language.phrases import aligned
+from fuzzyarm.language.rows import ROWS, StatementKind, lines_below, text_of
 from fuzzyarm.language.statements import (
     STATEMENTS,
     BlockNode,
     Broken,
-    StatementKind,
     StatementNode,
 )
 from fuzzyarm.language.tokens import BlockLine, Cursor, Fault, Line, Token, Trivia, tokenize_line
@@ -369,7 +369,7 @@ def _read_group(group: _Group) -> tuple[StatementNode, Found]:
     cursor = Cursor(tokens, group.lines)
     hedges = len(HEDGES.words)
     try:
-        node: StatementNode = group.record.node.read(cursor)
+        node: StatementNode = group.record.row.read(cursor)
         cursor.finish()
     except Fault as fault:
         if len(HEDGES.words) > hedges:
@@ -417,10 +417,10 @@ def print_document(document: Document) -> str:
     for index, (node, trivia) in enumerate(document.statements):
         if previous is not None and _wants_distance(previous, node) and "" not in trivia.before:
             lines.append("")
-        first, *rest = (aligned_lines.get(index) or str(node)).split("\n")
+        first, *rest = (aligned_lines.get(index) or text_of(node)).split("\n")
         margin = first[: len(first) - len(first.lstrip())]
         lines += [comment and margin + comment for comment in trivia.before]
-        below = _below(node)
+        below = lines_below(node)
         if below is None and max(map(len, (_with_comment(first, trivia.behind), *rest))) > MAX_LINE:
             first, *rest = [part for line in (first, *rest) for part in _broken(line)]
         lines += [_with_comment(first, trivia.behind), *rest]
@@ -452,14 +452,8 @@ def _broken(line: str) -> list[str]:
 
 
 def _wants_distance(previous: StatementNode, node: StatementNode) -> bool:
-    around = _below(previous) is not None or _below(node) is not None
+    around = lines_below(previous) is not None or lines_below(node) is not None
     return around or isinstance(node, BlockNode)
-
-
-def _below(node: StatementNode) -> list[tuple[str, Trivia]] | None:
-    """Return the lines of a statement that takes lines; None for any other."""
-    below = getattr(node, "below", None)
-    return None if below is None else below()
 
 
 def _with_comment(line: str, comment: str) -> str:
@@ -471,7 +465,7 @@ def _aligned_lines(document: Document) -> dict[int, str]:
     runs: list[list[int]] = []
     before: type | None = None
     for index, (node, trivia) in enumerate(document.statements):
-        if hasattr(node, "in_columns"):
+        if ROWS[type(node)].in_columns:
             if type(node) is not before or "" in trivia.before:
                 runs.append([])
             runs[-1].append(index)
@@ -479,9 +473,7 @@ def _aligned_lines(document: Document) -> dict[int, str]:
     lines: dict[int, str] = {}
     for run in runs:
         nodes: list[Any] = [document.statements[index].node for index in run]
-        rows = [node.in_columns() for node in nodes]
-        # A node says how its line is indented and its columns are parted where not as usual.
-        indent, gap = getattr(nodes[0], "indent", ""), getattr(nodes[0], "gap", "  ")
-        texts = (indent + line.strip() for line in aligned(rows, gap))
-        lines.update(zip(run, texts, strict=True))
+        row = ROWS[type(nodes[0])]
+        texts = aligned([row.columns(node) for node in nodes], row.gap)
+        lines.update(zip(run, (row.indent + line.strip() for line in texts), strict=True))
     return lines

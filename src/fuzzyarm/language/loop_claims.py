@@ -3,29 +3,30 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
-from fuzzyarm.language.phrases import Occurrence
-from fuzzyarm.language.signals import TimeNode
-from fuzzyarm.language.tokens import Cursor, Figure, Word
+from fuzzyarm.language.rows import (
+    Flag,
+    Keyword,
+    Mark,
+    Maybe,
+    Name,
+    Phrase,
+    Printed,
+    Row,
+    Silent,
+    Values,
+)
+from fuzzyarm.language.signals import read_time, time_text
+from fuzzyarm.language.tokens import Cursor, name_text
 from fuzzyarm.model.claims import LoopClaim
+from fuzzyarm.model.controller import Time
 from fuzzyarm.text.diagnostic import NOWHERE, Span
+from fuzzyarm.text.numbers import number_text
+from fuzzyarm.text.placed import Figure, Word
 
-__all__ = ["LOOP_CLAIM_WORDS", "LoopClaimNode", "StateStretch", "claim_node"]
-
-LOOP_CLAIM_WORDS = {
-    "stable": "the loop goes to rest from wherever it starts in a region that the proof says",
-    "on": "",
-    "at": "constant set points; 0 for other ports",
-    "with": "parameters of the plant that may be anywhere in an interval",
-    "from": "",
-    "in": "",
-    "during": "while a time lasts",
-    "after": "from a time on",
-    "always": "from the start on",
-}
-"""The other words of the statement, with one line of help where it is needed."""
+__all__ = ["LOOP_CLAIM_ROW", "LoopClaimNode", "StateStretch", "claim_node"]
 
 
 class StateStretch(NamedTuple):
@@ -35,25 +36,18 @@ class StateStretch(NamedTuple):
     low: Figure
     high: Figure
 
-    @classmethod
-    def read(cls, cursor: Cursor, what: str) -> StateStretch:
-        """Read it from the cursor."""
-        name = cursor.name(what)
-        cursor.expect("in", f"after '{name.text}'")
-        low = cursor.figure("the lowest value")
-        cursor.expect("..", "between the ends of the interval")
-        return cls(name, low, cursor.figure("the highest value"))
 
-    @classmethod
-    def read_all(cls, cursor: Cursor, what: str) -> tuple[StateStretch, ...]:
-        """Read some with commas between them."""
-        found = [cls.read(cursor, what)]
-        while cursor.accept(","):
-            found.append(cls.read(cursor, what))
-        return tuple(found)
+def _read_stretch(cursor: Cursor, what: str) -> StateStretch:
+    name = cursor.name(what)
+    cursor.expect("in", f"after '{name}'")
+    low = cursor.figure("the lowest value")
+    cursor.expect("..", "between the ends of the interval")
+    return StateStretch(name, low, cursor.figure("the highest value"))
 
-    def __str__(self) -> str:
-        return f"{self.name} in {self.low} .. {self.high}"
+
+def _stretch_text(stretch: StateStretch) -> str:
+    low, high = number_text(stretch.low), number_text(stretch.high)
+    return f"{name_text(stretch.name)} in {low} .. {high}"
 
 
 class LoopClaimNode(NamedTuple):
@@ -66,71 +60,9 @@ class LoopClaimNode(NamedTuple):
     start: tuple[StateStretch, ...] = ()
     output: StateStretch | None = None
     when: str = "always"
-    begin: TimeNode | Figure | None = None
-    end: TimeNode | None = None
+    begin: Time | Figure | None = None
+    end: Time | None = None
     span: Span = NOWHERE
-
-    @classmethod
-    def read(cls, cursor: Cursor) -> LoopClaimNode:
-        """Read it from the cursor."""
-        cursor.take()
-        stable = cursor.accept("stable") is not None
-        cursor.expect("on", "before the plant")
-        plant = cursor.name("a plant")
-        at: list[tuple[Word, Figure]] = []
-        if cursor.accept("at"):
-            while True:
-                port = cursor.name("an output of the plant")
-                cursor.expect("=", f"after '{port.text}'")
-                at.append((port, cursor.figure("its set point")))
-                if not cursor.accept(","):
-                    break
-        parameters: tuple[StateStretch, ...] = ()
-        start: tuple[StateStretch, ...] = ()
-        if cursor.accept("with"):
-            parameters = StateStretch.read_all(cursor, "a parameter of the plant")
-        if cursor.accept("from"):
-            start = StateStretch.read_all(cursor, "a state of the plant")
-        made = cls(stable, plant, tuple(at), parameters, start)
-        if not stable:
-            cursor.expect(":", "before what is claimed")
-        elif not cursor.accept(":"):
-            return made._replace(span=cursor.whole)
-        return made._claimed(cursor)
-
-    def _claimed(self, cursor: Cursor) -> LoopClaimNode:
-        output = StateStretch.read(cursor, "an output of the plant")
-        made = self._replace(output=output)
-        if cursor.accept("during"):
-            begin = cursor.figure("when it begins")
-            cursor.expect("..", "between the times")
-            end = TimeNode.read(cursor, "when it ends", 1.0)
-            made = made._replace(when="during", begin=begin, end=end)
-        elif cursor.accept("after"):
-            made = made._replace(when="after", begin=TimeNode.read(cursor, "from when on", 1.0))
-        else:
-            cursor.accept("always")
-        return made._replace(span=cursor.whole)
-
-    def __str__(self) -> str:
-        text = f"prove {'stable ' if self.stable else ''}on {self.plant}"
-        if self.at:
-            text += " at " + ", ".join(f"{port} = {value}" for port, value in self.at)
-        if self.parameters:
-            text += " with " + ", ".join(map(str, self.parameters))
-        if self.start:
-            text += " from " + ", ".join(map(str, self.start))
-        if self.output is not None:
-            text += f": {self.output}"
-            if self.when == "during":
-                text += f" during {self.begin} .. {self.end}"
-            elif self.when == "after":
-                text += f" after {self.begin}"
-        return text
-
-    def mentions(self) -> Iterator[Occurrence]:
-        """Yield the names in it: all are the plant's, of which the language knows nothing."""
-        return iter(())
 
     @property
     def stretches(self) -> tuple[StateStretch, ...]:
@@ -143,32 +75,129 @@ class LoopClaimNode(NamedTuple):
         """What it means."""
 
         def stretches(nodes: tuple[StateStretch, ...]) -> tuple[tuple[str, float, float], ...]:
-            return tuple((n.name.text, n.low.value, n.high.value) for n in nodes)
+            return tuple((str(n.name), float(n.low), float(n.high)) for n in nodes)
 
         begin, end = 0.0, math.inf
         if self.when == "during":
             assert self.end is not None
             assert isinstance(self.begin, Figure)
-            end = self.end.seconds
+            end = float(self.end)
             # In the unit of the end: 0.5 .. 1 s.
-            begin = self.begin.value * (end / self.end.figure.value if self.end.figure.value else 1)
-        elif isinstance(self.begin, TimeNode):
-            begin = self.begin.seconds
+            begin = self.begin * (end / self.end.figure if self.end.figure else 1)
+        elif isinstance(self.begin, Time):
+            begin = float(self.begin)
         output = self.output
         return LoopClaim(
-            self.plant.text,
+            str(self.plant),
             self.stable,
-            tuple((port.text, value.value) for port, value in self.at),
+            tuple((str(port), float(value)) for port, value in self.at),
             stretches(self.parameters),
             stretches(self.start),
-            "" if output is None else output.name.text,
-            0.0 if output is None else output.low.value,
-            0.0 if output is None else output.high.value,
+            "" if output is None else str(output.name),
+            0.0 if output is None else float(output.low),
+            0.0 if output is None else float(output.high),
             "after" if self.when == "after" else "during" if self.when == "during" else "always",
             begin,
             end,
             self.span,
         )
+
+
+def _read_set_points(cursor: Cursor) -> tuple[tuple[Word, Figure], ...]:
+    found: list[tuple[Word, Figure]] = []
+    while not found or cursor.accept(","):
+        port = cursor.name("an output of the plant")
+        cursor.expect("=", f"after '{port}'")
+        found.append((port, cursor.figure("its set point")))
+    return tuple(found)
+
+
+def _set_points_text(found: Iterable[tuple[str, float]]) -> str:
+    return ", ".join(f"{name_text(port)} = {number_text(value)}" for port, value in found)
+
+
+def _stretches(field: str, what: str, label: str) -> Phrase:
+    """Return intervals with commas between them; their names are the plant's."""
+
+    def read(cursor: Cursor) -> tuple[StateStretch, ...]:
+        found = [_read_stretch(cursor, what)]
+        while cursor.accept(","):
+            found.append(_read_stretch(cursor, what))
+        return tuple(found)
+
+    def show(found: Iterable[StateStretch]) -> str:
+        return ", ".join(map(_stretch_text, found))
+
+    return Phrase(field, read, label, show, lambda _: iter(()), empty=())
+
+
+class _Claim(Silent):
+    """``: OUTPUT in LOW .. HIGH [WHEN]``, which may be left out where the claim is ``stable``."""
+
+    def read(self, cursor: Cursor, values: Values) -> None:
+        if not values["stable"]:
+            cursor.expect(":", "before what is claimed")
+        elif not cursor.accept(":"):
+            return
+        values["output"] = _read_stretch(cursor, "an output of the plant")
+        if cursor.accept("during"):
+            values["when"], values["begin"] = "during", cursor.figure("when it begins")
+            cursor.expect("..", "between the times")
+            values["end"] = read_time(cursor, "when it ends", 1.0)
+        elif cursor.accept("after"):
+            values["when"], values["begin"] = "after", read_time(cursor, "from when on", 1.0)
+        else:
+            cursor.accept("always")
+
+    def show(self, node: LoopClaimNode, line: Printed) -> None:
+        if node.output is None:
+            return
+        line.add(":", "before")
+        line.add(_stretch_text(node.output))
+        begin, end = node.begin, node.end
+        if begin is not None and end is not None:
+            line.add(f"during {number_text(begin)} .. {time_text(end)}")
+        elif isinstance(begin, Time):
+            line.add(f"after {time_text(begin)}")
+
+    def sketch(self, line: Printed) -> None:
+        line.add("[: PORT in A .. B [during A .. B s | after TIME | always]]", "before")
+
+    def words(self) -> Iterator[tuple[str, str]]:
+        yield "in", ""
+        yield "during", "while a time lasts"
+        yield "after", "from a time on"
+        yield "always", "from the start on"
+
+
+LOOP_CLAIM_ROW = Row(
+    LoopClaimNode,
+    Keyword("prove"),
+    Flag(
+        "stable",
+        "stable",
+        "the loop goes to rest from wherever it starts in a region that the proof says",
+    ),
+    Mark("on", "before the plant"),
+    Name("plant", "a plant", label="PLANT"),
+    Maybe(
+        Mark("at", "", "constant set points; 0 for other ports"),
+        Phrase(
+            "at",
+            _read_set_points,
+            "PORT = X",
+            _set_points_text,
+            lambda _: iter(()),
+            empty=(),
+        ),
+    ),
+    Maybe(
+        Mark("with", "", "parameters of the plant that may be anywhere in an interval"),
+        _stretches("parameters", "a parameter of the plant", "PARAMETER in A .. B"),
+    ),
+    Maybe(Mark("from"), _stretches("start", "a state of the plant", "STATE in A .. B")),
+    _Claim(),
+)
 
 
 def claim_node(claim: LoopClaim) -> LoopClaimNode:
@@ -180,10 +209,10 @@ def claim_node(claim: LoopClaim) -> LoopClaimNode:
     def stretch(name: str, low: float, high: float) -> StateStretch:
         return StateStretch(Word(name), figure(low), figure(high))
 
-    def seconds(value: float) -> TimeNode:
-        return TimeNode(figure(value), "s")
+    def seconds(value: float) -> Time:
+        return Time(figure(value), "s")
 
-    begin: TimeNode | Figure | None = None
+    begin: Time | Figure | None = None
     if claim.when == "during":
         begin = figure(claim.begin)
     elif claim.when == "after":

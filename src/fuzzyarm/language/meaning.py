@@ -29,6 +29,7 @@ from fuzzyarm.language.demands import (
 )
 from fuzzyarm.language.document import Document, ParseMemory
 from fuzzyarm.language.phrases import Kind
+from fuzzyarm.language.rows import mentions
 from fuzzyarm.language.rule_meaning import elaborate_grid, elaborate_rule, report_too_many
 from fuzzyarm.language.statements import (
     BlockNode,
@@ -106,11 +107,11 @@ def elaborate(
     blocks = _blocks(nodes, scope, norms, memory)
     heading = _single(nodes, Heading, "heading", scope)
     rulebase = RuleBase(
-        name=heading.name.text if heading else UNNAMED,
+        name=str(heading.name) if heading else UNNAMED,
         inputs=tuple(_input(d) for d in scope.drafts.values() if d.is_input),
         outputs=tuple(_output(d) for d in scope.drafts.values() if not d.is_input),
         blocks=blocks,
-        description=(heading.description or "") if heading else "",
+        description=str(heading.description or "") if heading else "",
         lookup=_lookup(nodes, scope),
         expectations=_expectations(nodes, scope),
         properties=_properties(nodes, scope),
@@ -152,12 +153,12 @@ def _presumed(nodes: list[StatementNode], role: str) -> frozenset[str]:
     every: set[str] = set()
     for node in nodes:
         if isinstance(node, GridNode):
-            outputs.update(part.output.text for part in node.parts)
+            outputs.update(part.output for part in node.parts)
         elif isinstance(node, RuleNode):
-            outputs.update(consequent.variable.text for consequent in node.consequents)
+            outputs.update(consequent.variable for consequent in node.consequents)
         else:
             continue
-        every.update(each.name for each in node.mentions() if each.kind is Kind.VARIABLE)
+        every.update(each.name for each in mentions(node) if each.kind is Kind.VARIABLE)
     return frozenset(outputs if role == "output" else every - outputs)
 
 
@@ -181,15 +182,15 @@ def _blocks(
         if isinstance(node, BlockNode):
             if rules or name:
                 blocks.append(RuleBlock(tuple(rules), name, **own))
-            if node.name.text in first_spans:
+            if node.name in first_spans:
                 scope.report(
                     "duplicate-block",
-                    f"two blocks are called '{node.name.text}'",
+                    f"two blocks are called '{node.name}'",
                     node.name.span,
-                    related=(Related("first here", first_spans[node.name.text]),),
+                    related=(Related("first here", first_spans[node.name]),),
                 )
-            first_spans[node.name.text] = node.name.span
-            rules, name, own = [], node.name.text, block_norms(node, scope, norms)
+            first_spans[node.name] = node.name.span
+            rules, name, own = [], str(node.name), block_norms(node, scope, norms)
         elif isinstance(node, RuleNode | GridNode):
             if budget < 0 or scope.overflows:
                 continue
@@ -276,7 +277,7 @@ def _input(draft: Draft) -> Input:
         draft.name,
         *range_of(node),
         tuple(draft.terms.values()),
-        node.description or "",
+        str(node.description or ""),
         draft.outside,
         node.name.span,
     )
@@ -288,7 +289,7 @@ def _output(draft: Draft) -> Output:
         draft.name,
         *range_of(node),
         tuple(draft.terms.values()),
-        node.description or "",
+        str(node.description or ""),
         draft.outside,
         node.name.span,
         draft.aggregation,
@@ -313,7 +314,7 @@ def _judge_whole(rulebase: RuleBase, nodes: list[StatementNode], scope: Scope) -
             used = [
                 mention
                 for node in nodes
-                for mention in node.mentions()
+                for mention in mentions(node)
                 if mention.kind is Kind.VARIABLE and mention.name in _presumed(nodes, what)
             ]
             first = min(used, key=lambda mention: mention.span, default=None)

@@ -11,7 +11,7 @@ from enum import StrEnum
 from typing import NamedTuple
 
 from fuzzyarm.expression.kinds import DEFUZZIFIERS, HEDGES, SHAPES, SNORMS, TNORMS
-from fuzzyarm.language.tokens import Cursor, Fault, Figure, Word
+from fuzzyarm.language.tokens import Cursor, Fault, name_text
 from fuzzyarm.model.rulebase import SAMPLINGS
 from fuzzyarm.text.diagnostic import (
     MAX_LINE,
@@ -23,6 +23,7 @@ from fuzzyarm.text.diagnostic import (
 )
 from fuzzyarm.text.names import near_hint, quote
 from fuzzyarm.text.numbers import number_text
+from fuzzyarm.text.placed import Figure, Word
 
 # --- What a text names ---
 
@@ -67,17 +68,17 @@ class Occurrence(NamedTuple):
 
 def of_variable(word: Word) -> Occurrence:
     """Return the mention of a variable."""
-    return Occurrence(Kind.VARIABLE, word.text, word.span)
+    return Occurrence(Kind.VARIABLE, word, word.span)
 
 
 def of_term(variable: Word, word: Word) -> Occurrence:
     """Return the mention of a term of `variable`."""
-    return Occurrence(Kind.TERM, word.text, word.span, (variable.text,))
+    return Occurrence(Kind.TERM, word, word.span, (variable,))
 
 
 def declared(kind: Kind, word: Word, owners: tuple[str, ...] = ()) -> Occurrence:
     """Return the declaration of a name."""
-    return Occurrence(kind, word.text, word.span, owners, is_definition=True)
+    return Occurrence(kind, word, word.span, owners, is_definition=True)
 
 
 # --- Lines in columns ---
@@ -112,7 +113,9 @@ class HedgeNode(NamedTuple):
     number: Figure | None = None
 
     def __str__(self) -> str:
-        return self.word.text if self.number is None else f"{self.word.text}({self.number})"
+        if self.number is None:
+            return self.word
+        return f"{self.word}({number_text(self.number)})"
 
     @classmethod
     def read_all(cls, cursor: Cursor) -> tuple[HedgeNode, ...]:
@@ -157,9 +160,9 @@ class PropositionNode(NamedTuple):
         variable = cursor.variable(what, role, " is")
         if cursor.next_is("("):
             raise _unknown_hedge(variable)
-        cursor.expect("is", f"after the variable '{variable.text}'")
+        cursor.expect("is", f"after the variable '{variable}'")
         hedges = HedgeNode.read_all(cursor)
-        term = cursor.term(f"a term of '{variable.text}'", variable)
+        term = cursor.term(f"a term of '{variable}'", variable)
         following = cursor.peek()
         if following is not None and following.kind == "name" and following.text not in _FOLLOW:
             raise _unknown_hedge(term)
@@ -168,7 +171,7 @@ class PropositionNode(NamedTuple):
         return cls(variable, hedges, term)
 
     def __str__(self) -> str:
-        return f"{self.variable} is {_hedged(self.hedges, str(self.term))}"
+        return f"{name_text(self.variable)} is {_hedged(self.hedges, name_text(self.term))}"
 
     def mentions(self) -> Iterator[Occurrence]:
         """Yield the variable and the term."""
@@ -182,10 +185,10 @@ _FOLLOW = ("and", "or", "then", "with")
 
 def _unknown_hedge(word: Word) -> Fault:
     """Return the fault of a word that stands where only a hedge can."""
-    HEDGES.get(word.text)  # looks among other packages' kinds, then it is read again
-    hint, replacement = near_hint(word.text, HEDGES.words)
+    HEDGES.get(word)  # looks among other packages' kinds, then it is read again
+    hint, replacement = near_hint(word, HEDGES.words)
     hint = hint or f"hedges are {', '.join(HEDGES.words)}"
-    message = f"unknown hedge '{word.text}'"
+    message = f"unknown hedge '{word}'"
     return Fault(
         Diagnostic("unknown-hedge", message, word.span, hint=hint, replacement=replacement)
     )
@@ -281,14 +284,14 @@ class LinearPart(NamedTuple):
             return cls(sign, variable, variable.span)
         figure = cursor.figure("a number")
         if not cursor.accept("*"):
-            return cls(sign * figure.value, None, start.to(figure.span))
+            return cls(sign * figure, None, start.to(figure.span))
         variable = cursor.variable("an input", "input")
-        return cls(sign * figure.value, variable, start.to(variable.span))
+        return cls(sign * figure, variable, start.to(variable.span))
 
     def text(self, factor: float) -> str:
         """Return the summand with `factor` in place of its own."""
         number = number_text(factor)
-        return number if self.variable is None else f"{number}*{self.variable}"
+        return number if self.variable is None else f"{number}*{name_text(self.variable)}"
 
 
 class ShapeNode(NamedTuple):
@@ -322,32 +325,32 @@ class ShapeNode(NamedTuple):
         figures: tuple[Figure, ...] = ()
         parts: tuple[LinearPart, ...] = ()
         formula, formula_span = "", cursor.span
-        if kind.text == "points":
+        if kind == "points":
             figures = _read_pairs(cursor)
-        elif kind.text == "linear":
+        elif kind == "linear":
             parts = _read_sum(cursor)
-        elif kind.text == "formula":
+        elif kind == "formula":
             text = cursor.string()
             if text is None:
                 cursor.fail("the formula in double quotes")
             formula = text
         else:
-            figures = _read_parameters(cursor, kind.text)
+            figures = _read_parameters(cursor, kind)
         height = cursor.figure("the height") if cursor.accept("height") else None
         return cls(kind, figures, parts, formula, formula_span, height)
 
     def __str__(self) -> str:
-        kind = self.kind.text
+        kind = self.kind
         if kind == "points":
             pairs = zip(self.figures[0::2], self.figures[1::2], strict=True)
-            body = " ".join(f"({x}, {y})" for x, y in pairs)
+            body = " ".join(f"({number_text(x)}, {number_text(y)})" for x, y in pairs)
         elif kind == "linear":
             body = _sum_text(self.parts)
         elif kind == "formula":
             body = quote(self.formula, '"')
         else:
-            body = " ".join(map(str, self.figures))
-        height = f" height {self.height}" if self.height else ""
+            body = " ".join(map(number_text, self.figures))
+        height = "" if self.height is None else f" height {number_text(self.height)}"
         lower = f" over {self.lower}" if self.lower else ""
         return f"{kind} {body}{height}{lower}"
 
@@ -544,7 +547,7 @@ class SettingNode(NamedTuple):
     def _read(cls, cursor: Cursor, of: str) -> SettingNode:
         cursor.suggest("settings", of)
         key = cursor.word(f"one of {', '.join(SETTINGS)}", SETTINGS, "unknown-setting")
-        setting = SETTINGS[key.text]
+        setting = SETTINGS[key]
         if setting.number:
             cursor.suggest("values", setting)
             token = cursor.peek()
@@ -552,7 +555,7 @@ class SettingNode(NamedTuple):
                 return cls(key, figure=cursor.figure(setting.number, finite=not setting.infinite))
         what = f"{setting.expected} {', '.join(setting.values)}"
         value = cursor.word(what, setting.values, setting.unknown)
-        if key.text == "defuzzifier":
+        if key == "defuzzifier":
             return cls._read_samples(cursor, key, value)
         return cls(key, value)
 
@@ -571,12 +574,12 @@ class SettingNode(NamedTuple):
         return cls(key, method, resolution=resolution, sampling=sampling)
 
     def __str__(self) -> str:
-        value = str(self.figure) if self.figure is not None else ""
+        value = number_text(self.figure) if self.figure is not None else ""
         if self.value is not None:
-            value = self.value.text
+            value = self.value
         if self.resolution is not None:
-            sampling = f", {self.sampling.text}" if self.sampling else ""
-            value += f"({self.resolution}{sampling})"
+            sampling = "" if self.sampling is None else f", {self.sampling}"
+            value += f"({number_text(self.resolution)}{sampling})"
         elif self.exact:
             value += " exact"
-        return f"{self.key.text} {value}"
+        return f"{self.key} {value}"

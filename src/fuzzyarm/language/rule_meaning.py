@@ -13,7 +13,7 @@ from fuzzyarm.language.statements import (
     RowNode,
     RuleNode,
 )
-from fuzzyarm.language.tokens import Figure, Word, name_text
+from fuzzyarm.language.tokens import name_text
 from fuzzyarm.model.rulebase import (
     And,
     Consequent,
@@ -29,6 +29,7 @@ from fuzzyarm.text.diagnostic import (
     Related,
     Span,
 )
+from fuzzyarm.text.placed import Figure, Word
 
 
 def elaborate_rule(node: RuleNode, scope: Scope) -> list[Rule]:
@@ -55,9 +56,7 @@ def elaborate_grid(node: GridNode, scope: Scope, budget: int) -> list[Rule]:
     _report_repeated(node.columns, "column", scope)
     _report_repeated(tuple(r.label for r in node.rows), "row", scope)
     if node.row is not None and row is not None and row is column:
-        scope.report(
-            "same-variable", f"rows and columns are both '{node.row.text}'", node.column.span
-        )
+        scope.report("same-variable", f"rows and columns are both '{node.row}'", node.column.span)
     if node.row is None:
         _judge_single_row(node, scope)
     rules: list[Rule] = []
@@ -74,7 +73,7 @@ def elaborate_grid(node: GridNode, scope: Scope, budget: int) -> list[Rule]:
 
 def _lacks_header(node: GridNode, scope: Scope) -> bool:
     """Report a grid whose first line is a row, with the header that it wants."""
-    label = node.column.text
+    label = node.column
     if node.row is not None or label in scope.drafts:
         return False
     inputs = [draft for draft in scope.drafts.values() if draft.is_input]
@@ -89,7 +88,7 @@ def _lacks_header(node: GridNode, scope: Scope) -> bool:
     corner = " \\ ".join(map(name_text, names))
     scope.report(
         "missing-header",
-        f"the grid for '{node.output.text}' begins with a row: the header is missing",
+        f"the grid for '{node.output}' begins with a row: the header is missing",
         node.header_span,
         hint=f"write  {corner}  {terms}  above",
     )
@@ -100,15 +99,15 @@ def _turned(node: GridNode, scope: Scope) -> GridNode:
     """Return a grid whose header has rows and columns the wrong way round as it was meant."""
     if node.row is None or not node.rows:
         return node
-    down, across = scope.drafts.get(node.row.text), scope.drafts.get(node.column.text)
+    down, across = scope.drafts.get(node.row), scope.drafts.get(node.column)
     if down is None or across is None:
         return node
-    columns = {word.text for word in node.columns}
-    labels = {row.label.text for row in node.rows}
+    columns = set(node.columns)
+    labels = {row.label for row in node.rows}
     fits = columns <= across.terms.keys() and labels <= down.terms.keys()
     if fits or not (columns <= down.terms.keys() and labels <= across.terms.keys()):
         return node
-    corner = f"{node.column} \\ {node.row}"
+    corner = f"{name_text(node.column)} \\ {name_text(node.row)}"
     scope.report(
         "transposed-header",
         f"the header has rows and columns the wrong way round: '{down.name}' goes across",
@@ -121,14 +120,13 @@ def _turned(node: GridNode, scope: Scope) -> GridNode:
 
 def _judge_single_row(node: GridNode, scope: Scope) -> None:
     for line in node.rows:
-        if line.label.text != node.output.text:
+        if line.label != node.output:
             scope.report(
                 "bad-row-label",
-                f"the row of a grid over one input is labelled with the output"
-                f" '{node.output.text}'",
+                f"the row of a grid over one input is labelled with the output '{node.output}'",
                 line.label.span,
                 hint="a grid over two inputs has a header like  e \\ ce  NB ZE PB",
-                replacement=name_text(node.output.text) if len(node.rows) == 1 else None,
+                replacement=name_text(node.output) if len(node.rows) == 1 else None,
             )
 
 
@@ -164,14 +162,14 @@ def _row_rules(
 def _report_repeated(words: tuple[Word, ...], what: str, scope: Scope) -> None:
     seen: dict[str, Span] = {}
     for word in words:
-        if word.text in seen and not (what == "row" and not word.text):
+        if word in seen and not (what == "row" and not word):
             scope.report(
                 f"repeated-{what}",
-                f"the grid has two {what}s '{word.text}'",
+                f"the grid has two {what}s '{word}'",
                 word.span,
-                related=(Related("first here", seen[word.text]),),
+                related=(Related("first here", seen[word]),),
             )
-        seen.setdefault(word.text, word.span)
+        seen.setdefault(word, word.span)
 
 
 def _expression(node: ExpressionNode, scope: Scope) -> Expression | None:
@@ -201,7 +199,7 @@ def _antecedent_term(draft: Draft | None, word: Word, scope: Scope) -> Is | None
     if not SHAPES[term.shape.kind].fuzzy:
         scope.report(
             "not-a-fuzzy-set",
-            f"'{word.text}' of '{draft.name}' is a value, not a set; no rule can ask for it",
+            f"'{word}' of '{draft.name}' is a value, not a set; no rule can ask for it",
             word.span,
         )
         return None
@@ -227,21 +225,21 @@ def _consequent(node: PropositionNode, scope: Scope) -> Consequent | None:
 def _hedges(nodes: tuple[HedgeNode, ...], scope: Scope) -> tuple[Hedge, ...]:
     hedges = []
     for node in nodes:
-        if node.number is not None and not node.number.value > 0.0:
-            what = HEDGES[node.word.text].parameters[0]
+        if node.number is not None and not node.number > 0.0:
+            what = HEDGES[node.word].parameters[0]
             if what == "exponent":
                 scope.report("bad-exponent", "the exponent must be above 0", node.number.span)
-        hedges.append(Hedge(node.word.text, node.number.value if node.number else None))
+        hedges.append(Hedge(str(node.word), None if node.number is None else float(node.number)))
     return tuple(hedges)
 
 
 def _weight(figure: Figure | None, scope: Scope) -> float | None:
     if figure is None:
         return 1.0
-    if not 0.0 <= figure.value <= 1.0:
+    if not 0.0 <= figure <= 1.0:
         scope.report("bad-weight", "a weight must lie between 0 and 1", figure.span)
         return None
-    return figure.value
+    return float(figure)
 
 
 def report_too_many(span: Span, scope: Scope) -> None:

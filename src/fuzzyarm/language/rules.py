@@ -17,8 +17,10 @@ from fuzzyarm.language.phrases import (
     of_variable,
     read_expression,
 )
-from fuzzyarm.language.tokens import Cursor, Fault, Figure, Trivia, Word
+from fuzzyarm.language.tokens import Cursor, Fault, Trivia, name_text
 from fuzzyarm.text.diagnostic import NOWHERE, Diagnostic, Span
+from fuzzyarm.text.numbers import number_text
+from fuzzyarm.text.placed import Figure, Word
 
 __all__ = ["CellNode", "GridNode", "RowNode", "RuleNode"]
 
@@ -55,7 +57,9 @@ class CellNode(NamedTuple):
     def __str__(self) -> str:
         if self.term is None:
             return "."
-        return f"{self.term}*{self.weight}" if self.weight else str(self.term)
+        if self.weight is None:
+            return name_text(self.term)
+        return f"{name_text(self.term)}*{number_text(self.weight)}"
 
 
 class RowNode(NamedTuple):
@@ -81,7 +85,7 @@ class RowNode(NamedTuple):
                     cells[-1].append(CellNode.read(cursor, output))
                     continue
                 if not empty:
-                    cursor.fail(f"'/' and a term of '{output.text}'")
+                    cursor.fail(f"'/' and a term of '{output}'")
                 cells[-1].append(cells[-1][0])
             cursor.suggest("cells", grid, len(cells))
         count = len(cells)
@@ -91,16 +95,16 @@ class RowNode(NamedTuple):
             cursor.forgiven.append(
                 Diagnostic(
                     "wrong-cell-count",
-                    f"row '{label.text}' has {found}, the header names {len(columns)} columns",
+                    f"row '{label}' has {found}, the header names {len(columns)} columns",
                     cells[len(columns)][0].span.to(cells[-1][-1].span) if surplus else cursor.span,
                     hint="" if surplus else "a cell without a rule is written as a dot",
                 )
             )
         # The label of a grid over one input is its output; the first one stands for all.
-        alone = grid.row is None and label.text == grid.output.text
+        alone = grid.row is None and label == grid.output
         return tuple(
             cls(
-                label._replace(text=output.text) if alone else label,
+                Word(output, label.span) if alone else label,
                 tuple(cell[k] for cell in cells[: len(columns)]),
                 trivia,
             )
@@ -141,7 +145,7 @@ class GridNode(NamedTuple):
             raise Fault(
                 Diagnostic(
                     "missing-header",
-                    f"the grid for '{output.text}' has no lines",
+                    f"the grid for '{output}' has no lines",
                     span,
                     hint="below it stands a header like  e \\ ce  NB ZE PB  and one line per row",
                 )
@@ -160,7 +164,7 @@ class GridNode(NamedTuple):
                 cursor.forgiven.append(fault.diagnostic)
             cursor.forgiven += below.forgiven
         if not lines:
-            message = f"the grid for '{output.text}' has no rows"
+            message = f"the grid for '{output}' has no rows"
             cursor.forgiven.append(Diagnostic("empty-grid", message, span))
         first, *more = [
             part._replace(rows=tuple(row[k] for row in rows)) for k, part in enumerate(grid.parts)
@@ -188,23 +192,25 @@ class GridNode(NamedTuple):
         columns: list[Word] = []
         cursor.suggest("columns", column)
         while not cursor.at_end:
-            columns.append(cursor.term(f"a term of '{column.text}'", column))
+            columns.append(cursor.term(f"a term of '{column}'", column))
             cursor.suggest("columns", column, columns)
         if not columns:
-            cursor.fail(f"the terms of '{column.text}' that head the columns", (), "missing-header")
+            cursor.fail(f"the terms of '{column}' that head the columns", (), "missing-header")
         return row, column, tuple(columns)
 
     def __str__(self) -> str:
         condition = f" when {self.condition}" if self.condition is not None else ""
-        return f"rules {', '.join(str(part.output) for part in self.parts)}{condition}"
+        return f"rules {', '.join(name_text(part.output) for part in self.parts)}{condition}"
 
     def below(self) -> list[tuple[str, Trivia]]:
         """Return the header and the rows, aligned."""
-        corner = str(self.column) if self.row is None else f"{self.row} \\ {self.column}"
-        cells = [[corner, *map(str, self.columns)]]
+        corner = name_text(self.column)
+        if self.row is not None:
+            corner = f"{name_text(self.row)} \\ {corner}"
+        cells = [[corner, *map(name_text, self.columns)]]
         for same in zip(*(part.rows for part in self.parts), strict=True):
             columns = zip(*(row.cells for row in same), strict=True)
-            cells.append([str(same[0].label), *map(_cell_text, columns)])
+            cells.append([name_text(same[0].label), *map(_cell_text, columns)])
         trivia = [self.header_trivia, *(row.trivia for row in self.rows)]
         return list(zip(aligned(cells), trivia, strict=True))
 
@@ -241,32 +247,7 @@ class RuleNode(NamedTuple):
     weight: Figure | None
     span: Span = NOWHERE
 
-    @classmethod
-    def read(cls, cursor: Cursor) -> RuleNode:
-        """Read it from the cursor."""
-        cursor.take()
-        cursor.expect("if", "after 'rule'")
-        antecedent = read_expression(cursor)
-        cursor.expect("then", "after the antecedent")
-        consequents = [PropositionNode.read(cursor, "the name of an output", "output")]
-        while cursor.accept("and") or cursor.accept(","):
-            consequents.append(PropositionNode.read(cursor, "the name of an output", "output"))
-        weight = cursor.figure("the weight of the rule") if cursor.accept("with") else None
-        return cls(antecedent, tuple(consequents), weight, cursor.whole)
 
-    @property
-    def parts(self) -> tuple[str, str]:
-        """The sentence in two parts: ``if …`` and ``then …``."""
-        weight = f" with {self.weight}" if self.weight else ""
-        consequents = " and ".join(map(str, self.consequents))
-        return f"if {self.antecedent}", f"then {consequents}{weight}"
-
-    def __str__(self) -> str:
-        line = "rule " + " ".join(self.parts)
-        return line if len(line) <= WIDTH else "rule {}\n     {}".format(*self.parts)
-
-    def mentions(self) -> Iterator[Occurrence]:
-        """Yield the names in it."""
-        yield from self.antecedent.mentions()
-        for consequent in self.consequents:
-            yield from consequent.mentions()
+def read_conclusion(cursor: Cursor) -> PropositionNode:
+    """Read one conclusion of a rule."""
+    return PropositionNode.read(cursor, "the name of an output", "output")

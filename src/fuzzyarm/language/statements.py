@@ -1,27 +1,20 @@
-"""The statements of the language: a record each, and a node that reads and writes itself.
+"""The statements of the language: a row of parts each.
 
-:data:`STATEMENTS` is the whole language at a glance. From a record and its node follow the
-reader (``read``), the canonical text (``str``, ``in_columns``, ``below``), what an editor offers
-(``read`` again, asked where the tokens end), colours, help and the grammar of the editor's
-extension (the words of the record), and renaming and the outline (``mentions``).
+:data:`STATEMENTS` is the whole language at a glance. A row (:mod:`fuzzyarm.language.rows`) names
+a node, a plain record of fields, and the parts of its line in order. From it follow the reader,
+the canonical text, what an editor offers (the reader again, asked where the tokens end), colours,
+help, the table of the syntax, the grammar of the editor's extension (the words of the row), and
+renaming and the outline (its mentions).
 
-To add a statement: write its node below (those of rules are in :mod:`fuzzyarm.language.rules`),
-add its record to :data:`STATEMENTS`, and say what it means in
-:func:`fuzzyarm.language.meaning.elaborate`. A node is a NamedTuple that ends with its span and has
-
-- ``read(cursor)``, a class method: a :class:`~fuzzyarm.language.tokens.Fault` where it cannot be
-  read; ``cursor.variable`` and ``cursor.term`` rather than ``cursor.name`` for what is declared
-  elsewhere, so that completion knows;
-- ``__str__``: one line; ``in_columns`` instead where neighbours of its kind are aligned, and
-  ``below`` too where it takes lines;
-- ``mentions()``: the names in it.
+To add a statement: write its node below, add its row to :data:`STATEMENTS`, and say what it means
+in :func:`fuzzyarm.language.meaning.elaborate`. Two are written by hand, since they are no line of
+parts: grids (:mod:`fuzzyarm.language.rules`) and ``prove``.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from types import MappingProxyType
 from typing import Any, NamedTuple, Protocol
 
 from fuzzyarm.language.phrases import (
@@ -29,16 +22,48 @@ from fuzzyarm.language.phrases import (
     Occurrence,
     SettingNode,
     ShapeNode,
-    aligned,
     declared,
     of_variable,
+    read_expression,
 )
-from fuzzyarm.language.rules import CellNode, GridNode, RowNode, RuleNode
-from fuzzyarm.language.tokens import STARTERS, Cursor, Fault, Figure, Trivia, Word
-from fuzzyarm.language.tune import TUNE_ITEMS, TUNE_WORDS, TuneNode
+from fuzzyarm.language.rows import (
+    Break,
+    ByHand,
+    Column,
+    Forgiving,
+    Keyword,
+    Lines,
+    Mark,
+    Maybe,
+    Name,
+    Number,
+    OneOf,
+    Phrase,
+    Printed,
+    Row,
+    Several,
+    Silent,
+    StatementKind,
+    Suggest,
+    Text,
+    Values,
+    Variable,
+    declares,
+)
+from fuzzyarm.language.rules import (
+    WIDTH,
+    CellNode,
+    GridNode,
+    RowNode,
+    RuleNode,
+    read_conclusion,
+)
+from fuzzyarm.language.tokens import STARTERS, Cursor, Fault, Trivia, name_text
+from fuzzyarm.language.tune import TUNE_ROW, TuneNode
 from fuzzyarm.model.shapes import EVEN_SHAPES
 from fuzzyarm.text.diagnostic import NOWHERE, Span
-from fuzzyarm.text.names import quote
+from fuzzyarm.text.numbers import number_text
+from fuzzyarm.text.placed import Figure, Word
 
 __all__ = [
     "STATEMENTS",
@@ -72,39 +97,6 @@ class StatementNode(Protocol):
     def span(self) -> Span:
         """From its first to its last token, without the lines below it."""
 
-    def mentions(self) -> Iterator[Occurrence]:
-        """Yield every name in the statement."""
-
-
-class StatementKind(NamedTuple):
-    """A record: the word that starts a statement, its node, and what a person is told of it.
-
-    Attributes
-    ----------
-    word : str
-        At the start of the line.
-    node : type
-        Reads and writes the statement.
-    syntax : str
-        What follows the word.
-    doc : str
-        One line.
-    words : mapping of str to str
-        Other words of the language in it, each with one line of help, empty for the obvious.
-    takes_lines : bool
-        Whether lines below belong to it.
-    outline : str
-        What the outline of a file calls it; empty where it has no part in the outline.
-    """
-
-    word: str
-    node: type[Any]
-    syntax: str
-    doc: str
-    words: Mapping[str, str] = MappingProxyType({})
-    takes_lines: bool = False
-    outline: str = ""
-
 
 # --- Declarations ---
 
@@ -115,23 +107,6 @@ class Heading(NamedTuple):
     name: Word
     description: str | None
     span: Span = NOWHERE
-
-    @classmethod
-    def read(cls, cursor: Cursor) -> Heading:
-        """Read it from the cursor."""
-        cursor.take()
-        return cls(cursor.name("the name of the rule base"), cursor.string(), cursor.whole)
-
-    def __str__(self) -> str:
-        return " ".join([f"rulebase {self.name}", *_described(self.description)])
-
-    def mentions(self) -> Iterator[Occurrence]:
-        """Yield the names in it."""
-        yield declared(Kind.RULEBASE, self.name)
-
-
-def _described(description: str | None) -> list[str]:
-    return [] if description is None else [quote(description, '"')]
 
 
 class VariableNode(NamedTuple):
@@ -147,30 +122,6 @@ class VariableNode(NamedTuple):
     description: str | None
     span: Span = NOWHERE
 
-    @classmethod
-    def read(cls, cursor: Cursor) -> VariableNode:
-        """Read it from the cursor."""
-        role = cursor.take().text
-        name = cursor.name(f"the name of the {role}")
-        try:
-            cursor.suggest("range")
-            low = cursor.figure("the lower end of the range", finite=False)
-            cursor.expect("..", "between the ends of the range")
-            high = cursor.figure("the upper end of the range", finite=False)
-        except Fault as fault:
-            cursor.forgive(fault)
-            return cls(role, name, None, None, None, cursor.whole)
-        return cls(role, name, low, high, cursor.string(), cursor.whole)
-
-    def in_columns(self) -> list[str]:
-        """Return the parts that stand below those of neighbours."""
-        declaration = f"{self.role:<6} {self.name}"
-        return [declaration, f"{self.low} .. {self.high}", *_described(self.description)]
-
-    def mentions(self) -> Iterator[Occurrence]:
-        """Yield the names in it."""
-        yield declared(Kind.VARIABLE, self.name)
-
 
 class EvenTermsNode(NamedTuple):
     """``terms A, B: triangles T1 T2 …``."""
@@ -180,51 +131,6 @@ class EvenTermsNode(NamedTuple):
     names: tuple[Word, ...]
     span: Span = NOWHERE
 
-    @classmethod
-    def read(cls, cursor: Cursor) -> EvenTermsNode:
-        """Read it from the cursor."""
-        cursor.take()
-        variables = [cursor.variable("the name of a variable")]
-        while cursor.accept(","):
-            variables.append(cursor.variable("the name of a variable"))
-        cursor.expect(":", "after the variables")
-        family = cls._family(cursor)
-        names = []
-        cursor.suggest("term names")
-        while not cursor.at_end:
-            names.append(cursor.name("the name of a term"))
-        if not names:
-            cursor.fail("the names of the terms, from low to high")
-        return cls(tuple(variables), family, tuple(names), cursor.whole)
-
-    @staticmethod
-    def _family(cursor: Cursor) -> Word:
-        token = cursor.peek()
-        cursor.suggest("families")
-        try:
-            families = f"a family of terms ({', '.join(EVEN_SHAPES)})"
-            return cursor.word(families, EVEN_SHAPES, "unknown-shape")
-        except Fault as fault:
-            if token is None or token.kind != "name":
-                raise
-            finding = fault.diagnostic
-            if finding.replacement is not None:  # a misspelt family
-                cursor.take()
-            else:  # the first term: the family is missing
-                finding = replace(finding, replacement=f"triangles {token.text}")
-            cursor.forgiven.append(finding)
-            return Word("triangles", token.span)
-
-    def __str__(self) -> str:
-        variables = ", ".join(map(str, self.variables))
-        return f"terms {variables}: {self.family.text} {' '.join(map(str, self.names))}"
-
-    def mentions(self) -> Iterator[Occurrence]:
-        """Yield the names in it."""
-        yield from map(of_variable, self.variables)
-        owners = tuple(word.text for word in self.variables)
-        yield from (declared(Kind.TERM, word, owners) for word in self.names)
-
 
 class TermNode(NamedTuple):
     """``term VARIABLE NAME: SHAPE``; no shape where it could not be read."""
@@ -233,33 +139,6 @@ class TermNode(NamedTuple):
     name: Word
     shape: ShapeNode | None
     span: Span = NOWHERE
-
-    @classmethod
-    def read(cls, cursor: Cursor) -> TermNode:
-        """Read it from the cursor."""
-        cursor.take()
-        variable = cursor.variable("the name of a variable")
-        name = cursor.name("the name of the term")
-        shape: ShapeNode | None = None
-        try:
-            cursor.expect(":", "after the name of the term")
-            read = ShapeNode.read(cursor)
-            cursor.finish()
-            shape = read
-        except Fault as fault:
-            cursor.forgive(fault)
-        return cls(variable, name, shape, cursor.whole)
-
-    def in_columns(self) -> list[str]:
-        """Return the parts that stand below those of neighbours."""
-        return [f"term {self.variable} {self.name}:", str(self.shape)]
-
-    def mentions(self) -> Iterator[Occurrence]:
-        """Yield the names in it."""
-        yield of_variable(self.variable)
-        yield declared(Kind.TERM, self.name, (self.variable.text,))
-        if self.shape is not None:
-            yield from self.shape.mentions()
 
 
 # --- Evaluation ---
@@ -272,33 +151,6 @@ class InferenceNode(NamedTuple):
     settings: tuple[SettingNode, ...]
     span: Span = NOWHERE
 
-    @classmethod
-    def read(cls, cursor: Cursor) -> InferenceNode:
-        """Read it from the cursor."""
-        cursor.take()
-        target = _read_target(cursor, "the name of a variable")
-        return cls(target, SettingNode.read_all(cursor), cursor.whole)
-
-    def __str__(self) -> str:
-        target = f"{self.target}: " if self.target else ""
-        return f"inference {target}{', '.join(map(str, self.settings))}"
-
-    def mentions(self) -> Iterator[Occurrence]:
-        """Yield the names in it."""
-        if self.target is not None:
-            yield of_variable(self.target)
-
-
-def _read_target(cursor: Cursor, what: str, role: str = "") -> Word | None:
-    """Read ``VARIABLE:`` where the next token but one is a colon."""
-    cursor.suggest("targets", role)
-    second = cursor.peek(1)
-    if second is None or second.kind != "mark" or second.text != ":":
-        return None
-    target = cursor.variable(what, role)
-    cursor.take()
-    return target
-
 
 class BlockNode(NamedTuple):
     """``block NAME[: key value, …]``: the rules that follow form a block of their own."""
@@ -306,23 +158,6 @@ class BlockNode(NamedTuple):
     name: Word
     settings: tuple[SettingNode, ...]
     span: Span = NOWHERE
-
-    @classmethod
-    def read(cls, cursor: Cursor) -> BlockNode:
-        """Read it from the cursor."""
-        cursor.take()
-        name = cursor.name("the name of the block")
-        more = cursor.accept(":", likely=True)
-        settings = SettingNode.read_all(cursor, "rules") if more else ()
-        return cls(name, settings, cursor.whole)
-
-    def __str__(self) -> str:
-        settings = f": {', '.join(map(str, self.settings))}" if self.settings else ""
-        return f"block {self.name}{settings}"
-
-    def mentions(self) -> Iterator[Occurrence]:
-        """Yield the names in it."""
-        yield declared(Kind.BLOCK, self.name)
 
 
 # --- Lookup tables and expectations ---
@@ -350,66 +185,12 @@ class LookupItem(NamedTuple):
     trivia: Trivia = Trivia()
     span: Span = NOWHERE
 
-    @classmethod
-    def read(cls, cursor: Cursor, trivia: Trivia) -> LookupItem:
-        """Read it from the cursor."""
-        key = cursor.word("levels, bins or round", LOOKUP_ITEMS, "unknown-setting")
-        variable = None
-        if key.text != "round" or cursor.next_is(":", 1):
-            variable = _read_target(cursor, "the name of an input", "input")
-        form = "list"
-        figures = [cursor.figure("a number")]
-        if key.text == "levels" and cursor.accept(".."):
-            figures.append(cursor.figure("the last level"))
-            form = cursor.word("'step' or 'count'", ("step", "count"), "unexpected-token").text
-            figures.append(cursor.figure(f"the {form}"))
-        while form == "list" and key.text != "round" and cursor.at_figure:
-            figures.append(cursor.figure("a number"))
-        if key.text == "bins" and cursor.accept("mirrored"):
-            form = "mirrored"
-        cursor.finish()
-        return cls(key, variable, form, tuple(figures), trivia, cursor.whole)
-
-    def in_columns(self) -> list[str]:
-        """Return the key and the numbers."""
-        values = list(map(str, self.figures))
-        if self.form in ("step", "count"):
-            body = f"{values[0]} .. {values[1]} {self.form} {values[2]}"
-        else:
-            body = " ".join(values) + (" mirrored" if self.form == "mirrored" else "")
-        return [self.key.text + (f" {self.variable}:" if self.variable else ""), body]
-
 
 class LookupNode(NamedTuple):
     """The ``lookup`` block."""
 
     items: tuple[LookupItem, ...]
     span: Span = NOWHERE
-
-    @classmethod
-    def read(cls, cursor: Cursor) -> LookupNode:
-        """Read it from the cursor."""
-        cursor.take()
-        cursor.finish()
-        items = []
-        for line in cursor.lines:
-            try:
-                items.append(LookupItem.read(Cursor(line.tokens), line.trivia))
-            except Fault as fault:
-                cursor.forgiven.append(fault.diagnostic)
-        return cls(tuple(items), cursor.whole)
-
-    def __str__(self) -> str:
-        return "lookup"
-
-    def below(self) -> list[tuple[str, Trivia]]:
-        """Return the settings, aligned."""
-        lines = aligned([item.in_columns() for item in self.items])
-        return list(zip(lines, (item.trivia for item in self.items), strict=True))
-
-    def mentions(self) -> Iterator[Occurrence]:
-        """Yield the names in it."""
-        return (of_variable(item.variable) for item in self.items if item.variable is not None)
 
 
 RELATIONS = ("=", "<", "<=", ">", ">=", "in")
@@ -446,10 +227,14 @@ class OutcomeNode(NamedTuple):
         return cls(name, relation, value, other)
 
     def __str__(self) -> str:
-        text = f"{self.variable} {self.relation} {self.value}"
+        text = f"{name_text(self.variable)} {self.relation} {number_text(self.value)}"
         if self.other is None:
             return text
-        return f"{text} {'..' if self.relation == 'in' else 'within'} {self.other}"
+        return f"{text} {'..' if self.relation == 'in' else 'within'} {number_text(self.other)}"
+
+    def mentions(self) -> Iterator[Occurrence]:
+        """Yield the output."""
+        yield of_variable(self.variable)
 
 
 class ExpectNode(NamedTuple):
@@ -458,36 +243,6 @@ class ExpectNode(NamedTuple):
     inputs: tuple[tuple[Word, Figure], ...]
     outcomes: tuple[OutcomeNode, ...]
     span: Span = NOWHERE
-
-    @classmethod
-    def read(cls, cursor: Cursor) -> ExpectNode:
-        """Read it from the cursor."""
-        cursor.take()
-        inputs = [cls._assignment(cursor)]
-        cursor.suggest("comma")
-        while cursor.accept(","):
-            inputs.append(cls._assignment(cursor))
-            cursor.suggest("comma")
-        cursor.expect("->", "after the inputs")
-        outcomes = [OutcomeNode.read(cursor)]
-        while cursor.accept(","):
-            outcomes.append(OutcomeNode.read(cursor))
-        return cls(tuple(inputs), tuple(outcomes), cursor.whole)
-
-    @staticmethod
-    def _assignment(cursor: Cursor) -> tuple[Word, Figure]:
-        name = cursor.variable("the name of an input", "input", " =")
-        cursor.expect("=", f"after '{name.text}'")
-        return name, cursor.figure("a number")
-
-    def __str__(self) -> str:
-        inputs = ", ".join(f"{name} = {value}" for name, value in self.inputs)
-        return f"expect {inputs} -> {', '.join(map(str, self.outcomes))}"
-
-    def mentions(self) -> Iterator[Occurrence]:
-        """Yield the names in it."""
-        yield from (of_variable(word) for word, _ in self.inputs)
-        yield from (of_variable(outcome.variable) for outcome in self.outcomes)
 
 
 _VERBS = ("rises", "falls", "slope", "odd", "covered")
@@ -504,7 +259,8 @@ class StretchNode(NamedTuple):
     high: Figure
 
     def __str__(self) -> str:
-        return f"{self.variable} in {self.low} .. {self.high}"
+        low, high = number_text(self.low), number_text(self.high)
+        return f"{name_text(self.variable)} in {low} .. {high}"
 
 
 class ProveNode(NamedTuple):
@@ -582,15 +338,19 @@ class ProveNode(NamedTuple):
     @property
     def claim(self) -> str:
         """What is claimed, without the region."""
+        name = "" if self.output is None else name_text(self.output)
+        by = "" if self.input is None else name_text(self.input)
+        high = "" if self.high is None else number_text(self.high)
         if self.verb == "table":
-            of = "" if self.output is None else f"of {self.output} "
-            return f"table {of}{self.mode} within {self.high}"
+            return f"table {f'of {name} ' if name else ''}{self.mode} within {high}"
         if self.outcome is not None:
             text = str(self.outcome)
+        elif self.verb in ("rises", "falls"):
+            text = f"{name} {self.verb} with {by}"
+        elif self.low is not None:
+            text = f"{name} slope {by} in {number_text(self.low)} .. {high}"
         else:
-            by = {"rises": f" with {self.input}", "falls": f" with {self.input}"}
-            by["slope"] = f" {self.input} in {self.low} .. {self.high}"
-            text = f"{self.output} {self.verb}{by.get(self.verb, '')}"
+            text = f"{name} {self.verb}"
         # An output of this name would be read as the word.
         return f"'table'{text.removeprefix('table')}" if text.startswith("table ") else text
 
@@ -606,132 +366,383 @@ class Broken(NamedTuple):
     keyword: str
     span: Span = NOWHERE
 
-    def mentions(self) -> Iterator[Occurrence]:
-        """Yield the names in it."""
-        return iter(())
+
+# --- Parts of their own ---
 
 
-# --- The records ---
+class _Target(Silent):
+    """``VARIABLE:``, where the next token but one is a colon; offered unless it is `rare`."""
+
+    def __init__(self, field: str, what: str, role: str = "", *, rare: bool = False) -> None:
+        self.field, self.what, self.role, self.rare = field, what, role, rare
+
+    def read(self, cursor: Cursor, values: Values) -> None:
+        values[self.field] = None
+        if not self.rare:
+            cursor.suggest("targets", self.role)
+        second = cursor.peek(1)
+        if second is not None and second.kind == "mark" and second.text == ":":
+            values[self.field] = cursor.variable(self.what, self.role)
+            cursor.take()
+
+    def show(self, node: Any, line: Printed) -> None:
+        if getattr(node, self.field) is not None:
+            line.add(f"{name_text(getattr(node, self.field))}:")
+
+    def sketch(self, line: Printed) -> None:
+        line.add("[VARIABLE:]")
+
+    def mentions(self, node: Any) -> Iterator[Occurrence]:
+        if getattr(node, self.field) is not None:
+            yield of_variable(getattr(node, self.field))
+
+
+class _Samples(Silent):
+    """Numbers of ``lookup``: one, several, ``mirrored`` ones, or ``LOW .. HIGH step N``."""
+
+    def __init__(self, *forms: str) -> None:
+        self.forms = forms
+
+    def read(self, cursor: Cursor, values: Values) -> None:
+        form: str = "list"
+        figures = [cursor.figure("a number")]
+        if "even" in self.forms and cursor.accept(".."):
+            figures.append(cursor.figure("the last level"))
+            form = str(cursor.word("'step' or 'count'", EVENLY, "unexpected-token"))
+            figures.append(cursor.figure(f"the {form}"))
+        while form == "list" and "several" in self.forms and cursor.at_figure:
+            figures.append(cursor.figure("a number"))
+        if "mirrored" in self.forms and cursor.accept("mirrored"):
+            form = "mirrored"
+        values["form"], values["figures"] = form, tuple(figures)
+
+    def show(self, node: LookupItem, line: Printed) -> None:
+        figures = list(map(number_text, node.figures))
+        if node.form in EVENLY:
+            line.add(f"{figures[0]} .. {figures[1]} {node.form} {figures[2]}")
+        else:
+            line.add(" ".join(figures) + (" mirrored" if node.form == "mirrored" else ""))
+
+    def words(self) -> Iterator[tuple[str, str]]:
+        if "even" in self.forms:
+            yield from EVENLY.items()
+        if "mirrored" in self.forms:
+            yield "mirrored", "the same numbers with a minus sign too"
+
+
+EVENLY = {
+    "step": "the distance between neighbouring levels",
+    "count": "the number of levels",
+}
+
+
+def _read_family(cursor: Cursor) -> Word:
+    token = cursor.peek()
+    cursor.suggest("families")
+    try:
+        families = f"a family of terms ({', '.join(EVEN_SHAPES)})"
+        return cursor.word(families, EVEN_SHAPES, "unknown-shape")
+    except Fault as fault:
+        if token is None or token.kind != "name":
+            raise
+        finding = fault.diagnostic
+        if finding.replacement is not None:  # a misspelt family
+            cursor.take()
+        else:  # the first term: the family is missing
+            finding = replace(finding, replacement=f"triangles {token.text}")
+        cursor.forgiven.append(finding)
+        return Word("triangles", token.span)
+
+
+def _read_names(cursor: Cursor) -> tuple[Word, ...]:
+    names = []
+    cursor.suggest("term names")
+    while not cursor.at_end:
+        names.append(cursor.name("the name of a term"))
+    if not names:
+        cursor.fail("the names of the terms, from low to high")
+    return tuple(names)
+
+
+def _terms_of_all(word: Word, node: EvenTermsNode) -> Occurrence:
+    return declared(Kind.TERM, word, node.variables)
+
+
+def _term_of_one(word: Word, node: TermNode) -> Occurrence:
+    return declared(Kind.TERM, word, (node.variable,))
+
+
+class _Names(Name):
+    """The names of terms up to the end of the line."""
+
+    def read(self, cursor: Cursor, values: Values) -> None:
+        values[self.field] = _read_names(cursor)
+
+    def show(self, node: Any, line: Printed) -> None:
+        line.add(" ".join(map(name_text, getattr(node, self.field))))
+
+    def mentions(self, node: Any) -> Iterator[Occurrence]:
+        return (_terms_of_all(word, node) for word in getattr(node, self.field))
+
+
+def _read_settings(cursor: Cursor) -> tuple[SettingNode, ...]:
+    return SettingNode.read_all(cursor)
+
+
+def _settings_text(settings: tuple[SettingNode, ...]) -> str:
+    return ", ".join(map(str, settings))
+
+
+def _read_values(cursor: Cursor) -> tuple[tuple[Word, Figure], ...]:
+    """Read ``input = value``, with commas between."""
+    values = [_read_value(cursor)]
+    cursor.suggest("comma")
+    while cursor.accept(","):
+        values.append(_read_value(cursor))
+        cursor.suggest("comma")
+    return tuple(values)
+
+
+def _read_value(cursor: Cursor) -> tuple[Word, Figure]:
+    name = cursor.variable("the name of an input", "input", " =")
+    cursor.expect("=", f"after '{name}'")
+    return name, cursor.figure("a number")
+
+
+def _values_text(values: tuple[tuple[Word, Figure], ...]) -> str:
+    return ", ".join(f"{name_text(name)} = {number_text(value)}" for name, value in values)
+
+
+# --- The statements ---
 
 _JOINS = {"is": "", "and": "", "or": ""}
+
+_VARIABLE = Row(
+    VariableNode,
+    Keyword("input", "role", width=6),
+    Name("name", "the name of the {role}", declares(Kind.VARIABLE)),
+    Column(),
+    Forgiving(
+        Suggest("range"),
+        Number("low", "the lower end of the range", "LOW", finite=False),
+        Mark("..", "between the ends of the range"),
+        Number("high", "the upper end of the range", "HIGH", finite=False),
+    ),
+    Column(),
+    Text("description"),
+)
+
+LOOKUP_ROW = Row(
+    LookupItem,
+    OneOf(
+        "key",
+        "levels, bins or round",
+        "unknown-setting",
+        LOOKUP_ITEMS,
+        {
+            "levels": (
+                _Target("variable", "the name of an input", "input"),
+                Column(),
+                _Samples("several", "even"),
+            ),
+            "bins": (
+                _Target("variable", "the name of an input", "input"),
+                Column(),
+                _Samples("several", "mirrored"),
+            ),
+            "round": (
+                _Target("variable", "the name of an input", "input", rare=True),
+                Column(),
+                _Samples(),
+            ),
+        },
+    ),
+)
+"""A line below ``lookup``."""
 
 STATEMENTS: dict[str, StatementKind] = {
     record.word: record
     for record in (
         StatementKind(
             "rulebase",
-            Heading,
-            'NAME "description"',
             "the name of the rule base and what it is for",
+            Row(
+                Heading,
+                Keyword("rulebase"),
+                Name("name", "the name of the rule base", declares(Kind.RULEBASE)),
+                Text("description"),
+            ),
             outline="rulebase",
         ),
-        StatementKind(
-            "input",
-            VariableNode,
-            'NAME LOW .. HIGH "description"',
-            "an input variable and its range",
-            outline="input",
-        ),
-        StatementKind(
-            "output",
-            VariableNode,
-            'NAME LOW .. HIGH "description"',
-            "an output variable and its range",
-            outline="output",
-        ),
+        StatementKind("input", "an input variable and its range", _VARIABLE, outline="input"),
+        StatementKind("output", "an output variable and its range", _VARIABLE, outline="output"),
         StatementKind(
             "terms",
-            EvenTermsNode,
-            "VARIABLE, VARIABLE: FAMILY NAME NAME …",
             "evenly spaced terms of one or more variables",
+            Row(
+                EvenTermsNode,
+                Keyword("terms"),
+                Several(
+                    Variable("variables", "the name of a variable"), label="VARIABLE, VARIABLE"
+                ),
+                Mark(":", "after the variables"),
+                Phrase("family", _read_family, "FAMILY"),
+                _Names("names", "", label="NAME NAME …"),
+            ),
         ),
         StatementKind(
             "term",
-            TermNode,
-            "VARIABLE NAME: SHAPE NUMBERS [height H] [over SHAPE NUMBERS [height H]]",
             "one term with its shape; of interval type 2 with an upper one over a lower one",
-            {
-                "height": "a factor on the whole shape",
-                "over": "the lower membership function of an interval type-2 term follows",
-            },
+            Row(
+                TermNode,
+                Keyword("term"),
+                Variable("variable", "the name of a variable"),
+                Name("name", "the name of the term", _term_of_one),
+                Forgiving(
+                    Mark(":", "after the name of the term"),
+                    Column(),
+                    Phrase(
+                        "shape",
+                        ShapeNode.read,
+                        "SHAPE NUMBERS [height H] [over SHAPE NUMBERS [height H]]",
+                        words={
+                            "height": "a factor on the whole shape",
+                            "over": "the lower membership function of an interval type-2 term"
+                            " follows",
+                        },
+                    ),
+                    finish=True,
+                ),
+            ),
         ),
         StatementKind(
             "inference",
-            InferenceNode,
-            "[VARIABLE:] KEY VALUE, KEY VALUE …",
             "how rules are evaluated",
-            {"exact": "the integral itself, without samples"},
+            Row(
+                InferenceNode,
+                Keyword("inference"),
+                _Target("target", "the name of a variable"),
+                Phrase(
+                    "settings",
+                    _read_settings,
+                    "KEY VALUE, KEY VALUE …",
+                    _settings_text,
+                    words={"exact": "the integral itself, without samples"},
+                ),
+            ),
         ),
         StatementKind(
             "block",
-            BlockNode,
-            "NAME: KEY VALUE, KEY VALUE …",
             "start of a further block of rules",
+            Row(
+                BlockNode,
+                Keyword("block"),
+                Name("name", "the name of the block", declares(Kind.BLOCK)),
+                Maybe(
+                    Mark(":"),
+                    Phrase(
+                        "settings",
+                        lambda cursor: SettingNode.read_all(cursor, "rules"),
+                        "KEY VALUE, KEY VALUE …",
+                        _settings_text,
+                        empty=(),
+                    ),
+                    likely=True,
+                ),
+            ),
             outline="block",
         ),
         StatementKind(
             "rules",
-            GridNode,
-            "OUTPUT, … [when CONDITION]",
             "a grid of rules",
-            _JOINS | {"when": "a condition that is added to every rule of the grid"},
+            ByHand(  # a table: each line is read by the header above it
+                GridNode,
+                "OUTPUT, … [when CONDITION]",
+                _JOINS | {"when": "a condition that is added to every rule of the grid"},
+            ),
             takes_lines=True,
             outline="grid",
         ),
         StatementKind(
             "rule",
-            RuleNode,
-            "if CONDITION then OUTPUT is TERM [with WEIGHT]",
             "one rule: if … then …",
-            {"if": "", "then": "", "with": "the weight of the rule"} | _JOINS,
+            Row(
+                RuleNode,
+                Keyword("rule"),
+                Mark("if", "after 'rule'"),
+                Phrase("antecedent", read_expression, "CONDITION"),
+                Break(WIDTH, "     "),
+                Mark("then", "after the antecedent"),
+                Several(
+                    Phrase("consequents", read_conclusion, "OUTPUT is TERM", words=_JOINS),
+                    between=("and", ","),
+                ),
+                Maybe(
+                    Mark("with", "", "the weight of the rule"),
+                    Number("weight", "the weight of the rule", "WEIGHT"),
+                ),
+            ),
             outline="rule",
         ),
         StatementKind(
             "lookup",
-            LookupNode,
-            "",
             "how the lookup table is sampled",
-            LOOKUP_ITEMS
-            | {
-                "step": "the distance between neighbouring levels",
-                "count": "the number of levels",
-                "mirrored": "the same numbers with a minus sign too",
-            },
+            Row(LookupNode, Keyword("lookup"), Lines("items", LOOKUP_ROW)),
             takes_lines=True,
             outline="lookup",
         ),
         StatementKind(
             "expect",
-            ExpectNode,
-            "INPUT = VALUE, … -> OUTPUT = VALUE [within TOLERANCE]",
             "what must come out, checked by `fuzzyarm check`",
-            {"in": "between two numbers", "within": "the tolerance of an expectation"},
+            Row(
+                ExpectNode,
+                Keyword("expect"),
+                Phrase(
+                    "inputs",
+                    _read_values,
+                    "INPUT = VALUE, …",
+                    _values_text,
+                    lambda inputs: (of_variable(name) for name, _ in inputs),
+                ),
+                Mark("->", "after the inputs"),
+                Several(
+                    Phrase(
+                        "outcomes",
+                        OutcomeNode.read,
+                        "OUTPUT = VALUE [within TOLERANCE]",
+                        words={
+                            "in": "between two numbers",
+                            "within": "the tolerance of an expectation",
+                        },
+                    )
+                ),
+            ),
             outline="expect",
         ),
         StatementKind(
             "prove",
-            ProveNode,
-            "[INPUT in LOW .. HIGH, … ->] CLAIM",
             "what holds at every point, proved by `fuzzyarm prove`",
-            {
-                "rises": "the output never falls where the input rises",
-                "falls": "the output never rises where the input rises",
-                "slope": "how steep the output is along an input",
-                "odd": "opposite inputs give opposite outputs",
-                "covered": "some rule fires at every point",
-                "table": "the lookup table that `compile` makes",
-                "of": "",
-                "linear": "looked up between the levels",
-                "nearest": "looked up at the nearest level",
-            },
+            ByHand(  # an input of the region and an output look alike up to the arrow
+                ProveNode,
+                "[INPUT in LOW .. HIGH, … ->] CLAIM",
+                {
+                    "rises": "the output never falls where the input rises",
+                    "falls": "the output never rises where the input rises",
+                    "slope": "how steep the output is along an input",
+                    "odd": "opposite inputs give opposite outputs",
+                    "covered": "some rule fires at every point",
+                    "table": "the lookup table that `compile` makes",
+                    "of": "",
+                    "linear": "looked up between the levels",
+                    "nearest": "looked up at the nearest level",
+                },
+            ),
             outline="prove",
         ),
         StatementKind(
             "tune",
-            TuneNode,
-            "",
             "what `fuzzyarm tune` may move; nothing else reads it",
-            TUNE_ITEMS | TUNE_WORDS,
+            Row(TuneNode, Keyword("tune"), Lines("items", TUNE_ROW)),
             takes_lines=True,
             outline="tune",
         ),

@@ -14,9 +14,9 @@ from collections.abc import Collection, Sequence
 from typing import NamedTuple, NoReturn
 
 from fuzzyarm.expression.kinds import HEDGES
-from fuzzyarm.text.diagnostic import NOWHERE, Diagnostic, Span, split_lines
+from fuzzyarm.text.diagnostic import Diagnostic, Span, split_lines
 from fuzzyarm.text.names import is_plain_name, near_hint, quote
-from fuzzyarm.text.numbers import number_text
+from fuzzyarm.text.placed import Figure, Word
 
 # --- Tokens ---
 
@@ -173,26 +173,6 @@ def name_text(name: str) -> str:
     """Return a name as it stands in a file, in single quotes where it must."""
     plain = is_plain_name(name) and name not in STARTERS and not is_reserved(name)
     return name if plain else quote(name, "'")
-
-
-class Word(NamedTuple):
-    """A name or a word of the language, where it stands; as text it is written as a name."""
-
-    text: str
-    span: Span = NOWHERE
-
-    def __str__(self) -> str:
-        return name_text(self.text)
-
-
-class Figure(NamedTuple):
-    """A number where it stands."""
-
-    value: float
-    span: Span = NOWHERE
-
-    def __str__(self) -> str:
-        return number_text(self.value)
 
 
 class Trivia(NamedTuple):
@@ -363,12 +343,13 @@ class Cursor:
         self.position += 1
         return Word(token.text, token.span)
 
-    def string(self) -> str | None:
+    def string(self) -> Word | None:
         """Take a string in double quotes if there is one."""
         token = self.peek()
         if token is None or token.kind != "string":
             return None
-        return self.take().text
+        self.position += 1
+        return Word(token.text, token.span)
 
     @property
     def at_figure(self) -> bool:

@@ -8,11 +8,26 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from fuzzyarm.language.phrases import Occurrence, aligned, of_term, of_variable
-from fuzzyarm.language.tokens import Cursor, Fault, Figure, Trivia, Word, name_text
+from fuzzyarm.language.phrases import Occurrence, of_term, of_variable
+from fuzzyarm.language.rows import (
+    Column,
+    Mark,
+    Name,
+    Number,
+    OneOf,
+    Printed,
+    Row,
+    Several,
+    Silent,
+    Values,
+    Variable,
+)
+from fuzzyarm.language.tokens import Cursor, Trivia, name_text
 from fuzzyarm.text.diagnostic import NOWHERE, Span
+from fuzzyarm.text.numbers import number_text
+from fuzzyarm.text.placed import Figure, Word
 
-__all__ = ["TUNE_ITEMS", "TUNE_WORDS", "TuneItem", "TuneNode"]
+__all__ = ["TUNE_ITEMS", "TUNE_ROW", "TuneItem", "TuneNode"]
 
 TUNE_ITEMS: dict[str, str] = {
     "peaks": "the peaks of the terms of these variables move",
@@ -28,16 +43,6 @@ PEAK_WORDS: dict[str, str] = {
     "gap": "how near neighbouring peaks may come, in percent of the range",
 }
 """What stands behind the variables of ``peaks``."""
-
-TUNE_WORDS: dict[str, str] = {
-    **{word: doc for word, doc in PEAK_WORDS.items() if " " not in word},
-    "order": PEAK_WORDS["keep order"],
-    "times": "the ends are multiples of the value in the file",
-    "log": "tuned in steps of its logarithm",
-    "per": "one value for each axis, as in `per axis`",
-    "axis": "",
-}
-"""The words of the block but those that start a line, each with one line of help."""
 
 _CHOICES = ("mirrored", "keep", "partition", "gap")
 _LISTED = "mirrored, keep order, partition or gap"
@@ -61,23 +66,14 @@ class TuneItem(NamedTuple):
     trivia: Trivia = Trivia()
     span: Span = NOWHERE
 
-    @classmethod
-    def read(cls, cursor: Cursor, trivia: Trivia) -> TuneItem:
-        """Read it from the cursor."""
-        key = cursor.word("peaks, gain or keep", TUNE_ITEMS, "unknown-setting")
-        read = {"peaks": cls._peaks, "gain": cls._gain, "keep": cls._keep}[key.text]
-        found = read(key, cursor)
-        cursor.finish()
-        return found._replace(trivia=trivia, span=cursor.whole)
 
-    @classmethod
-    def _peaks(cls, key: Word, cursor: Cursor) -> TuneItem:
-        names = [cursor.variable("the name of a variable")]
-        while cursor.accept(","):
-            names.append(cursor.variable("the name of a variable"))
+class _PeakOptions(Silent):
+    """Options behind the variables of ``peaks``, in any order, with commas between."""
+
+    def read(self, cursor: Cursor, values: Values) -> None:
         words: list[str] = []
         gap: Figure | None = None
-        more = cls._peak_word(cursor)
+        more = _peak_word(cursor)
         while more is not None:
             if more == "gap":
                 gap = cursor.figure("the smallest gap, in percent of the range")
@@ -88,66 +84,100 @@ class TuneItem(NamedTuple):
                     cursor.expect("order", "behind keep")
             if cursor.accept(",", likely=True) is None:
                 break
-            more = cls._peak_word(cursor)
+            more = _peak_word(cursor)
             if more is None:
                 cursor.fail(f"one of {_LISTED}", _CHOICES)
-        return cls(key, tuple(names), tuple(words), gap=gap)
+        values["words"], values["gap"] = tuple(words), gap
 
-    @staticmethod
-    def _peak_word(cursor: Cursor) -> str | None:
-        """Take the first word of an option, if the line goes on."""
-        for word in _CHOICES:
-            if cursor.accept(word):
-                return word
-        if not cursor.at_end:
-            cursor.fail(f"one of {_LISTED}", _CHOICES, "unknown-setting")
-        return None
+    def show(self, node: TuneItem, line: Printed) -> None:
+        gap = [] if node.gap is None else [f"gap {number_text(node.gap)} %"]
+        line.add(", ".join([*node.words, *gap]))
 
-    @classmethod
-    def _gain(cls, key: Word, cursor: Cursor) -> TuneItem:
-        names = [cursor.name("the name of a gain")]
-        while cursor.accept(","):
-            names.append(cursor.name("the name of a gain"))
-        low = cursor.figure("the lowest value")
-        cursor.expect("..", "between the ends of the range")
-        high = cursor.figure("the highest value")
+    def words(self) -> Iterator[tuple[str, str]]:
+        yield from ((word, doc) for word, doc in PEAK_WORDS.items() if " " not in word)
+        yield "order", PEAK_WORDS["keep order"]
+
+
+def _peak_word(cursor: Cursor) -> str | None:
+    """Take the first word of an option, if the line goes on."""
+    for word in _CHOICES:
+        if cursor.accept(word):
+            return word
+    if not cursor.at_end:
+        cursor.fail(f"one of {_LISTED}", _CHOICES, "unknown-setting")
+    return None
+
+
+class _Scale(Silent):
+    """``times``, ``log`` and ``, per axis`` behind the range of a gain."""
+
+    def read(self, cursor: Cursor, values: Values) -> None:
         words = [word for word in ("times", "log") if cursor.accept(word)]
         if cursor.accept(","):
             cursor.expect("per", "behind the comma")
             cursor.expect("axis", "behind per")
             words.append("per axis")
-        return cls(key, tuple(names), tuple(words), low=low, high=high)
+        values["words"] = tuple(words)
 
-    @classmethod
-    def _keep(cls, key: Word, cursor: Cursor) -> TuneItem:
+    def show(self, node: TuneItem, line: Printed) -> None:
+        line.add(" ".join(word for word in node.words if word != "per axis"))
+        if "per axis" in node.words:
+            line.add(", per axis", "before")
+
+    def words(self) -> Iterator[tuple[str, str]]:
+        yield "times", "the ends are multiples of the value in the file"
+        yield "log", "tuned in steps of its logarithm"
+        yield "per", "one value for each axis, as in `per axis`"
+        yield "axis", ""
+
+
+class _Kept(Silent):
+    """A variable, and those of its terms that stay where they are; none for all."""
+
+    def read(self, cursor: Cursor, values: Values) -> None:
         variable = cursor.variable("the name of a variable")
         terms: list[Word] = []
         cursor.suggest("terms", variable, terms)
         while not cursor.at_end:
-            terms.append(cursor.term(f"a term of '{variable.text}'", variable))
+            terms.append(cursor.term(f"a term of '{variable}'", variable))
             cursor.suggest("terms", variable, terms)
-        return cls(key, (variable,), terms=tuple(terms))
+        values["names"], values["terms"] = (variable,), tuple(terms)
 
-    def in_columns(self) -> list[str]:
-        """Return what it is about, and how."""
-        names = ", ".join(map(str, self.names))
-        if self.key.text == "keep":
-            return [" ".join([f"keep {names}", *map(str, self.terms)])]
-        if self.key.text == "gain":
-            scale = " ".join(word for word in self.words if word != "per axis")
-            axis = ", per axis" if "per axis" in self.words else ""
-            body = f"{self.low} .. {self.high}{' ' if scale else ''}{scale}{axis}"
-            return [f"gain {', '.join(name_text(word.text) for word in self.names)}", body]
-        gap = [] if self.gap is None else [f"gap {self.gap} %"]
-        body = ", ".join([*self.words, *gap])
-        return [f"peaks {names}", *([body] if body else [])]
+    def show(self, node: TuneItem, line: Printed) -> None:
+        line.add(" ".join(map(name_text, (*node.names, *node.terms))))
 
-    def mentions(self) -> Iterator[Occurrence]:
-        """Yield the variables and terms in it; gains stand in another file."""
-        if self.key.text == "gain":
-            return
-        yield from map(of_variable, self.names)
-        yield from (of_term(self.names[0], word) for word in self.terms)
+    def mentions(self, node: TuneItem) -> Iterator[Occurrence]:
+        (variable,) = node.names
+        yield of_variable(variable)
+        yield from (of_term(variable, word) for word in node.terms)
+
+
+TUNE_ROW = Row(
+    TuneItem,
+    OneOf(
+        "key",
+        "peaks, gain or keep",
+        "unknown-setting",
+        TUNE_ITEMS,
+        {
+            "peaks": (
+                Several(Variable("names", "the name of a variable")),
+                Column(),
+                _PeakOptions(),
+            ),
+            "gain": (  # gains stand in another file
+                Several(Name("names", "the name of a gain")),
+                Column(),
+                Number("low", "the lowest value"),
+                Mark("..", "between the ends of the range"),
+                Number("high", "the highest value"),
+                _Scale(),
+            ),
+            "keep": (_Kept(),),
+        },
+    ),
+)
+"""A line below ``tune``."""
 
 
 class TuneNode(NamedTuple):
@@ -155,29 +185,3 @@ class TuneNode(NamedTuple):
 
     items: tuple[TuneItem, ...]
     span: Span = NOWHERE
-
-    @classmethod
-    def read(cls, cursor: Cursor) -> TuneNode:
-        """Read it from the cursor."""
-        cursor.take()
-        cursor.finish()
-        items = []
-        for line in cursor.lines:
-            try:
-                items.append(TuneItem.read(Cursor(line.tokens), line.trivia))
-            except Fault as fault:
-                cursor.forgiven.append(fault.diagnostic)
-        return cls(tuple(items), cursor.whole)
-
-    def __str__(self) -> str:
-        return "tune"
-
-    def below(self) -> list[tuple[str, Trivia]]:
-        """Return the lines; ``peaks`` and ``gain`` are aligned."""
-        lines = aligned([item.in_columns() for item in self.items])
-        return list(zip(lines, (item.trivia for item in self.items), strict=True))
-
-    def mentions(self) -> Iterator[Occurrence]:
-        """Yield the names in it."""
-        for item in self.items:
-            yield from item.mentions()

@@ -38,7 +38,7 @@ from fuzzyarm.language.statements import (
     TermNode,
     VariableNode,
 )
-from fuzzyarm.language.tokens import Figure, Trivia, Word
+from fuzzyarm.language.tokens import Trivia
 from fuzzyarm.language.tune import TuneItem, TuneNode
 from fuzzyarm.model.rulebase import (
     And,
@@ -64,6 +64,7 @@ from fuzzyarm.model.rulebase import (
     Variable,
 )
 from fuzzyarm.text.numbers import evenly, mirror
+from fuzzyarm.text.placed import Figure, Word
 
 # --- Finding the grids in a flat list of rules, without changing their order ---
 
@@ -322,7 +323,7 @@ def _inference(rulebase: RuleBase) -> Iterator[InferenceNode]:
     counts = Counter(str(each) for own in settings.values() for each in own)
     shared: list[SettingNode] = []
     for key in _OF_VARIABLES:
-        texts = [text for text, node in nodes.items() if node.key.text == key]
+        texts = [text for text, node in nodes.items() if node.key == key]
         shared += [nodes[max(texts, key=counts.__getitem__)]] if texts else []
     if shared:
         yield InferenceNode(None, tuple(shared))

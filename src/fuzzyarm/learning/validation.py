@@ -20,6 +20,7 @@ from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.inference.arrays import firing_strengths
 from fuzzyarm.inference.sets import degrees
 from fuzzyarm.inference.trace import place_of
+from fuzzyarm.language.rows import sentence
 from fuzzyarm.language.writer import rule_node
 from fuzzyarm.learning.data import Samples
 from fuzzyarm.learning.written import output_names
@@ -332,7 +333,7 @@ def _uses(rulebase: RuleBase, strengths: Array, errors: Array) -> Iterator[RuleU
             error = math.sqrt(float(np.sum(fires[judged] * errors[judged] ** 2) / weight))
         yield RuleUse(
             number,
-            " ".join(rule_node(rule).parts),
+            sentence(rule_node(rule)),
             rule.span.line,
             float(np.mean(fires >= FIRES)),
             float(fires.mean()),

@@ -334,7 +334,7 @@ def commented(
         node = statement.node
         text = ""
         if isinstance(node, TermNode):
-            text = by_term.get((node.variable.text, node.name.text), "")
+            text = by_term.get((node.variable, node.name), "")
         elif isinstance(node, RuleNode):
             text = by_rule[number] if number < len(by_rule) else ""
             number += 1

@@ -4,19 +4,23 @@ A controller is a straight line of definitions, done once in each control period
 axes, in the order of the text. What a signal may come from is the table :data:`SOURCES`
 (:mod:`fuzzyarm.expression.sources`); the reader, the checks, the kernel and the exported program
 know no other.
+
+The records are the nodes of the syntax tree as well: names and numbers of a text carry their place
+(:mod:`fuzzyarm.text.placed`), which equality ignores.
 """
 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from fuzzyarm.expression.sources import SOURCES, OptionKind, Setting, SourceKind
 from fuzzyarm.model.claims import LoopClaim
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.text.diagnostic import NOWHERE, Span
 from fuzzyarm.text.mistaken import CONTROLLER, OfKind
+from fuzzyarm.text.placed import Figure
 from fuzzyarm.text.shown import one_line
 
 __all__ = [
@@ -36,6 +40,7 @@ __all__ = [
     "Signal",
     "Source",
     "SourceKind",
+    "Time",
     "Tune",
     "Use",
     "Zoom",
@@ -49,6 +54,26 @@ TIMES = {
     "h": (3600.0, 1.0),
 }
 """Units of time: so many seconds, divided by so many, that 0.6 ms is the float nearest to it."""
+
+
+class Time(float):
+    """A time, s; of one in a text the number and the unit that stand there."""
+
+    __slots__ = ("figure", "unit")
+
+    figure: Figure
+    unit: str
+
+    def __new__(cls, figure: Figure, unit: str) -> Time:
+        """Return the time that a number of a unit is."""
+        number, of_a_second = TIMES[unit]
+        time = super().__new__(cls, float(figure) * number / of_a_second)
+        time.figure, time.unit = figure, unit
+        return time
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.figure, self.unit)
+
 
 # --- Numbers by name ---
 
@@ -64,6 +89,7 @@ class Amount:
     """
 
     factors: tuple[tuple[float | None, bool], ...]
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
 
     def value(self, pi: float) -> float:
         """Return the number, with the π that a run counts with."""
@@ -117,10 +143,14 @@ class Partner:
 
 
 class Factor(NamedTuple):
-    """A signal, a gain or a partner by name, or a number; whether it divides."""
+    """A signal, a gain or a partner by name, or a number; whether it divides.
+
+    `partner` says that the word stands in front of the name.
+    """
 
     value: str | float
     divides: bool = False
+    partner: bool = False
 
 
 class Product(NamedTuple):
@@ -200,15 +230,41 @@ class Learn:
 
     The cell of F that was in use `delay` periods ago is changed by `rate` times what the
     performance table P says of now, and kept within ± `bound`.
+
+    Parameters
+    ----------
+    table, judge : str
+        The table that learns, the performance table.
+    inputs : tuple of str
+        Of the performance table.
+    options : tuple of (str, float or str)
+        As written: ``delay``, periods; ``rate`` and ``bound``, numbers or names of gains.
     """
 
     table: str
     judge: str
     inputs: tuple[str, ...]
-    delay: int = 1
-    rate: str | float = 1.0
-    bound: str | float = 6.0
+    options: tuple[tuple[str, Setting], ...] = ()
     span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+    @property
+    def delay(self) -> int:
+        """How many periods ago the cell was in use."""
+        return int(float(self._option("delay", 1.0)))
+
+    @property
+    def rate(self) -> str | float:
+        """The share of the performance value that corrects, or the gain that says it."""
+        return self._option("rate", 1.0)
+
+    @property
+    def bound(self) -> str | float:
+        """The largest magnitude of a cell, or the gain that says it."""
+        return self._option("bound", 6.0)
+
+    def _option(self, word: str, usual: float) -> str | float:
+        value = dict(self.options).get(word, usual)
+        return value if isinstance(value, str | float) else usual
 
 
 @dataclass(frozen=True, slots=True)
@@ -233,7 +289,7 @@ class Axes:
     """``axis A, B``: what is done for each of them, in order."""
 
     names: tuple[str, ...]
-    lines: tuple[Line, ...]
+    lines: tuple[Line, ...] = ()
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
     def driven_by(self, name: str) -> Drive | None:

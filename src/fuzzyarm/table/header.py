@@ -10,11 +10,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from fuzzyarm.language.tokens import Cursor, Fault, Figure, Word, is_reserved
+from fuzzyarm.language.tokens import Cursor, Fault, is_reserved
 from fuzzyarm.table.axis import MODES, Axis, TableError, TableHeader
 from fuzzyarm.text.diagnostic import MAX_LEVELS, Diagnostic, Related, Span
 from fuzzyarm.text.names import is_plain_name, near_hint, quote
 from fuzzyarm.text.numbers import evenly, mirror, number_text, short_bins, short_levels
+from fuzzyarm.text.placed import Figure, Word
 
 __all__ = [
     "FORMAT",
@@ -116,8 +117,8 @@ def _read_format(header: Header, cursor: Cursor, span: Span) -> None:
     header.once("the format line", span)
     header.version = span
     version = cursor.figure("the version of the format")
-    if version.value != VERSION:
-        message = f"this fuzzyarm reads version 1 of the format, not {version.value:g}"
+    if float(version) != VERSION:
+        message = f"this fuzzyarm reads version 1 of the format, not {version:g}"
         raise _fault("unknown-version", message, version.span)
 
 
@@ -127,8 +128,8 @@ def _print_format(table: TableHeader) -> list[str]:
 
 def _read_input(header: Header, cursor: Cursor, span: Span) -> None:
     line = _read_variable(cursor, "the name of an input", need_range=True)
-    header.once(f"input '{line.name.text}'", span, line.name.span)
-    header.inputs[line.name.text] = line
+    header.once(f"input '{line.name}'", span, line.name.span)
+    header.inputs[line.name] = line
 
 
 def _read_output(header: Header, cursor: Cursor, span: Span) -> None:
@@ -142,14 +143,14 @@ def _read_variable(cursor: Cursor, what: str, *, need_range: bool) -> VariableLi
     low = high = None
     if need_range or cursor.at_figure:
         start = cursor.span
-        low = cursor.figure("the lower end of the range", finite=False).value
+        low = float(cursor.figure("the lower end of the range", finite=False))
         cursor.expect("..", "between the ends of the range")
         last = cursor.figure("the upper end of the range", finite=False)
-        high = last.value
+        high = float(last)
         if not low <= high:
-            message = f"the range of '{name.text}' must run upwards, not from {low:g} to {high:g}"
+            message = f"the range of '{name}' must run upwards, not from {low:g} to {high:g}"
             raise _fault("bad-range", message, start.to(last.span))
-    return VariableLine(name, low, high, cursor.string() or "")
+    return VariableLine(name, low, high, str(cursor.string() or ""))
 
 
 def _print_variables(table: TableHeader) -> list[str]:
@@ -176,8 +177,8 @@ def _read_index(header: Header, cursor: Cursor, span: Span) -> None:
     names: list[Word] = []
     while True:
         word = cursor.word("page, row or column", ("page", "row", "column"), "unexpected-token")
-        words.append(word.text)
-        names.append(cursor.name(f"the input that is the {word.text}"))
+        words.append(word)
+        names.append(cursor.name(f"the input that is the {word}"))
         if not cursor.accept(","):
             break
     wanted = index_words(len(names))
@@ -189,7 +190,7 @@ def _read_index(header: Header, cursor: Cursor, span: Span) -> None:
             hint=f"with {len(names)} inputs: {', '.join(f'{word} NAME' for word in wanted)}",
         )
     for name in names:
-        header.once(f"input '{name.text}' in the index order", name.span)
+        header.once(f"input '{name}' in the index order", name.span)
     header.index = names
 
 
@@ -232,8 +233,8 @@ def _read_numbers(
         header.once(f"the {word}", numbers.span)
         into[None] = numbers
     for name in names:
-        header.once(f"the {word} of '{name.text}'", name.span, numbers.span)
-        into[name.text] = numbers
+        header.once(f"the {word} of '{name}'", name.span, numbers.span)
+        into[name] = numbers
 
 
 def read_number_list(cursor: Cursor, word: str) -> tuple[float, ...]:
@@ -242,12 +243,12 @@ def read_number_list(cursor: Cursor, word: str) -> tuple[float, ...]:
     first = cursor.figure(f"the {word} as numbers")
     if cursor.accept(".."):
         last = cursor.figure("the last level")
-        form = cursor.word("'step' or 'count'", ("step", "count"), "unexpected-token").text
+        form = cursor.word("'step' or 'count'", ("step", "count"), "unexpected-token")
         third = cursor.figure("the distance of the levels, or how many there are")
         return _even(first, last, form, third, start.to(third.span))
-    values = [first.value]
+    values = [float(first)]
     while cursor.at_figure:
-        values.append(cursor.figure("a number").value)
+        values.append(float(cursor.figure("a number")))
     end = cursor.tokens[cursor.position - 1].span
     if not cursor.accept("mirrored"):
         return tuple(values)
@@ -258,17 +259,14 @@ def read_number_list(cursor: Cursor, word: str) -> tuple[float, ...]:
 
 
 def _even(first: Figure, last: Figure, form: str, third: Figure, span: Span) -> tuple[float, ...]:
-    low, high = first.value, last.value
+    low, high = float(first), float(last)
     width = high - low
-    if form == "count":
-        intervals = third.value - 1.0
-    else:
-        intervals = width / third.value if third.value > 0 else 0.0
+    intervals = third - 1.0 if form == "count" else width / third if third > 0 else 0.0
     if intervals > MAX_LEVELS:
         message = f"an input has at most {MAX_LEVELS:,} levels"
         raise _fault("too-many-levels", message, span)
     if not (width > 0 and intervals >= 1 and abs(intervals - round(intervals)) < 1e-6):
-        message = f"the {form} {third.value:g} does not divide the levels {low:g} .. {high:g}"
+        message = f"the {form} {third:g} does not divide the levels {low:g} .. {high:g}"
         raise _fault("bad-levels", message, span)
     return evenly(low, high, round(intervals) + 1)
 
@@ -297,10 +295,10 @@ def _read_round(header: Header, cursor: Cursor, span: Span) -> None:
     if header.rounding is not None:
         header.once("the rounding", span)
     figure = cursor.figure("the step of the rounding")
-    if figure.value <= 0:
+    if figure <= 0:
         raise _fault("bad-step", "the step of the rounding must be positive", figure.span)
     header.once("the rounding", span, figure.span)
-    header.rounding = figure.value
+    header.rounding = float(figure)
 
 
 def _print_round(table: TableHeader) -> list[str]:
@@ -312,7 +310,7 @@ def _read_mode(header: Header, cursor: Cursor, span: Span) -> None:
         header.once("the lookup mode", span)
     mode = cursor.word(f"one of {', '.join(MODES)}", MODES, "unknown-choice")
     header.once("the lookup mode", span, mode.span)
-    header.mode = mode.text
+    header.mode = str(mode)
 
 
 def _print_mode(table: TableHeader) -> list[str]:
@@ -327,7 +325,7 @@ def _read_origin(header: Header, cursor: Cursor, span: Span) -> None:
     value = cursor.string()
     if value is None:
         cursor.fail(f"what is known of '{key.text}', in double quotes")
-    header.origin.append((key.text, value or ""))
+    header.origin.append((key.text, str(value or "")))
 
 
 def _print_origin(table: TableHeader) -> list[str]:
@@ -408,13 +406,13 @@ def resolve(header: Header, diagnostics: list[Diagnostic]) -> TableHeader | None
     if not header.index:
         return None
     _check_names(header, diagnostics)
-    axes = [_axis(header, name.text, diagnostics) for name in header.index]
+    axes = [_axis(header, str(name), diagnostics) for name in header.index]
     known = tuple(axis for axis in axes if axis is not None)
     if output is None or len(known) < len(axes):
         return None
     return TableHeader(
         known,
-        output.name.text,
+        str(output.name),
         low=output.low,
         high=output.high,
         description=output.description,
@@ -426,11 +424,11 @@ def resolve(header: Header, diagnostics: list[Diagnostic]) -> TableHeader | None
 
 def _check_names(header: Header, diagnostics: list[Diagnostic]) -> None:
     """Report inputs that the index order does not name."""
-    known = [name.text for name in header.index]
+    known = list(header.index)
     for name in [*(line.name for line in header.inputs.values()), *header.named]:
-        if name.text not in known:
-            hint, replacement = near_hint(name.text, known)
-            message = f"'{name.text}' is not an input of the index order ({', '.join(known)})"
+        if name not in known:
+            hint, replacement = near_hint(name, known)
+            message = f"'{name}' is not an input of the index order ({', '.join(known)})"
             diagnostics.append(
                 Diagnostic(
                     "unknown-variable", message, name.span, hint=hint, replacement=replacement

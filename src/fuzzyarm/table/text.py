@@ -241,12 +241,12 @@ def _page_index(head: TableHeader, grid: Grid, diagnostics: list[Diagnostic]) ->
 
 def _page_level(cursor: Cursor, pages: dict[str, Axis]) -> tuple[str, int]:
     name = cursor.name("the name of a page input")
-    if name.text not in pages:
-        hint, replacement = near_hint(name.text, pages)
+    if name not in pages:
+        hint, replacement = near_hint(name, pages)
         raise Fault(
             Diagnostic(
                 "unknown-variable",
-                f"'{name.text}' is not a page of the index order",
+                f"'{name}' is not a page of the index order",
                 name.span,
                 hint=hint,
                 replacement=replacement,
@@ -254,11 +254,11 @@ def _page_level(cursor: Cursor, pages: dict[str, Axis]) -> tuple[str, int]:
         )
     cursor.expect("=", "before the level")
     figure = cursor.figure("a level")
-    levels = pages[name.text].levels
-    if figure.value not in levels:
-        message = f"{figure.value:g} is not a level of '{name.text}'"
+    levels = pages[name].levels
+    if figure not in levels:
+        message = f"{figure:g} is not a level of '{name}'"
         raise Fault(Diagnostic("wrong-label", message, figure.span))
-    return name.text, levels.index(figure.value)
+    return name, levels.index(figure)
 
 
 class _Block:

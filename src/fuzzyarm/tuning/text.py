@@ -10,19 +10,20 @@ from pathlib import Path
 from typing import NamedTuple
 
 from fuzzyarm.controller.text import ControllerText, sheet_path
-from fuzzyarm.language.controllers import ControllerHeading, GainNode, UseNode
+from fuzzyarm.language.controllers import ControllerHeading
 from fuzzyarm.language.document import Document
 from fuzzyarm.language.phrases import ShapeNode, aligned
 from fuzzyarm.language.queries.fixes import Edit, apply_edits
 from fuzzyarm.language.reading import format_text, parse, read_text
+from fuzzyarm.language.rows import columns_of, text_of
 from fuzzyarm.language.statements import EvenTermsNode, Heading, TermNode
-from fuzzyarm.language.tokens import Figure, Word
 from fuzzyarm.language.writer import write
-from fuzzyarm.model.controller import ControllerModel
+from fuzzyarm.model.controller import ControllerModel, GainModel, Use
 from fuzzyarm.model.rulebase import RuleBase, Shape, Term
 from fuzzyarm.text.diagnostic import Span, split_lines
 from fuzzyarm.text.names import quote
 from fuzzyarm.text.numbers import number_text
+from fuzzyarm.text.placed import Figure, Word, span_of
 from fuzzyarm.tuning.design import Candidate
 
 MARK = "# tuned: "
@@ -254,20 +255,20 @@ def _gain_edits(
     known = {each.name: [v.value(math.pi) for v in each.values] for each in model.gains}
     for statement in document.statements:
         node = statement.node
-        if not isinstance(node, GainNode) or node.name.text not in gains:
+        if not isinstance(node, GainModel) or node.name not in gains:
             continue
-        values = list(gains[node.name.text])
-        if values != known[node.name.text]:
-            yield Edit(node.values[0].span.to(node.values[-1].span), _numbers(values))
+        values = list(gains[node.name])
+        if values != known[node.name]:
+            yield Edit(span_of(node.values[0]).to(span_of(node.values[-1])), _numbers(values))
 
 
 def _term_edits(document: Document, old: RuleBase, new: RuleBase) -> Iterator[Edit]:
     moved = {(variable, term.name): term for variable, term, _ in _moved(old, new)}
-    stated = set()
+    stated: set[tuple[str, str]] = set()
     for statement in document.statements:
         node = statement.node
         if isinstance(node, TermNode) and node.shape is not None:
-            key = node.variable.text, node.name.text
+            key = str(node.variable), str(node.name)
             stated.add(key)
             if key in moved:
                 yield from _figure_edits(node.shape, moved[key].shape)
@@ -279,7 +280,7 @@ def _term_edits(document: Document, old: RuleBase, new: RuleBase) -> Iterator[Ed
 
 def _figure_edits(node: ShapeNode, shape: Shape) -> Iterator[Edit]:
     for figure, value in zip(node.figures, shape.parameters, strict=True):
-        if figure.value != value:
+        if figure != value:
             yield Edit(figure.span, number_text(value))
 
 
@@ -290,26 +291,24 @@ def _spread_edits(
     stated: set[tuple[str, str]],
 ) -> Iterator[Edit]:
     """Write out the terms of variables that are no longer evenly spaced."""
-    names = [word.text for word in node.names]
+    names = list(node.names)
     uneven = [
         word
         for word in node.variables
-        if any((word.text, name) in moved and (word.text, name) not in stated for name in names)
+        if any((word, name) in moved and (word, name) not in stated for name in names)
     ]
     if not uneven:
         return
     rest = tuple(word for word in node.variables if word not in uneven)
     rows = [
-        TermNode(
-            word, name, _shape_node(new.variable(word.text).term(name.text).shape)
-        ).in_columns()
+        columns_of(TermNode(word, name, _shape_node(new.variable(word).term(name).shape)))
         for word in uneven
         for name in node.names
-        if (word.text, name.text) not in stated
+        if (word, name) not in stated
     ]
     lines = [line.strip() for line in aligned(rows)]
     if rest:
-        lines.insert(0, str(node._replace(variables=rest)))
+        lines.insert(0, text_of(node._replace(variables=rest)))
     yield Edit(node.span, "\n".join(lines))
 
 
@@ -334,7 +333,7 @@ def with_files(text: str, files: Mapping[str, str]) -> str:
     edits = []
     for statement in parse(text).document.statements:
         node = statement.node
-        if isinstance(node, UseNode) and node.name.text in files:
-            span = node.files[0].span.to(node.files[-1].span)
-            edits.append(Edit(span, quote(files[node.name.text], '"')))
+        if isinstance(node, Use) and node.name in files:
+            span = span_of(node.files[0]).to(span_of(node.files[-1]))
+            edits.append(Edit(span, quote(files[node.name], '"')))
     return apply_edits(text, edits)

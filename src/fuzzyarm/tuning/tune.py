@@ -216,7 +216,7 @@ def read_tuning(lines: Sequence[str]) -> Tuning:
         If one is not such a line.
     """
     from fuzzyarm.language.tokens import Fault
-    from fuzzyarm.language.tune import TuneItem
+    from fuzzyarm.language.tune import TUNE_ROW
     from fuzzyarm.model.rulebase import GainTuning, PeakTuning
 
     peaks, gains, kept = list[PeakTuning](), list[GainTuning](), list[tuple[str, str]]()
@@ -226,29 +226,29 @@ def read_tuning(lines: Sequence[str]) -> Tuning:
         if not tokens or found:
             raise TuneError(f"'{line}' is not a line of a tune block", hint=TUNE_HINT)
         try:
-            item = TuneItem.read(Cursor(tokens), Trivia())
+            item = TUNE_ROW.read_line(Cursor(tokens), Trivia())
         except Fault as fault:
             message = f"'{line}': {fault.diagnostic.message}"
             raise TuneError(message, hint=fault.diagnostic.hint or TUNE_HINT) from None
-        names = tuple(word.text for word in item.names)
+        names = tuple(word for word in item.names)
         words = item.words
-        if item.key.text == "peaks":
+        if item.key == "peaks":
             flags = ("mirrored" in words, "keep order" in words, "partition" in words)
             made = PeakTuning(names, *flags)
-            peaks.append(made if item.gap is None else replace(made, gap=item.gap.value / 100.0))
-        elif item.key.text == "gain":
+            peaks.append(made if item.gap is None else replace(made, gap=item.gap / 100.0))
+        elif item.key == "gain":
             assert item.low is not None
             assert item.high is not None
-            if not item.low.value < item.high.value:
+            if not item.low < item.high:
                 message = "the range of a gain must go from a lower to a higher number"
                 raise TuneError(f"'{line}': {message}", hint=TUNE_HINT)
-            if {"log", "times"} & set(words) and item.low.value <= 0.0:
+            if {"log", "times"} & set(words) and item.low <= 0.0:
                 message = "a range of multiples, or of steps of the logarithm, begins above 0"
                 raise TuneError(f"'{line}': {message}", hint=TUNE_HINT)
             flags = ("times" in words, "log" in words, "per axis" in words)
-            gains.append(GainTuning(names, item.low.value, item.high.value, *flags))
+            gains.append(GainTuning(names, item.low, item.high, *flags))
         else:
-            kept += [(names[0], term.text) for term in item.terms] or [(names[0], "")]
+            kept += [(names[0], term) for term in item.terms] or [(names[0], "")]
     return Tuning(tuple(peaks), tuple(gains), tuple(kept))
 
 

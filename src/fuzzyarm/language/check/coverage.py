@@ -81,7 +81,7 @@ _MOST_NAMED = 5
 def missing_rules(subject: Subject) -> Iterator[Diagnostic]:
     """Yield ``missing-rule``: empty cells, absent rows and columns, uncovered combinations."""
     # Another grid under the same condition, or a rule beside the grids, may fill a gap of one.
-    grids = Counter((grid.output.text, str(grid.condition or "")) for grid in subject.grids)
+    grids = Counter((grid.output, str(grid.condition or "")) for grid in subject.grids)
     beside = {
         consequent.variable
         for rule in subject.rules
@@ -89,7 +89,7 @@ def missing_rules(subject: Subject) -> Iterator[Diagnostic]:
         for consequent in rule.consequents
     }
     for grid in subject.grids:
-        name = grid.output.text
+        name = grid.output
         if grids[name, str(grid.condition or "")] == 1 and name not in beside:
             yield from _grid(grid, subject)
     with_grid = {name for name, _ in grids}
@@ -104,23 +104,23 @@ def _grid(grid: GridNode, subject: Subject) -> Iterator[Diagnostic]:
         labels.append(("row", grid.row, tuple(row.label for row in grid.rows)))
     when = f" when {grid.condition}" if grid.condition else ""
     for what, variable, words in labels:
-        present = {word.text for word in words}
-        terms = subject.rulebase.variable(variable.text).terms
+        present = set(words)
+        terms = subject.rulebase.variable(variable).terms
         absent = [term.name for term in terms if term.name not in present]
         if absent:
             many = "s" if len(absent) > 1 else ""
             yield Diagnostic(
                 "missing-rule",
-                f"the grid for '{grid.output.text}'{when} has no {what}{many}"
-                f" for {variable.text} is {', '.join(absent)}",
+                f"the grid for '{grid.output}'{when} has no {what}{many}"
+                f" for {variable} is {', '.join(absent)}",
                 grid.header_span,
             )
     for row in grid.rows:
         for cell, column in zip(row.cells, grid.columns, strict=False):
             if cell.term is None:
-                where = f"{grid.column.text} is {column.text}"
+                where = f"{grid.column} is {column}"
                 if grid.row is not None:
-                    where = f"{grid.row.text} is {row.label.text} and {where}"
+                    where = f"{grid.row} is {row.label} and {where}"
                 yield Diagnostic("missing-rule", f"no rule for {where}{when}", cell.span)
 
 

@@ -111,10 +111,10 @@ def _with_aggregation(subject: Subject) -> set[str | None]:
     """Return the outputs whose aggregation the text states; None stands for all of them."""
     nodes = (statement.node for statement in subject.document.statements)
     return {
-        node.target.text if node.target else None
+        node.target
         for node in nodes
         if isinstance(node, InferenceNode)
-        and any(setting.key.text == "aggregation" for setting in node.settings)
+        and any(setting.key == "aggregation" for setting in node.settings)
     }
 
 
@@ -257,16 +257,16 @@ def _families(subject: Subject) -> Iterator[_Family]:
         condition = _ranks_of_condition(grid, subject)
         if not cells or grid.row is None:
             continue
-        variables = [(grid.row.text, grid.column.text)]
+        variables = [(grid.row, grid.column)]
         if condition is None:  # hedges or alternatives: such a grid stands for itself
-            key: tuple[object, ...] = (grid.output.text, *variables, str(grid.condition))
+            key: tuple[object, ...] = (grid.output, *variables, str(grid.condition))
             condition = ()
         else:
-            key = (grid.output.text, *variables, frozenset(name for name, _ in condition))
+            key = (grid.output, *variables, frozenset(name for name, _ in condition))
         names = frozenset(name for name, _ in condition)
-        family = found.setdefault(key, _Family(grid.output.text, {}, names))
+        family = found.setdefault(key, _Family(grid.output, {}, names))
         for (row, column), cell in cells.items():
-            position = ((grid.row.text, row), (grid.column.text, column), *condition)
+            position = ((grid.row, row), (grid.column, column), *condition)
             family.cells.setdefault(position, cell)
     yield from found.values()
 
@@ -283,10 +283,10 @@ def _ranks_of_condition(grid: GridNode, subject: Subject) -> _Position | None:
     for part in parts:
         if not isinstance(part, PropositionNode) or part.hedges:
             return None
-        order = subject.ranks(part.variable.text)
+        order = subject.ranks(part.variable)
         if order is None:
             return None
-        found.append((part.variable.text, order[part.term.text]))
+        found.append((part.variable, order[part.term]))
     return tuple(sorted(found))
 
 
@@ -300,7 +300,7 @@ def _pairs(family: _Family, subject: Subject, fixed: frozenset[str]) -> list[_Pa
         for name, _ in next(iter(family.cells))
         if name not in fixed
     }
-    counts = Counter(cell.term.text for cell in family.cells.values() if cell.term)
+    counts = Counter(str(cell.term) for cell in family.cells.values() if cell.term is not None)
     common = max(counts, key=counts.__getitem__)
     if 2 * counts[common] <= len(family.cells):
         common = ""
@@ -312,13 +312,13 @@ def _pairs(family: _Family, subject: Subject, fixed: frozenset[str]) -> list[_Pa
         other = family.cells.get(mirror)
         if other is None or mirror < position:
             continue
-        if not all(each.term and each.term.text == common for each in (cell, other)):
+        if not all(each.term and each.term == common for each in (cell, other)):
             pairs.append((cell, other))
     return pairs
 
 
 def _term(cell: CellNode) -> str:
-    return cell.term.text if cell.term else "."
+    return "." if cell.term is None else cell.term
 
 
 def _asymmetry(what: str, pair: _Pair, wanted: str) -> Diagnostic:
@@ -344,11 +344,11 @@ def _cells_by_rank(grid: GridNode, subject: Subject) -> dict[tuple[int, int], Ce
     """Return the filled cells of a two-input grid by the ranks of row and column terms."""
     if grid.row is None:
         return None
-    rows, columns = subject.ranks(grid.row.text), subject.ranks(grid.column.text)
+    rows, columns = subject.ranks(grid.row), subject.ranks(grid.column)
     if rows is None or columns is None:
         return None
     return {
-        (rows[row.label.text], columns[column.text]): cell
+        (rows[row.label], columns[column]): cell
         for row in grid.rows
         for cell, column in zip(row.cells, grid.columns, strict=False)
         if cell.term is not None
@@ -365,7 +365,7 @@ def jumps(subject: Subject) -> Iterator[Diagnostic]:
     """Yield ``jump`` where a cell and its left or upper neighbour are too far apart."""
     for grid in subject.grids:
         cells = _cells_by_rank(grid, subject)
-        order = subject.ranks(grid.output.text)
+        order = subject.ranks(grid.output)
         if cells is None or order is None:
             continue
         for (row, column), cell in cells.items():
@@ -377,7 +377,7 @@ def jumps(subject: Subject) -> Iterator[Diagnostic]:
 def _pair(cell: CellNode, other: CellNode, order: dict[str, int]) -> Iterator[Diagnostic]:
     if cell.term is None or other.term is None:
         return
-    distance = abs(order[cell.term.text] - order[other.term.text])
+    distance = abs(order[cell.term] - order[other.term])
     if distance > MOST:
         # The finding stands where the later of the two is written.
         later, earlier = sorted((cell, other), key=lambda c: c.span, reverse=True)
@@ -385,7 +385,7 @@ def _pair(cell: CellNode, other: CellNode, order: dict[str, int]) -> Iterator[Di
         assert earlier.term is not None
         yield Diagnostic(
             "jump",
-            f"'{later.term.text}' lies {distance} terms from its neighbour '{earlier.term.text}'",
+            f"'{later.term}' lies {distance} terms from its neighbour '{earlier.term}'",
             later.span,
             related=(Related("the neighbour", earlier.span),),
         )

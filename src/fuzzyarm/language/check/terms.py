@@ -466,6 +466,6 @@ def _shared_spans(subject: Subject) -> dict[Span, tuple[str, ...]]:
     for statement in subject.document.statements:
         node = statement.node
         if isinstance(node, EvenTermsNode):
-            owners = tuple(word.text for word in node.variables)
+            owners = tuple(word for word in node.variables)
             shared.update((name.span, owners) for name in node.names)
     return shared

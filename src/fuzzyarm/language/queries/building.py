@@ -20,6 +20,7 @@ from fuzzyarm.language.queries.lines import (
 from fuzzyarm.language.queries.reading import Reading, read
 from fuzzyarm.language.queries.references import rename
 from fuzzyarm.language.queries.reshape import set_rule
+from fuzzyarm.language.rows import columns_of, mentions, sentence, text_of
 from fuzzyarm.language.rules import GridNode, RuleNode
 from fuzzyarm.language.statements import (
     EvenTermsNode,
@@ -30,8 +31,10 @@ from fuzzyarm.language.statements import (
     TermNode,
     VariableNode,
 )
-from fuzzyarm.language.tokens import Figure, Word, name_text
+from fuzzyarm.language.tokens import name_text
 from fuzzyarm.language.tune import TuneNode
+from fuzzyarm.text.numbers import number_text
+from fuzzyarm.text.placed import Word
 
 # --- Variables ---
 
@@ -65,14 +68,14 @@ def add_variable(
     """
     if not variable.strip():
         raise ReshapeError("a variable needs a name")
-    if any(isinstance(n, VariableNode) and n.name.text == variable for n in nodes_of(reading)):
+    if any(isinstance(n, VariableNode) and n.name == variable for n in nodes_of(reading)):
         raise ReshapeError(f"there is a variable '{variable}' already")
     if not ends[0] < ends[1]:
         raise ReshapeError("the range must go from a lower to a higher number")
     if role not in ("input", "output"):
         raise ReshapeError(f"a variable is an input or an output, not '{role}'")
     name = name_text(variable)
-    said = f"{role:<6} {name}  {Figure(ends[0])} .. {Figure(ends[1])}"
+    said = f"{role:<6} {name}  {number_text(ends[0])} .. {number_text(ends[1])}"
     family = [f"terms {name}: triangles {' '.join(map(name_text, terms))}"] if terms else []
     line, gap = _line_of_new(reading, role)
     last = max(line, last_line(reading, VariableNode))
@@ -136,18 +139,18 @@ def _names(node: StatementNode, variable: str) -> bool:
     """Whether a statement declares a variable, or names it or a term of it."""
     return any(
         (each.kind is Kind.VARIABLE and each.name == variable) or variable in each.owners
-        for each in node.mentions()
+        for each in mentions(node)
     )
 
 
 def _without(node: StatementNode, variable: str) -> tuple[list[tuple[int, int]], list[Edit]]:
     """Return lines to go and edits that free a statement of a variable; neither: all of it goes."""
     if isinstance(node, EvenTermsNode):
-        others = tuple(word for word in node.variables if word.text != variable)
-        return [], [Edit(node.span, str(node._replace(variables=others)))] if others else []
-    if isinstance(node, TermNode) and node.variable.text != variable:
+        others = tuple(word for word in node.variables if word != variable)
+        return [], [Edit(node.span, text_of(node._replace(variables=others)))] if others else []
+    if isinstance(node, TermNode) and node.variable != variable:
         raise ReshapeError(
-            f"the term '{node.name.text}' on line {node.span.line} names '{variable}'",
+            f"the term '{node.name}' on line {node.span.line} names '{variable}'",
             hint="change that first",
         )
     if isinstance(node, RuleNode):
@@ -158,7 +161,7 @@ def _without(node: StatementNode, variable: str) -> tuple[list[tuple[int, int]],
             hint="change that first",
         )
     if isinstance(node, LookupNode):
-        found = [each for each in node.items if each.variable and each.variable.text == variable]
+        found = [each for each in node.items if each.variable == variable]
         lines = [(each.span.line, each.span.line) for each in found]
         return lines if len(lines) < len(node.items) else [], []
     if isinstance(node, TuneNode):
@@ -167,26 +170,26 @@ def _without(node: StatementNode, variable: str) -> tuple[list[tuple[int, int]],
 
 
 def _concludes(grid: GridNode, variable: str) -> bool:
-    return any(part.output.text == variable for part in grid.parts)
+    return any(part.output == variable for part in grid.parts)
 
 
 def _other_consequents(node: RuleNode, variable: str) -> list[Edit]:
     """Return the edit that keeps what a rule concludes of others, where nothing else names it."""
-    others = tuple(each for each in node.consequents if each.variable.text != variable)
+    others = tuple(each for each in node.consequents if each.variable != variable)
     asks = any(each.name == variable for each in node.antecedent.mentions())
     if asks or not others:
         return []
-    return [Edit(node.span, str(node._replace(consequents=others)))]
+    return [Edit(node.span, text_of(node._replace(consequents=others)))]
 
 
 def _without_tuning(node: TuneNode, variable: str) -> tuple[list[tuple[int, int]], list[Edit]]:
     lines, edits = [], []
     for item in node.items:
-        names = tuple(word for word in item.names if word.text != variable)
-        if item.key.text == "gain" or len(names) == len(item.names):
+        names = tuple(word for word in item.names if word != variable)
+        if item.key == "gain" or len(names) == len(item.names):
             continue
         if names:
-            edits.append(Edit(item.span, "  ".join(item._replace(names=names).in_columns())))
+            edits.append(Edit(item.span, "  ".join(columns_of(item._replace(names=names)))))
         else:
             lines.append((item.span.line, item.span.line))
     return ([] if len(lines) == len(node.items) else lines), edits
@@ -231,21 +234,21 @@ def set_setting(reading: Reading, key: str, value: str, target: str = "") -> lis
         node
         for node in nodes_of(reading)
         if isinstance(node, InferenceNode)
-        and (node.target.text if node.target is not None else "") == target
+        and (node.target if node.target is not None else "") == target
     ]
-    having = [node for node in lines if any(each.key.text == key for each in node.settings)]
+    having = [node for node in lines if any(each.key == key for each in node.settings)]
     if having:  # the last one counts
-        settings = [setting if each.key.text == key else each for each in having[-1].settings]
-        edits = [Edit(having[-1].span, str(having[-1]._replace(settings=tuple(settings))))]
+        settings = [setting if each.key == key else each for each in having[-1].settings]
+        edits = [Edit(having[-1].span, text_of(having[-1]._replace(settings=tuple(settings))))]
     elif lines:
         settings = [*lines[0].settings, setting]
-        edits = [Edit(lines[0].span, str(lines[0]._replace(settings=tuple(settings))))]
+        edits = [Edit(lines[0].span, text_of(lines[0]._replace(settings=tuple(settings))))]
     else:
         node = InferenceNode(Word(target) if target else None, (setting,))
         line = last_line(reading, InferenceNode)
         gap = [] if line else [""]
         line = line or last_line(reading, Heading, VariableNode, TermNode, EvenTermsNode) or 1
-        edits = [lines_behind(reading, line, [*gap, str(node)])]
+        edits = [lines_behind(reading, line, [*gap, text_of(node)])]
     return demand_sound(reading, edits)
 
 
@@ -295,4 +298,4 @@ def add_rule(
     condition = (
         asked[0] if len(asked) == 1 else JunctionNode("or" if join == "or" else "and", asked)
     )
-    return set_rule(reading, None, " ".join(RuleNode(condition, concluded, None).parts))
+    return set_rule(reading, None, sentence(RuleNode(condition, concluded, None)))

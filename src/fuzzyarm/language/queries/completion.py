@@ -18,19 +18,17 @@ from fuzzyarm.language.controllers import CONTROLLER_STATEMENTS, SIGNAL
 from fuzzyarm.language.document import SECTIONS, section_at
 from fuzzyarm.language.phrases import SETTINGS, Kind, Setting, parameter_names
 from fuzzyarm.language.queries.reading import NOTHING, Facts, Reading, asked_variable
-from fuzzyarm.language.statements import STATEMENTS, GridNode, LookupItem, RowNode
+from fuzzyarm.language.statements import LOOKUP_ROW, STATEMENTS, GridNode, RowNode
 from fuzzyarm.language.tokens import (
     Cursor,
     Fault,
-    Figure,
     Token,
     Trivia,
-    Word,
     is_reserved,
     name_text,
     tokenize_line,
 )
-from fuzzyarm.language.tune import TuneItem
+from fuzzyarm.language.tune import TUNE_ROW
 from fuzzyarm.model.controller import SOURCES, TIMES
 from fuzzyarm.model.rulebase import RuleBase, Variable
 from fuzzyarm.model.rulebase import Shape as Membership
@@ -38,6 +36,7 @@ from fuzzyarm.model.shapes import EVEN_SHAPES
 from fuzzyarm.text.diagnostic import Diagnostic, Span
 from fuzzyarm.text.names import nearest
 from fuzzyarm.text.numbers import number_text
+from fuzzyarm.text.placed import Figure, Word
 
 # --- Candidates: words of the language, names, shapes with their numbers ---
 
@@ -216,7 +215,7 @@ class _AskingCursor(Cursor):
 
     def term(self, what: str, variable: Word) -> Word:
         if self.at_end:
-            self._last(_terms(self.variable_called(variable.text)))
+            self._last(_terms(self.variable_called(variable)))
         return self.name(what)
 
     def word(self, what: str, choices: Collection[str], name: str) -> Word:
@@ -320,27 +319,27 @@ class _AskingCursor(Cursor):
         return [Candidate("\\", "keyword", "\\ ", "then the variable across")]
 
     def _suggest_columns(self, column: Word, named: Sequence[Word] = ()) -> NoReturn:
-        found = _terms(self.variable_called(column.text), without=[word.text for word in named])
+        found = _terms(self.variable_called(column), without=list(named))
         if len(found) > 1:
             rest = "  ".join(candidate.insert for candidate in found)
             found.insert(0, Candidate(rest, "row", rest, "the header row"))
         self._last(found)
 
     def _suggest_terms(self, variable: Word, named: Sequence[Word]) -> NoReturn:
-        found = self.variable_called(variable.text)
-        self._last(_terms(found, without=[word.text for word in named]))
+        found = self.variable_called(variable)
+        self._last(_terms(found, without=list(named)))
 
     def _suggest_labels(self, grid: GridNode) -> NoReturn:
         if grid.row is None:
-            output = self.variable_called(grid.output.text)
+            output = self.variable_called(grid.output)
             self._last([c for c in self._variables("output") if output and c.label == output.name])
-        used = [row.label.text for row in grid.rows]
-        self._last(_terms(self.variable_called(grid.row.text), without=used))
+        used = [row.label for row in grid.rows]
+        self._last(_terms(self.variable_called(grid.row), without=used))
 
     def _suggest_cells(self, grid: GridNode, count: int = 0) -> NoReturn:
         if count >= len(grid.columns):
             raise _Nothing
-        found = _terms(self.variable_called(grid.output.text))
+        found = _terms(self.variable_called(grid.output))
         self._last([*found, Candidate(".", "value", ".", "no rule for this cell")])
 
 
@@ -437,7 +436,7 @@ def _offered(
         # The line starts a statement, though its word may be misspelt.
         meant = nearest(tokens[0].text, STATEMENTS)
         if meant is not None:
-            return _asked(STATEMENTS[meant].node.read, tokens, reading.model)
+            return _asked(STATEMENTS[meant].row.read, tokens, reading.model)
     above: list[tuple[Token, ...]] = []
     for number in range(line - 1, 0, -1):
         earlier = reading.tokens_of(number)
@@ -449,7 +448,7 @@ def _offered(
             if record.takes_lines:
                 return _below(reading, record.word, above, tokens, line)
             joined = [token for part in above for token in part]
-            return _asked(record.node.read, (*joined, *tokens), reading.model)
+            return _asked(record.row.read, (*joined, *tokens), reading.model)
     return []
 
 
@@ -469,7 +468,7 @@ def _in_controller(
         if above or (each.kind is Kind.PORT and each.span.line != line):
             names.setdefault(each.kind, {}).setdefault(each.name, each.kind)
     record = records.get(tokens[0].text) or CONTROLLER_STATEMENTS[SIGNAL]
-    return _asked(record.node.read, tokens, reading.model, names=names)
+    return _asked(record.row.read, tokens, reading.model, names=names)
 
 
 def _starts_statement(tokens: Sequence[Token]) -> bool:
@@ -485,9 +484,9 @@ def _below(
 ) -> list[Candidate]:
     """Return what could stand in a line below a grid or ``lookup``; `above` starts with that."""
     model = reading.model
-    items: dict[str, Any] = {"lookup": LookupItem, "tune": TuneItem}
+    items = {"lookup": LOOKUP_ROW, "tune": TUNE_ROW}
     if word in items:
-        return _asked(items[word].read, tokens, model, Trivia())
+        return _asked(items[word].read_line, tokens, model, Trivia())
     if len(above) == 1:
         return _asked(GridNode.read_header, tokens, model)
     if len(above[0]) < 2:

@@ -18,11 +18,13 @@ from fuzzyarm.language.queries.lines import (
 )
 from fuzzyarm.language.queries.reading import Reading
 from fuzzyarm.language.queries.reshape import add_term
+from fuzzyarm.language.rows import text_of
 from fuzzyarm.language.rules import CellNode, GridNode, RowNode
-from fuzzyarm.language.tokens import Word, name_text
+from fuzzyarm.language.tokens import name_text
 from fuzzyarm.model.rulebase import Shape, Variable
 from fuzzyarm.model.shapes import centre
 from fuzzyarm.text.diagnostic import Span, display_width
+from fuzzyarm.text.placed import Word
 
 FILLS = ("empty", "rising", "falling")
 """How the cells of a new grid are filled: with dots, or with terms that go with the inputs."""
@@ -88,7 +90,7 @@ def add_grid(
         tuple(map(Word, across)),
         tuple(rows),
     )
-    lines = ["", str(node), *(line for line, _ in node.below())]
+    lines = ["", text_of(node), *(line for line, _ in node.below())]
     return demand_sound(reading, [lines_behind(reading, line_of_rules(reading), lines)])
 
 
@@ -162,8 +164,8 @@ def add_row(reading: Reading, line: int, term: str, shape: Shape | None = None) 
     grid = _grid(reading, line)
     if grid.row is None:
         raise ReshapeError("a grid over one input has one row", hint="add a column, or a grid")
-    labels = [row.label.text for row in grid.rows]
-    edits, place = _placed(reading, grid.row.text, labels, term, shape)
+    labels = [row.label for row in grid.rows]
+    edits, place = _placed(reading, grid.row, labels, term, shape)
     behind = grid.header_span.line if place == 0 else grid.rows[place - 1].label.span.line
     text = f"  {name_text(term)}"
     for word in grid.columns:
@@ -174,8 +176,8 @@ def add_row(reading: Reading, line: int, term: str, shape: Shape | None = None) 
 def add_column(reading: Reading, line: int, term: str, shape: Shape | None = None) -> list[Edit]:
     """Return the edits that add a column of dots to a grid; as `add_row`."""
     grid = _grid(reading, line)
-    labels = [word.text for word in grid.columns]
-    edits, place = _placed(reading, grid.column.text, labels, term, shape)
+    labels = list(grid.columns)
+    edits, place = _placed(reading, grid.column, labels, term, shape)
     word = name_text(term)
     width = max(display_width(word), 1)
     spans = [
@@ -206,7 +208,7 @@ def remove_row(reading: Reading, line: int, term: str) -> list[Edit]:
         If there is no such grid or row.
     """
     grid = _grid(reading, line)
-    found = [row.label.span.line for row in grid.rows if row.label.text == term]
+    found = [row.label.span.line for row in grid.rows if row.label == term]
     if grid.row is None or not found:
         raise ReshapeError(f"the grid on line {line} has no row '{term}'")
     if len(grid.rows) == 1:
@@ -217,7 +219,7 @@ def remove_row(reading: Reading, line: int, term: str) -> list[Edit]:
 def remove_column(reading: Reading, line: int, term: str) -> list[Edit]:
     """Return the edits that remove a column of a grid; as `remove_row`."""
     grid = _grid(reading, line)
-    labels = [word.text for word in grid.columns]
+    labels = list(map(str, grid.columns))
     if term not in labels:
         raise ReshapeError(f"the grid on line {line} has no column '{term}'")
     if len(labels) == 1:

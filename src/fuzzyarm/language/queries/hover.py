@@ -15,6 +15,7 @@ from fuzzyarm.language.phrases import SETTINGS, Kind, Occurrence, parameter_name
 from fuzzyarm.language.queries.completion import term_detail
 from fuzzyarm.language.queries.reading import NOTHING, Facts, Reading, contains
 from fuzzyarm.language.queries.references import occurrence_at, references
+from fuzzyarm.language.rows import sentence
 from fuzzyarm.language.statements import STATEMENTS, WORDS, CellNode, GridNode
 from fuzzyarm.language.tokens import name_text
 from fuzzyarm.language.writer import rule_node
@@ -72,7 +73,7 @@ def _shown_range(variable: Variable) -> tuple[float, float]:
 
 def rule_sentence(rule: Rule) -> str:
     """Return a rule as one ``if … then …`` sentence, wherever it stood."""
-    return " ".join(rule_node(rule).parts)
+    return sentence(rule_node(rule))
 
 
 # --- What a word means, in Markdown ---
@@ -138,9 +139,9 @@ def _of_cell(reading: Reading, grid: GridNode, index: int, cell: CellNode) -> Ho
     rule = next((r for r in reading.model.rules if r.span == cell.span), None)
     if rule is None:
         row = next(r for r in grid.rows if r.label.span.line == cell.span.line)
-        where = f"{grid.column.text} is {grid.columns[index].text}"
+        where = f"{grid.column} is {grid.columns[index]}"
         if grid.row is not None:
-            where = f"{grid.row.text} is {row.label.text} and {where}"
+            where = f"{grid.row} is {row.label} and {where}"
         what = "no rule for" if cell.term is None else "this cell cannot be read:"
         return Hover(f"{what} {plain(where)}", cell.span)
     return Hover(_rule_markdown(reading, rule), cell.span)

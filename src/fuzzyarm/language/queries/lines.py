@@ -8,6 +8,7 @@ from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language.phrases import Kind
 from fuzzyarm.language.queries.fixes import Edit, apply_edits
 from fuzzyarm.language.queries.reading import Reading, read
+from fuzzyarm.language.rows import mentions
 from fuzzyarm.language.rules import GridNode, RuleNode
 from fuzzyarm.language.statements import (
     BlockNode,
@@ -36,7 +37,7 @@ def nodes_of(reading: Reading) -> Iterator[StatementNode]:
 def declaration_of(reading: Reading, variable: str) -> VariableNode:
     """Return the statement that declares a variable, or raise."""
     for node in nodes_of(reading):
-        if isinstance(node, VariableNode) and node.name.text == variable:
+        if isinstance(node, VariableNode) and node.name == variable:
             return node
     raise ReshapeError(f"the text declares no variable '{variable}'")
 
@@ -45,7 +46,7 @@ def names_term(node: StatementNode, variable: str, term: str) -> bool:
     """Whether a statement names a term of a variable."""
     return any(
         each.kind is Kind.TERM and each.name == term and variable in each.owners
-        for each in node.mentions()
+        for each in mentions(node)
     )
 
 

@@ -12,6 +12,7 @@ from fuzzyarm.language.controllers import CONTROLLER_STATEMENTS, CONTROLLER_WORD
 from fuzzyarm.language.phrases import SETTINGS, Kind
 from fuzzyarm.language.queries.completion import variable_detail
 from fuzzyarm.language.queries.reading import Reading
+from fuzzyarm.language.rows import mentions
 from fuzzyarm.language.statements import (
     STATEMENTS,
     WORDS,
@@ -203,9 +204,9 @@ def _title(reading: Reading, node: StatementNode, line: int) -> tuple[str, str, 
     """Return name and detail of a statement, and the part that stands for it."""
     if isinstance(node, GridNode):
         size = f"{len(node.rows)} × {len(node.columns)}"
-        outputs = ", ".join(part.output.text for part in node.parts)
+        outputs = ", ".join(part.output for part in node.parts)
         return f"rules {outputs}", size, node.output.span
-    name = next((o for o in node.mentions() if o.is_definition), None)
+    name = next((o for o in mentions(node) if o.is_definition), None)
     if name is not None:
         return name.name, getattr(node, "description", None) or "", name.span
     tokens = reading.tokens_of(line)
@@ -219,13 +220,13 @@ def _named(name: str, detail: str, selection: Span, kind: str, span: Span) -> Sy
 
 
 def _variable(reading: Reading, node: VariableNode, span: Span) -> Symbol:
-    variable = reading.variable(node.name.text)
+    variable = reading.variable(node.name)
     home = node.name.span
     if variable is None:
-        return _named(node.name.text, "", home, node.role, span)
+        return _named(node.name, "", home, node.role, span)
     # A child must lie within its parent, but terms are declared elsewhere: they point home.
     children = tuple(
         _named(term.name, term.shape.kind, home, "term", home) for term in variable.terms
     )
-    symbol = _named(node.name.text, variable_detail(variable), home, node.role, span)
+    symbol = _named(node.name, variable_detail(variable), home, node.role, span)
     return replace(symbol, children=children)

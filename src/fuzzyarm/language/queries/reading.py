@@ -11,6 +11,7 @@ from fuzzyarm.expression.kinds import HEDGES
 from fuzzyarm.language.document import Document, ParseMemory
 from fuzzyarm.language.phrases import Kind, Occurrence
 from fuzzyarm.language.reading import Parsed, parse
+from fuzzyarm.language.rows import mentions
 from fuzzyarm.language.statements import Broken, StatementNode
 from fuzzyarm.language.tokens import Line, Token, is_reserved
 from fuzzyarm.model.rulebase import Input, Output, RuleBase
@@ -30,7 +31,7 @@ def _find_occurrences(document: Document, lines: Sequence[Line]) -> tuple[Occurr
     the words behind their ``is``.
     """
     nodes = [statement.node for statement in document.statements]
-    found = [each for node in nodes for each in node.mentions()]
+    found = [each for node in nodes for each in mentions(node)]
     declared = {o.name for o in found if o.kind is Kind.VARIABLE and o.is_definition}
     for node in nodes:
         if isinstance(node, Broken):

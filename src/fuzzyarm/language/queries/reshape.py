@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
-from fuzzyarm.language.controllers import ControllerHeading, GainNode
+from fuzzyarm.language.controllers import ControllerHeading
 from fuzzyarm.language.phrases import Kind
 from fuzzyarm.language.queries.fixes import Edit, apply_edits
 from fuzzyarm.language.queries.lines import (
@@ -26,6 +26,7 @@ from fuzzyarm.language.queries.lines import (
 )
 from fuzzyarm.language.queries.reading import Reading, read
 from fuzzyarm.language.queries.references import rename
+from fuzzyarm.language.rows import lines_below, text_of
 from fuzzyarm.language.rules import CellNode, GridNode, RuleNode
 from fuzzyarm.language.statements import (
     EvenTermsNode,
@@ -33,12 +34,14 @@ from fuzzyarm.language.statements import (
     TermNode,
     VariableNode,
 )
-from fuzzyarm.language.tokens import Figure, name_text
+from fuzzyarm.language.tokens import name_text
 from fuzzyarm.language.tune import TuneItem, TuneNode
 from fuzzyarm.language.writer import shape_node, tuning_node
 from fuzzyarm.model.alike import UnlikeError, alike
+from fuzzyarm.model.controller import GainModel
 from fuzzyarm.model.rulebase import PeakTuning, Shape, Tuning
 from fuzzyarm.text.diagnostic import Span
+from fuzzyarm.text.numbers import number_text
 
 # --- Terms ---
 
@@ -144,23 +147,23 @@ def _term_text(
 
 def _terms(reading: Reading, variable: str) -> Iterator[TermNode]:
     for node in nodes_of(reading):
-        if isinstance(node, TermNode) and node.variable.text == variable:
+        if isinstance(node, TermNode) and node.variable == variable:
             yield node
 
 
 def _own_line(reading: Reading, variable: str, term: str) -> Span | None:
     """Return the span of the shape in the line of a term; None where it has no line."""
     for node in _terms(reading, variable):
-        if node.name.text == term and node.shape is not None:
+        if node.name == term and node.shape is not None:
             return node.shape.kind.span.to(node.span)
     return None
 
 
 def _family_of(reading: Reading, variable: str, term: str) -> EvenTermsNode | None:
     for node in nodes_of(reading):
-        if not isinstance(node, EvenTermsNode) or term not in {word.text for word in node.names}:
+        if not isinstance(node, EvenTermsNode) or term not in set(node.names):
             continue
-        if variable in {word.text for word in node.variables}:
+        if variable in set(node.variables):
             return node
     return None
 
@@ -200,10 +203,10 @@ def add_term(reading: Reading, variable: str, term: str, shape: Shape) -> list[E
         raise ReshapeError("a term needs a name")
     own = 0
     for node in nodes_of(reading):
-        if isinstance(node, TermNode) and node.variable.text == variable:
-            names = [node.name.text]
-        elif isinstance(node, EvenTermsNode) and variable in {w.text for w in node.variables}:
-            names = [word.text for word in node.names]
+        if isinstance(node, TermNode) and node.variable == variable:
+            names = [node.name]
+        elif isinstance(node, EvenTermsNode) and variable in set(node.variables):
+            names = list(node.names)
         else:
             continue
         own = node.span.line
@@ -234,7 +237,7 @@ def remove_term(reading: Reading, variable: str, term: str) -> list[Edit]:
     """
     edits: list[Edit] = []
     family = _family_of(reading, variable, term)
-    own = [node for node in _terms(reading, variable) if node.name.text == term]
+    own = [node for node in _terms(reading, variable) if node.name == term]
     if family is None and not own:
         raise ReshapeError(f"the text declares no term '{term}' of '{variable}'")
     if family is not None:
@@ -256,17 +259,15 @@ def remove_term(reading: Reading, variable: str, term: str) -> list[Edit]:
 
 def _without_family(reading: Reading, node: EvenTermsNode, variable: str, term: str) -> list[Edit]:
     """Take a variable out of a family; the other terms get lines of their own."""
-    own = {each.name.text for each in _terms(reading, variable)}
+    own = {each.name for each in _terms(reading, variable)}
     lines = [
-        _term_text(
-            reading, variable, word.text, reading.model.variable(variable).term(word.text).shape
-        )
+        _term_text(reading, variable, word, reading.model.variable(variable).term(word).shape)
         for word in node.names
-        if word.text != term and word.text not in own
+        if word != term and word not in own
     ]
-    others = tuple(word for word in node.variables if word.text != variable)
+    others = tuple(word for word in node.variables if word != variable)
     if others:
-        rest = Edit(node.span, str(node._replace(variables=others)))
+        rest = Edit(node.span, text_of(node._replace(variables=others)))
         return [rest, lines_behind(reading, last_lines(reading)[node.span.line], lines)]
     return [Edit(node.span, "\n".join(lines))] if lines else [without_statement(reading, node)]
 
@@ -278,19 +279,19 @@ def _without_parts(reading: Reading, node: GridNode, variable: str, term: str) -
         for each in node.condition.mentions()
     ):
         raise ReshapeError(f"a grid holds when '{variable} is {term}', on line {node.span.line}")
-    heads = [i for i, word in enumerate(node.columns) if word.text == term]
-    columns = heads if node.column.text == variable else []
+    heads = [i for i, word in enumerate(node.columns) if word == term]
+    columns = heads if node.column == variable else []
     if columns and len(node.columns) == 1:
         return [without_statement(reading, node)]
     edits = [without_word(reading, node.columns[i].span) for i in columns]
     for row in node.rows:
-        if node.row is not None and node.row.text == variable and row.label.text == term:
+        if node.row is not None and node.row == variable and row.label == term:
             if len(node.rows) == 1:
                 return [without_statement(reading, node)]
             edits.append(without_lines(reading, row.label.span.line, row.label.span.line))
             continue
         for i, cell in enumerate(row.cells):
-            concluded = node.output.text == variable and cell.term and cell.term.text == term
+            concluded = node.output == variable and cell.term == term
             if i in columns and not node.joined:
                 edits.append(without_word(reading, cell.span))
             elif (i in columns or concluded) and node.joined:
@@ -329,7 +330,7 @@ def set_variable_range(reading: Reading, variable: str, low: float, high: float)
         raise ReshapeError("the range must go from a lower to a higher number")
     if node.low is None or node.high is None:
         raise ReshapeError(f"the range of '{variable}' is not understood")
-    return [Edit(node.low.span.to(node.high.span), f"{Figure(low)} .. {Figure(high)}")]
+    return [Edit(node.low.span.to(node.high.span), f"{number_text(low)} .. {number_text(high)}")]
 
 
 # --- Cells ---
@@ -357,7 +358,9 @@ def set_cell(reading: Reading, line: int, column: int, term: str | None) -> list
             continue
         if grid.joined and (cell.term is None or term is None):
             raise ReshapeError("a cell of several outputs is filled or emptied in the text")
-        weight = f"*{cell.weight}" if cell.weight is not None and term is not None else ""
+        weight = (
+            f"*{number_text(cell.weight)}" if cell.weight is not None and term is not None else ""
+        )
         new = "." if term is None else f"{name_text(term)}{weight}"
         return [aligned_word(reading.raw_line(line), cell.span, new)]
     raise ReshapeError("no cell of a grid begins here")
@@ -443,13 +446,13 @@ def add_tuning(reading: Reading, tuning: Tuning) -> list[Edit]:
     usual = 100.0 * PeakTuning(()).gap
     short = [each._replace(gap=None) if _gap(each) == usual else each for each in node.items]
     node = node._replace(items=tuple(short))
-    lines = [str(node), *(line for line, _ in node.below())]
+    lines = [text_of(node), *(line for line, _ in lines_below(node) or ())]
     end = len(reading.raw_line(last)) + 1
     return [Edit(Span(last, end, last, end), "\n\n" + "\n".join(lines))]
 
 
 def _gap(item: TuneItem) -> float | None:
-    return None if item.gap is None else item.gap.value
+    return None if item.gap is None else item.gap
 
 
 def _end_of_rulebase(reading: Reading) -> int | None:
@@ -475,8 +478,8 @@ def set_ranges(reading: Reading, ranges: Mapping[str, tuple[float, float]]) -> l
     edits = []
     for statement in reading.document.statements:
         node = statement.node
-        if isinstance(node, GainNode) and node.low is None and node.name.text in ranges:
-            low, high = map(Figure, ranges[node.name.text])
+        if isinstance(node, GainModel) and node.tune is None and node.name in ranges:
+            low, high = map(number_text, ranges[node.name])
             line, column = node.span.end_line, node.span.end_column
             edits.append(Edit(Span(line, column, line, column), f", tune {low} .. {high} log"))
     return edits
@@ -501,13 +504,13 @@ def set_gain(reading: Reading, name: str, values: Sequence[float]) -> list[Edit]
     """
     for statement in reading.document.statements:
         node = statement.node
-        if not isinstance(node, GainNode) or node.name.text != name:
+        if not isinstance(node, GainModel) or node.name != name:
             continue
         if len(values) != len(node.values):
             count = len(node.values)
             raise ReshapeError(f"gain '{name}' has {count} numbers in the text, not {len(values)}")
         return [
-            Edit(amount.span, str(Figure(value)))
+            Edit(amount.span, number_text(value))
             for amount, value in zip(node.values, values, strict=True)
         ]
     raise ReshapeError(f"the text declares no gain '{name}'")

@@ -1,0 +1,53 @@
+"""Names and numbers that know where they stand in a text.
+
+They are what they stand for: a model whose names are words and whose numbers are figures equals
+one that was made in Python, and computes alike.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fuzzyarm.text.diagnostic import NOWHERE, Span
+
+__all__ = ["Figure", "Word", "span_of"]
+
+
+class Word(str):
+    """A name, or a word of the language, without quotes."""
+
+    __slots__ = ("span",)
+
+    span: Span
+
+    def __new__(cls, text: str, span: Span = NOWHERE) -> Word:
+        """Return a text at a place."""
+        word = super().__new__(cls, text)
+        word.span = span
+        return word
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (str(self), self.span)
+
+
+class Figure(float):
+    """A number."""
+
+    __slots__ = ("span",)
+
+    span: Span
+
+    def __new__(cls, value: float, span: Span = NOWHERE) -> Figure:
+        """Return a number at a place."""
+        figure = super().__new__(cls, value)
+        figure.span = span
+        return figure
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (float(self), self.span)
+
+
+def span_of(value: object) -> Span:
+    """Return where a name or a number stands; nowhere for one that was made in Python."""
+    span = getattr(value, "span", NOWHERE)
+    return span if isinstance(span, Span) else NOWHERE
