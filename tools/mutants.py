@@ -51,7 +51,7 @@ TESTS = {
     "inference/": ["tests/inference", "tests/expression/test_norms.py"],
     "table/lookup.py": [f"tests/table/test_{each}.py" for each in _LOOKUP],
     "table/": ["tests/table"],
-    "formats/skfuzzy.py": ["tests/formats/test_skfuzzy_bridge.py"],
+    "live/skfuzzy.py": ["tests/formats/test_skfuzzy_bridge.py"],
     "formats/fml.py": ["tests/formats/test_fml.py"],
     "formats/gather.py": _LIVE,
     "formats/stand_ins.py": _LIVE,

@@ -70,8 +70,7 @@ Packages with public names of their own
     export              Controllers as source text for small machines: C99 and IEC 61131-3
                         Structured Text.
     expression          Everything mathematical that the language can name, each written once.
-    formats             Rule bases of other programs, in and out: FLL, FCL, FIS and scikit-
-                        fuzzy; FML in.
+    formats             Rule bases of other programs, in and out: FLL, FCL, FIS and FML.
     inference           Inference: memberships, norms, defuzzifiers, the engines and the trace
                         of one inference.
     language            The language of .frb files: model, reading, canonical printing, checks.

@@ -277,7 +277,7 @@ def test_the_numbers_of_latex_are_those_of_the_table(folder):
 # --- imports ---
 
 
-@pytest.mark.parametrize("suffix", [".fis", ".fll", ".fcl"])
+@pytest.mark.parametrize("suffix", [".fis", ".fll", ".fcl", ".fml"])
 def test_an_import_is_what_convert_writes(folder, monkeypatch, suffix, capsys):
     monkeypatch.chdir(folder)
     assert main(["convert", "pd7.frb", f"a b{suffix}", "--lossy", "-q"]) == 0

@@ -10,7 +10,7 @@ from budget import crossed
 from fuzzyarm.expression import kinds, op
 from fuzzyarm.expression.records import Kind
 from fuzzyarm.formats import FOREIGN, PRODUCERS, parse, write
-from fuzzyarm.formats.skfuzzy import to_skfuzzy
+from fuzzyarm.live.skfuzzy import to_skfuzzy
 from fuzzyarm.model.rulebase import (
     And,
     Consequent,

@@ -11,9 +11,9 @@ import pyit2fls
 import pytest
 
 from fuzzyarm.expression.formulas import read_formula
-from fuzzyarm.formats.gather import _noting
-from fuzzyarm.formats.objects import read_object
-from fuzzyarm.formats.python_formulas import function_shape
+from fuzzyarm.live.gather import _noting
+from fuzzyarm.live.objects import read_object
+from fuzzyarm.live.python_formulas import function_shape
 
 DOMAIN = np.linspace(0.0, 100.0, 101)
 LOW = pyit2fls.T1FS(DOMAIN, pyit2fls.tri_mf, [-1.0, 0.0, 100.0, 1.0])

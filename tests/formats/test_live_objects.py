@@ -24,9 +24,9 @@ from fuzzylogic.hedges import minus, very
 from skfuzzy import control
 
 import fuzzyarm
-from fuzzyarm.formats.objects import comparison_points, read_object
 from fuzzyarm.language import write
 from fuzzyarm.live import compare
+from fuzzyarm.live.objects import comparison_points, read_object
 from fuzzyarm.model.rulebase import Defuzzifier
 from fuzzyarm.text.diagnostic import RuleBaseError
 

@@ -12,7 +12,8 @@ from typing import NamedTuple
 
 import pytest
 
-from fuzzyarm.live import SLIGHT, ScriptError, System, read_script
+from fuzzyarm.live import ScriptError, System, read_script
+from fuzzyarm.live.systems import SLIGHT
 from fuzzyarm.text.diagnostic import Diagnostic, Severity
 
 PROGRAMS = Path(__file__).parent / "programs"

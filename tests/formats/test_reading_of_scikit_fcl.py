@@ -14,7 +14,7 @@ import skfuzzy
 from skfuzzy import control
 
 from fuzzyarm.formats import FormatError, Imported, parse_fcl, write_fcl
-from fuzzyarm.formats.skfuzzy import from_skfuzzy
+from fuzzyarm.live.skfuzzy import from_skfuzzy
 from fuzzyarm.model.shapes import membership_function
 
 TEXT = """FUNCTION_BLOCK A

@@ -11,10 +11,10 @@ import pytest
 import skfuzzy
 from skfuzzy import control
 
-from fuzzyarm.formats.skfuzzy import from_skfuzzy, to_skfuzzy
 from fuzzyarm.formats.tables import in_tables
 from fuzzyarm.inference import NoRuleFiredError, infer
 from fuzzyarm.language import parse, write
+from fuzzyarm.live.skfuzzy import from_skfuzzy, to_skfuzzy
 from fuzzyarm.model.rulebase import And, Defuzzifier, Hedge, Is, Or, RuleBase, Shape
 
 # scikit-fuzzy calls np.maximum in a way that newer NumPy frowns upon.
@@ -254,7 +254,7 @@ def test_what_scikit_fuzzy_cannot_say_is_said(old: str, new: str, name: str) -> 
 
 def test_formats_import_no_array_library() -> None:
     code = (
-        "import sys, fuzzyarm.formats, fuzzyarm.formats.skfuzzy\n"
+        "import sys, fuzzyarm.formats, fuzzyarm.live.skfuzzy\n"
         "assert not {'numpy', 'skfuzzy', 'scipy'} & set(sys.modules)"
     )
     subprocess.run([sys.executable, "-c", code], check=True)

@@ -17,7 +17,7 @@ from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.export import ExportError, routines_of
 from fuzzyarm.expression.kinds import DEFUZZIFIERS, HEDGES, SHAPES, SNORMS, TNORMS
 from fuzzyarm.formats import PRODUCERS, parse, write
-from fuzzyarm.formats.skfuzzy import from_skfuzzy, to_skfuzzy
+from fuzzyarm.live.skfuzzy import from_skfuzzy, to_skfuzzy
 from fuzzyarm.model.rulebase import SAMPLINGS, Defuzzifier, RuleBase
 from fuzzyarm.table.files import SUFFIXES
 from tests.export.c_programs import run_c

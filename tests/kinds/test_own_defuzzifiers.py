@@ -21,11 +21,11 @@ from fuzzyarm.expression.defuzzifiers import ASPECTS, DEFUZZIFIERS
 from fuzzyarm.expression.records import KindError
 from fuzzyarm.formats import PRODUCERS, same_model, write
 from fuzzyarm.formats import parse as parse_foreign
-from fuzzyarm.formats.skfuzzy import to_skfuzzy
 from fuzzyarm.inference import explain
 from fuzzyarm.inference.infer import infer_interval
 from fuzzyarm.language import format_text, parse
 from fuzzyarm.language.queries import coloured, complete, hover, read
+from fuzzyarm.live.skfuzzy import to_skfuzzy
 from fuzzyarm.model.rulebase import Defuzzifier, RuleBase
 from fuzzyarm.text.diagnostic import RuleBaseError
 from tests.export.c_programs import run_c

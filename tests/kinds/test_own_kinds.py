@@ -23,8 +23,8 @@ from fuzzyarm.cli.main import COMMANDS
 from fuzzyarm.export import ExportError, routines_of
 from fuzzyarm.expression import records
 from fuzzyarm.formats import PRODUCERS, parse, same_model, write
-from fuzzyarm.formats.skfuzzy import to_skfuzzy
 from fuzzyarm.language import format_text
+from fuzzyarm.live.skfuzzy import to_skfuzzy
 from fuzzyarm.model.rulebase import RuleBase
 from tests.export.c_programs import run_c
 

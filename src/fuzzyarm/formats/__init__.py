@@ -1,4 +1,4 @@
-"""Rule bases of other programs, in and out: FLL, FCL, FIS and scikit-fuzzy; FML in.
+"""Rule bases of other programs, in and out: FLL, FCL, FIS and FML.
 
 Reading never raises: an :class:`Imported` has the rule base where there is no error, and
 every finding with its position. Writing gives an :class:`Exported` in the same way.
@@ -16,6 +16,7 @@ from fuzzyarm.formats.fis_reader import parse_fis
 from fuzzyarm.formats.fis_writer import write_fis
 from fuzzyarm.formats.fll import parse_fll, write_fll
 from fuzzyarm.formats.fml import parse_fml
+from fuzzyarm.formats.fml_writer import write_fml
 from fuzzyarm.formats.registry import (
     parse,
     read,
@@ -27,9 +28,6 @@ from fuzzyarm.formats.registry import (
 from fuzzyarm.lazy import lazily
 from fuzzyarm.text.folders import FOREIGN, READABLE, SUFFIXES
 
-if TYPE_CHECKING:
-    from fuzzyarm.formats.skfuzzy import from_skfuzzy, to_skfuzzy
-
 __all__ = [
     "FOREIGN",
     "MEANINGS",
@@ -39,7 +37,6 @@ __all__ = [
     "Exported",
     "FormatError",
     "Imported",
-    "from_skfuzzy",
     "parse",
     "parse_fcl",
     "parse_fis",
@@ -49,12 +46,12 @@ __all__ = [
     "same_model",
     "suffix_of",
     "text_in",
-    "to_skfuzzy",
     "write",
     "write_fcl",
     "write_fis",
     "write_fll",
+    "write_fml",
 ]
 
 if not TYPE_CHECKING:
-    __getattr__, __dir__ = lazily(__name__, {"skfuzzy": ("from_skfuzzy", "to_skfuzzy")}, __all__)
+    __getattr__, __dir__ = lazily(__name__, {}, __all__)

@@ -204,7 +204,12 @@ FML = Dialect(
 # --- Names of kinds ---
 
 
-PRODUCERS = {".fll": (FLL.producer,), ".fcl": ("jfuzzylogic", "fuzzylite"), ".fis": tuple(FIS)}
+PRODUCERS = {
+    ".fll": (FLL.producer,),
+    ".fcl": ("jfuzzylogic", "fuzzylite"),
+    ".fis": tuple(FIS),
+    ".fml": (FML.producer,),
+}
 """Programs that a file of that suffix can be written for."""
 
 MEANINGS = PRODUCERS | {".fcl": tuple(FCL), ".t2fis": tuple(FIS)}

@@ -25,7 +25,6 @@ from fuzzyarm.formats.fcl_scikit_terms import (
 from fuzzyarm.formats.findings import Findings, Word, unique_name
 from fuzzyarm.formats.recovery import NEAR_LINES, beside_lines, is_joined, joined
 from fuzzyarm.formats.sentences import NOT, RuleText, read_sentences
-from fuzzyarm.formats.skfuzzy import MEAN_OF_POINTS
 from fuzzyarm.model.rulebase import (
     And,
     Defuzzifier,
@@ -41,6 +40,11 @@ from fuzzyarm.model.shapes import membership_function
 from fuzzyarm.text.diagnostic import MAX_TERMS
 
 __all__ = ["ScikitReader", "universe"]
+
+MEAN_OF_POINTS = (
+    "scikit-fuzzy takes the mean of the points that are greatest, and of the cuts between them; "
+    "here it is the middle of where the set is greatest"
+)
 
 MAX_POINTS = 1_000_000
 """Most points of a universe."""

@@ -138,7 +138,7 @@ def _parsed(text: str) -> _Element:
 
 # --- Words of the standard ---
 
-_HEDGES = {
+MODIFIERS = {
     "more_or_less": (Hedge("power", 1.0 / 3.0),),
     "plus": (Hedge("power", 1.25),),
     "norm": (),  # divides by the height, which is 1
@@ -154,14 +154,14 @@ _DEFINED_ELSEWHERE = ("customShape", "customMonotonicShape")
 _CIRCULAR = "circularDefinition"
 """A term that is made of other terms of its variable."""
 
-_RULE_BASES = {
+RULE_BASES = {
     "mamdaniRuleBase": ("rule", "consequent", "then", "else", "clause"),
     "tsukamotoRuleBase": ("rule", "consequent", "then", "else", "clause"),
     "tskRuleBase": ("tskRule", "tskConsequent", "tskThen", "tskElse", "tskClause"),
 }
 """Rule base → its rules, and in them the consequents, their two halves and the clauses."""
 
-_VARIABLES = {
+VARIABLES = {
     "fuzzyVariable": "fuzzyTerm",
     "tskVariable": "tskTerm",
     "tsukamotoVariable": "tsukamotoTerm",
@@ -208,10 +208,10 @@ class _Reader:
             message = f"<{self.root.tag.text[:40]}> is not the <fuzzySystem> of an FML file"
             raise FaultError(message, self.root.tag, "no-engine")
         knowledge = list(self.root.child("knowledgeBase").children)
-        self._refuse_others(knowledge, _VARIABLES)
-        self._refuse_others(self.root.children, ("knowledgeBase", *_RULE_BASES))
+        self._refuse_others(knowledge, VARIABLES)
+        self._refuse_others(self.root.children, ("knowledgeBase", *RULE_BASES))
         # A linear consequent needs to know how many inputs there are.
-        found = [each for each in knowledge if each.tag.text in _VARIABLES]
+        found = [each for each in knowledge if each.tag.text in VARIABLES]
         named = {each.get("name").text for each in found if not _is_output(each)}
         inputs = len(named - {""})
         for element in found:
@@ -219,8 +219,8 @@ class _Reader:
         self._estimate_ranges()
         blocks = [
             block
-            for element in self.root.all(*_RULE_BASES)
-            for block in self._blocks(element, _RULE_BASES[element.tag.text])
+            for element in self.root.all(*RULE_BASES)
+            for block in self._blocks(element, RULE_BASES[element.tag.text])
         ]
         if not any(draft.is_output for draft in self.variables.values()):
             self.findings.error("no-engine", "there is no output in this file", self.root.tag)
@@ -279,7 +279,7 @@ class _Reader:
             text = Word(" ".join(end.text for end in ends), element.tag.span)
             draft.set_range(ends, text, self.findings, "two numbers, domainleft and domainright")
         draft.settle_range(self.findings)
-        for term in self._by_dependence(list(element.all(_VARIABLES[element.tag.text]))):
+        for term in self._by_dependence(list(element.all(VARIABLES[element.tag.text]))):
             name = term.get("name")
             shape = self._shape(term, draft, inputs)
             if shape is None:
@@ -604,7 +604,7 @@ class _Reader:
         if not word.text:
             return ()
         named = {key: (Hedge(name),) for key, name in words(HEDGES, FML.kinds).items()}
-        known = named | _HEDGES
+        known = named | MODIFIERS
         if word.text not in known:
             message = f"the modifier '{word.text[:40]}' is not supported"
             self.findings.loss("unsupported-hedge", message, word)

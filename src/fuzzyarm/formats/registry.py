@@ -23,6 +23,7 @@ from fuzzyarm.formats.fis_reader import parse_fis
 from fuzzyarm.formats.fis_writer import write_fis
 from fuzzyarm.formats.fll import parse_fll, write_fll
 from fuzzyarm.formats.fml import parse_fml
+from fuzzyarm.formats.fml_writer import write_fml
 from fuzzyarm.formats.not_texts import called, started
 from fuzzyarm.formats.writing import note_threshold
 from fuzzyarm.model.rulebase import AnyRuleBase, RuleBase
@@ -222,6 +223,8 @@ def write(
             return write_fcl(rulebase, dialect=producer, lossy=lossy, strict=strict)
         case ".fis":
             return write_fis(rulebase, producer=producer, lossy=lossy, strict=strict)
+        case ".fml":
+            return write_fml(rulebase, lossy=lossy, strict=strict)
         case ".frb":
             return _write_own(rulebase, lossy=lossy, strict=strict)
     raise FormatError(f"no format has the suffix '{suffix}'")

@@ -9,13 +9,13 @@ from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
 
-FOREIGN = (".fll", ".fcl", ".fis")
+FOREIGN = (".fll", ".fcl", ".fis", ".fml")
 """Suffixes of rule bases of other programs that are written as well."""
 
 SUFFIXES = (".frb", *FOREIGN)
 """Suffixes of rule bases that are read and written."""
 
-READABLE = (*SUFFIXES, ".t2fis", ".fml", ".xml")
+READABLE = (*SUFFIXES, ".t2fis", ".xml")
 """Suffixes of all rule bases that are read. They stand here for who does not load the readers."""
 
 PACKAGES = ("node_modules", "__pycache__", "site-packages")

@@ -9,7 +9,7 @@ const GROUPS = [
   ["tables", [".lut", ".csv", ".tex", ".json", ".npz"]],
   ["pictures", [".png", ".svg"]],
   ["pages", [".html"]],
-  ["others", [".fis", ".fll", ".fcl"]],
+  ["others", [".fis", ".fll", ".fcl", ".fml"]],
 ];
 const SOURCES = [".h", ".c", ".st"];
 

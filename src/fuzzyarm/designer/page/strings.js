@@ -118,6 +118,7 @@ export const S = {
     ".fis": "FIS",
     ".fll": "FLL",
     ".fcl": "FCL",
+    ".fml": "FML",
   },
   exportTitle: (kind, name) => `${kind} of ${name}`,
   exportNow: "Export",

@@ -274,7 +274,8 @@
       ".html": "Page without a server",
       ".fis": "FIS",
       ".fll": "FLL",
-      ".fcl": "FCL"
+      ".fcl": "FCL",
+      ".fml": "FML"
     },
     exportTitle: (kind, name) => `${kind} of ${name}`,
     exportNow: "Export",

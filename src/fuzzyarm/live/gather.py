@@ -453,7 +453,7 @@ def _gathered(
     module: ModuleType, stem: str, options: dict[str, Any], *, whole: bool
 ) -> dict[str, Any]:
     _load_fuzzyarm()
-    from fuzzyarm.formats.objects import library_of
+    from fuzzyarm.live.objects import library_of
 
     _name_sets(module)
     systems, left_out = _systems(
@@ -466,7 +466,7 @@ def _gathered(
 
 def _name_sets(module: ModuleType) -> None:
     """Tell sets that have no name of their own what the script calls them."""
-    from fuzzyarm.formats.pyit2fls import NAME
+    from fuzzyarm.live.pyit2fls import NAME
 
     for name, value in _named(module):
         is_set = hasattr(value, "umf") or hasattr(value, "mf")
@@ -476,8 +476,8 @@ def _name_sets(module: ModuleType) -> None:
 
 def _as_found(name: str, system: Any, options: dict[str, Any], deadline: float) -> dict[str, Any]:
     from fuzzyarm.formats import write
-    from fuzzyarm.formats.objects import library_of, measured, read_object
     from fuzzyarm.formats.tables import in_tables
+    from fuzzyarm.live.objects import library_of, measured, read_object
 
     library = library_of(system)
     assert library is not None

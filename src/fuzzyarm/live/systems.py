@@ -23,11 +23,11 @@ from typing import IO, Any
 
 from fuzzyarm.api import FileWarning
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.formats import gather
 from fuzzyarm.formats.findings import Findings
-from fuzzyarm.formats.objects import library_of, measured, read_object
 from fuzzyarm.formats.tables import in_tables
 from fuzzyarm.language import parse
+from fuzzyarm.live import gather
+from fuzzyarm.live.objects import library_of, measured, read_object
 from fuzzyarm.model.rulebase import Output, RuleBase
 from fuzzyarm.text.diagnostic import NOWHERE, Diagnostic, RuleBaseError, Severity, Span
 

@@ -23,6 +23,7 @@ from typing import Any
 from fuzzyarm.expression.kinds import DEFUZZIFIERS, SHAPES, SNORMS, TNORMS
 from fuzzyarm.formats.dialects import words
 from fuzzyarm.formats.drafts import VALUES, blocks_by_norms
+from fuzzyarm.formats.fcl_scikit import MEAN_OF_POINTS
 from fuzzyarm.formats.findings import Findings, Imported, reading
 from fuzzyarm.formats.recovery import (
     NEAR_LINES,
@@ -63,10 +64,6 @@ __all__ = ["from_skfuzzy", "skfuzzy_numbers", "to_skfuzzy"]
 
 # --- From a control system of scikit-fuzzy to a rule base ---
 
-MEAN_OF_POINTS = (
-    "scikit-fuzzy takes the mean of the points that are greatest, and of the cuts between them; "
-    "here it is the middle of where the set is greatest"
-)
 
 _TNORMS, _SNORMS = ("min", "product"), ("max", "probor")
 """Norms that a rule is given there; it clips by the minimum and joins terms by the maximum."""

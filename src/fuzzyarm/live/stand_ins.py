@@ -1,7 +1,7 @@
 """Stand-ins for what a script asks for and nobody gives: modules, windows, answers.
 
 A module that is not installed, or that would open a window, serve a port or talk to a device,
-becomes an object that swallows everything. Loaded by its path (see :mod:`fuzzyarm.formats.gather`),
+becomes an object that swallows everything. Loaded by its path (see :mod:`fuzzyarm.live.gather`),
 maybe by another Python: nothing but the standard library is used.
 """
 

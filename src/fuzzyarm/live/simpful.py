@@ -16,10 +16,10 @@ from typing import Any
 from fuzzyarm.expression.formulas import FormulaError
 from fuzzyarm.formats.drafts import blocks_by_norms
 from fuzzyarm.formats.findings import Findings, Imported, Word, reading, unique_name, written
-from fuzzyarm.formats.python_formulas import text_shape
 from fuzzyarm.formats.recovery import constant_beyond, even_family, joined, shape_of
 from fuzzyarm.formats.sentences import NOT, hedged
 from fuzzyarm.formats.shapes import estimated_range, range_of_values
+from fuzzyarm.live.python_formulas import text_shape
 from fuzzyarm.model.rulebase import (
     And,
     Consequent,

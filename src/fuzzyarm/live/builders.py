@@ -1,7 +1,7 @@
 """What of a script would build a fuzzy system if it were called.
 
 Told from its text alone, by the names of the classes of the libraries. Loaded by its path (see
-:mod:`fuzzyarm.formats.gather`): nothing but the standard library is used.
+:mod:`fuzzyarm.live.gather`): nothing but the standard library is used.
 """
 
 from __future__ import annotations

@@ -16,10 +16,10 @@ from typing import Any
 
 from fuzzyarm.formats.findings import Imported, UnreadableError
 from fuzzyarm.formats.fll import parse_fll
-from fuzzyarm.formats.fuzzylogic import from_fuzzylogic, fuzzylogic_numbers
-from fuzzyarm.formats.pyit2fls import KINDS, from_pyit2fls, pyit2fls_numbers
-from fuzzyarm.formats.simpful import from_simpful, simpful_numbers
-from fuzzyarm.formats.skfuzzy import from_skfuzzy, skfuzzy_numbers
+from fuzzyarm.live.fuzzylogic import from_fuzzylogic, fuzzylogic_numbers
+from fuzzyarm.live.pyit2fls import KINDS, from_pyit2fls, pyit2fls_numbers
+from fuzzyarm.live.simpful import from_simpful, simpful_numbers
+from fuzzyarm.live.skfuzzy import from_skfuzzy, skfuzzy_numbers
 from fuzzyarm.model.rulebase import Input, RuleBase
 from fuzzyarm.text.diagnostic import NOWHERE, Diagnostic
 

@@ -21,9 +21,9 @@ from fuzzyarm.expression.formulas import FormulaError
 from fuzzyarm.expression.kinds import DEFUZZIFIERS
 from fuzzyarm.formats.dialects import words
 from fuzzyarm.formats.findings import Findings, Imported, reading, unique_name
-from fuzzyarm.formats.python_formulas import function_shape
 from fuzzyarm.formats.recovery import TOLERANCE, constant_beyond, joined, shape_of
 from fuzzyarm.formats.shapes import range_of_values
+from fuzzyarm.live.python_formulas import function_shape
 from fuzzyarm.model.rulebase import (
     And,
     Consequent,
