@@ -32,6 +32,7 @@ from fuzzyarm.builder.lines import (
     write_shape,
     write_terms,
 )
+from fuzzyarm.language.controllers import CONTROLLER_STATEMENTS
 from fuzzyarm.language.document import (
     Document,
     ParseMemory,
@@ -560,7 +561,7 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
         found = list(document.diagnostics)
         if not found:
             for statement in document.statements:
-                if not hasattr(statement.node, "mentions") or _is_of_controller(statement.node):
+                if _is_of_controller(statement.node):
                     message = "controllers are written as text: fuzzyarm.parse reads them"
                     found.append(Diagnostic("not-a-rule-base", message, statement.node.span))
                     break
@@ -706,7 +707,7 @@ def _moved(span: Span, lines: int) -> Span:
 
 
 def _is_of_controller(node: StatementNode) -> bool:
-    return type(node).__module__.endswith((".controllers", ".signals"))
+    return any(isinstance(node, record.node) for record in CONTROLLER_STATEMENTS.values())
 
 
 def _by_input(
