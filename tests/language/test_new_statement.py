@@ -8,6 +8,7 @@ from typing import NamedTuple
 import pytest
 
 from fuzzyarm.language import format_text, parse
+from fuzzyarm.language.parts import Keyword, Mark, Number, Variable
 from fuzzyarm.language.queries import (
     apply_edits,
     coloured,
@@ -18,7 +19,7 @@ from fuzzyarm.language.queries import (
     rename,
     symbols,
 )
-from fuzzyarm.language.rows import Keyword, Mark, Number, Row, StatementKind, Variable
+from fuzzyarm.language.rows import Row, StatementKind
 from fuzzyarm.language.statements import STATEMENTS
 from fuzzyarm.language.tokens import STARTERS, name_text
 from fuzzyarm.text.diagnostic import NOWHERE, Span

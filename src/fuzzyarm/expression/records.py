@@ -13,11 +13,12 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import chain, pairwise, product
-from typing import Any, ClassVar, Generic, TypeVar
+from typing import Any, ClassVar, Generic, NamedTuple, TypeVar
 
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.expression.lines import Corner, Lines, lines_through
 from fuzzyarm.expression.nodes import Node, apply, symbol, symbols, trace
+from fuzzyarm.text.diagnostic import MAX_MAGNITUDE, MIN_WIDTH
 
 __all__ = [
     "HEDGES",
@@ -114,6 +115,36 @@ class Kind:
 
         values = dict(zip(self.symbols, arguments, strict=True))
         return evaluate_arrays(self.expression, values, as_floats=True)
+
+
+class Misfit(NamedTuple):
+    """What keeps a number from being that of a shape.
+
+    Attributes
+    ----------
+    which : int
+        The index of the number.
+    why : str
+        ``nan``, ``infinite``, ``order``, ``positive`` and ``nonzero`` (what it must be),
+        ``points`` or ``absurd``.
+    message : str
+        One sentence.
+    """
+
+    which: int
+    why: str
+    message: str
+
+
+def _misfits_of_points(parameters: Sequence[float]) -> Iterator[Misfit]:
+    for i in range(2, len(parameters), 2):
+        if parameters[i] < parameters[i - 2]:
+            yield Misfit(i, "points", "the x of points must not decrease")
+        elif i >= 4 and parameters[i] == parameters[i - 4]:
+            yield Misfit(i, "points", "at most two points may share an x")
+    for i in range(1, len(parameters), 2):
+        if not 0.0 <= parameters[i] <= 1.0:
+            yield Misfit(i, "points", "a membership must lie between 0 and 1")
 
 
 @dataclass(frozen=True, eq=False)
@@ -231,18 +262,50 @@ class Shape(Kind):
         tuple of (int, str) or None
             Index of the number at fault and one sentence.
         """
+        always = ("nan", "order", "positive", "nonzero")
+        misfits = (each for each in self.misfits(parameters) if each.why in always)
+        return next(((each.which, each.message) for each in misfits), None)
+
+    def misfits(self, parameters: Sequence[float]) -> Iterator[Misfit]:
+        """Yield everything that is wrong with numbers, the worst first.
+
+        Parameters
+        ----------
+        parameters : sequence of float
+            As for :meth:`fault`.
+        """
         for i, value in enumerate(parameters):
             if math.isnan(value):
-                return i, f"a {self.name} cannot have the number nan"
+                yield Misfit(i, "nan", f"a {self.name} cannot have the number nan")
+            elif math.isinf(value) and self._name_of(i) not in self.unbounded:
+                yield Misfit(i, "infinite", f"a {self.name} cannot have an infinite number here")
         for i, (before, number) in enumerate(pairwise(parameters), start=1):
             if self.ordered and number < before:
-                return i, f"the numbers of a {self.name} must not decrease"
+                yield Misfit(i, "order", f"the numbers of a {self.name} must not decrease")
+        yield from self._misfits_of_signs(parameters)
+        if self.name == "points":
+            yield from _misfits_of_points(parameters)
+        yield from self._absurdities(parameters)
+
+    def _misfits_of_signs(self, parameters: Sequence[float]) -> Iterator[Misfit]:
         for i, (name, value) in enumerate(zip(self.parameters, parameters, strict=False)):
             if name in self.positive and not value > 0.0:
-                return i, f"{self.number_words(name)} must be above 0"
+                yield Misfit(i, "positive", f"{self.number_words(name)} must be above 0")
             if name in self.nonzero and value == 0.0:
-                return i, f"{self.number_words(name)} must not be 0"
-        return None
+                yield Misfit(i, "nonzero", f"{self.number_words(name)} must not be 0")
+
+    def _absurdities(self, parameters: Sequence[float]) -> Iterator[Misfit]:
+        """Yield numbers with which no area or moment could be computed."""
+        for i, value in enumerate(parameters):
+            name = self._name_of(i)
+            if MAX_MAGNITUDE < abs(value) < math.inf:
+                message = f"a {self.name} cannot have numbers beyond {MAX_MAGNITUDE:g}"
+                yield Misfit(i, "absurd", message)
+            elif name in (*self.positive, *self.nonzero) and abs(value) < MIN_WIDTH:
+                yield Misfit(i, "absurd", f"{self.number_words(name)} is below {MIN_WIDTH:g}")
+
+    def _name_of(self, index: int) -> str:
+        return self.parameters[index] if index < len(self.parameters) else ""
 
     def number_words(self, name: str) -> str:
         """Return what a message calls one of its numbers: ``the deviation of a gaussian``."""

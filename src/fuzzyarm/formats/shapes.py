@@ -174,29 +174,26 @@ def _checked(
     known = SHAPES[kind]
     if kind in _EITHER_WAY:
         parameters = sorted(parameters)
-    elif known.ordered and any(a > b for a, b in pairwise(parameters)):
+    if kind in _SQUARED:  # a deviation is only ever squared
+        named = zip(known.parameters, parameters, strict=True)
+        parameters = [abs(value) if name in known.positive else value for name, value in named]
+    misfits = {each.why: each for each in reversed(list(known.misfits(parameters)))}
+    if "order" in misfits:
         names = " <= ".join(known.symbols[1:])
         message = (
             f"the corners of {with_article(kind)} must not decrease ({names}): it is 0 everywhere"
         )
         findings.warn("unordered-corners", message, at)
         return nothing(parameters)
-    values = dict(zip(known.parameters, parameters, strict=True))
-    for name in known.positive:
-        if values[name] < 0.0 and kind in _SQUARED:
-            values[name] = -values[name]  # it is only ever squared
-        if values[name] <= 0.0:
-            message = f"the {name.replace('-', '_')} of {with_article(kind)} must be positive"
-            findings.error("not-positive", message, at)
+    for why, must in (("positive", "be positive"), ("nonzero", "not be zero")):
+        if why in misfits:
+            name = known.parameters[misfits[why].which].replace("-", "_")
+            findings.error("not-positive", f"the {name} of {with_article(kind)} must {must}", at)
             return None
-    zero = next((name for name in known.nonzero if values[name] == 0.0), None)
-    if zero is not None:
-        findings.error("not-positive", f"the {zero} of {with_article(kind)} must not be zero", at)
-        return None
-    if not _finite_enough(kind, parameters):
+    if ("infinite" in misfits and kind != "singleton") or _without_inside(kind, parameters):
         findings.error("not-finite", f"{with_article(kind)} needs finite numbers", at)
         return None
-    return Shape(kind, tuple(values.values()), height)
+    return Shape(kind, tuple(parameters), height)
 
 
 def with_article(kind: str) -> str:
@@ -213,14 +210,9 @@ def nothing(parameters: Sequence[float]) -> Shape:
     return Shape("points", (low, 0.0, high, 0.0) if low < high else (low, 0.0))
 
 
-def _finite_enough(kind: str, parameters: list[float]) -> bool:
-    if kind == "singleton":
-        return True
-    if kind == "trapezoid" and not (parameters[1] < math.inf and parameters[2] > -math.inf):
-        return False
-    known = SHAPES[kind]
-    values = zip(known.parameters, parameters, strict=True)
-    return all(math.isfinite(value) or name in known.unbounded for name, value in values)
+def _without_inside(kind: str, parameters: list[float]) -> bool:
+    """Whether all of a trapezoid is beyond every number."""
+    return kind == "trapezoid" and not (parameters[1] < math.inf and parameters[2] > -math.inf)
 
 
 def _points(

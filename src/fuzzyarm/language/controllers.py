@@ -11,12 +11,10 @@ from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 from fuzzyarm.language.loop_claims import LOOP_CLAIM_ROW
-from fuzzyarm.language.phrases import Kind, Occurrence
-from fuzzyarm.language.rows import (
+from fuzzyarm.language.parts import (
     Column,
     Flag,
     Forgiving,
-    Inside,
     Interval,
     Keyword,
     Mark,
@@ -24,16 +22,16 @@ from fuzzyarm.language.rows import (
     Name,
     Number,
     Options,
+    Part,
     Phrase,
-    Row,
     Several,
-    Silent,
-    StatementKind,
     Text,
     Values,
     declares,
     refers,
 )
+from fuzzyarm.language.phrases import Kind, Occurrence
+from fuzzyarm.language.rows import Inside, Row, StatementKind
 from fuzzyarm.language.signals import (
     amount_text,
     inputs_text,
@@ -113,7 +111,7 @@ class SetPointNode(NamedTuple):
 # --- Parts of their own ---
 
 
-class _Body(Silent):
+class _Body(Part):
     """What a signal is: a source, its factors and options, or a sum of products."""
 
     def read(self, cursor: Cursor, values: Values) -> None:

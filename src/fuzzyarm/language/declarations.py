@@ -160,9 +160,9 @@ def _elaborate_shape(node: ShapeNode, draft: Draft | None, scope: Scope) -> Shap
     if kind == "formula":
         return _formula(node, scope)
     parameters = tuple(map(float, node.figures))
-    fault = _shape_fault(kind, parameters)
-    if fault is not None:
-        index, message = fault
+    misfit = next(SHAPES[kind].misfits(parameters), None)
+    if misfit is not None:
+        index, _, message = misfit
         right = _turned_round(kind, parameters)
         if right:
             span = node.figures[0].span.to(node.figures[-1].span)
@@ -177,52 +177,11 @@ def _elaborate_shape(node: ShapeNode, draft: Draft | None, scope: Scope) -> Shap
 def _turned_round(kind: str, parameters: tuple[float, ...]) -> str:
     """Return the numbers of a shape that were written from right to left the right way round."""
     turned = parameters[::-1]
-    if kind == "points" or turned != tuple(sorted(turned)) or _shape_fault(kind, turned):
+    if kind == "points" or turned != tuple(sorted(turned)):
+        return ""
+    if any(SHAPES[kind].misfits(turned)):
         return ""
     return " ".join(map(number_text, turned))
-
-
-def _shape_fault(kind: str, parameters: tuple[float, ...]) -> tuple[int, str] | None:
-    """Return what is wrong with the numbers of a shape, and which of them; None if nothing is."""
-    fault = _infinite(kind, parameters) or SHAPES[kind].fault(parameters)
-    if fault is None and kind == "points":
-        fault = _points_fault(parameters)
-    return fault or _absurd(kind, parameters)
-
-
-def _infinite(kind: str, parameters: tuple[float, ...]) -> tuple[int, str] | None:
-    record = SHAPES[kind]
-    for i, value in enumerate(parameters):
-        name = record.parameters[i] if record.parameters else ""
-        if math.isnan(value):
-            return None  # which comes first
-        if math.isinf(value) and name not in record.unbounded:
-            return i, f"a {kind} cannot have an infinite number here"
-    return None
-
-
-def _points_fault(parameters: tuple[float, ...]) -> tuple[int, str] | None:
-    for i in range(2, len(parameters), 2):
-        if parameters[i] < parameters[i - 2]:
-            return i, "the x of points must not decrease"
-        if i >= 4 and parameters[i] == parameters[i - 4]:
-            return i, "at most two points may share an x"
-    for i in range(1, len(parameters), 2):
-        if not 0.0 <= parameters[i] <= 1.0:
-            return i, "a membership must lie between 0 and 1"
-    return None
-
-
-def _absurd(kind: str, parameters: tuple[float, ...]) -> tuple[int, str] | None:
-    """Return the number of a sound shape that no area or moment could be computed with."""
-    record = SHAPES[kind]
-    names = record.parameters or ("",) * len(parameters)
-    for i, (name, value) in enumerate(zip(names, parameters, strict=True)):
-        if MAX_MAGNITUDE < abs(value) < math.inf:
-            return i, f"a {kind} cannot have numbers beyond {MAX_MAGNITUDE:g}"
-        if name in (*record.positive, *record.nonzero) and abs(value) < MIN_WIDTH:
-            return i, f"{record.number_words(name)} is below {MIN_WIDTH:g}"
-    return None
 
 
 def _linear(node: ShapeNode, scope: Scope) -> Shape | None:

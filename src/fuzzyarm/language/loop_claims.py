@@ -6,18 +6,8 @@ import math
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
-from fuzzyarm.language.rows import (
-    Flag,
-    Keyword,
-    Mark,
-    Maybe,
-    Name,
-    Phrase,
-    Printed,
-    Row,
-    Silent,
-    Values,
-)
+from fuzzyarm.language.parts import Flag, Keyword, Mark, Maybe, Name, Part, Phrase, Printed, Values
+from fuzzyarm.language.rows import Row
 from fuzzyarm.language.signals import read_time, time_text
 from fuzzyarm.language.tokens import Cursor, name_text
 from fuzzyarm.model.claims import LoopClaim
@@ -131,7 +121,7 @@ def _stretches(field: str, what: str, label: str) -> Phrase:
     return Phrase(field, read, label, show, lambda _: iter(()), empty=())
 
 
-class _Claim(Silent):
+class _Claim(Part):
     """``: OUTPUT in LOW .. HIGH [WHEN]``, which may be left out where the claim is ``stable``."""
 
     def read(self, cursor: Cursor, values: Values) -> None:

@@ -17,6 +17,26 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple, Protocol
 
+from fuzzyarm.language.parts import (
+    Break,
+    Column,
+    Forgiving,
+    Keyword,
+    Mark,
+    Maybe,
+    Name,
+    Number,
+    OneOf,
+    Part,
+    Phrase,
+    Printed,
+    Several,
+    Suggest,
+    Text,
+    Values,
+    Variable,
+    declares,
+)
 from fuzzyarm.language.phrases import (
     Kind,
     Occurrence,
@@ -26,30 +46,7 @@ from fuzzyarm.language.phrases import (
     of_variable,
     read_expression,
 )
-from fuzzyarm.language.rows import (
-    Break,
-    ByHand,
-    Column,
-    Forgiving,
-    Keyword,
-    Lines,
-    Mark,
-    Maybe,
-    Name,
-    Number,
-    OneOf,
-    Phrase,
-    Printed,
-    Row,
-    Several,
-    Silent,
-    StatementKind,
-    Suggest,
-    Text,
-    Values,
-    Variable,
-    declares,
-)
+from fuzzyarm.language.rows import ByHand, Lines, Row, StatementKind
 from fuzzyarm.language.rules import (
     WIDTH,
     CellNode,
@@ -370,7 +367,7 @@ class Broken(NamedTuple):
 # --- Parts of their own ---
 
 
-class _Target(Silent):
+class _Target(Part):
     """``VARIABLE:``, where the next token but one is a colon; offered unless it is `rare`."""
 
     def __init__(self, field: str, what: str, role: str = "", *, rare: bool = False) -> None:
@@ -397,7 +394,7 @@ class _Target(Silent):
             yield of_variable(getattr(node, self.field))
 
 
-class _Samples(Silent):
+class _Samples(Part):
     """Numbers of ``lookup``: one, several, ``mirrored`` ones, or ``LOW .. HIGH step N``."""
 
     def __init__(self, *forms: str) -> None:

@@ -8,20 +8,20 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from fuzzyarm.language.phrases import Occurrence, of_term, of_variable
-from fuzzyarm.language.rows import (
+from fuzzyarm.language.parts import (
     Column,
     Mark,
     Name,
     Number,
     OneOf,
+    Part,
     Printed,
-    Row,
     Several,
-    Silent,
     Values,
     Variable,
 )
+from fuzzyarm.language.phrases import Occurrence, of_term, of_variable
+from fuzzyarm.language.rows import Row
 from fuzzyarm.language.tokens import Cursor, Trivia, name_text
 from fuzzyarm.text.diagnostic import NOWHERE, Span
 from fuzzyarm.text.numbers import number_text
@@ -67,7 +67,7 @@ class TuneItem(NamedTuple):
     span: Span = NOWHERE
 
 
-class _PeakOptions(Silent):
+class _PeakOptions(Part):
     """Options behind the variables of ``peaks``, in any order, with commas between."""
 
     def read(self, cursor: Cursor, values: Values) -> None:
@@ -108,7 +108,7 @@ def _peak_word(cursor: Cursor) -> str | None:
     return None
 
 
-class _Scale(Silent):
+class _Scale(Part):
     """``times``, ``log`` and ``, per axis`` behind the range of a gain."""
 
     def read(self, cursor: Cursor, values: Values) -> None:
@@ -131,7 +131,7 @@ class _Scale(Silent):
         yield "axis", ""
 
 
-class _Kept(Silent):
+class _Kept(Part):
     """A variable, and those of its terms that stay where they are; none for all."""
 
     def read(self, cursor: Cursor, values: Values) -> None:

@@ -1,0 +1,648 @@
+"""The parts that a row is made of: words, names, numbers, and parts that hold others.
+
+Each part says of itself how it is read (asking a cursor, so that completion follows), how it is
+printed, which names it mentions, and what stands for it in a table of the syntax.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from fuzzyarm.language.phrases import Kind, Occurrence, declared, of_variable
+from fuzzyarm.language.tokens import Cursor, Fault, name_text
+from fuzzyarm.text.names import quote
+from fuzzyarm.text.numbers import number_text
+from fuzzyarm.text.placed import Word
+
+__all__ = [
+    "Break",
+    "Column",
+    "Flag",
+    "Forgiving",
+    "Interval",
+    "Keyword",
+    "Mark",
+    "Maybe",
+    "Name",
+    "Number",
+    "OneOf",
+    "Options",
+    "Part",
+    "Phrase",
+    "Printed",
+    "Several",
+    "Suggest",
+    "Text",
+    "Values",
+    "Variable",
+    "declares",
+    "refers",
+]
+
+Values = dict[str, Any]
+"""What has been read so far, by the names of the fields."""
+
+_TIGHT = {",": "before", ":": "before", ")": "before", "(": "both", ".": "both"}
+"""Marks without a blank on one side or both."""
+
+
+class Printed:
+    """A line in the making: its columns, and where it may be broken."""
+
+    def __init__(self) -> None:
+        self.columns = [""]
+        self.breaks: tuple[str, Break] | None = None
+        self._tight = True
+
+    def add(self, text: str, tight: str = "") -> None:
+        """Add a word, behind a blank unless it is `tight` ``before``, or ``both``."""
+        if not text:
+            return
+        blank = not self._tight and tight not in ("before", "both")
+        self.columns[-1] += f" {text}" if blank else text
+        self._tight = tight in ("both", "after")
+
+    def column(self) -> None:
+        """Begin another column."""
+        self.columns.append("")
+        self._tight = True
+
+    def break_off(self, how: Break) -> None:
+        """Note that the line goes on below where it is too long."""
+        self.breaks = self.columns[-1], how
+        self.columns[-1] = ""
+        self._tight = True
+
+    @property
+    def text(self) -> str:
+        """The line, or lines."""
+        rest = " ".join(filter(None, self.columns))
+        if self.breaks is None:
+            return rest
+        first, how = self.breaks
+        whole = f"{first} {rest}"
+        return whole if len(whole) <= how.width else f"{first}\n{how.margin}{rest}"
+
+
+class Part:
+    """One part of a row; by itself it reads, prints and names nothing."""
+
+    def read(self, cursor: Cursor, values: Values) -> None:
+        """Read it into `values`."""
+
+    def show(self, node: Any, line: Printed) -> None:
+        """Print it."""
+
+    def sketch(self, line: Printed) -> None:
+        """Show what stands for it in a table of the syntax."""
+
+    def mentions(self, node: Any) -> Iterator[Occurrence]:
+        """Yield the names in it."""
+        return iter(())
+
+    def fields(self) -> Iterator[tuple[str, Any]]:
+        """Yield the fields that it reads, each with what it is where it is not there."""
+        return iter(())
+
+    def words(self) -> Iterator[tuple[str, str]]:
+        """Yield the words of the language in it, each with its line of help."""
+        return iter(())
+
+
+# --- Words of the language ---
+
+
+@dataclass(frozen=True)
+class Keyword(Part):
+    """The word that starts the line; kept where two statements share a node."""
+
+    word: str
+    field: str = ""
+    width: int = 0
+
+    def read(self, cursor: Cursor, values: Values) -> None:
+        token = cursor.take()
+        if self.field:
+            values[self.field] = token.text
+
+    def show(self, node: Any, line: Printed) -> None:
+        line.add(f"{getattr(node, self.field) if self.field else self.word:<{self.width}}")
+
+
+@dataclass(frozen=True)
+class Mark(Part):
+    """A word or a mark that must stand there; `where` completes *expected 'x' …*."""
+
+    text: str
+    where: str = ""
+    doc: str = ""
+
+    def read(self, cursor: Cursor, values: Values) -> None:
+        where = self.where.format(**values) if "{" in self.where else self.where
+        cursor.expect(self.text, where)
+
+    def show(self, node: Any, line: Printed) -> None:
+        line.add(self.text, _TIGHT.get(self.text, ""))
+
+    def sketch(self, line: Printed) -> None:
+        line.add(self.text, _TIGHT.get(self.text, ""))
+
+    def words(self) -> Iterator[tuple[str, str]]:
+        if self.text.isalpha():
+            yield self.text, self.doc
+
+
+@dataclass(frozen=True)
+class Flag(Part):
+    """A word that may stand there."""
+
+    field: str
+    text: str
+    doc: str = ""
+
+    def read(self, cursor: Cursor, values: Values) -> None:
+        values[self.field] = cursor.accept(self.text) is not None
+
+    def show(self, node: Any, line: Printed) -> None:
+        if getattr(node, self.field):
+            line.add(self.text)
+
+    def sketch(self, line: Printed) -> None:
+        line.add(f"[{self.text}]")
+
+    def fields(self) -> Iterator[tuple[str, Any]]:
+        yield self.field, False
+
+    def words(self) -> Iterator[tuple[str, str]]:
+        yield self.text, self.doc
+
+
+@dataclass(frozen=True)
+class Column(Part):
+    """Where the column begins that stands below that of neighbours."""
+
+    def show(self, node: Any, line: Printed) -> None:
+        line.column()
+
+
+@dataclass(frozen=True)
+class Break(Part):
+    """Where a line longer than `width` goes on in a line of its own."""
+
+    width: int
+    margin: str
+
+    def show(self, node: Any, line: Printed) -> None:
+        line.break_off(self)
+
+
+@dataclass(frozen=True)
+class Suggest(Part):
+    """Names something longer that could stand there, for an editor to offer."""
+
+    what: str
+    about: tuple[str, ...] = ()
+
+    def read(self, cursor: Cursor, values: Values) -> None:
+        cursor.suggest(self.what, *self.about)
+
+
+# --- Names, numbers, strings ---
+
+Mention = Callable[[Word, Any], Occurrence]
+"""What a name is, told by itself and its node."""
+
+
+@dataclass(frozen=True)
+class Name(Part):
+    """A name; `what` completes *expected …*."""
+
+    field: str
+    what: str
+    mention: Mention | None = None
+    label: str = "NAME"
+    suggest: str = ""
+    empty: Any = None
+
+    def read(self, cursor: Cursor, values: Values) -> None:
+        if self.suggest:
+            cursor.suggest(self.suggest)
+        values[self.field] = cursor.name(self.what.format(**values))
+
+    def show(self, node: Any, line: Printed) -> None:
+        line.add(name_text(getattr(node, self.field)))
+
+    def sketch(self, line: Printed) -> None:
+        line.add(self.label)
+
+    def mentions(self, node: Any) -> Iterator[Occurrence]:
+        if self.mention is not None:
+            yield self.mention(getattr(node, self.field), node)
+
+    def fields(self) -> Iterator[tuple[str, Any]]:
+        yield self.field, self.empty
+
+
+def _of_variable(word: Word, node: Any) -> Occurrence:
+    return of_variable(word)
+
+
+@dataclass(frozen=True)
+class Variable(Name):
+    """The name of a variable: of an ``input``, an ``output`` or either; see `Cursor.variable`."""
+
+    role: str = ""
+    follow: str = ""
+    mention: Mention | None = _of_variable
+    label: str = "VARIABLE"
+
+    def read(self, cursor: Cursor, values: Values) -> None:
+        values[self.field] = cursor.variable(self.what, self.role, self.follow)
+
+
+@dataclass(frozen=True)
+class Number(Part):
+    """A number."""
+
+    field: str
+    what: str
+    label: str = "N"
+    finite: bool = True
+
+    def read(self, cursor: Cursor, values: Values) -> None:
+        values[self.field] = cursor.figure(self.what, finite=self.finite)
+
+    def show(self, node: Any, line: Printed) -> None:
+        number = getattr(node, self.field)
+        if number is not None:
+            line.add(number_text(number))
+
+    def sketch(self, line: Printed) -> None:
+        line.add(self.label)
+
+    def fields(self) -> Iterator[tuple[str, Any]]:
+        yield self.field, None
+
+
+@dataclass(frozen=True)
+class Interval(Part):
+    """``LOW .. HIGH``, two numbers in one field; `where` completes *expected '..' …*."""
+
+    field: str
+    low: str
+    high: str
+    where: str
+    label: str = "LOW .. HIGH"
+
+    def read(self, cursor: Cursor, values: Values) -> None:
+        low = cursor.figure(self.low)
+        cursor.expect("..", self.where)
+        values[self.field] = low, cursor.figure(self.high)
+
+    def show(self, node: Any, line: Printed) -> None:
+        low, high = getattr(node, self.field)
+        line.add(f"{number_text(low)} .. {number_text(high)}")
+
+    def sketch(self, line: Printed) -> None:
+        line.add(self.label)
+
+    def fields(self) -> Iterator[tuple[str, Any]]:
+        yield self.field, None
+
+
+@dataclass(frozen=True)
+class Text(Part):
+    """A string in double quotes; it may be left out unless `what` says what is expected."""
+
+    field: str
+    what: str = ""
+    label: str = '"description"'
+
+    def read(self, cursor: Cursor, values: Values) -> None:
+        text = cursor.string()
+        if text is None and self.what:
+            cursor.fail(self.what)
+        values[self.field] = text
+
+    def show(self, node: Any, line: Printed) -> None:
+        text = getattr(node, self.field)
+        if text is not None:
+            line.add(quote(text, '"'))
+
+    def sketch(self, line: Printed) -> None:
+        line.add(self.label)
+
+    def fields(self) -> Iterator[tuple[str, Any]]:
+        yield self.field, None
+
+
+class Phrase(Part):
+    """Something that knows by itself how it is read and printed: a shape, a sum, an antecedent.
+
+    Parameters
+    ----------
+    field : str
+        Of the node.
+    read : callable
+        From the cursor to the value.
+    label : str
+        In a table of the syntax.
+    show : callable, optional
+        From the value to its text; ``str`` by default. What is empty is not printed.
+    mentions : callable, optional
+        From the value to its names; the value is asked by default, if it can be.
+    empty : object, optional
+        What the field is where the phrase is not there.
+    words : mapping, optional
+        Its words of the language.
+    tight : str, optional
+        ``before``, where no blank stands in front.
+    """
+
+    def __init__(
+        self,
+        field: str,
+        read: Callable[[Cursor], Any],
+        label: str,
+        show: Callable[[Any], str] = str,
+        mentions: Callable[[Any], Iterator[Occurrence]] | None = None,
+        *,
+        empty: Any = None,
+        words: Mapping[str, str] | None = None,
+        tight: str = "",
+    ) -> None:
+        self.field, self._read, self.label, self._show = field, read, label, show
+        self._mentions, self.empty, self._words, self.tight = mentions, empty, words or {}, tight
+
+    def read(self, cursor: Cursor, values: Values) -> None:
+        values[self.field] = self._read(cursor)
+
+    def show(self, node: Any, line: Printed) -> None:
+        value = getattr(node, self.field)
+        if value is not None:
+            line.add(self._show(value), self.tight)
+
+    def sketch(self, line: Printed) -> None:
+        line.add(self.label, self.tight)
+
+    def mentions(self, node: Any) -> Iterator[Occurrence]:
+        value = getattr(node, self.field)
+        if self._mentions is not None:
+            yield from self._mentions(value)
+        elif hasattr(value, "mentions"):
+            yield from value.mentions()
+
+    def fields(self) -> Iterator[tuple[str, Any]]:
+        yield self.field, self.empty
+
+    def words(self) -> Iterator[tuple[str, str]]:
+        yield from self._words.items()
+
+
+# --- Parts of parts ---
+
+
+@dataclass(frozen=True)
+class Several(Part):
+    """One or more of something, with a mark between; not where `stop` stands behind the mark."""
+
+    part: Any
+    between: tuple[str, ...] = (",",)
+    stop: str = ""
+    label: str = ""
+
+    def read(self, cursor: Cursor, values: Values) -> None:
+        items = [self._one(cursor, values)]
+        while self._more(cursor):
+            items.append(self._one(cursor, values))
+        values[self.part.field] = tuple(items)
+
+    def _one(self, cursor: Cursor, values: Values) -> Any:
+        own = dict(values)
+        self.part.read(cursor, own)
+        return own[self.part.field]
+
+    def _more(self, cursor: Cursor) -> bool:
+        if self.stop and cursor.next_is(self.stop, 1):
+            return False
+        return any(cursor.accept(mark) for mark in self.between)
+
+    def show(self, node: Any, line: Printed) -> None:
+        for index, item in enumerate(getattr(node, self.part.field)):
+            if index:
+                line.add(self.between[0], _TIGHT.get(self.between[0], ""))
+            self.part.show(_Holder(node, self.part.field, item), line)
+
+    def sketch(self, line: Printed) -> None:
+        if self.label:
+            line.add(self.label)
+        else:
+            self.part.sketch(line)
+
+    def mentions(self, node: Any) -> Iterator[Occurrence]:
+        for item in getattr(node, self.part.field):
+            yield from self.part.mentions(_Holder(node, self.part.field, item))
+
+    def fields(self) -> Iterator[tuple[str, Any]]:
+        yield self.part.field, ()
+
+    def words(self) -> Iterator[tuple[str, str]]:
+        return self.part.words()  # type: ignore[no-any-return]
+
+
+class _Holder:
+    """A node with another value in one of its fields."""
+
+    __slots__ = ("_field", "_item", "_node")
+
+    def __init__(self, node: Any, field: str, item: Any) -> None:
+        self._node, self._field, self._item = node, field, item
+
+    def __getattr__(self, name: str) -> Any:
+        return self._item if name == self._field else getattr(self._node, name)
+
+
+class _Together(Part):
+    """Parts that are read, printed and asked one after the other."""
+
+    parts: tuple[Part, ...]
+
+    def read(self, cursor: Cursor, values: Values) -> None:
+        for part in self.parts:
+            part.read(cursor, values)
+
+    def show(self, node: Any, line: Printed) -> None:
+        for part in self.parts:
+            part.show(node, line)
+
+    def sketch(self, line: Printed) -> None:
+        for part in self.parts:
+            part.sketch(line)
+
+    def mentions(self, node: Any) -> Iterator[Occurrence]:
+        for part in self.parts:
+            yield from part.mentions(node)
+
+    def fields(self) -> Iterator[tuple[str, Any]]:
+        for part in self.parts:
+            yield from part.fields()
+
+    def words(self) -> Iterator[tuple[str, str]]:
+        for part in self.parts:
+            yield from part.words()
+
+
+class Maybe(_Together):
+    """Parts that stand there where the first, a mark, does; `flag` notes whether."""
+
+    def __init__(self, *parts: Part, flag: str = "", likely: bool = False) -> None:
+        self.parts, self.flag, self.likely = parts, flag, likely
+        assert isinstance(parts[0], Mark)
+        self.first, self.where = parts[0].text, parts[0].where
+
+    def read(self, cursor: Cursor, values: Values) -> None:
+        here = cursor.accept(self.first, likely=self.likely) is not None
+        for name, empty in self.fields():
+            values.setdefault(name, empty)
+        if here:
+            self.read_rest(cursor, values)
+
+    def read_rest(self, cursor: Cursor, values: Values) -> None:
+        """Read what stands behind the first mark."""
+        if self.flag:
+            values[self.flag] = True
+        for part in self.parts[1:]:
+            part.read(cursor, values)
+
+    def is_in(self, node: Any) -> bool:
+        """Whether a node has it."""
+        value = getattr(node, self.flag or next(name for name, _ in self.fields()))
+        return value is not None and value is not False and value != ()
+
+    def show(self, node: Any, line: Printed) -> None:
+        if self.is_in(node):
+            super().show(node, line)
+
+    def sketch(self, line: Printed) -> None:
+        inner = Printed()
+        super().sketch(inner)
+        tight = _TIGHT.get(self.first, "")
+        line.add(f"[{''.join(inner.columns)}]", tight)
+
+    def mentions(self, node: Any) -> Iterator[Occurrence]:
+        if self.is_in(node):
+            yield from super().mentions(node)
+
+    def fields(self) -> Iterator[tuple[str, Any]]:
+        if self.flag:
+            yield self.flag, False
+        yield from super().fields()
+
+
+class Options(Part):
+    """Options behind commas, in any order; each begins with its word."""
+
+    def __init__(self, *options: Maybe) -> None:
+        self.options = options
+
+    def read(self, cursor: Cursor, values: Values) -> None:
+        values.update(self.fields())
+        while cursor.accept(","):
+            *others, last = self.options
+            for option in others:
+                if cursor.accept(option.first):
+                    option.read_rest(cursor, values)
+                    break
+            else:
+                cursor.expect(last.first, last.where)
+                last.read_rest(cursor, values)
+
+    def show(self, node: Any, line: Printed) -> None:
+        for option in self.options:
+            if option.is_in(node):
+                line.add(",", "before")
+                option.show(node, line)
+
+    def sketch(self, line: Printed) -> None:
+        for option in self.options:
+            inner = Printed()
+            _Together.sketch(option, inner)
+            line.add(f"[, {''.join(inner.columns)}]", "before")
+
+    def mentions(self, node: Any) -> Iterator[Occurrence]:
+        for option in self.options:
+            yield from option.mentions(node)
+
+    def fields(self) -> Iterator[tuple[str, Any]]:
+        for option in self.options:
+            yield from option.fields()
+
+    def words(self) -> Iterator[tuple[str, str]]:
+        for option in self.options:
+            yield from option.words()
+
+
+class Forgiving(_Together):
+    """Parts behind the name that a statement declares: where they are at fault, it is known.
+
+    They are then as if they were not there; with `finish` the line ends with them.
+    """
+
+    def __init__(self, *parts: Part, finish: bool = False) -> None:
+        self.parts, self.finish = parts, finish
+
+    def read(self, cursor: Cursor, values: Values) -> None:
+        try:
+            super().read(cursor, values)
+            if self.finish:
+                cursor.finish()
+        except Fault as fault:
+            cursor.forgive(fault)
+            values.update(self.fields())
+
+
+class OneOf(Part):
+    """A word, and the parts that follow it."""
+
+    def __init__(
+        self,
+        field: str,
+        what: str,
+        finding: str,
+        docs: Mapping[str, str],
+        cases: Mapping[str, tuple[Part, ...]],
+    ) -> None:
+        self.field, self.what, self.finding = field, what, finding
+        self.docs, self.cases = docs, cases
+
+    def read(self, cursor: Cursor, values: Values) -> None:
+        values[self.field] = word = cursor.word(self.what, self.cases, self.finding)
+        for part in self.cases[word]:
+            part.read(cursor, values)
+
+    def show(self, node: Any, line: Printed) -> None:
+        line.add(getattr(node, self.field))
+        for part in self.cases[getattr(node, self.field)]:
+            part.show(node, line)
+
+    def mentions(self, node: Any) -> Iterator[Occurrence]:
+        for part in self.cases[getattr(node, self.field)]:
+            yield from part.mentions(node)
+
+    def words(self) -> Iterator[tuple[str, str]]:
+        yield from self.docs.items()
+        for parts in self.cases.values():
+            for part in parts:
+                yield from part.words()
+
+
+def declares(kind: Kind) -> Mention:
+    """Return what a name is that is declared where it stands."""
+    return lambda word, node: declared(kind, word)
+
+
+def refers(kind: Kind) -> Mention:
+    """Return what a name is that is declared elsewhere."""
+    return lambda word, node: Occurrence(kind, word, word.span)
