@@ -123,11 +123,13 @@ class Keyword(Part):
     width: int = 0
 
     def read(self, cursor: Cursor, values: Values) -> None:
+        """Read it."""
         token = cursor.take()
         if self.field:
             values[self.field] = token.text
 
     def show(self, node: Any, line: Printed) -> None:
+        """Print it."""
         line.add(f"{getattr(node, self.field) if self.field else self.word:<{self.width}}")
 
 
@@ -140,16 +142,20 @@ class Mark(Part):
     doc: str = ""
 
     def read(self, cursor: Cursor, values: Values) -> None:
+        """Read it."""
         where = self.where.format(**values) if "{" in self.where else self.where
         cursor.expect(self.text, where)
 
     def show(self, node: Any, line: Printed) -> None:
+        """Print it."""
         line.add(self.text, _TIGHT.get(self.text, ""))
 
     def sketch(self, line: Printed) -> None:
+        """Show what stands for it."""
         line.add(self.text, _TIGHT.get(self.text, ""))
 
     def words(self) -> Iterator[tuple[str, str]]:
+        """Yield its words of the language."""
         if self.text.isalpha():
             yield self.text, self.doc
 
@@ -163,19 +169,24 @@ class Flag(Part):
     doc: str = ""
 
     def read(self, cursor: Cursor, values: Values) -> None:
+        """Read it."""
         values[self.field] = cursor.accept(self.text) is not None
 
     def show(self, node: Any, line: Printed) -> None:
+        """Print it."""
         if getattr(node, self.field):
             line.add(self.text)
 
     def sketch(self, line: Printed) -> None:
+        """Show what stands for it."""
         line.add(f"[{self.text}]")
 
     def fields(self) -> Iterator[tuple[str, Any]]:
+        """Yield its fields."""
         yield self.field, False
 
     def words(self) -> Iterator[tuple[str, str]]:
+        """Yield its words of the language."""
         yield self.text, self.doc
 
 
@@ -184,6 +195,7 @@ class Column(Part):
     """Where the column begins that stands below that of neighbours."""
 
     def show(self, node: Any, line: Printed) -> None:
+        """Print it."""
         line.column()
 
 
@@ -195,6 +207,7 @@ class Break(Part):
     margin: str
 
     def show(self, node: Any, line: Printed) -> None:
+        """Print it."""
         line.break_off(self)
 
 
@@ -206,6 +219,7 @@ class Suggest(Part):
     about: tuple[str, ...] = ()
 
     def read(self, cursor: Cursor, values: Values) -> None:
+        """Read it."""
         cursor.suggest(self.what, *self.about)
 
 
@@ -227,21 +241,26 @@ class Name(Part):
     empty: Any = None
 
     def read(self, cursor: Cursor, values: Values) -> None:
+        """Read it."""
         if self.suggest:
             cursor.suggest(self.suggest)
         values[self.field] = cursor.name(self.what.format(**values))
 
     def show(self, node: Any, line: Printed) -> None:
+        """Print it."""
         line.add(name_text(getattr(node, self.field)))
 
     def sketch(self, line: Printed) -> None:
+        """Show what stands for it."""
         line.add(self.label)
 
     def mentions(self, node: Any) -> Iterator[Occurrence]:
+        """Yield the names in it."""
         if self.mention is not None:
             yield self.mention(getattr(node, self.field), node)
 
     def fields(self) -> Iterator[tuple[str, Any]]:
+        """Yield its fields."""
         yield self.field, self.empty
 
 
@@ -259,6 +278,7 @@ class Variable(Name):
     label: str = "VARIABLE"
 
     def read(self, cursor: Cursor, values: Values) -> None:
+        """Read it."""
         values[self.field] = cursor.variable(self.what, self.role, self.follow)
 
 
@@ -272,17 +292,21 @@ class Number(Part):
     finite: bool = True
 
     def read(self, cursor: Cursor, values: Values) -> None:
+        """Read it."""
         values[self.field] = cursor.figure(self.what, finite=self.finite)
 
     def show(self, node: Any, line: Printed) -> None:
+        """Print it."""
         number = getattr(node, self.field)
         if number is not None:
             line.add(number_text(number))
 
     def sketch(self, line: Printed) -> None:
+        """Show what stands for it."""
         line.add(self.label)
 
     def fields(self) -> Iterator[tuple[str, Any]]:
+        """Yield its fields."""
         yield self.field, None
 
 
@@ -297,18 +321,22 @@ class Interval(Part):
     label: str = "LOW .. HIGH"
 
     def read(self, cursor: Cursor, values: Values) -> None:
+        """Read it."""
         low = cursor.figure(self.low)
         cursor.expect("..", self.where)
         values[self.field] = low, cursor.figure(self.high)
 
     def show(self, node: Any, line: Printed) -> None:
+        """Print it."""
         low, high = getattr(node, self.field)
         line.add(f"{number_text(low)} .. {number_text(high)}")
 
     def sketch(self, line: Printed) -> None:
+        """Show what stands for it."""
         line.add(self.label)
 
     def fields(self) -> Iterator[tuple[str, Any]]:
+        """Yield its fields."""
         yield self.field, None
 
 
@@ -321,20 +349,24 @@ class Text(Part):
     label: str = '"description"'
 
     def read(self, cursor: Cursor, values: Values) -> None:
+        """Read it."""
         text = cursor.string()
         if text is None and self.what:
             cursor.fail(self.what)
         values[self.field] = text
 
     def show(self, node: Any, line: Printed) -> None:
+        """Print it."""
         text = getattr(node, self.field)
         if text is not None:
             line.add(quote(text, '"'))
 
     def sketch(self, line: Printed) -> None:
+        """Show what stands for it."""
         line.add(self.label)
 
     def fields(self) -> Iterator[tuple[str, Any]]:
+        """Yield its fields."""
         yield self.field, None
 
 
@@ -377,17 +409,21 @@ class Phrase(Part):
         self._mentions, self.empty, self._words, self.tight = mentions, empty, words or {}, tight
 
     def read(self, cursor: Cursor, values: Values) -> None:
+        """Read it."""
         values[self.field] = self._read(cursor)
 
     def show(self, node: Any, line: Printed) -> None:
+        """Print it."""
         value = getattr(node, self.field)
         if value is not None:
             line.add(self._show(value), self.tight)
 
     def sketch(self, line: Printed) -> None:
+        """Show what stands for it."""
         line.add(self.label, self.tight)
 
     def mentions(self, node: Any) -> Iterator[Occurrence]:
+        """Yield the names in it."""
         value = getattr(node, self.field)
         if self._mentions is not None:
             yield from self._mentions(value)
@@ -395,9 +431,11 @@ class Phrase(Part):
             yield from value.mentions()
 
     def fields(self) -> Iterator[tuple[str, Any]]:
+        """Yield its fields."""
         yield self.field, self.empty
 
     def words(self) -> Iterator[tuple[str, str]]:
+        """Yield its words of the language."""
         yield from self._words.items()
 
 
@@ -414,6 +452,7 @@ class Several(Part):
     label: str = ""
 
     def read(self, cursor: Cursor, values: Values) -> None:
+        """Read it."""
         items = [self._one(cursor, values)]
         while self._more(cursor):
             items.append(self._one(cursor, values))
@@ -430,25 +469,30 @@ class Several(Part):
         return any(cursor.accept(mark) for mark in self.between)
 
     def show(self, node: Any, line: Printed) -> None:
+        """Print it."""
         for index, item in enumerate(getattr(node, self.part.field)):
             if index:
                 line.add(self.between[0], _TIGHT.get(self.between[0], ""))
             self.part.show(_Holder(node, self.part.field, item), line)
 
     def sketch(self, line: Printed) -> None:
+        """Show what stands for it."""
         if self.label:
             line.add(self.label)
         else:
             self.part.sketch(line)
 
     def mentions(self, node: Any) -> Iterator[Occurrence]:
+        """Yield the names in it."""
         for item in getattr(node, self.part.field):
             yield from self.part.mentions(_Holder(node, self.part.field, item))
 
     def fields(self) -> Iterator[tuple[str, Any]]:
+        """Yield its fields."""
         yield self.part.field, ()
 
     def words(self) -> Iterator[tuple[str, str]]:
+        """Yield its words of the language."""
         return self.part.words()  # type: ignore[no-any-return]
 
 
@@ -503,6 +547,7 @@ class Maybe(_Together):
         self.first, self.where = parts[0].text, parts[0].where
 
     def read(self, cursor: Cursor, values: Values) -> None:
+        """Read it."""
         here = cursor.accept(self.first, likely=self.likely) is not None
         for name, empty in self.fields():
             values.setdefault(name, empty)
@@ -522,20 +567,24 @@ class Maybe(_Together):
         return value is not None and value is not False and value != ()
 
     def show(self, node: Any, line: Printed) -> None:
+        """Print it."""
         if self.is_in(node):
             super().show(node, line)
 
     def sketch(self, line: Printed) -> None:
+        """Show what stands for it."""
         inner = Printed()
         super().sketch(inner)
         tight = _TIGHT.get(self.first, "")
         line.add(f"[{''.join(inner.columns)}]", tight)
 
     def mentions(self, node: Any) -> Iterator[Occurrence]:
+        """Yield the names in it."""
         if self.is_in(node):
             yield from super().mentions(node)
 
     def fields(self) -> Iterator[tuple[str, Any]]:
+        """Yield its fields."""
         if self.flag:
             yield self.flag, False
         yield from super().fields()
@@ -548,6 +597,7 @@ class Options(Part):
         self.options = options
 
     def read(self, cursor: Cursor, values: Values) -> None:
+        """Read it."""
         values.update(self.fields())
         while cursor.accept(","):
             *others, last = self.options
@@ -560,26 +610,31 @@ class Options(Part):
                 last.read_rest(cursor, values)
 
     def show(self, node: Any, line: Printed) -> None:
+        """Print it."""
         for option in self.options:
             if option.is_in(node):
                 line.add(",", "before")
                 option.show(node, line)
 
     def sketch(self, line: Printed) -> None:
+        """Show what stands for it."""
         for option in self.options:
             inner = Printed()
             _Together.sketch(option, inner)
             line.add(f"[, {''.join(inner.columns)}]", "before")
 
     def mentions(self, node: Any) -> Iterator[Occurrence]:
+        """Yield the names in it."""
         for option in self.options:
             yield from option.mentions(node)
 
     def fields(self) -> Iterator[tuple[str, Any]]:
+        """Yield its fields."""
         for option in self.options:
             yield from option.fields()
 
     def words(self) -> Iterator[tuple[str, str]]:
+        """Yield its words of the language."""
         for option in self.options:
             yield from option.words()
 
@@ -594,6 +649,7 @@ class Forgiving(_Together):
         self.parts, self.finish = parts, finish
 
     def read(self, cursor: Cursor, values: Values) -> None:
+        """Read it."""
         try:
             super().read(cursor, values)
             if self.finish:
@@ -618,20 +674,24 @@ class OneOf(Part):
         self.docs, self.cases = docs, cases
 
     def read(self, cursor: Cursor, values: Values) -> None:
+        """Read it."""
         values[self.field] = word = cursor.word(self.what, self.cases, self.finding)
         for part in self.cases[word]:
             part.read(cursor, values)
 
     def show(self, node: Any, line: Printed) -> None:
+        """Print it."""
         line.add(getattr(node, self.field))
         for part in self.cases[getattr(node, self.field)]:
             part.show(node, line)
 
     def mentions(self, node: Any) -> Iterator[Occurrence]:
+        """Yield the names in it."""
         for part in self.cases[getattr(node, self.field)]:
             yield from part.mentions(node)
 
     def words(self) -> Iterator[tuple[str, str]]:
+        """Yield its words of the language."""
         yield from self.docs.items()
         for parts in self.cases.values():
             for part in parts:

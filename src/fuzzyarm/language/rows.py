@@ -39,23 +39,29 @@ class Inside(Part):
         self.field, self.row = field, row
 
     def read(self, cursor: Cursor, values: Values) -> None:
+        """Read it."""
         values[self.field] = self.row.read(cursor)
 
     def show(self, node: Any, line: Printed) -> None:
+        """Print it."""
         for part in self.row.parts:
             part.show(getattr(node, self.field), line)
 
     def sketch(self, line: Printed) -> None:
+        """Show what stands for it."""
         for part in self.row.parts:
             part.sketch(line)
 
     def mentions(self, node: Any) -> Iterator[Occurrence]:
+        """Yield the names in it."""
         return self.row.mentions(getattr(node, self.field))
 
     def fields(self) -> Iterator[tuple[str, Any]]:
+        """Yield its fields."""
         yield self.field, None
 
     def words(self) -> Iterator[tuple[str, str]]:
+        """Yield its words of the language."""
         for part in self.row.parts:
             yield from part.words()
 
@@ -67,6 +73,7 @@ class Lines(Part):
         self.field, self.row = field, row
 
     def read(self, cursor: Cursor, values: Values) -> None:
+        """Read it."""
         cursor.finish()
         items = []
         for line in cursor.lines:
@@ -83,10 +90,12 @@ class Lines(Part):
         return list(zip(lines, (item.trivia for item in items), strict=True))
 
     def mentions(self, node: Any) -> Iterator[Occurrence]:
+        """Yield the names in it."""
         for item in getattr(node, self.field):
             yield from self.row.mentions(item)
 
     def words(self) -> Iterator[tuple[str, str]]:
+        """Yield its words of the language."""
         yield from self.row.words.items()
 
 
@@ -195,24 +204,30 @@ class ByHand(Row):
         self._syntax, self._words = syntax, words
 
     def read(self, cursor: Cursor) -> Any:
+        """Read it."""
         return self.node.read(cursor)
 
     def text(self, node: Any) -> str:
+        """Return it as it is written."""
         return str(node)
 
     def below(self, node: Any) -> list[tuple[str, Trivia]] | None:
+        """Return the lines below."""
         own: list[tuple[str, Trivia]] | None = node.below() if hasattr(node, "below") else None
         return own
 
     def mentions(self, node: Any) -> Iterator[Occurrence]:
+        """Yield the names in it."""
         yield from node.mentions()
 
     @property
     def syntax(self) -> str:
+        """What follows the first word."""
         return self._syntax
 
     @property
     def words(self) -> dict[str, str]:
+        """Yield its words of the language."""
         return dict(self._words)
 
 
