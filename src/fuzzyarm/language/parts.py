@@ -7,7 +7,6 @@ printed, which names it mentions, and what stands for it in a table of the synta
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 from fuzzyarm.language.phrases import Kind, Occurrence, declared, of_variable
@@ -114,13 +113,11 @@ class Part:
 # --- Words of the language ---
 
 
-@dataclass(frozen=True)
 class Keyword(Part):
     """The word that starts the line; kept where two statements share a node."""
 
-    word: str
-    field: str = ""
-    width: int = 0
+    def __init__(self, word: str, field: str = "", width: int = 0) -> None:
+        self.word, self.field, self.width = word, field, width
 
     def read(self, cursor: Cursor, values: Values) -> None:
         """Read it."""
@@ -133,13 +130,11 @@ class Keyword(Part):
         line.add(f"{getattr(node, self.field) if self.field else self.word:<{self.width}}")
 
 
-@dataclass(frozen=True)
 class Mark(Part):
     """A word or a mark that must stand there; `where` completes *expected 'x' …*."""
 
-    text: str
-    where: str = ""
-    doc: str = ""
+    def __init__(self, text: str, where: str = "", doc: str = "") -> None:
+        self.text, self.where, self.doc = text, where, doc
 
     def read(self, cursor: Cursor, values: Values) -> None:
         """Read it."""
@@ -160,13 +155,11 @@ class Mark(Part):
             yield self.text, self.doc
 
 
-@dataclass(frozen=True)
 class Flag(Part):
     """A word that may stand there."""
 
-    field: str
-    text: str
-    doc: str = ""
+    def __init__(self, field: str, text: str, doc: str = "") -> None:
+        self.field, self.text, self.doc = field, text, doc
 
     def read(self, cursor: Cursor, values: Values) -> None:
         """Read it."""
@@ -190,7 +183,6 @@ class Flag(Part):
         yield self.text, self.doc
 
 
-@dataclass(frozen=True)
 class Column(Part):
     """Where the column begins that stands below that of neighbours."""
 
@@ -199,24 +191,22 @@ class Column(Part):
         line.column()
 
 
-@dataclass(frozen=True)
 class Break(Part):
     """Where a line longer than `width` goes on in a line of its own."""
 
-    width: int
-    margin: str
+    def __init__(self, width: int, margin: str) -> None:
+        self.width, self.margin = width, margin
 
     def show(self, node: Any, line: Printed) -> None:
         """Print it."""
         line.break_off(self)
 
 
-@dataclass(frozen=True)
 class Suggest(Part):
     """Names something longer that could stand there, for an editor to offer."""
 
-    what: str
-    about: tuple[str, ...] = ()
+    def __init__(self, what: str, about: tuple[str, ...] = ()) -> None:
+        self.what, self.about = what, about
 
     def read(self, cursor: Cursor, values: Values) -> None:
         """Read it."""
@@ -229,16 +219,20 @@ Mention = Callable[[Word, Any], Occurrence]
 """What a name is, told by itself and its node."""
 
 
-@dataclass(frozen=True)
 class Name(Part):
     """A name; `what` completes *expected …*."""
 
-    field: str
-    what: str
-    mention: Mention | None = None
-    label: str = "NAME"
-    suggest: str = ""
-    empty: Any = None
+    def __init__(
+        self,
+        field: str,
+        what: str,
+        mention: Mention | None = None,
+        label: str = "NAME",
+        suggest: str = "",
+        empty: Any = None,
+    ) -> None:
+        self.field, self.what, self.mention = field, what, mention
+        self.label, self.suggest, self.empty = label, suggest, empty
 
     def read(self, cursor: Cursor, values: Values) -> None:
         """Read it."""
@@ -268,28 +262,33 @@ def _of_variable(word: Word, node: Any) -> Occurrence:
     return of_variable(word)
 
 
-@dataclass(frozen=True)
 class Variable(Name):
     """The name of a variable: of an ``input``, an ``output`` or either; see `Cursor.variable`."""
 
-    role: str = ""
-    follow: str = ""
-    mention: Mention | None = _of_variable
-    label: str = "VARIABLE"
+    def __init__(
+        self,
+        field: str,
+        what: str,
+        mention: Mention | None = _of_variable,
+        label: str = "VARIABLE",
+        *,
+        role: str = "",
+        follow: str = "",
+        empty: Any = None,
+    ) -> None:
+        super().__init__(field, what, mention, label, empty=empty)
+        self.role, self.follow = role, follow
 
     def read(self, cursor: Cursor, values: Values) -> None:
         """Read it."""
         values[self.field] = cursor.variable(self.what, self.role, self.follow)
 
 
-@dataclass(frozen=True)
 class Number(Part):
     """A number."""
 
-    field: str
-    what: str
-    label: str = "N"
-    finite: bool = True
+    def __init__(self, field: str, what: str, label: str = "N", *, finite: bool = True) -> None:
+        self.field, self.what, self.label, self.finite = field, what, label, finite
 
     def read(self, cursor: Cursor, values: Values) -> None:
         """Read it."""
@@ -310,15 +309,13 @@ class Number(Part):
         yield self.field, None
 
 
-@dataclass(frozen=True)
 class Interval(Part):
     """``LOW .. HIGH``, two numbers in one field; `where` completes *expected '..' …*."""
 
-    field: str
-    low: str
-    high: str
-    where: str
-    label: str = "LOW .. HIGH"
+    def __init__(
+        self, field: str, low: str, high: str, where: str, label: str = "LOW .. HIGH"
+    ) -> None:
+        self.field, self.low, self.high, self.where, self.label = field, low, high, where, label
 
     def read(self, cursor: Cursor, values: Values) -> None:
         """Read it."""
@@ -340,13 +337,11 @@ class Interval(Part):
         yield self.field, None
 
 
-@dataclass(frozen=True)
 class Text(Part):
     """A string in double quotes; it may be left out unless `what` says what is expected."""
 
-    field: str
-    what: str = ""
-    label: str = '"description"'
+    def __init__(self, field: str, what: str = "", label: str = '"description"') -> None:
+        self.field, self.what, self.label = field, what, label
 
     def read(self, cursor: Cursor, values: Values) -> None:
         """Read it."""
@@ -442,14 +437,13 @@ class Phrase(Part):
 # --- Parts of parts ---
 
 
-@dataclass(frozen=True)
 class Several(Part):
     """One or more of something, with a mark between; not where `stop` stands behind the mark."""
 
-    part: Any
-    between: tuple[str, ...] = (",",)
-    stop: str = ""
-    label: str = ""
+    def __init__(
+        self, part: Any, between: tuple[str, ...] = (",",), stop: str = "", label: str = ""
+    ) -> None:
+        self.part, self.between, self.stop, self.label = part, between, stop, label
 
     def read(self, cursor: Cursor, values: Values) -> None:
         """Read it."""
