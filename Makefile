@@ -10,13 +10,14 @@ PIP    := $(BIN)/python -m pip --disable-pip-version-check install --quiet
 DESIGNER := editors/designer
 NPM      := npm --prefix $(DESIGNER) --no-audit --no-fund --no-update-notifier --loglevel=error
 
-.PHONY: demo test native lint lint-page page-tools unit quick docs bench mutants fuzz editors designer types lock clean help
+.PHONY: demo test native wheels lint lint-page page-tools unit quick docs bench mutants fuzz editors designer types lock clean help
 
 help:
 	@echo "make demo   set up and run the whole story on rulebases/pd7.frb"
 	@echo "make test   set up and run linters, types and the whole test suite"
 	@echo "make quick  the tests without browser, compilers and pages: two minutes"
 	@echo "make native build the machine code of the kernels anew"
+	@echo "make wheels make wheels for this platform and, by ziglang, for others, and check them"
 	@echo "make docs   set up and build the pages as a site, in build/docs"
 	@echo "make bench  set up and measure against C and the peers that are installed"
 	@echo "make mutants  change the source in 300 ways and see which a test notices"
@@ -79,6 +80,10 @@ fuzz: $(VENV)/.dev
 
 native: $(VENV)/.run
 	$(BIN)/python -m fuzzyarm.native.build
+
+wheels: $(VENV)/.dev
+	$(PIP) ziglang==$(ZIG)
+	$(BIN)/python tools/wheels.py
 
 $(VENV)/bin/python:
 	$(PYTHON) -c 'import sys; sys.exit("fuzzyarm needs Python 3.11 or later") if sys.version_info < (3, 11) else None'

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+import importlib.util
 import os
-import re
 import shutil
 import subprocess
 import sys
-import sysconfig
+import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +15,9 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 PURE = "FUZZYARM_PURE"
 """Environment variable: ``1`` builds a wheel without machine code, for every platform."""
+
+PLATFORM = "FUZZYARM_PLATFORM"
+"""Environment variable: another platform, ``aarch64-linux`` …, for which ziglang compiles."""
 
 
 class KernelBuildHook(BuildHookInterface):
@@ -28,40 +31,55 @@ class KernelBuildHook(BuildHookInterface):
             return []
         compilers = [*os.environ.get("CC", "").split()[:1], "cc", "gcc", "clang"]
         needed = ["numpy>=2.0"]
-        return needed if any(map(shutil.which, compilers)) else [*needed, "ziglang>=0.13"]
+        is_there = not os.environ.get(PLATFORM) and any(map(shutil.which, compilers))
+        return needed if is_there else [*needed, "ziglang>=0.13"]
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
         """Build the module in front of the wheel; of an sdist the sources are all."""
         if self.target_name != "wheel" or _is_pure():
             return
         source = Path(self.root) / "src"
+        # What is installed to be edited finds the module beside its sources.
+        self._room = tempfile.TemporaryDirectory(prefix="fuzzyarm-")
+        folder = source / "fuzzyarm" if version == "editable" else Path(self._room.name)
         # The environment of the build may stand on the path of this process only.
         path = os.pathsep.join([str(source), *filter(None, sys.path)])
+        words = [sys.executable, "-m", "fuzzyarm.native.build", str(folder)]
+        other = os.environ.get(PLATFORM)
         done = subprocess.run(
-            [sys.executable, "-m", "fuzzyarm.native.build", str(source / "fuzzyarm")],
+            [*words, "--platform", other] if other else words,
             env={**os.environ, "PYTHONPATH": path, "FUZZYARM_NATIVE": "0"},
             capture_output=True, text=True, check=False,
         )  # fmt: skip
+        if done.returncode and other:
+            raise RuntimeError(f"no machine code for {other}:\n{done.stderr.strip()}")
         if done.returncode:
             self.app.display_warning(
                 f"fuzzyarm is built without machine code and will be slow:\n{done.stderr.strip()}"
             )
             return
-        (module,) = (source / "fuzzyarm").glob("_kernels.*")
+        (module,) = folder.glob("_kernels.*")
         build_data["pure_python"] = False
-        build_data["tag"] = f"cp311-abi3-{platform_tag(module)}"
-        build_data["artifacts"].append(f"/src/fuzzyarm/{module.name}")
+        build_data["tag"] = f"cp311-abi3-{_tag_of(module)}"
+        if version != "editable":
+            build_data["force_include"][str(module)] = f"fuzzyarm/{module.name}"
+
+    def finalize(self, version: str, build_data: dict[str, Any], artifact_path: str) -> None:
+        """Remove the module that went into the wheel."""
+        if room := getattr(self, "_room", None):
+            room.cleanup()
 
 
 def _is_pure() -> bool:
     return os.environ.get(PURE, "") not in {"", "0"}
 
 
-def platform_tag(module: Path) -> str:
-    """Return the tag of this platform: of Linux with the oldest glibc that the module runs on."""
-    tag = sysconfig.get_platform().replace("-", "_").replace(".", "_")
-    needed = re.findall(rb"GLIBC_(\d+)\.(\d+)", module.read_bytes())
-    if not tag.startswith("linux_") or not needed:
-        return tag
-    major, minor = max((int(major), int(minor)) for major, minor in needed)
-    return tag.replace("linux_", f"manylinux_{major}_{minor}_")
+def _tag_of(module: Path) -> str:
+    """Return the platform of a module; what reads it is loaded without the rest of fuzzyarm."""
+    path = Path(__file__).with_name("src") / "fuzzyarm" / "native" / "binaries.py"
+    spec = importlib.util.spec_from_file_location("binaries", path)
+    assert spec is not None
+    assert spec.loader is not None
+    binaries = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(binaries)
+    return str(binaries.platform_tag(module))

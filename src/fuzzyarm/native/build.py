@@ -22,6 +22,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from fuzzyarm.kernels import digest_of_sources
+from fuzzyarm.native.abroad import definition_of_python3, headers_for_any_platform
 from fuzzyarm.native.printing import UNITS, kernels_in_c
 from fuzzyarm.native.roots import roots
 
@@ -36,6 +37,9 @@ FLAGS = (
     # The block of a rule base is read as whole numbers and as floats.
     "-fno-strict-aliasing", "-fPIC", "-fvisibility=hidden",
 )  # fmt: skip
+
+OF_GCC_ALONE = frozenset({"-fno-tree-loop-distribute-patterns"})
+"""What clang has no word for: it warns of them, and the ``ziglang`` wheel's refuses them."""
 
 LEVELS = {"baseline": "", "v3": "x86-64-v3"}
 """Processors of the levels; the second for x86-64 only."""
@@ -65,7 +69,7 @@ class Compiler(NamedTuple):
     @property
     def levels(self) -> dict[str, tuple[str, ...]]:
         """Flags of each level that the machine has."""
-        if self.machine not in {"x86_64", "AMD64", "amd64"}:
+        if self.machine != "x86_64":
             return {"baseline": ()}
         # The compiler of the wheel spells processors in its own way.
         flags = {
@@ -82,16 +86,31 @@ class Compiler(NamedTuple):
 
     def compile(self, source: Path, result: Path, *flags: str) -> None:
         """Compile one file."""
-        self.run("-c", str(source), "-o", str(result), *FLAGS, *flags)
+        words = [word for word in (*FLAGS, *flags) if not (self.is_zig and word in OF_GCC_ALONE)]
+        self.run("-c", str(source), "-o", str(result), *words)
 
     def link(self, objects: Sequence[Path], result: Path) -> None:
-        """Make an extension module of object files."""
+        """Make an extension module of object files, and of libraries among them."""
         more = {
             "linux": ["-shared", "-lm"],
             "macos": ["-shared", "-undefined", "dynamic_lookup"],
             "windows": ["-shared"],
         }[self.system]
+        if self.is_zig and self.system == "linux":
+            more.append("-s")  # three quarters would be what debuggers ask for
         self.run(*map(str, objects), "-o", str(result), *more)
+
+    @property
+    def is_for_here(self) -> bool:
+        """Whether it compiles for the platform at hand."""
+        return (self.machine, self.system) == (_own_machine(), _own_system())
+
+    def import_library(self, definition: Path, result: Path) -> None:
+        """Make the library by which a module for Windows finds the symbols of ``python3.dll``."""
+        tool = (*self.words[:3], "dlltool") if self.is_zig else ("dlltool",)
+        machine = {"aarch64": "arm64"}.get(self.machine, "i386:x86-64")
+        whole = ("-m", machine, "-d", str(definition), "-l", str(result))
+        Compiler(tool, self.machine, self.system).run(*whole)
 
     def run(self, *words: str) -> None:
         """Run it.
@@ -121,7 +140,7 @@ def find_compiler() -> Compiler:
     BuildError
         If there is none.
     """
-    machine, system = platform.machine(), _SYSTEMS.get(sys.platform, "linux")
+    machine, system = _own_machine(), _own_system()
     named = shlex.split(os.environ.get("CC", ""))
     for words in (named, ["cc"], ["gcc"], ["clang"]):
         if words and shutil.which(words[0]):
@@ -135,14 +154,20 @@ def find_compiler() -> Compiler:
 
 def zig(machine: str, system: str) -> Compiler:
     """Return the compiler of the ``ziglang`` wheel for a machine and a system, this or another."""
-    machine = {"AMD64": "x86_64", "amd64": "x86_64", "arm64": "aarch64"}.get(machine, machine)
-    # By name, or it would compile for the processor at hand; of Linux with an old glibc.
-    platform = {"linux": "linux-gnu.2.28", "macos": "macos", "windows": "windows-gnu"}[system]
-    words = (sys.executable, "-m", "ziglang", "cc", "-target", f"{machine}-{platform}")
+    # By name, or it would compile for the processor at hand; with an old glibc, an old macOS.
+    target = {"linux": "linux-gnu.2.28", "macos": "macos.11.0", "windows": "windows-gnu"}[system]
+    words = (sys.executable, "-m", "ziglang", "cc", "-target", f"{machine}-{target}")
     return Compiler(words, machine, system)
 
 
-_SYSTEMS = {"darwin": "macos", "win32": "windows"}
+def _own_machine() -> str:
+    """Return the machine at hand, by the name that compilers have for it."""
+    machine = platform.machine()
+    return {"AMD64": "x86_64", "amd64": "x86_64", "arm64": "aarch64"}.get(machine, machine)
+
+
+def _own_system() -> str:
+    return {"darwin": "macos", "win32": "windows"}.get(sys.platform, "linux")
 
 
 def build(folder: Path, compiler: Compiler | None = None) -> Path:
@@ -173,7 +198,8 @@ def build(folder: Path, compiler: Compiler | None = None) -> Path:
         with ThreadPoolExecutor(os.cpu_count() or 1) as pool:  # the compiler is another process
             list(pool.map(lambda job: compiler.compile(job.source, job.result, *job.flags), jobs))
         linked = work / result.name
-        compiler.link([job.result for job in jobs], linked)
+        libraries = [_python3(work, compiler)] if compiler.system == "windows" else []
+        compiler.link([*(job.result for job in jobs), *libraries], linked)
         unfinished = result.with_name(f".{result.name}.{os.getpid()}")
         shutil.copy2(linked, unfinished)
         unfinished.replace(result)  # a process that has it open keeps the old one
@@ -201,7 +227,23 @@ def _jobs(work: Path, compiler: Compiler) -> Iterator[Job]:
     own = Path(__file__).with_name("module.c").read_text(encoding="utf-8")
     module.write_text(own + sources, encoding="utf-8")
     v3 = ["-DFUZZYARM_V3"] if "v3" in compiler.levels else []
-    yield Job(module, work / "module.o", (f"-I{sysconfig.get_path('include')}", *v3))
+    yield Job(module, work / "module.o", (f"-I{_headers(work, compiler)}", *v3))
+
+
+def _headers(work: Path, compiler: Compiler) -> Path:
+    """Return the folder of Python's headers."""
+    if compiler.is_for_here:
+        return Path(sysconfig.get_path("include"))
+    folder = work / "include"
+    return folder if folder.exists() else headers_for_any_platform(folder)
+
+
+def _python3(work: Path, compiler: Compiler) -> Path:
+    """Write the import library of ``python3.dll``."""
+    definition, library = work / "python3.def", work / "python3.lib"
+    definition.write_text(definition_of_python3(_headers(work, compiler)), encoding="ascii")
+    compiler.import_library(definition, library)
+    return library
 
 
 SUFFIXES = {"linux": ".abi3.so", "macos": ".abi3.so", "windows": ".pyd"}
@@ -212,7 +254,11 @@ def main() -> None:
     """Build into the folder that is named."""
     parser = argparse.ArgumentParser(description="build the machine code of fuzzyarm")
     parser.add_argument("folder", type=Path, nargs="?", default=Path(__file__).parents[1])
-    build(parser.parse_args().folder)
+    parser.add_argument(
+        "--platform", metavar="MACHINE-SYSTEM", help="by ziglang for another: aarch64-macos"
+    )
+    words = parser.parse_args()
+    build(words.folder, zig(*words.platform.split("-")) if words.platform else None)
 
 
 if __name__ == "__main__":

@@ -1,0 +1,80 @@
+"""What compiling for another platform takes beside its compiler: headers and names of Python.
+
+The headers of the stable ABI are the same everywhere but for ``pyconfig.h``, which says what the
+platform of an installation has. Windows looks for every symbol in a named library when a module is
+linked: its import library is made of the names that the headers declare.
+"""
+
+from __future__ import annotations
+
+import re
+import shutil
+import sysconfig
+from pathlib import Path
+
+__all__ = ["declared_names", "definition_of_python3", "headers_for_any_platform"]
+
+_PYCONFIG = """\
+/* What Python's headers ask of a platform, from the compiler itself. */
+#ifndef Py_PYCONFIG_H
+#define Py_PYCONFIG_H
+#define SIZEOF_SHORT __SIZEOF_SHORT__
+#define SIZEOF_INT __SIZEOF_INT__
+#define SIZEOF_LONG __SIZEOF_LONG__
+#define SIZEOF_LONG_LONG __SIZEOF_LONG_LONG__
+#define SIZEOF_SIZE_T __SIZEOF_SIZE_T__
+#define SIZEOF_VOID_P __SIZEOF_POINTER__
+#define SIZEOF_WCHAR_T __SIZEOF_WCHAR_T__
+#define SIZEOF_DOUBLE __SIZEOF_DOUBLE__
+#define HAVE_STDINT_H 1
+#define HAVE_INTTYPES_H 1
+#define HAVE_SSIZE_T 1
+#ifdef _WIN32
+/* Symbols of python3.dll are imported, data as well. */
+#define MS_WINDOWS 1
+#define Py_ENABLE_SHARED 1
+#define HAVE_DECLSPEC_DLL 1
+#endif
+#endif
+"""
+
+_DECLARED = re.compile(r"PyAPI_(FUNC|DATA)\s*\([^()]*\)\s*(_?Py\w+)")
+
+
+def headers_for_any_platform(folder: Path) -> Path:
+    """Write Python's headers into a folder, such that they serve on every platform.
+
+    Parameters
+    ----------
+    folder : path
+        Is made.
+
+    Returns
+    -------
+    path
+        The folder, for ``-I``.
+    """
+    own = Path(sysconfig.get_path("include"))
+    shutil.copytree(own, folder, ignore=shutil.ignore_patterns("internal", "pyconfig*"))
+    (folder / "pyconfig.h").write_text(_PYCONFIG, encoding="ascii")
+    return folder
+
+
+def declared_names(headers: Path) -> dict[str, bool]:
+    """Return what the public headers of Python declare: names, and whether each is data.
+
+    Some are of later versions or of no stable ABI: a module that uses one of them is not loaded, as
+    on every platform.
+    """
+    return {
+        match[2]: match[1] == "DATA"
+        for header in sorted(headers.glob("*.h"))
+        for match in _DECLARED.finditer(header.read_text(encoding="utf-8"))
+    }
+
+
+def definition_of_python3(headers: Path) -> str:
+    """Return the definition file of ``python3.dll``, from which an import library is made."""
+    names = declared_names(headers)
+    lines = [f"  {name} DATA" if data else f"  {name}" for name, data in names.items()]
+    return "\n".join(["LIBRARY python3.dll", "EXPORTS", *lines, ""])
