@@ -62,6 +62,7 @@ def test_headers_for_any_platform(tmp_path):
     assert names["PyFloat_FromDouble"] is False
     assert names["PyExc_ValueError"] is True
     assert names["_Py_NoneStruct"] is True
+    assert names["_PyArg_ParseTuple_SizeT"] is False
     lines = definition_of_python3(headers).splitlines()
     assert lines[:2] == ["LIBRARY python3.dll", "EXPORTS"]
     assert {"  PyExc_ValueError DATA", "  PyFloat_FromDouble", "  _Py_Dealloc"} <= set(lines)

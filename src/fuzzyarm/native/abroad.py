@@ -39,6 +39,8 @@ _PYCONFIG = """\
 """
 
 _DECLARED = re.compile(r"PyAPI_(FUNC|DATA)\s*\([^()]*\)\s*(_?Py\w+)")
+_RENAMED = re.compile(r"^# *define +Py\w+ +(_Py\w+_SizeT)$", re.MULTILINE)
+"""Where ``PY_SSIZE_T_CLEAN`` is defined, functions that read formats are others."""
 
 
 def headers_for_any_platform(folder: Path) -> Path:
@@ -66,11 +68,12 @@ def declared_names(headers: Path) -> dict[str, bool]:
     Some are of later versions or of no stable ABI: a module that uses one of them is not loaded, as
     on every platform.
     """
-    return {
-        match[2]: match[1] == "DATA"
-        for header in sorted(headers.glob("*.h"))
-        for match in _DECLARED.finditer(header.read_text(encoding="utf-8"))
-    }
+    names = {}
+    for header in sorted(headers.glob("*.h")):
+        text = header.read_text(encoding="utf-8")
+        names |= {match[2]: match[1] == "DATA" for match in _DECLARED.finditer(text)}
+        names |= dict.fromkeys(_RENAMED.findall(text), False)
+    return names
 
 
 def definition_of_python3(headers: Path) -> str:
