@@ -118,7 +118,10 @@ def rule(
 
 
 def leaves_at_point(
-    function: Callable[[float], float], edges: list[float], noise: float
+    function: Callable[[float], float],
+    edges: list[float],
+    noise: float,
+    whole: tuple[float, float] | None = None,
 ) -> list[Leaf]:
     """Integrate one aggregate.
 
@@ -127,16 +130,19 @@ def leaves_at_point(
     function : callable
         The aggregate at a position.
     edges : list of float
-        Of the panels, in order; the first and the last are the range.
+        Of the panels, in order; of nothing there are none.
     noise : float
         See :func:`noise_of`.
+    whole : (float, float), optional
+        The range, if the edges are of a part of it: moments are about its centre in any case.
 
     Returns
     -------
     list of Leaf
         In order, without gaps.
     """
-    centre, half_range = 0.5 * (edges[0] + edges[-1]), 0.5 * (edges[-1] - edges[0])
+    low, high = whole or (edges[0], edges[-1])
+    centre, half_range = 0.5 * (low + high), 0.5 * (high - low)
     budget = MOST_PANELS
     stack = []
     total = 0.0

@@ -24,6 +24,7 @@ systems*, 2008.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -145,65 +146,54 @@ def _ends_of_samples(plan: OutputPlan, fired: Fired) -> Interval | None:
 
 
 class _Curve(NamedTuple):
-    """One of the two sets: finished panels, and what they are panels of."""
+    """One of the two sets, and the edges of its first panels."""
 
     function: Callable[[float], float]
-    leaves: list[Leaf]
+    edges: list[float]
     noise: float
-    centre: float
 
-    @property
-    def area(self) -> float:
-        return added_up(leaf.area for leaf in self.leaves)
+    def leaves(self, start: float = -math.inf, end: float = math.inf) -> list[Leaf]:
+        """Return the finished panels between two positions.
 
-    @property
-    def moment(self) -> float:
-        return added_up(leaf.moment for leaf in self.leaves)
+        Halved anew, as the kernel does, which has no room to keep those of the whole.
+        """
+        low, high = self.edges[0], self.edges[-1]
+        start, end = max(start, low), min(end, high)
+        inner = [edge for edge in self.edges if start < edge < end]
+        edges = [start, *inner, end] if start < end else []
+        return leaves_at_point(self.function, edges, self.noise, (low, high))
 
-    def between(self, start: float, end: float) -> tuple[float, float]:
+    def between(self, start: float = -math.inf, end: float = math.inf) -> tuple[float, float]:
         """Return area and moment (about the centre of the range) between two positions."""
-        area = moment = 0.0
-        for leaf in self.leaves:
-            a, b = max(leaf.x0, start), min(leaf.x1, end)
-            if not a < b:
-                continue
-            if a == leaf.x0 and b == leaf.x1:
-                area, moment = area + leaf.area, moment + leaf.moment
-                continue
-            shift = 0.5 * (a + b) - self.centre
-            for part in leaves_at_point(self.function, [a, b], self.noise):
-                area += part.area
-                moment += part.moment + shift * part.area
-        return area, moment
+        leaves = self.leaves(start, end)
+        return added_up(leaf.area for leaf in leaves), added_up(leaf.moment for leaf in leaves)
 
 
 def _curve(plan: OutputPlan, fired: Fired) -> _Curve:
     noise = noise_of(plan, max((strength for _, strength in fired), default=0.0))
-    function = aggregate(plan, fired, integrated=True)
-    leaves = leaves_at_point(function, edges_of(plan, fired), noise)
-    return _Curve(function, leaves, noise, 0.5 * (plan.output.low + plan.output.high))
+    return _Curve(aggregate(plan, fired, integrated=True), edges_of(plan, fired), noise)
 
 
 def _ends_of_sets(plan: OutputPlan, fired: Fired) -> Interval | None:
     if plan.enveloped:
         return _ends_of_envelopes(plan, fired)
     upper, lower = (_curve(plan, side_of(plan, fired, side)) for side in (UPPER, LOWER))
-    if not upper.area > 0.0:
+    (area, moment), (lower_area, more) = upper.between(), lower.between()
+    if not area > 0.0:
         return None
-    if not lower.area > 0.0:
-        covered = [leaf for leaf in upper.leaves if leaf.area > 0.0]
+    if not lower_area > 0.0:
+        covered = [leaf for leaf in upper.leaves() if leaf.area > 0.0]
         return covered[0].x0, covered[-1].x1
-    start = (upper.moment + lower.moment) / (upper.area + lower.area)
-    low, high, centre = plan.output.low, plan.output.high, upper.centre
-    left = right = centre + start
+    centre = 0.5 * (plan.output.low + plan.output.high)
+    left = right = centre + (moment + more) / (area + lower_area)
     for _ in range(STEPS):
-        (a1, m1), (a2, m2) = lower.between(low, right), upper.between(right, high)
+        (a1, m1), (a2, m2) = lower.between(end=right), upper.between(right)
         following = centre + (m1 + m2) / (a1 + a2)
         if not following > right:
             break
         right = following
     for _ in range(STEPS):
-        (a1, m1), (a2, m2) = upper.between(low, left), lower.between(left, high)
+        (a1, m1), (a2, m2) = upper.between(end=left), lower.between(left)
         following = centre + (m1 + m2) / (a1 + a2)
         if not following < left:
             break
@@ -248,8 +238,7 @@ def nie_tan_at_point(plan: OutputPlan, fired: Fired) -> float | None:
             behind = envelop_at_point(plan, own, heap, behind)
             continue
         if plan.output.defuzzifier.resolution is None:
-            curve = _curve(plan, own)
-            a, m = curve.area, curve.moment
+            a, m = _curve(plan, own).between()
         else:
             a, m = _sums_of_samples(plan, own)
         area, moment = area + a, moment + m
