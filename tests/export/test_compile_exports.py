@@ -111,7 +111,7 @@ def test_a_header_serves_cxx_too(tmp_path, monkeypatch):
 def test_every_output_gets_a_function(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     Path("two.frb").write_text(TWO)
-    for options in ([], ["--direct"]):
+    for options in ([], ["--direct"], ["--table"]):
         assert main(["compile", "two.frb", "-o", "two.h", "--json", *options]) == 0
         data = json.loads(capsys.readouterr().out)
         assert data["files"] == ["two.h"]
@@ -120,11 +120,67 @@ def test_every_output_gets_a_function(tmp_path, monkeypatch, capsys):
             "float two_z_z(float a)",
         ]
         assert [len(f["operations"]) > 0 for f in data["functions"]] == [True, True]
-        assert len(data["tables"]) == (0 if options else 2)
+        assert len(data["tables"]) == (2 if options == ["--table"] else 0)
     assert main(["compile", "two.frb", "-o", "two.h", "--output", "z z"]) == 0
     assert "two_y" not in Path("two.h").read_text()
     assert main(["compile", "two.frb", "-o", "two.st"]) == 0
     assert Path("two.st").read_text().count("FUNCTION_BLOCK two_") == 2
+
+
+FIS = """[System]
+Name='tip'
+Type='mamdani'
+NumInputs=1
+NumOutputs=1
+NumRules=2
+AndMethod='min'
+OrMethod='max'
+ImpMethod='min'
+AggMethod='max'
+DefuzzMethod='centroid'
+[Input1]
+Name='service'
+Range=[0 10]
+NumMFs=2
+MF1='poor':'gaussmf',[1.5 0]
+MF2='good':'gaussmf',[1.5 10]
+[Output1]
+Name='tip'
+Range=[0 30]
+NumMFs=2
+MF1='cheap':'trimf',[0 5 10]
+MF2='generous':'trimf',[20 25 30]
+[Rules]
+1, 1 (1) : 1
+2, 2 (1) : 1
+"""
+
+
+def test_a_foreign_file_is_inferred_and_a_table_has_to_be_asked_for(tmp_path, monkeypatch, capsys):
+    """Thirteen even levels that nobody chose would be off by some units of the output."""
+    monkeypatch.chdir(tmp_path)
+    Path("tip.fis").write_text(FIS)
+    assert main(["compile", "tip.fis", "-o", "tip.h"]) == 0
+    said = capsys.readouterr().out
+    assert "cells" not in said
+    assert "float tip_tip(float service)" in said
+    compile_c(["-x", "c", "tip.h"], tmp_path / "test", HOST, "-DFUZZYARM_SELF_TEST")
+    assert execute(tmp_path / "test") == 0
+    for options in (["--table"], ["--levels", "9"], ["--q", "7"], ["--mode", "linear"]):
+        assert main(["compile", "tip.fis", "-o", "tip.h", *options]) == 0
+        assert "cells of tip over service" in capsys.readouterr().out
+
+
+def test_what_cannot_be_inferred_says_that_a_table_can(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    Path("tip.fis").write_text(FIS.replace("DefuzzMethod='centroid'", "DefuzzMethod='mom'"))
+    words = ["compile", "tip.fis", "-o", "tip.h"]
+    assert main([*words, "--precision", "float32"]) == 1
+    err = capsys.readouterr().err
+    assert "double precision only" in err
+    assert "--table" in err
+    assert not Path("tip.h").exists()
+    assert main([*words, "--precision", "float32", "--table"]) == 0
 
 
 @pytest.mark.parametrize(
@@ -135,7 +191,8 @@ def test_every_output_gets_a_function(tmp_path, monkeypatch, capsys):
         ([PD7, "-o", "x.h", "--direct", "--q", "7"], "--q does not apply"),
         ([PD7, "-o", "x.h", "--direct", "--levels", "7"], "--levels does not apply"),
         ([PD7, "-o", "x.fmu"], "an .fmu is made from a controller"),
-        ([PD7, "-o", "x.h", "--table"], "--table does not apply"),
+        ([PD7, "-o", "x.h", "--table", "--direct"], "--table and --direct exclude each other"),
+        ([PD7, "-o", "x.lut", "--table"], "--table does not apply"),
         ([PD7, "-o", "x.h", "--name", "int"], "'int' cannot begin an identifier"),
         ([PD7, "-o", "x.h", "--name", "a b"], "for instance a_b_x"),
         ([PD7, "-o", "x.h", "--q", "7", "--precision", "float32"], "--precision does not apply"),

@@ -414,5 +414,5 @@ def test_the_command_says_what_it_wrote(tmp_path, monkeypatch, capsys):
 def test_only_a_controller_becomes_a_unit(tmp_path, capsys):
     assert main(["compile", str(shipped("pd7.frb")), "-o", str(tmp_path / "x.fmu")]) != 0
     assert "made from a controller" in capsys.readouterr().err
-    assert main(["compile", str(shipped("pd7.frb")), "-o", str(tmp_path / "x.h"), "--table"]) != 0
+    assert main(["compile", str(shipped("pd7.frb")), "-o", str(tmp_path / "x.lut"), "--table"]) != 0
     assert "--table does not apply" in capsys.readouterr().err

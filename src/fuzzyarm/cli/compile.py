@@ -12,8 +12,9 @@ average, for each way of looking it up; "proved" holds between the points too.
 With --tolerance T the smallest even grid is searched whose linear interpolation differs nowhere
 by more than T; the file's lookup settings are then not used.
 
-Source text looks a table up, by --mode; with --q 15 or --q 7 in whole numbers. With --direct
-the rules themselves are inferred. All outputs go into one file unless --output names one.
+Source text infers the rules themselves; of a file with `lookup` settings it looks tables up, by
+--mode, with --q 15 or --q 7 in whole numbers. --direct and --table say which, and an option of
+a table (--levels, --mode, --q …) means one. All outputs go into one file unless --output names one.
 
 A controller becomes a state with `init` and `step` in C, a function block, or with .fmu a
 co-simulation unit (FMI), built with the C compiler that is there. Its rules are inferred, or
@@ -66,10 +67,10 @@ _UNIT = ".fmu"
 _MODULES = (".mjs", ".js")
 
 # Options that make no sense for some inputs or outputs, by their names.
-_SOURCE_ONLY = ("direct", "q", "precision", "name")
-_RULES_ONLY = ("direct", "levels", "tolerance", "round", "date", "ends")
+_SOURCE_ONLY = ("direct", "table", "q", "precision", "name")
+_RULES_ONLY = ("direct", "table", "levels", "tolerance", "round", "date", "ends")
 _TABLES_ONLY = ("levels", "tolerance", "round", "date", "mode", "q")
-_CONTROLLERS_ONLY = ("table", "fmi", "certificate")
+_CONTROLLERS_ONLY = ("fmi", "certificate")
 _MADE_TABLES_ONLY = ("levels", "tolerance", "round", "date", "mode")
 
 
@@ -109,7 +110,7 @@ def _write_module(arguments: argparse.Namespace) -> None:
     model = load_sheet(arguments.file)
     if not isinstance(model, RuleBase):
         raise WordError(f"a module of JavaScript is made of a rule base, not {arguments.file}")
-    refused = (*_TABLES_ONLY, *_CONTROLLERS_ONLY, "precision", "output", "name")
+    refused = (*_TABLES_ONLY, *_CONTROLLERS_ONLY, "table", "precision", "output", "name")
     _forbid(arguments, refused, "JavaScript infers the rules of all outputs")
     text = rule_base_module(model, arguments.file)
     write_atomically(arguments.out, text)
@@ -135,6 +136,8 @@ def _compile_sheet(arguments: argparse.Namespace, *, exports: bool) -> None:
         else:
             _rewrite(model, arguments)
     elif arguments.direct:
+        if arguments.table:
+            raise WordError("--table and --direct exclude each other")
         _forbid(arguments, (*_TABLES_ONLY, "ends"), "with --direct there is no table")
         _export(model, arguments)
     elif exports:
@@ -419,8 +422,8 @@ COMMANDS = (
         json_of("the report"),
         *group(
             "source text (.h, .c, .st) and units (.fmu)",
-            flag("--direct", "infer the rules, without a table (of controllers: the default)"),
-            flag("--table", "of a controller: look tables up instead of inferring its rules"),
+            flag("--direct", "infer the rules, without a table: the default without lookup settings"),
+            flag("--table", "look tables up instead of inferring the rules"),
             argument("--fmi", "version of FMI, 2 by default", type=int, choices=(2, 3)),
             argument("--q", "fixed point: int16 or int8", type=int, choices=(15, 7)),
             argument(

@@ -18,9 +18,10 @@ from fuzzyarm.table.fidelity import CompileReport, compile_with_report
 if TYPE_CHECKING:
     from fuzzyarm.controller.text import ControllerText
     from fuzzyarm.export import Exported, ExportedController
+    from fuzzyarm.export.routine import Routine
     from fuzzyarm.table import LookupTable
 
-__all__ = ["Making", "compiled", "program_of", "source_of"]
+__all__ = ["Making", "compiled", "infers", "program_of", "routines_for", "source_of"]
 
 Tell = Callable[[str], None]
 """Called with a word on what is going on."""
@@ -47,9 +48,9 @@ class Making:
     date : str or None
         Goes into the provenance of tables.
     direct : bool
-        Infer the rules, without a table; of a controller that is the default.
+        Infer the rules, without a table; see `infers`.
     table : bool
-        Of a controller: look tables up.
+        Look tables up.
     q : int or None
         15 or 7: tables in whole numbers.
     precision : str or None
@@ -76,6 +77,18 @@ class Making:
     name: str | None = None
     fmi: int = 2
     proofs: tuple[str, ...] = ()
+
+
+def infers(model: RuleBase | LookupTable, how: Making) -> bool:
+    """Return whether source text infers the rules of a model instead of looking a table up.
+
+    Unless it is said, the rules are inferred but where the file has `lookup` settings, or
+    where something is asked of a table.
+    """
+    if how.direct or not isinstance(model, RuleBase):
+        return how.direct
+    of_a_table = (how.levels, how.tolerance, how.rounding, how.mode, how.date, how.q)
+    return model.lookup is None and not how.table and all(each is None for each in of_a_table)
 
 
 def compiled(
@@ -110,7 +123,7 @@ def source_of(
     Parameters
     ----------
     model : RuleBase or LookupTable
-        Of a rule base every output is compiled, or inferred where that is asked for.
+        Of a rule base every output is compiled, or inferred where `infers` says so.
     path : str or Path
         Its suffix is the language: ``.h``, ``.c`` or ``.st``.
     how : Making
@@ -123,13 +136,30 @@ def source_of(
     FuzzyarmError
         If something cannot be exported so.
     """
-    from fuzzyarm.export import export_files, routines_of
+    from fuzzyarm.export import ExportError, export_files
 
+    try:
+        routines, reports = routines_for(model, path, how, progress)
+    except ExportError as error:
+        if how.direct or not infers(model, how):
+            raise
+        hint = f"{error.hint}, or --table" if error.hint else "--table looks a table of it up"
+        raise error.in_file("", hint) from error
+    return export_files(routines, path, how.name), reports
+
+
+def routines_for(
+    model: RuleBase | LookupTable, path: str | Path, how: Making, progress: Tell | None = None
+) -> tuple[tuple[Routine, ...], tuple[CompileReport, ...]]:
+    """Return the routines of a rule base or a table, and its tables; as :func:`source_of`."""
+    from fuzzyarm.export import routines_of
+
+    direct = infers(model, how)
     reports: tuple[CompileReport, ...] = ()
     chosen: RuleBase | list[LookupTable]
     if not isinstance(model, RuleBase):
         chosen = [model]
-    elif how.direct:
+    elif direct:
         chosen = model
     else:
         names = (how.output,) if how.output else tuple(each.name for each in model.outputs)
@@ -145,14 +175,14 @@ def source_of(
     }
     routines = routines_of(
         chosen,
-        output=how.output if how.direct else None,
+        output=how.output if direct else None,
         mode=how.mode,
         q=how.q,
         precision=how.precision or default,
         source=how.source or None,
         proved=proved,
     )
-    return export_files(routines, path, how.name), reports
+    return routines, reports
 
 
 def program_of(
