@@ -342,6 +342,14 @@ def test_what_is_walked_over_tables_has_the_bits_of_the_model(tmp_path, settings
     np.testing.assert_array_equal(results[0], routines[0].model(*columns))
 
 
+def test_an_output_without_rules_is_walked_as_well(tmp_path):
+    model = dataclasses.replace(overlapping(made(defuzzifier="bisector(41)")), blocks=())
+    (routine,) = routines_of(model)
+    columns = points_for(model, 20)
+    (found,) = run_c([routine], [columns], tmp_path)
+    np.testing.assert_array_equal(found, routine.evaluate(*columns))
+
+
 def test_what_is_walked_over_tables_needs_double_precision():
     with pytest.raises(ExportError, match="found in double precision only") as caught:
         routines_of(made(defuzzifier="bisector(41)"), precision="float32")

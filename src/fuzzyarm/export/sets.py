@@ -36,7 +36,7 @@ from fuzzyarm.text.diagnostic import NOWHERE, Span
 
 ZERO, ONE = constant(0.0), constant(1.0)
 
-TABLE_HINT = "leave out --direct to export a table"
+TABLE_HINT = "--table makes a table of it"
 
 
 def refuse(what: str, at: Span = NOWHERE, instead: str = "") -> ExportError:

@@ -176,12 +176,11 @@ class Walk:
         total, value = np.zeros(size), np.zeros(size)
         for start in range(0, size, _AT_ONCE):
             part = slice(start, min(start + _AT_ONCE, size))
-            total[part], value[part] = self._some([row[part] for row in flat])
+            total[part], value[part] = self._some([row[part] for row in flat], total[part].size)
         return {self.total: total.reshape(shape), self.value: value.reshape(shape)}
 
-    def _some(self, rows: Sequence[Array]) -> tuple[Array, Array]:
+    def _some(self, rows: Sequence[Array], points: int) -> tuple[Array, Array]:
         layout, defuzzify = self._in_memory
-        points = len(rows[0])
         whole, floats = len(layout.whole), len(layout.floats)
         room = (layout.rows + at.WORK_ROWS) * points + 2 * layout.samples
         block = np.zeros(whole + floats + room)

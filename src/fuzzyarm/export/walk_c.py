@@ -17,6 +17,7 @@ import numpy as np
 
 from fuzzyarm.export.numbers import ExportError, c_number
 from fuzzyarm.export.routine import ONE_OF_TWO, CWriter
+from fuzzyarm.export.sets import TABLE_HINT
 from fuzzyarm.export.walk import Walk
 from fuzzyarm.translation.functions import NotTranslatedError, Translation
 from fuzzyarm.translation.targets import C99
@@ -68,7 +69,7 @@ def walk_in_c(walk: Walk, writer: CWriter, wanted: str) -> str:
     try:
         function = translation.function(walk.function, [*arrays, WHOLE])
     except NotTranslatedError as error:
-        raise ExportError(str(error), hint="leave out --direct to export a table") from None
+        raise ExportError(str(error), hint=TABLE_HINT) from None
     words = {
         "WHOLES": translation.type_name(Array.WHOLES),
         "CONSTANTS": translation.type_name(Array.CONSTANTS),

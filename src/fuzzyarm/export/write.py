@@ -87,7 +87,7 @@ def routines_of(
         if q is not None:
             raise ExportError(
                 "direct inference is exported in floating point only",
-                hint="leave out --direct to export a table in fixed point",
+                hint="--table makes a table in fixed point",
             )
         if mode is not None:
             raise ExportError("direct inference has no lookup mode", hint="leave out --mode")

@@ -137,13 +137,14 @@ def source_of(
         If something cannot be exported so.
     """
     from fuzzyarm.export import ExportError, export_files
+    from fuzzyarm.export.sets import TABLE_HINT
 
     try:
         routines, reports = routines_for(model, path, how, progress)
     except ExportError as error:
         if how.direct or not infers(model, how):
             raise
-        hint = f"{error.hint}, or --table" if error.hint else "--table looks a table of it up"
+        hint = error.hint if "--table" in error.hint else f"{error.hint}, or {TABLE_HINT}"
         raise error.in_file("", hint) from error
     return export_files(routines, path, how.name), reports
 
