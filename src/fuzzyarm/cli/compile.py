@@ -16,12 +16,17 @@ Source text infers the rules themselves; of a file with `lookup` settings it loo
 --mode, with --q 15 or --q 7 in whole numbers. --direct and --table say which, and an option of
 a table (--levels, --mode, --q …) means one. All outputs go into one file unless --output names one.
 
+With --for arduino or platformio OUT is a folder that opens in that program: a library whose
+tables stay in flash, a sketch, a self-test, and a README with the bytes and cycles that a board
+takes, measured where avr-gcc and simavr are installed.
+
 A controller becomes a state with `init` and `step` in C, a function block, or with .fmu a
 co-simulation unit (FMI), built with the C compiler that is there. Its rules are inferred, or
 with --table looked up in tables that are made as above.
 
   fuzzyarm compile rulebases/pd7.frb -o controller.h --q 15
   fuzzyarm compile rulebases/stfc.frb -o stfc.h
+  fuzzyarm compile rulebases/tipper.frb --for arduino -o tipper
 """
 
 from __future__ import annotations
@@ -80,6 +85,11 @@ def _run(arguments: argparse.Namespace) -> int:
 
     tables = (*SUFFIXES, LATEX)
     arguments.out = str(Path(arguments.out))  # ./x.lut is x.lut
+    place = getattr(arguments, "for")
+    if place is not None:
+        _write_for_board(arguments, place)
+        return 0
+    _forbid(arguments, ("board",), "without --for nothing is made for a board")
     suffix = require_suffix(arguments.out, (*tables, *_EXPORTS, _UNIT, *_MODULES))
     if suffix in _MODULES:
         _write_module(arguments)
@@ -99,6 +109,17 @@ def _run(arguments: argparse.Namespace) -> int:
     _forbid(arguments, _CONTROLLERS_ONLY, f"{arguments.file} is not exported as a controller")
     _compile_sheet(arguments, exports=exports)
     return 0
+
+
+def _write_for_board(arguments: argparse.Namespace, place: str) -> None:
+    """Write a folder for Arduino or PlatformIO."""
+    from fuzzyarm.cli.boards import write_for_board
+
+    _forbid(arguments, ("ends", "fmi", "certificate"), f"--for {place} makes a folder for a board")
+    if arguments.table and arguments.direct:
+        raise WordError("--table and --direct exclude each other")
+    with _of_file(arguments.file):
+        write_for_board(arguments, place, _making(arguments))
 
 
 def _write_module(arguments: argparse.Namespace) -> None:
@@ -422,7 +443,9 @@ COMMANDS = (
         json_of("the report"),
         *group(
             "source text (.h, .c, .st) and units (.fmu)",
-            flag("--direct", "infer the rules, without a table: the default without lookup settings"),
+            flag(
+                "--direct", "infer the rules, without a table: the default without lookup settings"
+            ),
             flag("--table", "look tables up instead of inferring the rules"),
             argument("--fmi", "version of FMI, 2 by default", type=int, choices=(2, 3)),
             argument("--q", "fixed point: int16 or int8", type=int, choices=(15, 7)),
@@ -432,6 +455,8 @@ COMMANDS = (
                 choices=("mixed", "float32", "float64"),
             ),
             argument("--name IDENT", "begins every identifier"),
+            argument("--for", "a folder for an IDE", choices=("arduino", "platformio")),
+            argument("--board NAME", "of --for: uno (default), nano, mega, due, pico, esp32"),
             argument("--certificate CERT", "of a controller: what it proves goes into the head"),
         ),
     ),

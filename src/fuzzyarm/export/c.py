@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from fuzzyarm.export.names import Names, identifier
+from fuzzyarm.export.names import ARDUINO_MACROS, identifier
 from fuzzyarm.export.numbers import C_TYPES, c_number
 from fuzzyarm.export.routine import (
     CWriter,
@@ -42,7 +42,7 @@ def c_header(routines: Sequence[Routine], prefix: str, file: str) -> tuple[str, 
     test = f"-x c {file} -o self_test"
     head = _head(writer, routines, prototypes, f'#include "{file}"', test)
     inside = [*_includes(routines), code, *_self_test(writer, routines, prototypes)]
-    return "\n".join([*head, *_guarded(writer, inside)]), prototypes
+    return "\n".join([*head, *guarded(writer, inside)]), prototypes
 
 
 def c_pair(routines: Sequence[Routine], prefix: str, stem: str) -> tuple[str, str, list[Prototype]]:
@@ -53,25 +53,103 @@ def c_pair(routines: Sequence[Routine], prefix: str, stem: str) -> tuple[str, st
     head = _head(
         writer, routines, prototypes, f"{include}, link {stem}.c", f"{stem}.c -o self_test"
     )
-    declared = [
-        *_includes(routines),
+    declared = for_cxx(f"{prototype};" for prototype in prototypes)
+    header = [*head, *guarded(writer, [*_includes(routines), *declared])]
+    source = [*head, include, "", code, *_self_test(writer, routines, prototypes)]
+    return "\n".join(header), "\n".join(source), prototypes
+
+
+@dataclass(frozen=True)
+class Library:
+    """A C library of three files, whose constants stay in flash.
+
+    Attributes
+    ----------
+    header, source, test : str
+        The texts; ``test`` defines the function `self_test`.
+    writer : CWriter
+        Of the source.
+    prototypes : tuple of str
+        Of the functions of the source.
+    self_test : str
+        The function that returns 0 where all is well.
+    """
+
+    header: str
+    source: str
+    test: str
+    writer: CWriter
+    prototypes: tuple[str, ...]
+    self_test: str
+
+
+def library_writer(prefix: str) -> CWriter:
+    """Return the writer of a library whose constants stay in flash."""
+    return CWriter(prefix, in_flash=f"{prefix.upper()}_IN_FLASH ", refused=ARDUINO_MACROS)
+
+
+def library_file(
+    writer: CWriter, head: Sequence[str], stem: str, body: Sequence[str], *, flash: bool = True
+) -> str:
+    """Return a ``.c`` file of a library: head, include, where its constants are, and its body."""
+    macro = flash_macro(writer) if flash else []
+    return "\n".join([*head, f'#include "{stem}.h"', "", *macro, *body])
+
+
+def flash_macro(writer: CWriter) -> list[str]:
+    """Return the lines that say where constants are.
+
+    An AVR has flash in an address space of its own, where gcc's C reads what is `__flash`
+    by the instruction ``lpm``, as ``pgm_read_float`` does; elsewhere a constant just stays there.
+    """
+    name = writer.in_flash.strip()
+    lines = ["#ifdef __FLASH /* AVR */", f"#define {name} __flash", "#else", f"#define {name}"]
+    return [*lines, "#endif", ""]
+
+
+def c_library(routines: Sequence[Routine], prefix: str, stem: str) -> Library:
+    """Return routines as a library of three files."""
+    writer = library_writer(prefix)
+    name = writer.names.new(f"{prefix}_self_test")
+    prototypes, code = _definitions(writer, routines)
+    test = f"{stem}.c {stem}_self_test.c, and call {name}()"
+    head = head_lines(routines, prototypes, writer, f'#include "{stem}.h"', test)
+    called = [f"{prototype};" for prototype in prototypes]
+    declared = for_cxx([*called, f"int {name}(void); /* returns 0 if all is well */"])
+    header = "\n".join([*head, *guarded(writer, [*_includes(routines), *declared])])
+    source = library_file(writer, head, stem, [code], flash=bool(writer.constants))
+    body = test_function(
+        f"int {name}(void)", _test_lines(routines, prototypes, writer.in_flash), "functions"
+    )
+    rows = any(len(routine.vectors().expected) for routine in routines)
+    test_text = library_file(writer, _test_head(stem), stem, body, flash=rows)
+    return Library(header, source, test_text, writer, tuple(map(str, prototypes)), name)
+
+
+def _test_head(stem: str) -> list[str]:
+    return [
+        f"/* Values of the model, for a test of {stem}.c; not linked where nobody calls it. */",
+        "",
+    ]
+
+
+def for_cxx(declarations: Iterable[str]) -> list[str]:
+    """Return declarations that a C++ compiler takes as those of C."""
+    return [
         "#ifdef __cplusplus",
         'extern "C" {',
         "#endif",
         "",
-        *(f"{prototype};" for prototype in prototypes),
+        *declarations,
         "",
         "#ifdef __cplusplus",
         "}",
         "#endif",
         "",
     ]
-    header = [*head, *_guarded(writer, declared)]
-    source = [*head, include, "", code, *_self_test(writer, routines, prototypes)]
-    return "\n".join(header), "\n".join(source), prototypes
 
 
-def _guarded(writer: CWriter, lines: Sequence[str]) -> list[str]:
+def guarded(writer: CWriter, lines: Sequence[str]) -> list[str]:
     """Return the lines of a header so that it may be included twice."""
     guard = writer.names.new(f"{writer.prefix.upper()}_H")
     return [f"#ifndef {guard}", f"#define {guard}", "", *lines, "#endif", ""]
@@ -91,7 +169,7 @@ def _head(
 
 def _prototype(writer: CWriter, routine: Routine) -> Prototype:
     name = writer.names.new(f"{writer.prefix}_{identifier(routine.output.name)}")
-    names = Names()
+    names = writer.scope()
     parameters = tuple(names.new(argument.name) for argument in routine.arguments)
     return Prototype(name, C_TYPES[routine.kind], parameters)
 
@@ -120,9 +198,21 @@ def _definitions(writer: CWriter, routines: Sequence[Routine]) -> tuple[list[Pro
 def _self_test(
     writer: CWriter, routines: Sequence[Routine], prototypes: Sequence[Prototype]
 ) -> list[str]:
-    lines = [f"#ifdef {SWITCH}", "", "/* Returns 0 if the functions give what the model gives. */"]
-    lines += ["int main(void)", "{"]
-    calls = []
+    body = test_function("int main(void)", _test_lines(routines, prototypes), "functions")
+    return [f"#ifdef {SWITCH}", "", *body, "#endif", ""]
+
+
+def test_function(prototype: str, body: Sequence[str], tested: str) -> list[str]:
+    """Return the lines of the function that tests a file."""
+    remark = f"/* Returns 0 if the {tested} give what the model gives. */"
+    return [remark, prototype, "{", *body, "    return 0;", "}", ""]
+
+
+def _test_lines(
+    routines: Sequence[Routine], prototypes: Sequence[Prototype], in_flash: str = ""
+) -> list[str]:
+    lines: list[str] = []
+    calls: list[str] = []
     for number, (routine, prototype) in enumerate(zip(routines, prototypes, strict=True)):
         vectors = routine.vectors()
         columns = [*vectors.inputs, vectors.expected]
@@ -132,7 +222,8 @@ def _self_test(
             continue
         rows = [_literal(routine, x) for row in zip(*columns, strict=True) for x in row]
         lines.append(
-            f"    static const {C_TYPES[routine.kind]} {array}[{count}][{len(columns)}] = {{"
+            f"    static const {in_flash}{C_TYPES[routine.kind]}"
+            f" {array}[{count}][{len(columns)}] = {{"
         )
         body = number_lines(rows, columns=len(columns), indent="        ")
         if len(body) == count:
@@ -158,7 +249,7 @@ def _self_test(
             "    }",
         ]
     counter = ["    unsigned k;"] if calls else []
-    return [*lines, *counter, *calls, "    return 0;", "}", "", "#endif", ""]
+    return [*lines, *counter, *calls]
 
 
 def _whole(routine: Routine) -> bool:

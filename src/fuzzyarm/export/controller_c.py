@@ -8,7 +8,16 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from fuzzyarm.export.c import SWITCH, routine_headers
+from fuzzyarm.export.c import (
+    SWITCH,
+    Library,
+    for_cxx,
+    guarded,
+    library_file,
+    library_writer,
+    routine_headers,
+    test_function,
+)
 from fuzzyarm.export.listing import c_numbers, needs_math_header, spread
 from fuzzyarm.export.names import Names, identifier
 from fuzzyarm.export.numbers import C_TYPES, Kind, c_number, rounded, rounded_down
@@ -90,14 +99,14 @@ class CController:
     def _axis_members(self) -> dict[str, Names]:
         """Give the axes their members; of one axis the struct itself is its room."""
         axes = self.steps.model.axis_names
-        self.room = Names()
+        self.room = self.writer.scope()
         for word in ("gains", "first", "until_set_point"):
             self.room.new(word)
         if len(axes) == 1:
             self.paths = {axes[0]: ""}
             return {axes[0]: self.room}
         self.paths = {axis: f"{self.room.new(axis)}." for axis in axes}
-        return {axis: Names() for axis in axes}
+        return {axis: self.writer.scope() for axis in axes}
 
     def kind_of(self, variable: Variable) -> str:
         """Return the type of a variable."""
@@ -153,7 +162,7 @@ class CController:
         if not ports:
             return
         lines: dict[str, list[str]] = {axis: [] for axis in self.axes}
-        names = {axis: Names() for axis in self.axes}
+        names = {axis: self.writer.scope() for axis in self.axes}
         for port in ports:
             member = names[port.axis].new(port.name)
             self._know(port.symbol, f"{sort}->{self.paths[port.axis]}{member}", self.outer)
@@ -165,7 +174,7 @@ class CController:
         gains = self.steps.of_sort("gain")
         if not gains:
             return
-        names, lines = Names(), []
+        names, lines = self.writer.scope(), []
         units = {gain.name: gain.unit for gain in self.steps.model.gains}
         count = len(self.steps.model.axis_names)
         for gain in gains:
@@ -545,11 +554,15 @@ class CController:
 
     def self_test(self, vectors: Vectors) -> list[str]:
         """Return a ``main`` that runs the sequence and returns 0 if the drives come out."""
+        body = test_function("int main(void)", self.test_lines(vectors), "steps")
+        return [f"#ifdef {SWITCH}", "", *body, "#endif", ""]
+
+    def test_lines(self, vectors: Vectors) -> list[str]:
+        """Return the statements of a function that returns 0 if the drives come out."""
         kind = self.steps.precision.outside
         sorts = [sort for sort in POINTERS if self.steps.of_sort(sort)]
         count = len(vectors.expected)
-        lines = [f"#ifdef {SWITCH}", "", "/* Returns 0 if the steps give what the model gives. */"]
-        lines += ["int main(void)", "{"]
+        lines: list[str] = []
         arrays = {"given": vectors.given, "expected": vectors.expected}
         for name, rows in arrays.items():
             width = max(1, len(rows[0]))
@@ -558,8 +571,9 @@ class CController:
                 f"        {{{', '.join(literals[i : i + width])}}},"
                 for i in range(0, len(literals), width)
             ]
+            stored = f"{self.writer.in_flash}{C_TYPES[kind]}"
             lines += [
-                f"    static const {C_TYPES[kind]} {name}[{count}][{width}] = {{",
+                f"    static const {stored} {name}[{count}][{width}] = {{",
                 *body[:-1],
                 body[-1].removesuffix(","),
                 "    };",
@@ -587,7 +601,7 @@ class CController:
                 "            return 1;",
                 "        }",
             ]
-        return [*lines, "    }", "    return 0;", "}", "", "#endif", ""]
+        return [*lines, "    }"]
 
     def ram(self) -> int:
         """Return roughly how many bytes the state takes."""
@@ -644,11 +658,32 @@ def controller_c(
         lines = [*top, *opening, *declared, code, *test_lines, "#endif", ""]
         return {suffix: "\n".join(lines)}, made
     prototypes = [f"{prototype};" for prototype in made.prototypes().values()]
-    plus_plus = ["#ifdef __cplusplus", 'extern "C" {', "#endif", ""]
-    minus = ["", "#ifdef __cplusplus", "}", "#endif", ""]
-    header = [*top, *opening, *declared, *plus_plus, *prototypes, *minus, "#endif", ""]
+    header = [*top, *opening, *declared, *for_cxx(prototypes), "#endif", ""]
     source = [*top, f'#include "{stem}.h"', "", code, *test_lines]
     return {".c": "\n".join(source), ".h": "\n".join(header)}, made
+
+
+def controller_library(
+    steps: Steps, prefix: str, stem: str, vectors: Vectors, words: Sequence[str]
+) -> tuple[Library, CController]:
+    """Return a controller as a library of three files; parameters as of `controller_c`."""
+    writer = library_writer(prefix)
+    name = writer.names.new(f"{prefix}_self_test")
+    made = CController(steps, writer)
+    code = made.definitions()
+    test = f"{stem}.c {stem}_self_test.c, and call {name}()"
+    head = [*words, "", *_use_words(made, stem, alone=False), f"self-test: {test}"]
+    top = [*comment(head, "/*", " *", " */"), ""]
+    called = [f"{prototype};" for prototype in made.prototypes().values()]
+    tested = f"int {name}(void); /* returns 0 if all is well */"
+    inside = [*made.headers(), "", *made.constants(), "", *made.types, *for_cxx([*called, tested])]
+    header = "\n".join([*top, *guarded(writer, inside)])
+    source = library_file(writer, top, stem, [code], flash=bool(writer.constants))
+    body = test_function(f"int {name}(void)", made.test_lines(vectors), "steps")
+    remark = f"/* A sequence of the model, for a test of {stem}.c; linked where it is called. */"
+    tests = library_file(writer, [remark, ""], stem, body)
+    prototypes = tuple(made.prototypes().values())
+    return Library(header, source, tests, writer, prototypes, name), made
 
 
 def _use_words(made: CController, stem: str, *, alone: bool) -> list[str]:

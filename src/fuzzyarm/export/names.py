@@ -37,6 +37,15 @@ ST_RESERVED = frozenset(_ST_WORDS.split())
 """Words and standard functions of IEC 61131-3, in lower case (the language ignores case)."""
 
 
+ARDUINO_MACROS = re.compile(
+    r"B[01]{1,8}|P(IN|ORT)?[A-L][0-7]?|SP[A-Z]*\d?|S[EM]\d?|SREG|[XYZ][HL]|PI|F|AVR|HIGH|LOW|INPUT"
+    r"|OUTPUT|DEFAULT|EULER|SERIAL|DISPLAY|CHANGE|FALLING|RISING|INTERNAL|EXTERNAL|DEC|HEX|OCT|BIN"
+    r"|M_[A-Z]+|(AC|AD|CS|DD|DOR|EE|FE|ICR|ISC|OCR|TC|TOV|TW|UB|UD|WD|WG)[A-Z0-9]*"
+    r"|abs|min|max|round|constrain|radians|degrees|sq|bit|map|word|byte|boolean"
+)
+"""Names that the headers of an Arduino sketch define as macros or as types."""
+
+
 class Names:
     """Hands out identifiers that are valid and different from each other.
 
@@ -46,9 +55,17 @@ class Names:
         ``c`` or ``st``; in Structured Text names that differ in case only are the same.
     taken : iterable of str
         Names that are in use already.
+    refused : pattern, optional
+        Names that are not handed out either.
     """
 
-    def __init__(self, language: str = "c", taken: set[str] | None = None) -> None:
+    def __init__(
+        self,
+        language: str = "c",
+        taken: set[str] | None = None,
+        refused: re.Pattern[str] | None = None,
+    ) -> None:
+        self._refused = refused
         self._folds = language == "st"
         self._reserved = ST_RESERVED if self._folds else C_RESERVED
         self._taken = {self._key(name) for name in taken or ()}
@@ -59,7 +76,8 @@ class Names:
     def new(self, wanted: str) -> str:
         """Return an identifier like `wanted` that has not been given out."""
         base = identifier(wanted)
-        if self._key(base) in self._reserved:
+        refused = self._refused is not None and self._refused.fullmatch(base)
+        if refused or self._key(base) in self._reserved:
             base = f"{base}_x"
         name, number = base, 1
         while self._key(name) in self._taken:
@@ -70,7 +88,7 @@ class Names:
 
     def inner(self) -> Names:
         """Return the names of a scope inside this one."""
-        return Names("st" if self._folds else "c", set(self._taken))
+        return Names("st" if self._folds else "c", set(self._taken), self._refused)
 
 
 def identifier(text: str) -> str:

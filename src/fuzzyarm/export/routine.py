@@ -32,11 +32,17 @@ class CWriter:
 
     prefix: str  # begins every name that the file defines
     storage: str = ""  # ``static inline`` for a header on its own, empty for a ``.c`` file
+    in_flash: str = ""  # a macro before the type of what stays in flash, with a blank behind it
     names: Names = field(default_factory=Names)
     constants: list[str] = field(default_factory=list)
     helpers: list[str] = field(default_factory=list)
     flash: int = 0
+    refused: re.Pattern[str] | None = None  # names that are macros where the file is included
     _known: dict[object, str] = field(default_factory=dict)
+
+    def scope(self) -> Names:
+        """Return the names of parameters, or of the members of a type."""
+        return Names(refused=self.refused)
 
     def constant(self, kind: Kind, literals: Sequence[str], wanted: str, columns: int = 0) -> str:
         """Return the name of a constant array with these literals; equal ones are shared."""
@@ -47,7 +53,8 @@ class CWriter:
             self.flash += np.dtype(kind).itemsize * len(literals)
             body = "\n".join(number_lines(literals, columns))
             self.constants.append(
-                f"static const {C_TYPES[kind]} {name}[{len(literals)}] = {{\n{body}\n}};\n"
+                f"static const {self.in_flash}{C_TYPES[kind]} {name}[{len(literals)}]"
+                f" = {{\n{body}\n}};\n"
             )
         return self._known[key]
 
@@ -68,6 +75,7 @@ class CWriter:
             name = self.names.new(f"{self.prefix}_{wanted}")
             self._known[key] = name
             names = words | {"NAME": name}
+            template = template.replace("IN_FLASH ", self.in_flash)
             text = re.sub(r"\b[A-Z_]+\b", lambda match: names.get(match[0], match[0]), template)
             self.helpers.append(f"{keyword}{text}")
         return self._known[key]

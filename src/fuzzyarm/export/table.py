@@ -97,7 +97,7 @@ class TableCode:
 
 # --- The statements in C ---
 
-COUNT_FUNCTION = """INDEX NAME(const TYPE *POINTS, INDEX count, TYPE x)
+COUNT_FUNCTION = """INDEX NAME(const IN_FLASH TYPE *POINTS, INDEX count, TYPE x)
 {
     INDEX low = 0u, high = count;
     while (low < high) {
@@ -198,7 +198,8 @@ class _CTable(TableCode):
         if not shares:
             return [f"return {self._narrow(f'{values}[0]')};"]
         cell = names.new("cell")
-        lines.append(f"const {self.inner} *const {cell} = {values} + ({' + '.join(terms)});")
+        kind = f"{self.writer.in_flash}{self.inner}"
+        lines.append(f"const {kind} *const {cell} = {values} + ({' + '.join(terms)});")
         helper = self._blend_helper()
 
         def assign(side: int, pair: int, near: str, far: str) -> str:

@@ -17,11 +17,19 @@ from fuzzyarm.table.fidelity import CompileReport, compile_with_report
 
 if TYPE_CHECKING:
     from fuzzyarm.controller.text import ControllerText
-    from fuzzyarm.export import Exported, ExportedController
+    from fuzzyarm.export import ControllerProgram, Exported, ExportedController
     from fuzzyarm.export.routine import Routine
     from fuzzyarm.table import LookupTable
 
-__all__ = ["Making", "compiled", "infers", "program_of", "routines_for", "source_of"]
+__all__ = [
+    "Making",
+    "compiled",
+    "controller_program",
+    "infers",
+    "program_of",
+    "routines_for",
+    "source_of",
+]
 
 Tell = Callable[[str], None]
 """Called with a word on what is going on."""
@@ -205,10 +213,30 @@ def program_of(
     FuzzyarmError
         If something cannot be exported so, or no C compiler is there for an FMU.
     """
-    from fuzzyarm.export import ControllerProgram, export_controller, with_tables
+    from fuzzyarm.export import export_controller
 
     suffix = Path(path).suffix.lower()
     default = {".st": "float32", ".fmu": "float64"}.get(suffix, "mixed")
+    program, reports = controller_program(controller, how, default, progress)
+    if progress is not None:
+        progress("exporting")
+    return export_controller(program, path, how.name, fmi=how.fmi), reports
+
+
+def controller_program(
+    controller: ControllerText, how: Making, default: str, progress: Tell | None = None
+) -> tuple[ControllerProgram, tuple[CompileReport, ...]]:
+    """Return a controller ready to be exported, and the tables that it looks up.
+
+    Parameters
+    ----------
+    controller, how, progress
+        As for :func:`program_of`.
+    default : str
+        The precision where none is asked for.
+    """
+    from fuzzyarm.export import ControllerProgram, with_tables
+
     reports: list[CompileReport] = []
 
     def compile_output(rulebase: RuleBase, output: str) -> LookupTable:
@@ -220,6 +248,4 @@ def program_of(
     if how.table:
         controller = with_tables(controller, compile_output)
     program = ControllerProgram(controller, how.precision or default, how.q, how.proofs)
-    if progress is not None:
-        progress("exporting")
-    return export_controller(program, path, how.name, fmi=how.fmi), tuple(reports)
+    return program, tuple(reports)

@@ -1,0 +1,257 @@
+"""Folders for Arduino and PlatformIO: built, run and counted on the processor."""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+from avr_programs import (
+    STRICT,
+    TARGET,
+    build,
+    cycles_by_eighths,
+    need_avr,
+    run_sketch,
+)
+
+from fuzzyarm import shipped
+from fuzzyarm.cli import main
+from fuzzyarm.export import avr, routines_of
+from fuzzyarm.export.boards import BOARDS
+from fuzzyarm.language import load_rulebase
+
+PD7 = str(shipped("pd7.frb"))
+TIPPER2 = str(shipped("tipper2.frb"))
+
+
+@pytest.fixture
+def tipper(tmp_path, monkeypatch):
+    """The tipper as a file of MATLAB, in a folder of its own."""
+    monkeypatch.chdir(tmp_path)
+    assert main(["convert", str(shipped("tipper.frb")), "tipper.fis"]) == 0
+    return tmp_path
+
+
+def figures(readme: str) -> dict[str, list[int]]:
+    """Return the numbers of each line of a list, by its first word."""
+    lines = re.findall(r"^- ([\w ]+?)(?: of a call)?: (.*)$", readme, re.MULTILINE)
+    return {
+        word: [int(x) for x in re.findall(r"(?<![\d.])\d+(?![\d.])", rest)] for word, rest in lines
+    }
+
+
+def test_a_fis_becomes_a_library_that_the_processor_runs_as_stated(tipper, capsys):
+    need_avr()
+    assert main(["compile", "tipper.fis", "--for", "arduino", "-o", "tip"]) == 0
+    said = capsys.readouterr().out
+    assert "the self-test passes" in said
+    readme = Path("tip/README.md").read_text("utf-8")
+    stated = figures(readme)
+    assert "- self-test: passes" in readme
+    source = Path("tip/src").resolve()
+    build(source, *TARGET, *STRICT, "-std=gnu11", "-c", "tipper.c", "-o", tipper / "own.o")
+    words = subprocess.run(
+        ["avr-size", tipper / "own.o"], capture_output=True, text=True, check=True
+    )
+    text, data, bss = map(int, words.stdout.splitlines()[1].split()[:3])
+    assert stated["object file of the library"] == [text]
+    assert (data, bss) == (0, 0), "tables stay in flash"
+    assert stated["RAM"][0] == 0
+    (routine,) = routines_of(load_file("tipper.fis"), precision="float32")
+    points = list(zip(*(x.tolist() for x in routine.vectors().inputs), strict=True))[:12]
+    counted = cycles_by_eighths(source, "tipper.h", "float", "tipper_tip", points)
+    low, high = stated["cycles"][:2]
+    assert len(counted) == 12
+    assert abs(max(counted) - high) < 100
+    assert abs(min(counted) - low) < 100
+
+
+def load_file(path):
+    from fuzzyarm import load
+
+    return load(path)
+
+
+def test_the_sketches_run_with_the_arduino_core(tipper, tmp_path_factory):
+    need_avr(core=True)
+    assert main(["compile", "tipper.fis", "--for", "arduino", "-o", "tip"]) == 0
+    room, library = tmp_path_factory.mktemp("core"), Path("tip").resolve()
+    examples = library / "examples"
+    said = run_sketch(library, examples / "tipper_test" / "tipper_test.ino", room)
+    assert "the same" in said
+    assert "not the same" not in said
+    said = run_sketch(library, examples / "tipper_example" / "tipper_example.ino", room)
+    (routine,) = routines_of(load_file("tipper.fis"), precision="float32")
+    shown = float(re.search(r"tip ([\d.]+)", said)[1].rstrip("."))
+    assert shown == pytest.approx(float(routine.evaluate(0.0, 0.0)), abs=6e-4)
+    # Names that are macros of the core or registers of the chip.
+    Path("names.frb").write_text(
+        "rulebase names\ninput SP 0 .. 1\ninput B1 0 .. 1\ninput PI 0 .. 1\noutput DDRB 0 .. 1\n"
+        "terms SP, B1, PI, DDRB: triangles LO HI\n"
+        "rule if SP is LO and B1 is LO and PI is LO then DDRB is HI\n"
+        "rule if SP is HI then DDRB is LO\n"
+    )
+    assert main(["compile", "names.frb", "--for", "arduino", "-o", "names"]) == 0
+    library = Path("names").resolve()
+    run_sketch(library, library / "examples" / "names_example" / "names_example.ino", room)
+    turn = str(shipped("servo.frb"))
+    assert main(["compile", turn, "--for", "arduino", "-o", "servo"]) == 0
+    library = Path("servo").resolve()
+    said = run_sketch(library, library / "examples" / "servo_test" / "servo_test.ino", room)
+    assert "the same" in said
+    run_sketch(library, library / "examples" / "servo_example" / "servo_example.ino", room)
+
+
+def test_the_table_of_pd7_in_eight_bits_is_small(tmp_path, monkeypatch, capsys):
+    need_avr()
+    monkeypatch.chdir(tmp_path)
+    words = ["compile", PD7, "--for", "arduino", "-o", "pd7", "--q", "7", "--json"]
+    assert main(words) == 0
+    measured = json.loads(capsys.readouterr().out)["measured"]
+    assert measured["flash"] < 1024
+    assert measured["ram"] + measured["stack"] < 100
+    assert measured["self_test"] is True
+    assert max(measured["cycles"]) < 400
+    readme = Path("pd7/README.md").read_text("utf-8")
+    assert figures(readme)["flash"][0] == measured["flash"]
+    assert figures(readme)["cycles"][:2] == [min(measured["cycles"]), max(measured["cycles"])]
+
+
+def test_without_a_compiler_the_page_says_how_to_measure(tipper, monkeypatch, capsys):
+    monkeypatch.setattr(avr.shutil, "which", lambda name: None)
+    assert main(["compile", "tipper.fis", "--for", "arduino", "-o", "tip"]) == 0
+    assert "not measured here" in capsys.readouterr().out
+    readme = " ".join(Path("tip/README.md").read_text("utf-8").split())
+    assert f"apt-get install {avr.TOOLS}" in readme
+
+
+def test_a_project_for_platformio_has_its_board(tipper):
+    words = ["--for", "platformio", "--board", "pico", "-o", "project"]
+    assert main(["compile", "tipper.fis", *words]) == 0
+    project = Path("project")
+    assert "board = pico" in (project / "platformio.ini").read_text()
+    library = json.loads((project / "lib" / "tipper" / "library.json").read_text())
+    assert library["name"] == "tipper"
+    assert library["platforms"] == "raspberrypi"
+    assert "double" in (project / "lib" / "tipper" / "src" / "tipper.c").read_text()
+    main_text = (project / "src" / "main.cpp").read_text()
+    assert main_text.startswith("#include <Arduino.h>")
+    assert "tipper_tip(service, food)" in main_text
+
+
+def test_properties_are_what_the_ide_demands(tipper):
+    assert main(["compile", "tipper.fis", "--for", "arduino", "-o", "tip"]) == 0
+    text = Path("tip/library.properties").read_text()
+    pairs = dict(line.split("=", 1) for line in text.splitlines())
+    assert set(pairs) >= {
+        "name", "version", "author", "maintainer", "sentence", "paragraph", "category", "url",
+        "architectures",
+    }  # fmt: skip
+    assert re.fullmatch(r"[A-Za-z0-9][\w .-]*", pairs["name"])
+    for line in Path("tip/keywords.txt").read_text().splitlines():
+        assert re.fullmatch(r"\w+\tKEYWORD[123]", line)
+    for path in Path("tip/examples").iterdir():
+        assert (path / f"{path.name}.ino").is_file(), "a sketch lies in a folder of its name"
+
+
+HUGE = (
+    "rulebase huge\ninput a 0 .. 1\ninput b 0 .. 1\noutput y 0 .. 1\n"
+    + "".join(
+        f"term {name} T{k}: triangle {k / 30 - 0.05} {k / 30} {k / 30 + 0.05}\n"
+        for name in "aby"
+        for k in range(31)
+    )
+    + "".join(
+        f"rule if a is T{i} and b is T{j} then y is T{(i * j) % 31}\n"
+        for i in range(31)
+        for j in range(0, 31, 3)
+    )
+)
+
+
+@pytest.mark.parametrize(
+    ("words", "messages"),
+    [
+        ([str(shipped("soc-zero.frb"))], ["bytes of RAM", "Arduino Uno has 2,048", "--board mega"]),
+        ([TIPPER2], ["double precision only", "Arduino Uno has no double", "--table"]),
+        ([PD7, "--levels", "101"], ["bytes of flash", "Arduino Uno has 32,256", "--q 7"]),
+        ([PD7, "--precision", "float64"], ["an Arduino Uno has no double"]),
+        ([PD7, "--board", "una"], ["no board 'una'", "uno"]),
+        ([PD7, "--ends"], ["--ends does not apply"]),
+    ],
+)  # fmt: skip
+def test_what_a_board_cannot_hold_is_said_with_the_numbers(
+    tmp_path, monkeypatch, capsys, words, messages
+):
+    monkeypatch.chdir(tmp_path)
+    assert main(["compile", *words, "--for", "arduino", "-o", "made"]) == 1
+    out, err = capsys.readouterr()
+    assert out == ""
+    for message in messages:
+        assert message in err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_too_many_rules_for_the_flash_are_counted(tmp_path, monkeypatch, capsys):
+    need_avr()
+    monkeypatch.chdir(tmp_path)
+    Path("huge.frb").write_text(HUGE)
+    assert main(["compile", "huge.frb", "--for", "arduino", "-o", "made"]) == 1
+    err = capsys.readouterr().err
+    size = int(re.search(r"takes ([\d,]+) bytes of flash", err)[1].replace(",", ""))
+    assert 32_256 < size < BOARDS["mega"].flash
+    assert "--board mega" in err
+    assert not Path("made").exists()
+
+
+def test_options_for_boards_need_one(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["compile", PD7, "-o", "x.h", "--board", "uno"]) == 1
+    assert "without --for" in capsys.readouterr().err
+
+
+def test_every_numbering_passes_its_test_on_the_chip(tmp_path, monkeypatch, capsys):
+    need_avr()
+    monkeypatch.chdir(tmp_path)
+    for name, options in {
+        "direct": ["--direct"], "bins": [], "linear": ["--mode", "linear"],
+        "seven": ["--q", "7", "--mode", "linear"], "fifteen": ["--q", "15"],
+    }.items():  # fmt: skip
+        assert main(["compile", PD7, "--for", "arduino", "-o", name, "--json", *options]) == 0
+        measured = json.loads(capsys.readouterr().out)["measured"]
+        assert measured["self_test"] is True, name
+        assert measured["ram"] == 0, name
+
+
+def test_the_model_is_what_the_self_test_holds():
+    """What passes on the chip is the arithmetic of single precision to the tolerance stated."""
+    (routine,) = routines_of(load_rulebase(PD7), precision="float32")
+    vectors = routine.vectors()
+    assert vectors.expected.dtype == np.float32
+    assert vectors.tolerance < 1e-3
+
+
+def test_a_folder_is_replaced_and_what_is_not_ours_is_left_alone(tipper, capsys):
+    words = ["compile", "tipper.fis", "--for", "arduino", "-o", "tip"]
+    assert main(words) == 0
+    (tipper / "tip" / "notes.txt").write_text("mine")
+    assert main([*words, "--table", "--levels", "5"]) == 0
+    assert (tipper / "tip" / "notes.txt").read_text() == "mine"
+    capsys.readouterr()
+    sketch = tipper / "tip" / "examples" / "tipper_example" / "tipper_example.ino"
+    sketch.write_text(sketch.read_text() + "// mine\n")
+    before = {path: path.read_bytes() for path in tipper.rglob("*") if path.is_file()}
+    assert main(words) == 1
+    assert "files that were changed" in capsys.readouterr().err
+    (tipper / "other").mkdir()
+    (tipper / "other" / "thesis.tex").write_text("mine")
+    assert main([*words[:-1], "other"]) == 1
+    assert "not of fuzzyarm: it has thesis.tex" in capsys.readouterr().err
+    assert main([*words[:-1], "tipper.fis"]) == 1
+    assert "is a file, not a folder" in capsys.readouterr().err
+    before[tipper / "other" / "thesis.tex"] = b"mine"
+    assert {path: path.read_bytes() for path in tipper.rglob("*") if path.is_file()} == before
