@@ -19,6 +19,8 @@ from hypothesis import settings
 from fuzzyarm.kernels import digest_of_sources
 from fuzzyarm.model.rulebase import RuleBase
 
+sys.modules["tests.budget"] = budget  # one module under both names, so that --thorough reaches all
+
 ROOT = Path(__file__).resolve().parent.parent
 
 

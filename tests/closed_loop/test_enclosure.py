@@ -5,12 +5,12 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from budget import cases
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fuzzyarm.closed_loop import enclosure
 from fuzzyarm.closed_loop.enclosure import EnclosureError, Intervals, matrix_exponential
-from tests.budget import cases
 
 flint = pytest.importorskip("flint")
 

@@ -6,6 +6,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from budget import cases
 
 from fuzzyarm import load, prove, shipped, simulate
 from fuzzyarm.closed_loop import (
@@ -28,7 +29,6 @@ from fuzzyarm.loop import Sensor
 from fuzzyarm.model.controller import Amount
 from fuzzyarm.plant import Parameter, Plant, Port, find_plant
 from fuzzyarm.plant.own import starting_at
-from tests.budget import cases
 
 
 @pytest.fixture(scope="module")

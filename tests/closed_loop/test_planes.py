@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from budget import cases
 
 import fuzzyarm
 from fuzzyarm.closed_loop.planes import RulePlanes, TablePlanes, Zonotope
 from fuzzyarm.proof.bounds import UnprovableError
-from tests.budget import cases
 
 BASES = {
     "pd7.frb": "u",  # minima, clipped sets

@@ -5,6 +5,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from budget import cases
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -13,7 +14,6 @@ from fuzzyarm.closed_loop.readings import UnreadableError, pruned, read, readabl
 from fuzzyarm.closed_loop.zonotope import Forms, clip, dot, larger, smaller, stacked
 from fuzzyarm.expression import op
 from fuzzyarm.expression.nodes import constant, symbol
-from tests.budget import cases
 
 flint = pytest.importorskip("flint")
 

@@ -18,7 +18,7 @@ from fuzzyarm.plant.own import find_plant
 from fuzzyarm.plant.plant import Plant
 from fuzzyarm.text.diagnostic import NOWHERE, RuleBaseError
 
-__all__ = ["claim_text", "problem_of", "read_claim"]
+__all__ = ["claim_text", "claimed_port", "problem_of", "read_claim"]
 
 
 def read_claim(text: str, plant: str = "") -> LoopClaim:
@@ -78,7 +78,7 @@ def problem_of(
     text, claim, plant, connect, sensors
         As for :func:`fuzzyarm.closed_loop.prove_loop`.
     """
-    return loop_problem(
+    problem = loop_problem(
         text,
         plant if plant is not None else find_plant(claim.plant),
         start={name: (low, high) for name, low, high in claim.start},
@@ -87,3 +87,18 @@ def problem_of(
         sensors=sensors,
         connect=connect,
     )
+    if claim.output:
+        claimed_port(problem, claim)
+    return problem
+
+
+def claimed_port(problem: LoopProblem, claim: LoopClaim) -> str:
+    """Return the output or the drive that is claimed of, as tubes and runs call it.
+
+    Raises
+    ------
+    PlantError
+        If the plant has no such port.
+    """
+    interface = problem.site.interface
+    return interface.label(interface.port(claim.output))

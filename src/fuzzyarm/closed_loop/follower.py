@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 import time as clock
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -29,7 +29,7 @@ from fuzzyarm.expression.operations import Interval
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.plant.plant import Address
 
-__all__ = ["Box", "Course", "Demand", "Follower"]
+__all__ = ["Box", "Course", "Demand", "Follower", "Goal"]
 
 Vector = NDArray[np.float64]
 
@@ -63,6 +63,11 @@ class Demand(NamedTuple):
     high: float
     begin: float
     end: float
+
+
+Goal = Callable[[int, Forms, Mapping[str, Number]], NDArray[np.int64]]
+"""Tells of how many periods are over, the states and the memory which boxes have arrived (1), are on
+their way (0) or come no nearer (-1), so that it is better to halve them."""
 
 
 class Box(NamedTuple):
@@ -103,7 +108,7 @@ class Course(NamedTuple):
     weight : ndarray, shape (dimensions, boxes)
         How much of the width is due to each dimension of the first box, at most.
     undone : ndarray of bool, shape (boxes,)
-        Of which boxes a demand is not proved.
+        Of which boxes a demand is not proved, or which have not arrived where there is a goal.
     """
 
     begins: Vector
@@ -122,16 +127,19 @@ class Course(NamedTuple):
             undone=self.undone[which],
         )
 
-    def by_period(self, periods: int) -> tuple[Vector, Vector, Vector, Vector]:
-        """Return the hull of all boxes: low and high in each period, low and high at its ends."""
+    def by_period(self, periods: int, most: int) -> tuple[Vector, Vector, Vector, Vector]:
+        """Return the hull of all boxes: low and high in each period, low and high at its ends.
+
+        It has so many `periods`, of which `most` are returned.
+        """
         own = np.minimum(self.begins.astype(int), periods - 1)
         first = np.searchsorted(own, np.arange(periods))
         last = np.concatenate([[0], np.searchsorted(own, np.arange(periods), side="right")])
         return (
-            np.minimum.reduceat(self.between.low.min(axis=2), first, axis=0),
-            np.maximum.reduceat(self.between.high.max(axis=2), first, axis=0),
-            self.at.low.min(axis=2)[last],
-            self.at.high.max(axis=2)[last],
+            np.minimum.reduceat(self.between.low.min(axis=2), first, axis=0)[:most],
+            np.maximum.reduceat(self.between.high.max(axis=2), first, axis=0)[:most],
+            self.at.low.min(axis=2)[last][: most + 1],
+            self.at.high.max(axis=2)[last][: most + 1],
         )
 
 
@@ -148,6 +156,9 @@ class Follower:
         What is asked.
     until : float, optional
         When to give up, as ``time.monotonic`` has it.
+    goal : callable, optional
+        Where boxes are to arrive. Demands are asked of a box until then; boxes are followed until
+        all have arrived.
 
     Attributes
     ----------
@@ -167,9 +178,11 @@ class Follower:
         duration: float,
         demands: Sequence[Demand] = (),
         until: float = math.inf,
+        goal: Goal | None = None,
     ) -> None:
         self.problem = problem
         self.until = until
+        self.goal = goal
         equations = problem.equations
         self.period = problem.period
         self.periods = max(1, math.ceil(duration / self.period - 1e-9))
@@ -235,6 +248,7 @@ class Follower:
         at: list[Intervals] = []
         weight = np.zeros((kept, batch))
         undone = np.zeros(batch, dtype=bool)
+        arrived = np.zeros(batch, dtype=bool)
         self.sizes, self.order = states.bounds.size.max(axis=1), ORDER
         first = self._outputs_at(states, constants, 0.0)
         for period in range(self.periods):
@@ -257,9 +271,15 @@ class Follower:
                 ends.append(period + (index + 1) / len(steps))
                 between.append(_joined(outputs[0], driven))
                 at.append(_joined(outputs[1], driven))
-                undone |= self._undone(begins[-1], ends[-1], between[-1], at[-2:])
+                undone |= self._undone(begins[-1], ends[-1], between[-1], at[-2:]) & ~arrived
+            if self.goal is not None:
+                signs = self.goal(period + 1, states, memory)
+                arrived |= signs > 0
+                undone |= (signs < 0) & ~arrived
             weight = np.maximum(weight, self._weight(states, kept))
             if undone.all() and not whole:
+                break
+            if arrived.all():
                 break
             self._demand_bounded(at[-1])
             if clock.monotonic() > self.until:
@@ -271,7 +291,7 @@ class Follower:
             Intervals(np.stack([x.low for x in between]), np.stack([x.high for x in between])),
             Intervals(np.stack([x.low for x in at]), np.stack([x.high for x in at])),
             weight,
-            undone,
+            undone if self.goal is None else undone | ~arrived,
         )
 
     def _driven(self, held: Mapping[str, Forms]) -> Intervals:

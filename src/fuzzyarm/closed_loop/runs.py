@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fuzzyarm.closed_loop.claims import claimed_port
 from fuzzyarm.closed_loop.problem import LoopProblem
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.expression.operations import Interval
@@ -44,7 +45,8 @@ def refuting_run(problem: LoopProblem, claim: LoopClaim) -> Breach | None:
         if run is None:
             return None
         against = _breach(problem, claim, run, start)
-        if against:
+        finer = against and _simulated(problem, start, values, claim, steps=4)
+        if finer and _breach(problem, claim, finer, start):
             open_ = {n: x for n, x in values.items() if len(set(problem.parameters[n])) > 1}
             words = ", ".join(
                 f"{name} = {number_text(x)}" for name, x in {**start, **open_}.items()
@@ -98,11 +100,15 @@ def _simulated(
     start: Mapping[str, float],
     values: Mapping[str, float],
     claim: LoopClaim,
+    steps: int = 1,
 ) -> Run | None:
+    """Return the run; with so many times as many steps of the integrator to confirm another."""
     plant = problem.plant
     if values:
         plant = with_parameters(plant, values)
     plant = starting_at(plant, [start[name] for name in problem.states])
+    if steps > 1:
+        plant.longest_step = min(plant.longest_step, problem.period) / steps
     interface = problem.site.interface
     references = {
         interface.label(port): value
@@ -133,22 +139,23 @@ def _breach(problem: LoopProblem, claim: LoopClaim, run: Run, start: Mapping[str
     """Return in words how a run breaks a claim; empty where it does not."""
     lost = f"the run diverges after {run.diverged or 0.0:.4g} s: {run.cause}"
     if claim.output:
-        return _outside(claim, run, lost)
+        return _outside(problem, claim, run, lost)
     if run.diverged is not None:
         return lost
     # Of a start that is not named no run tells: it may lie outside a region that there is.
     return "" if claim.start else _unrest(problem, run, start)
 
 
-def _outside(claim: LoopClaim, run: Run, lost: str) -> str:
+def _outside(problem: LoopProblem, claim: LoopClaim, run: Run, lost: str) -> str:
     """Return where an output is outside the claimed interval in the claimed time."""
-    values = np.asarray(run.outputs[claim.output])
+    port = claimed_port(problem, claim)
+    values = np.asarray(run.outputs[port] if port in run.outputs else run.drives[port])
     chosen = (run.time >= claim.begin - 1e-9) & (run.time <= claim.end + 1e-9)
     slack = 1e-9 * (claim.high - claim.low)
     wrong = chosen & ((values > claim.high + slack) | (values < claim.low - slack))
     if wrong.any():
         k = int(np.argmax(wrong))
-        return f"{claim.output} = {values[k]:.6g} after {run.time[k]:.6g} s"
+        return f"{port} = {values[k]:.6g} after {run.time[k]:.6g} s"
     inside = run.diverged is not None and claim.begin <= run.diverged <= claim.end
     return lost if inside else ""
 

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.closed_loop.enclosure import EnclosureError
-from fuzzyarm.closed_loop.follower import Box, Course, Demand, Follower
+from fuzzyarm.closed_loop.follower import Box, Course, Demand, Follower, Goal
 from fuzzyarm.closed_loop.problem import LoopProblem
 from fuzzyarm.expression.operations import Interval
 
@@ -66,6 +66,8 @@ class Tube:
         Whether all parts of the starts were followed to the end: else nothing is bounded.
     seconds : float
         How long it took.
+    arrival : float
+        After which time all boxes have arrived at a goal, s; 0 where there was none.
     """
 
     problem: LoopProblem = field(repr=False)
@@ -81,6 +83,7 @@ class Tube:
     open: tuple[dict[str, Interval], ...]
     complete: bool
     seconds: float
+    arrival: float = 0.0
 
     def bounds(self, output: str, begin: float, end: float) -> Interval:
         """Return between what an output (or a drive) is from one time to another.
@@ -133,6 +136,7 @@ def tube(
     budget: float = 60.0,
     most: int = 4096,
     progress: Progress | None = None,
+    goal: Goal | None = None,
 ) -> Tube:
     """Follow all runs of a closed loop for a bounded time.
 
@@ -154,6 +158,9 @@ def tube(
         Boxes at most.
     progress : callable, optional
         Told of how far it is.
+    goal : callable, optional
+        Where boxes are to arrive; demands are asked of each until then. The tube goes as far as
+        all of them were followed.
 
     Returns
     -------
@@ -169,7 +176,7 @@ def tube(
     UnprovableError
         The same, of a rule base.
     """
-    return _Search(problem, duration, tuple(demands), budget, most, progress).tube(boxes)
+    return _Search(problem, duration, tuple(demands), budget, most, progress, goal).tube(boxes)
 
 
 class _Search:
@@ -177,11 +184,11 @@ class _Search:
 
     def __init__(
         self, problem: LoopProblem, duration: float, demands: tuple[Demand, ...], budget: float,
-        most: int, progress: Progress | None,
+        most: int, progress: Progress | None, goal: Goal | None,
     ) -> None:  # fmt: skip
         self.begun = clock.monotonic()
         self.until = self.begun + budget
-        self.follower = Follower(problem, duration, demands, self.until)
+        self.follower = Follower(problem, duration, demands, self.until, goal)
         self.most = most
         self.progress = progress
         self.done = 0.0
@@ -252,8 +259,17 @@ class _Search:
         follower = self.follower
         period, names = follower.period, follower.names
         # Boxes may have taken steps of other lengths: what is common to all are the periods.
-        stretches = [course.by_period(follower.periods) for course in finished]
-        times = np.arange(follower.periods + 1) * period
+        lengths = [round(float(course.ends[-1])) for course in finished] or [follower.periods]
+        common = min(lengths)
+        stretches = (
+            [
+                course.by_period(length, common)
+                for course, length in zip(finished, lengths, strict=True)
+            ]
+            if finished
+            else []
+        )
+        times = np.arange(common + 1) * period
         begins, ends = times[:-1], times[1:]
         low, high, low_at, high_at = (
             reduce(choose, arrays)
@@ -268,7 +284,8 @@ class _Search:
             for box in (*failed, *lost)
         )
         return Tube(
-            follower.problem, follower.periods * period, tuple(follower.labels),
+            follower.problem, common * period, tuple(follower.labels),
             np.asarray(begins, float), np.asarray(ends, float), low, high, low_at, high_at,
             count, open_, not lost and bool(finished), clock.monotonic() - self.begun,
+            0.0 if follower.goal is None else max(lengths) * period,
         )  # fmt: skip

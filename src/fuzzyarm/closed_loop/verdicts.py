@@ -26,6 +26,8 @@ from fuzzyarm.closed_loop.form_maker import FormMaker
 from fuzzyarm.closed_loop.problem import LoopProblem
 from fuzzyarm.closed_loop.runs import refuting_run
 from fuzzyarm.closed_loop.search import proposals, rate_of
+from fuzzyarm.closed_loop.timed import Haven, claim_of_stability, followed, in_the_way
+from fuzzyarm.closed_loop.tube import Tube
 from fuzzyarm.closed_loop.verification import verified
 from fuzzyarm.controller.text import ControllerText, read_controller
 from fuzzyarm.errors import FuzzyarmError
@@ -72,6 +74,8 @@ class LoopVerdict(Shown):
         Of what is refuted, the start and what the run from it did.
     run : Run or None
         That run.
+    tube : Tube or None
+        Where all runs are, of a claim that a tube proves, or was to prove.
     uncertain : tuple of str
         The blocks of the form: what was taken as an unknown gain.
     pieces : int
@@ -94,6 +98,7 @@ class LoopVerdict(Shown):
     continuous: bool = False
     evidence: tuple[str, ...] = ()
     run: Run | None = field(default=None, compare=False)
+    tube: Tube | None = field(default=None, compare=False)
     uncertain: tuple[str, ...] = ()
     pieces: int = 0
     seconds: float = 0.0
@@ -110,9 +115,19 @@ class LoopVerdict(Shown):
 
     def __str__(self) -> str:
         lines = [f"{self.verdict}: {self.statement}"]
+        if self.tube is not None and self.proved:
+            boxes = f"{self.tube.boxes} box{'es' * (self.tube.boxes != 1)}"
+            arrival = self.tube.arrival
+            until = f"{arrival or self.tube.duration:g} s"
+            lines.append(f"  as sampled, by a tube of {boxes} for {until}")
+            if arrival:
+                lines.append("  from there on in an ellipsoid around rest that is never left, in")
         if self.region:
             how = "in continuous time" if self.continuous else "as sampled"
-            lines.append(f"  {how}, from everywhere in an ellipsoid around rest that reaches to")
+            if self.tube is None:
+                lines.append(
+                    f"  {how}, from everywhere in an ellipsoid around rest that reaches to"
+                )
             for name, (low, high) in self.region.items():
                 alone = self.start_region.get(name)
                 words = "" if alone is None else f" (± {alone:.4g} along it alone)"
@@ -202,13 +217,62 @@ class _Case:
             refuted = self._attacked(problem)
             if refuted is not None:
                 return refuted
-        try:
-            found = self._searched(FormMaker(problem, self.stop))
-        except (FuzzyarmError, EnclosureError) as error:
-            found = self._said(UNDECIDED, reason=_sentence(error))
+        bounded = math.isfinite(self.claim.end) and not self.claim.stable
+        found = self._by_tube(problem) if bounded else self._by_region(problem)
         if found.verdict == UNDECIDED and not self.claim.output:
             return self._attacked(problem) or found
         return found
+
+    def _by_region(self, problem: LoopProblem) -> LoopVerdict:
+        """Judge a claim for all time: by a region that holds the start, or a tube as far as one."""
+        try:
+            maker = FormMaker(problem, self.stop)
+            starts = bool(self.claim.output or self.claim.start) and not self.continuous
+            found = self._searched(maker, self.claim, self.stop.half() if starts else self.stop)
+            if found.verdict == UNDECIDED and starts:
+                return self._by_tube_and_region(problem, maker) or found
+        except (FuzzyarmError, EnclosureError) as error:
+            found = self._said(UNDECIDED, reason=_sentence(error))
+        return found
+
+    def _by_tube_and_region(self, problem: LoopProblem, maker: FormMaker) -> LoopVerdict | None:
+        """Return what a tube as far as a proved region says; None where there is no such region."""
+        stable = self._searched(maker, claim_of_stability(self.claim), self.stop.half())
+        if stable.certificate is None:
+            return None
+        haven = Haven(maker, stable.certificate, self.claim)
+        way, reason = followed(
+            problem, self.claim, budget=self.stop.left, tell=self._told_of_boxes, haven=haven
+        )
+        if reason:
+            return self._said(UNDECIDED, reason=reason, evidence=in_the_way(way), rest=stable.rest)
+        return self._said(
+            PROVED, tube=way, region=stable.region, rest=stable.rest, fall=stable.fall,
+            uncertain=stable.uncertain,
+        )  # fmt: skip
+
+    def _by_tube(self, problem: LoopProblem) -> LoopVerdict:
+        """Judge a claim for a bounded time: by a tube; where that fails, by a region."""
+        try:
+            way, reason = followed(
+                problem, self.claim, budget=self.stop.half().left, tell=self._told_of_boxes
+            )
+        except (FuzzyarmError, EnclosureError) as error:
+            return self._said(UNDECIDED, reason=_sentence(error))
+        if not reason:
+            return self._said(PROVED, tube=way)
+        try:
+            found = self._searched(FormMaker(problem, self.stop), self.claim, self.stop)
+        except (FuzzyarmError, EnclosureError):
+            found = None
+        if found is not None and found.proved:
+            return found
+        whole = way if way.complete else None
+        return self._said(UNDECIDED, reason=reason, tube=whole, evidence=in_the_way(way))
+
+    def _told_of_boxes(self, share: float, boxes: int) -> None:
+        """Show how far a tube is."""
+        self.stop.say(boxes, 1.0 - share)
 
     def _said(self, verdict: str, **facts: Any) -> LoopVerdict:
         return LoopVerdict(
@@ -220,15 +284,15 @@ class _Case:
             **facts,
         )
 
-    def _searched(self, maker: FormMaker) -> LoopVerdict:
+    def _searched(self, maker: FormMaker, claim: LoopClaim, stop: Stop) -> LoopVerdict:
         best: tuple[float, LoopVerdict] | None = None
-        wanted = (self.claim.low, self.claim.high) if self.claim.output else None
+        wanted = (claim.low, claim.high) if claim.output else None
         reason = "no quadratic function was found that falls"
         prints = fingerprints_of(self.text, self.text.path) if self.text.path else {}
         for proposal in proposals(
             maker,
-            self.claim,
-            self.stop,
+            claim,
+            stop,
             continuous=self.continuous,
             wanted=wanted,
         ):
@@ -238,7 +302,7 @@ class _Case:
                 reason = proposal
                 continue
             certificate = Certificate(
-                self.claim,
+                claim,
                 self.text.path,
                 prints,
                 proposal.choice,
@@ -255,13 +319,13 @@ class _Case:
             if best is None or proposal.size > best[0]:
                 verdict = self._said(PROVED, certificate=certificate, **facts)
                 best = (proposal.size, verdict)
-            if self.claim.output:
+            if claim.output:
                 break
         if best is not None:
             verdict = self._with_rate(maker, best[1])
             seconds = time.monotonic() - self.started
             return replace(verdict, seconds=seconds, pieces=self.attempts)
-        over = "time ran out" if self.stop.now else reason
+        over = "time ran out" if stop.now else reason
         return self._said(UNDECIDED, reason=over, rest=_plain(maker.rest))
 
     def _with_rate(self, maker: FormMaker, verdict: LoopVerdict) -> LoopVerdict:

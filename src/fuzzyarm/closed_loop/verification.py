@@ -20,7 +20,7 @@ from fuzzyarm.closed_loop.form import Form
 from fuzzyarm.closed_loop.form_maker import FormMaker
 from fuzzyarm.closed_loop.problem import LoopProofError
 
-__all__ = ["start_quadric", "start_vertices", "verified"]
+__all__ = ["power_up", "reach_of", "start_quadric", "start_vertices", "verified"]
 
 
 def _plain(values: Mapping[str, Fraction]) -> dict[str, float]:
@@ -56,7 +56,7 @@ def verified(
             level = max(level, _value(p, vertex))
         if level > 1:
             return "its region does not hold the whole start", {}
-    reach = _reach(form, Fraction(1), p)
+    reach = reach_of(form, Fraction(1), p)
     facts: dict[str, Any] = {
         "region": {
             name: (float(form.rest[name]) - half, float(form.rest[name]) + half)
@@ -167,7 +167,7 @@ def _along_alone(maker: FormMaker, form: Form, p: Sequence[Sequence[Fraction]]) 
     return found
 
 
-def _reach(form: Form, level: Fraction, p: Sequence[Sequence[Fraction]]) -> dict[str, float]:
+def reach_of(form: Form, level: Fraction, p: Sequence[Sequence[Fraction]]) -> dict[str, float]:
     """Return how far each state is from rest at most where V is at most a level."""
     inverse = np.linalg.inv(np.array([[float(x) for x in row] for row in p]))
     found = {}
@@ -190,8 +190,8 @@ def _outside(maker: FormMaker, form: Form, certificate: Certificate, level: Frac
     if certificate.continuous:
         return "a claim about an output is proved of the sampled loop"
     periods = int(Fraction(claim.begin) / Fraction(maker.problem.period)) if claim.begin else 0
-    left = _power_up(1 - certificate.rate, periods) * level
-    reach = _reach(form, left, certificate.p)
+    left = power_up(1 - certificate.rate, periods) * level
+    reach = reach_of(form, left, certificate.p)
     if any(math.isinf(half) for half in reach.values()):
         return "its region has no bounds"
     low, high = maker.plant.output_between_samples(claim.output, reach)
@@ -201,7 +201,7 @@ def _outside(maker: FormMaker, form: Form, certificate: Certificate, level: Frac
     return f"{claim.output} stays in {low:.6g} .. {high:.6g}{when}, as far as the region says"
 
 
-def _power_up(base: Fraction, exponent: int) -> Fraction:
+def power_up(base: Fraction, exponent: int) -> Fraction:
     """Return a power, rounded up to 128 bits."""
     total, factor = Fraction(1), base
     while exponent:

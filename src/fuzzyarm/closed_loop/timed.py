@@ -1,0 +1,255 @@
+"""Claims that tubes decide: for a bounded time, or until all runs are in a region of their own.
+
+A claim with an end needs a tube that long (:mod:`fuzzyarm.closed_loop.tube`). One without an end
+needs a tube as far as a proved region, an ellipsoid V ≤ 1 that no run leaves again and in which V
+falls by a known share in each period (:mod:`fuzzyarm.closed_loop.verification`): what holds from
+there on is read from V.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzyarm.closed_loop.algebra import Number
+from fuzzyarm.closed_loop.certificate import Certificate
+from fuzzyarm.closed_loop.checker import is_positive_definite, refutation
+from fuzzyarm.closed_loop.claims import claimed_port
+from fuzzyarm.closed_loop.enclosure import EnclosureError, outward
+from fuzzyarm.closed_loop.follower import Demand
+from fuzzyarm.closed_loop.form_maker import FormMaker
+from fuzzyarm.closed_loop.outward import above, below
+from fuzzyarm.closed_loop.problem import LoopProblem, LoopProofError
+from fuzzyarm.closed_loop.tube import Tube, tube
+from fuzzyarm.closed_loop.verification import power_up, reach_of
+from fuzzyarm.closed_loop.zonotope import Forms
+from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.model.claims import LoopClaim
+from fuzzyarm.text.numbers import number_text
+
+__all__ = ["TUBE_BUDGET", "Haven", "claim_of_stability", "followed", "in_the_way"]
+
+TUBE_BUDGET = 60.0
+"""Seconds that a tube may take where nothing is said."""
+
+Tell = Callable[[float, int], None]
+
+
+# ── for a bounded time ───────────────────────────────────────────────────────────────
+
+
+def followed(
+    problem: LoopProblem,
+    claim: LoopClaim,
+    *,
+    budget: float = math.inf,
+    tell: Tell | None = None,
+    haven: Haven | None = None,
+) -> tuple[Tube, str]:
+    """Return the tube of a claim, and why it does not prove it; an empty text: it does.
+
+    Parameters
+    ----------
+    problem : LoopProblem
+        The loop.
+    claim : LoopClaim
+        With an end; without one there has to be a haven.
+    budget : float
+        s.
+    tell : callable, optional
+        Told of the share of the starts that is done and of how many boxes are open.
+    haven : Haven, optional
+        A region as far as which the tube has to go.
+
+    Raises
+    ------
+    LoopProofError, UnreadableError, UnprovableError
+        If the loop has something of which nothing is enclosed.
+    """
+    horizon = claim.end if haven is None else haven.horizon
+    if not math.isfinite(horizon):
+        raise LoopProofError("a tube has an end", hint="during 0 .. 10 s")
+    demands = []
+    if claim.output:
+        port = claimed_port(problem, claim)
+        demands = [Demand(port, claim.low, claim.high, claim.begin, horizon)]
+    found = tube(
+        problem,
+        horizon,
+        demands=demands,
+        budget=TUBE_BUDGET if math.isinf(budget) else budget,
+        progress=tell,
+        goal=None if haven is None else haven.holds,
+    )
+    proved = found.complete and not found.open
+    if proved and haven is None and demands:
+        proved = found.holds(demands[0])
+    return found, "" if proved else _failure(problem, found, claim, haven)
+
+
+def _failure(problem: LoopProblem, found: Tube, claim: LoopClaim, haven: Haven | None) -> str:
+    """Return in words how far a tube got, and which box is in the way."""
+    what = "the region" if haven is not None and not claim.output else "the claim"
+    if haven is not None and claim.output:
+        what = "the claim and the region"
+    reason = f"a tube of {found.boxes} box{'es' * (found.boxes != 1)} does not show {what}"
+    if found.complete and claim.output and haven is None:
+        port = claimed_port(problem, claim)
+        low, high = found.bounds(port, claim.begin, min(claim.end, found.duration))
+        reason += f": {claim.output} in {low:.6g} .. {high:.6g}"
+    if not found.complete:
+        reason += "; some of the starts could not be followed to the end"
+    return reason
+
+
+def in_the_way(found: Tube) -> tuple[str, ...]:
+    """Return in words the first box of starts of which nothing is known."""
+    if not found.open or not found.open[0]:
+        return ()
+    box = ", ".join(
+        f"{name} in {number_text(low)} .. {number_text(high)}"
+        for name, (low, high) in found.open[0].items()
+    )
+    more = len(found.open) - 1
+    return (f"in the way: {box}" + (f", and {more} other boxes" if more else ""),)
+
+
+# ── a region that is never left ──────────────────────────────────────────────────────
+
+
+def claim_of_stability(claim: LoopClaim) -> LoopClaim:
+    """Return the claim that a loop is stable, from wherever its proof says."""
+    return replace(
+        claim, stable=True, start=(), output="", low=0.0, high=0.0, when="always",
+        begin=0.0, end=math.inf,
+    )  # fmt: skip
+
+
+class Haven:
+    """A region that no run leaves, as somewhere for the boxes of a tube to arrive.
+
+    Parameters
+    ----------
+    maker : FormMaker
+        Of the loop.
+    certificate : Certificate
+        That it is stable as sampled; it is checked here once more.
+    claim : LoopClaim
+        What is to hold from there on.
+
+    Raises
+    ------
+    LoopProofError
+        If the certificate proves nothing, or not even the rest of the loop fulfils the claim.
+    """
+
+    def __init__(self, maker: FormMaker, certificate: Certificate, claim: LoopClaim) -> None:
+        self.maker, self.claim = maker, claim
+        form = maker.form(certificate.choice)
+        self.p, self.rate = certificate.p, certificate.rate
+        against = "it is of other states" if certificate.states != form.names else ""
+        if certificate.continuous:
+            against = "it is of the loop in continuous time"
+        against = against or refutation(form, self.p, certificate.multipliers, self.rate)
+        if against:
+            raise LoopProofError(f"the region is not proved: {against}")
+        self.form = form
+        period = Fraction(maker.problem.period)
+        self.first = int(Fraction(claim.begin) / period)
+        plant = maker.problem.plant
+        self.horizon = max(plant.duration or 0.0, 1000 * maker.problem.period, claim.begin)
+        self.level = self._level()
+        self.factor, self.slack = _factored(self.p)
+        self.rests = [
+            outward(np.array(below(x)), np.array(above(x)))
+            for x in (form.rest[name] for name in form.names)
+        ]
+        self._fading: dict[int, float] = {}
+
+    def _level(self) -> float:
+        """Return the largest V, among powers of 2, at which the claim holds from then on."""
+        if not self.claim.output:
+            return 1.0
+        for halvings in range(40):
+            level = Fraction(1, 2**halvings)
+            reach = reach_of(self.form, level, self.p)
+            if any(math.isinf(half) for half in reach.values()):
+                continue
+            try:
+                low, high = self.maker.plant.output_between_samples(self.claim.output, reach)
+            except (FuzzyarmError, EnclosureError):
+                continue
+            if self.claim.low <= low and high <= self.claim.high:
+                return float(level)
+        raise LoopProofError("at rest, and next to it, the claim is not proved")
+
+    def holds(self, period: int, states: Forms, memory: Mapping[str, Number]) -> NDArray[np.bool_]:
+        """Tell which boxes are in the region, and so deep that the claim holds from its time on."""
+        batch = states.shape[1]
+        for name in self.maker.fixed:
+            value = memory[name]
+            bounds = value.bounds if isinstance(value, Forms) else None
+            begun = self.maker.begin[name]
+            if bounds is None:
+                if value != begun:
+                    return np.zeros(batch, dtype=bool)
+            elif not ((bounds.low == begun) & (bounds.high == begun)).all():
+                return np.zeros(batch, dtype=bool)
+        values = self.values(states, memory)
+        faded = values * self._fade(self.first - period)
+        # A factor and a product were rounded: two more roundings at most.
+        return np.asarray((values <= 1.0) & (faded * (1.0 + 1e-12) <= self.level))
+
+    def _fade(self, periods: int) -> float:
+        """Return by what V is multiplied at most in some periods, rounded up."""
+        if periods <= 0:
+            return 1.0
+        if periods not in self._fading:
+            self._fading[periods] = above(power_up(1 - self.rate, periods))
+        return self._fading[periods]
+
+    def values(self, states: Forms, memory: Mapping[str, Number]) -> NDArray[np.float64]:
+        """Return an upper bound of V in each box.
+
+        V ≤ (1 + slack) |Lᵀ z|², and each entry of Lᵀ z is an affine form: what states owe to the
+        same symbols cancels.
+        """
+        batch = states.shape[1]
+        names = self.maker.problem.states
+        z: list[Forms] = []
+        for name, rest in zip(self.form.names, self.rests, strict=True):
+            value = states[names.index(name)] if name in names else memory[name]
+            own = value if isinstance(value, Forms) else Forms.at(np.full(batch, value))
+            low, high = np.full(batch, rest.low), np.full(batch, rest.high)
+            z.append(own - Forms.between(low, high))
+        total = np.zeros(batch)
+        for k in range(len(z)):
+            entry = z[k].scaled(self.factor[k, k])
+            for i in range(k + 1, len(z)):
+                if self.factor[i, k]:
+                    entry = entry + z[i].scaled(self.factor[i, k])
+            size = entry.bounds.size
+            total = np.nextafter(total + np.nextafter(size * size, np.inf), np.inf)
+        return np.nextafter(total * (1.0 + self.slack), np.inf)
+
+
+def _factored(p: tuple[tuple[Fraction, ...], ...]) -> tuple[NDArray[np.float64], float]:
+    """Return L and a slack with P < (1 + slack) L Lᵀ, which is checked in rationals."""
+    plain = np.array([[float(x) for x in row] for row in p])
+    scale = 1.0 / np.sqrt(np.diag(plain))
+    balanced = plain * scale[:, None] * scale[None, :]
+    factor = np.linalg.cholesky(balanced) / scale[:, None]
+    exact = [[Fraction(float(x)) for x in row] for row in factor]
+    size = range(len(p))
+    square = [[sum((exact[i][k] * exact[j][k] for k in size), Fraction(0)) for j in size]
+              for i in size]  # fmt: skip
+    for slack in (2.0**-30, 2.0**-20, 2.0**-10):
+        larger = [[(1 + Fraction(slack)) * square[i][j] - p[i][j] for j in size] for i in size]
+        if is_positive_definite(larger):
+            return factor, slack
+    raise LoopProofError("the region is too flat for its factors as floats")
