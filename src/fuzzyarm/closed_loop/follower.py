@@ -66,8 +66,8 @@ class Demand(NamedTuple):
 
 
 Goal = Callable[[int, Forms, Mapping[str, Number]], NDArray[np.int64]]
-"""Tells of how many periods are over, the states and the memory which boxes have arrived (1), are on
-their way (0) or come no nearer (-1), so that it is better to halve them."""
+"""Tells, of how many periods are over, the states and the memory, which boxes have arrived (1), are
+on their way (0) or come no nearer (-1), so that it is better to halve them."""
 
 
 class Box(NamedTuple):

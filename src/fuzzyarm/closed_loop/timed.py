@@ -37,6 +37,9 @@ __all__ = ["TUBE_BUDGET", "Haven", "claim_of_stability", "followed", "in_the_way
 TUBE_BUDGET = 60.0
 """Seconds that a tube may take where nothing is said."""
 
+PATIENCE = 32
+"""Control periods after which a box that comes no nearer to its goal may be halved."""
+
 Tell = Callable[[float, int], None]
 
 
@@ -84,7 +87,7 @@ def followed(
         demands=demands,
         budget=TUBE_BUDGET if math.isinf(budget) else budget,
         progress=tell,
-        goal=None if haven is None else haven.holds,
+        goal=None if haven is None else haven.sign,
     )
     proved = found.complete and not found.open
     if proved and haven is None and demands:
@@ -170,6 +173,7 @@ class Haven:
             for x in (form.rest[name] for name in form.names)
         ]
         self._fading: dict[int, float] = {}
+        self._before: NDArray[np.float64] | None = None
 
     def _level(self) -> float:
         """Return the largest V, among powers of 2, at which the claim holds from then on."""
@@ -188,22 +192,35 @@ class Haven:
                 return float(level)
         raise LoopProofError("at rest, and next to it, the claim is not proved")
 
-    def holds(self, period: int, states: Forms, memory: Mapping[str, Number]) -> NDArray[np.bool_]:
-        """Tell which boxes are in the region, and so deep that the claim holds from its time on."""
-        batch = states.shape[1]
-        for name in self.maker.fixed:
-            value = memory[name]
-            bounds = value.bounds if isinstance(value, Forms) else None
-            begun = self.maker.begin[name]
-            if bounds is None:
-                if value != begun:
-                    return np.zeros(batch, dtype=bool)
-            elif not ((bounds.low == begun) & (bounds.high == begun)).all():
-                return np.zeros(batch, dtype=bool)
+    def sign(self, period: int, states: Forms, memory: Mapping[str, Number]) -> NDArray[np.int64]:
+        """Return a goal of tubes: to be in the region, so deep that the claim holds in its time."""
         values = self.values(states, memory)
         faded = values * self._fade(self.first - period)
         # A factor and a product were rounded: two more roundings at most.
-        return np.asarray((values <= 1.0) & (faded * (1.0 + 1e-12) <= self.level))
+        inside = (values <= 1.0) & (faded * (1.0 + 1e-12) <= self.level)
+        inside &= self._is_fixed(memory, states.shape[1])
+        return np.where(inside, 1, -self._is_stalled(period, values).astype(np.int64))
+
+    def _is_fixed(self, memory: Mapping[str, Number], batch: int) -> NDArray[np.bool_]:
+        """Tell in which boxes what the form takes as constant is what it is taken to be."""
+        fixed = np.ones(batch, dtype=bool)
+        for name in self.maker.fixed:
+            value, begun = memory[name], self.maker.begin[name]
+            if isinstance(value, Forms):
+                fixed &= (value.bounds.low == begun) & (value.bounds.high == begun)
+            else:
+                fixed &= value == begun
+        return fixed
+
+    def _is_stalled(self, period: int, values: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Tell which boxes came no nearer since half as many periods; only a hint to halve them."""
+        stalled = np.zeros(len(values), dtype=bool)
+        if period & (period - 1) or period < PATIENCE:
+            return stalled
+        before, self._before = self._before, values
+        if before is not None and period > PATIENCE and before.shape == values.shape:
+            return values >= before
+        return stalled
 
     def _fade(self, periods: int) -> float:
         """Return by what V is multiplied at most in some periods, rounded up."""
