@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
     from fuzzyarm.controller import Controller
-    from fuzzyarm.loop import Motion, Options
+    from fuzzyarm.loop import Motion, Options, Sensor
     from fuzzyarm.loop.words import PlantWords
     from fuzzyarm.plant import Plant
 
@@ -21,6 +21,12 @@ def _many(words: str, text: str) -> Any:
 
 
 CONNECT = _many("--connect NAME=PORT", "join a name of the controller to a port of the plant")
+SENSORS = (
+    _many("--quantise PORT=STEP", "resolution of a sensor, as in 0.001 or 12bit"),
+    _many("--sensor-delay PORT=TIME", "delay of a sensor, as in 3ms"),
+)
+"""Errors of sensors that have a bound."""
+
 INTERPOLATE = flag("--interpolate", "move the reference between set points, instead of holding it")
 
 MOTORS = group(
@@ -46,8 +52,7 @@ PLANT = (
     *group(
         "sensors, actuators and disturbances",
         _many("--noise PORT=DEVIATION", "white noise of a sensor"),
-        _many("--quantise PORT=STEP", "resolution of a sensor, as in 0.001 or 12bit"),
-        _many("--sensor-delay PORT=TIME", "delay of a sensor, as in 3ms"),
+        *SENSORS,
         _many("--difference PORT=TIME", "form a rate by difference, with a filter of this time"),
         _many("--actuator INPUT=LOW..HIGH", "limits of a drive; a slew behind a comma: -5..5,100"),
         _many("--disturb INPUT=SIGNAL", "add this to a drive, as in voltage=step:-2,1"),
@@ -97,6 +102,11 @@ def _plant_by_axes(controllers: Sequence[Controller], connect: Mapping[str, str]
 def options_of(arguments: argparse.Namespace, plant: Plant) -> Options:
     """Return sensors, disturbances and the rest of how to run."""
     return _words(arguments).options(plant)
+
+
+def sensors_of(arguments: argparse.Namespace, plant: Plant) -> Mapping[str, Sensor]:
+    """Return the sensors that the arguments name."""
+    return _words(arguments).options(plant).sensors
 
 
 def connections(arguments: argparse.Namespace) -> dict[str, str]:

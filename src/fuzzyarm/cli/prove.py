@@ -15,12 +15,16 @@ of each drive, with its range, its limits and its linear gains; --plot draws it.
 
 --claim proves a controller in its loop, as a `prove` line of its file would say it; --stable with
 --plant is short for `stable on PLANT`. A proof is written with --certificate; --check asks of such
-a file whether it proves what it says, without searching.
+a file whether it proves what it says, without searching. --for bounds all ports of the plant for a
+time, from all starts of --from; with --claim it is the end of the claim. --plot draws the region or
+the tube, with runs in it.
 
   fuzzyarm prove rulebases/pd7.frb --table linear
   fuzzyarm prove rulebases/servo.frb --sector --plot sector.png
   fuzzyarm prove rulebases/servo.frb --plant motor --stable --certificate servo.json
   fuzzyarm prove --check servo.json
+  fuzzyarm prove rulebases/tanks.frb --plant tanks --at level2=0.2 \
+      --from "level1 in 0.1 .. 0.15" --for 20s --plot tube.png
 """
 
 from __future__ import annotations
@@ -44,6 +48,7 @@ from fuzzyarm.cli.command import (
     read_number,
     say,
 )
+from fuzzyarm.cli.plants import CONNECT, SENSORS
 from fuzzyarm.cli.prove_loops import check, loop_data, loops_of, prove_loops, wants_loop
 from fuzzyarm.cli.prove_sectors import drives_of, only_output, print_sectors, progress
 
@@ -279,8 +284,13 @@ COMMANDS = (
         argument("--claim CLAIM", "of a controller: prove this, as a `prove` line says it",
                  either="what"),
         argument("--check CERTIFICATE", "whether a certificate proves what it says", either="what"),
-        argument("--from START", "with --stable: from STATE in LOW .. HIGH, ..."),
-        argument("--at PORT=X,...", "with --stable: constant set points"),
+        argument("--from START", "with --stable or --for: STATE in LOW .. HIGH, ..."),
+        argument("--with VALUES", "with --stable or --for: PARAMETER in LOW .. HIGH, ..."),
+        argument("--at PORT=X,...", "with --stable or --for: constant set points"),
+        argument("--for TIME", "of a loop: bound all ports so long; with --claim: its end",
+                 dest="duration"),
+        CONNECT,
+        *SENSORS,
         flag("--continuous", "of a loop: as if the controller ran without a period"),
         argument("--certificate OUT", "write the certificate of what is proved of a loop"),
         argument("--along NAME=W,...", "with --sector: along this sum of the inputs only"),

@@ -4,38 +4,47 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.cli.command import WordError, load_controller, print_json, say
+from fuzzyarm.cli.plants import connections, sensors_of, time_of
 from fuzzyarm.cli.prove_sectors import EXIT_UNDECIDED, progress
 
 if TYPE_CHECKING:
-    from fuzzyarm.closed_loop import LoopVerdict
+    from fuzzyarm.closed_loop import LoopVerdict, Tube
     from fuzzyarm.controller.text import ControllerText
     from fuzzyarm.model.claims import LoopClaim
 
 EXIT_REFUTED = 1
 
-_WITH_STABLE = ("from", "at")
+_PARTS = ("from", "with", "at")
 
 
 def wants_loop(arguments: argparse.Namespace) -> bool:
-    """Tell whether a claim about a loop stands in the command."""
-    wanted = arguments.stable or arguments.claim is not None
-    for word in _WITH_STABLE:
-        if getattr(arguments, word) is not None and not arguments.stable:
-            raise WordError(f"--{word} goes with --stable")
+    """Tell whether a claim about a loop, or a tube of it, is asked for in the command."""
+    wanted = arguments.stable or arguments.claim is not None or arguments.duration is not None
+    for word in _PARTS:
+        if getattr(arguments, word) is not None:
+            if arguments.claim is not None:
+                raise WordError(f"--{word} is part of --claim", hint=f"write {word} in the claim")
+            if not wanted:
+                raise WordError(f"--{word} goes with --stable or --for")
+    if arguments.stable and arguments.duration is not None:
+        raise WordError("--stable is for all time: --for goes with --claim, or alone")
     return bool(wanted)
 
 
 def prove_loops(arguments: argparse.Namespace, budget: float) -> int:
-    """Do what ``--stable`` or ``--claim`` says."""
+    """Do what ``--stable``, ``--claim`` or ``--for`` says."""
     if len(arguments.files) > 1:
-        raise WordError("--stable and --claim take one file")
+        raise WordError("--stable, --claim and --for take one file")
     path = arguments.files[0]
     controller = load_controller(path)
     if controller is None:
-        raise WordError(f"{path} is not a controller: --stable and --claim are about loops")
+        raise WordError(f"{path} is not a controller: --stable, --claim and --for are about loops")
+    if not arguments.stable and arguments.claim is None:
+        return _bound(path, controller, arguments, budget)
     (verdict,) = _judged(path, controller, [_claim_of(arguments)], arguments, budget)
     if arguments.json:
         print_json(loop_data(verdict), 2)
@@ -47,15 +56,96 @@ def _claim_of(arguments: argparse.Namespace) -> LoopClaim:
 
     plant = arguments.plant or ""
     if arguments.claim is not None:
-        return read_claim(arguments.claim, plant)
+        return _ended(read_claim(arguments.claim, plant), arguments)
     if not plant:
-        raise WordError("--stable needs a plant", hint="--plant motor")
+        word = "--stable" if arguments.stable else "--for"
+        raise WordError(f"{word} needs a plant", hint="--plant motor")
     text = "stable"
     if arguments.at is not None:
         text += " at " + arguments.at.replace("=", " = ").replace(",", ", ")
-    if vars(arguments)["from"] is not None:
-        text += f" from {vars(arguments)['from']}"
+    for word in ("with", "from"):
+        if getattr(arguments, word) is not None:
+            text += f" {word} {getattr(arguments, word)}"
     return read_claim(text, plant)
+
+
+def _ended(claim: LoopClaim, arguments: argparse.Namespace) -> LoopClaim:
+    """Return a claim with the end that ``--for`` says."""
+    if arguments.duration is None:
+        return claim
+    if claim.stable or claim.when == "during":
+        raise WordError(
+            "--for gives a claim with `after` or `always` an end; this has none to give"
+        )
+    end = time_of(arguments.duration, "--for")
+    if not end > claim.begin:
+        raise WordError(f"--for ends at {end:g} s, before the claim begins at {claim.begin:g} s")
+    return replace(claim, when="during", end=end)
+
+
+# ── a tube ───────────────────────────────────────────────────────────────────────────
+
+
+def _bound(
+    path: str, controller: ControllerText, arguments: argparse.Namespace, budget: float
+) -> int:
+    """Bound all ports of the plant for a time; what is left open is said."""
+    from fuzzyarm.closed_loop import EnclosureError, claim_text, loop_tube
+
+    _require_figure(arguments)
+    claim = _claim_of(arguments)
+    duration = time_of(arguments.duration, "--for")
+    statement = claim_text(claim).removeprefix("stable ") + f" for {duration:g} s"
+    with progress() as tell:
+        try:
+            way, open_ = loop_tube(
+                controller, claim, duration, budget=budget, **_setup(claim, arguments),
+                tell=lambda share, boxes: tell(statement, boxes, 1.0 - share),
+            )  # fmt: skip
+        except EnclosureError as error:
+            raise WordError(f"{path}: {error}") from error
+        tell("", 0, 0.0)
+    if arguments.json:
+        data = {"property": statement, "complete": way.complete, "open": list(open_)}
+        print_json({**data, "tube": tube_data(way), "seconds": round(way.seconds, 6)}, 2)
+    else:
+        found = [*(way.lines() if way.complete else ()), *open_]
+        found.append(f"{way.boxes} box{'es' * (way.boxes != 1)}, {way.seconds:.2f} s")
+        say(f"{path}: {statement}", *(f"  {line}" for line in found))
+    if arguments.plot is not None and way.complete:
+        _draw_tube(way, statement, arguments.plot)
+        if not arguments.json:
+            say(f"{arguments.plot}: drawn from {path}")
+    return 0 if way.complete and not way.open else EXIT_UNDECIDED
+
+
+def tube_data(way: Tube | None) -> dict[str, Any] | None:
+    """Return a tube as JSON has it: of each port the bounds in all periods."""
+    if way is None or not way.complete:
+        return None
+    return {
+        "duration": way.duration,
+        "boxes": way.boxes,
+        "arrival": way.arrival,
+        "ends": way.ends.tolist(),
+        "ports": {
+            port: {"low": way.low[:, k].tolist(), "high": way.high[:, k].tolist()}
+            for k, port in enumerate(way.ports)
+        },
+    }
+
+
+def _setup(claim: LoopClaim, arguments: argparse.Namespace) -> dict[str, Any]:
+    """Return connections and sensors as the command says them."""
+    from fuzzyarm.plant.own import find_plant
+
+    setup: dict[str, Any] = {"connect": connections(arguments)}
+    if arguments.quantise or arguments.sensor_delay:
+        setup["sensors"] = sensors_of(arguments, find_plant(claim.plant))
+    return setup
+
+
+# ── claims ───────────────────────────────────────────────────────────────────────────
 
 
 def loops_of(
@@ -76,15 +166,13 @@ def _judged(
         return
     from fuzzyarm.closed_loop import prove_loop, write_certificate
 
-    if arguments.plot is not None:
-        from fuzzyarm.show.figures.style import require_figure_suffix
-
-        require_figure_suffix(arguments.plot)
+    _require_figure(arguments)
     with progress() as tell:
         for claim in claims:
             verdict = prove_loop(
-                controller, claim, budget=budget, continuous=arguments.continuous, tell=tell
-            )
+                controller, claim, budget=budget, continuous=arguments.continuous, tell=tell,
+                **_setup(claim, arguments),
+            )  # fmt: skip
             tell("", 0, 0.0)
             if not arguments.json:
                 say(*_lines(path, verdict))
@@ -94,14 +182,37 @@ def _judged(
                     say(
                         f"{arguments.certificate}: the certificate, {verdict.certificate.seal[:16]}"
                     )
-            if arguments.plot is not None and verdict.proved:
+            elif arguments.certificate is not None and verdict.proved:
+                say(
+                    f"{arguments.certificate}: not written: a tube has no certificate, it is"
+                    " followed anew",
+                    to_errors=True,
+                )
+            if arguments.plot is not None and (verdict.proved or verdict.tube is not None):
                 _draw(controller, verdict, arguments.plot)
                 if not arguments.json:
                     say(f"{arguments.plot}: drawn from {path}")
             yield verdict
 
 
+def _require_figure(arguments: argparse.Namespace) -> None:
+    if arguments.plot is not None:
+        from fuzzyarm.show.figures.style import require_figure_suffix
+
+        require_figure_suffix(arguments.plot)
+
+
+def _draw_tube(way: Tube, statement: str, path: str, claim: LoopClaim | None = None) -> None:
+    from fuzzyarm.show.figures.loop_tube import tube_figure
+    from fuzzyarm.show.figures.style import save_figure
+
+    save_figure(tube_figure(way, statement, claim), path)
+
+
 def _draw(controller: ControllerText, verdict: LoopVerdict, path: str) -> None:
+    if verdict.tube is not None:
+        _draw_tube(verdict.tube, str(verdict).splitlines()[0], path, verdict.claim)
+        return
     from fuzzyarm.show.figures.loop_region import region_figure
     from fuzzyarm.show.figures.style import save_figure
 
@@ -154,6 +265,7 @@ def loop_data(verdict: LoopVerdict) -> dict[str, Any]:
         "continuous": verdict.continuous,
         "uncertain": list(verdict.uncertain),
         "certificate": None if certificate is None else certificate.seal,
+        "tube": tube_data(verdict.tube),
         "evidence": list(verdict.evidence),
         "pieces": verdict.pieces,
         "seconds": round(verdict.seconds, 6),

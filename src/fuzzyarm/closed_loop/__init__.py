@@ -14,7 +14,9 @@ from fuzzyarm.closed_loop.certificate import (
     write_certificate,
 )
 from fuzzyarm.closed_loop.claims import claim_text, read_claim
+from fuzzyarm.closed_loop.enclosure import EnclosureError
 from fuzzyarm.closed_loop.problem import LoopProofError, loop_problem
+from fuzzyarm.closed_loop.timed import loop_tube
 from fuzzyarm.closed_loop.tube import Demand, Tube, tube
 from fuzzyarm.closed_loop.verdicts import LoopVerdict, check_certificate, prove_loop
 from fuzzyarm.lazy import lazily
@@ -23,12 +25,14 @@ __all__ = [
     "Certificate",
     "CertificateError",
     "Demand",
+    "EnclosureError",
     "LoopProofError",
     "LoopVerdict",
     "Tube",
     "check_certificate",
     "claim_text",
     "loop_problem",
+    "loop_tube",
     "prove",
     "prove_loop",
     "read_certificate",

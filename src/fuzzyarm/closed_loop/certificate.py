@@ -19,6 +19,7 @@ from typing import Any
 from fuzzyarm.closed_loop.form import Choice, Matrix
 from fuzzyarm.closed_loop.problem import LoopProofError
 from fuzzyarm.controller.text import ControllerText, sheet_files
+from fuzzyarm.loop.course import Sensor
 from fuzzyarm.model.claims import LoopClaim
 from fuzzyarm.text.files import write_atomically
 
@@ -30,7 +31,7 @@ __all__ = [
     "write_certificate",
 ]
 
-FORMAT = "fuzzyarm-certificate 1"
+FORMAT = "fuzzyarm-certificate 2"
 
 
 class CertificateError(LoopProofError):
@@ -61,6 +62,10 @@ class Certificate:
         By what share V falls in each period.
     states : tuple of str
         Names of the rows of P.
+    sensors : dict of str to Sensor
+        By port, axis and name; exact ones are not there.
+    connect : dict of str to str
+        From names of the controller to ports of the plant, where they differ.
     """
 
     claim: LoopClaim
@@ -72,7 +77,8 @@ class Certificate:
     multipliers: tuple[Fraction, ...]
     rate: Fraction
     states: tuple[str, ...]
-    facts: Mapping[str, Any] = field(default_factory=dict, compare=False)
+    sensors: Mapping[str, Sensor] = field(default_factory=dict)
+    connect: Mapping[str, str] = field(default_factory=dict)
 
     def as_data(self) -> dict[str, Any]:
         """Return it as plain data, sealed."""
@@ -91,6 +97,11 @@ class Certificate:
                 "from": _text(claim.begin),
                 "to": None if claim.end == float("inf") else _text(claim.end),
             },
+            "sensors": {
+                port: [_text(s.delay), None if s.difference is None else _text(s.difference)]
+                for port, s in self.sensors.items()
+            },
+            "connect": dict(self.connect),
             "controller": self.controller,
             "sha256": dict(self.fingerprints),
             "choice": {
@@ -212,4 +223,9 @@ def _certificate(data: Mapping[str, Any]) -> Certificate:
         tuple(Fraction(x) for x in data["multipliers"]),
         Fraction(data["rate"]),
         tuple(data["states"]),
+        {
+            str(port): Sensor(delay=number(late), difference=None if d is None else number(d))
+            for port, (late, d) in data["sensors"].items()
+        },
+        {str(name): str(port) for name, port in data["connect"].items()},
     )

@@ -73,7 +73,13 @@ def region_planes(
     certificate = verdict.certificate
     if certificate is None:
         return []
-    problem = problem_of(text, certificate.claim, plant=plant)
+    problem = problem_of(
+        text,
+        certificate.claim,
+        plant=plant,
+        sensors=certificate.sensors,
+        connect=certificate.connect,
+    )
     maker = FormMaker(problem)
     states = list(problem.states)
     pairs = [(0, 1), (2, 3)] if len(states) > 3 else [(0, 1), (1, 2)][: max(1, len(states) - 1)]

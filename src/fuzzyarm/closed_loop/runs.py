@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from itertools import product
+from dataclasses import replace
+from itertools import islice, product
 from typing import NamedTuple
 
 import numpy as np
@@ -20,7 +21,7 @@ from fuzzyarm.plant.own import starting_at
 from fuzzyarm.plant.plant import with_parameters
 from fuzzyarm.text.numbers import number_text
 
-__all__ = ["Breach", "refuting_run"]
+__all__ = ["Breach", "refuting_run", "sampled_runs"]
 
 
 class Breach(NamedTuple):
@@ -83,6 +84,24 @@ def _starts(
             )
 
 
+def sampled_runs(problem: LoopProblem, duration: float, count: int) -> list[Run]:
+    """Return runs from corners of the starts and from within them, as `simulate` gives them.
+
+    Parameters
+    ----------
+    problem : LoopProblem
+        The loop.
+    duration : float
+        s.
+    count : int
+        How many at most.
+    """
+    claim = LoopClaim("", output="", when="during", end=duration)
+    begun = _starts(problem, replace(claim, start=(("", 0.0, 0.0),)))
+    runs = (_simulated(problem, *each, claim, duration=duration) for each in islice(begun, count))
+    return [run for run in runs if run is not None]
+
+
 def _near_set_point(problem: LoopProblem) -> dict[str, Interval]:
     interface = problem.site.interface
     spans = dict(problem.start)
@@ -101,6 +120,7 @@ def _simulated(
     values: Mapping[str, float],
     claim: LoopClaim,
     steps: int = 1,
+    duration: float = 0.0,
 ) -> Run | None:
     """Return the run; with so many times as many steps of the integrator to confirm another."""
     plant = problem.plant
@@ -115,7 +135,7 @@ def _simulated(
         for port, value in problem.set_point.items()
         if not interface.references[port].order and port in interface.outputs
     }
-    duration = plant.duration or 1000 * problem.period
+    duration = duration or plant.duration or 1000 * problem.period
     if claim.output and claim.when == "during" and math.isfinite(claim.end):
         duration = claim.end
     elif claim.begin:

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from fuzzyarm.closed_loop.algebra import Number
 from fuzzyarm.closed_loop.certificate import Certificate
 from fuzzyarm.closed_loop.checker import is_positive_definite, refutation
-from fuzzyarm.closed_loop.claims import claimed_port
+from fuzzyarm.closed_loop.claims import claimed_port, problem_of
 from fuzzyarm.closed_loop.enclosure import EnclosureError, outward
 from fuzzyarm.closed_loop.follower import Demand
 from fuzzyarm.closed_loop.form_maker import FormMaker
@@ -28,11 +28,14 @@ from fuzzyarm.closed_loop.problem import LoopProblem, LoopProofError
 from fuzzyarm.closed_loop.tube import Tube, tube
 from fuzzyarm.closed_loop.verification import power_up, reach_of
 from fuzzyarm.closed_loop.zonotope import Forms
+from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.loop.course import Sensor
 from fuzzyarm.model.claims import LoopClaim
+from fuzzyarm.plant.plant import Plant
 from fuzzyarm.text.numbers import number_text
 
-__all__ = ["TUBE_BUDGET", "Haven", "claim_of_stability", "followed", "in_the_way"]
+__all__ = ["TUBE_BUDGET", "Haven", "claim_of_stability", "followed", "in_the_way", "loop_tube"]
 
 TUBE_BUDGET = 60.0
 """Seconds that a tube may take where nothing is said."""
@@ -93,6 +96,45 @@ def followed(
     if proved and haven is None and demands:
         proved = found.holds(demands[0])
     return found, "" if proved else _failure(problem, found, claim, haven)
+
+
+def loop_tube(
+    text: ControllerText,
+    claim: LoopClaim,
+    duration: float,
+    *,
+    plant: Plant | None = None,
+    connect: Mapping[str, str] | None = None,
+    sensors: Mapping[str, Sensor] | None = None,
+    budget: float = math.inf,
+    tell: Tell | None = None,
+) -> tuple[Tube, tuple[str, ...]]:
+    """Return where all runs of a loop are for a time, and in words which starts are left open.
+
+    Parameters
+    ----------
+    text : ControllerText
+        The controller.
+    claim : LoopClaim
+        The plant, its set points, parameters and starts; nothing has to be claimed.
+    duration : float
+        s.
+    plant, connect, sensors
+        As for :func:`fuzzyarm.closed_loop.prove_loop`.
+    budget : float
+        s.
+    tell : callable, optional
+        Told of the share of the starts that is done and of how many boxes are open.
+
+    Raises
+    ------
+    LoopProofError, UnreadableError, UnprovableError
+        If the loop has something of which nothing is enclosed.
+    """
+    problem = problem_of(text, claim, plant=plant, connect=connect, sensors=sensors)
+    asked = replace(claim, stable=False, output="", when="during", begin=0.0, end=duration)
+    way, _ = followed(problem, asked, budget=budget, tell=tell)
+    return way, in_the_way(way)
 
 
 def _failure(problem: LoopProblem, found: Tube, claim: LoopClaim, haven: Haven | None) -> str:

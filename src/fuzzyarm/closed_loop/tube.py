@@ -12,9 +12,11 @@ The claim is of the equations as they are written, in real arithmetic, not of an
 
 from __future__ import annotations
 
+import math
 import time as clock
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from functools import reduce
 
 import numpy as np
@@ -106,10 +108,34 @@ class Tube:
         column = self.ports.index(output)
         return _between(self, column, begin, end)
 
+    def lines(self) -> list[str]:
+        """Return in words where each port is: in all the time, and at its end."""
+        found = []
+        for port in self.ports:
+            whole = self.bounds(port, 0.0, self.duration)
+            last = self.bounds(port, self.duration, self.duration)
+            found.append(f"{port} in {_ends(whole)}, at {self.duration:g} s in {_ends(last)}")
+        return found
+
     def holds(self, demand: Demand) -> bool:
         """Tell whether a demand is proved."""
         found = self.bounds(demand.port, demand.begin, demand.end)
         return demand.low <= found.low and found.high <= demand.high
+
+
+def _ends(interval: Interval) -> str:
+    """Return an interval in words, rounded outward to six digits."""
+    return " .. ".join(
+        _outward_text(end, up=up) for end, up in ((interval.low, False), (interval.high, True))
+    )
+
+
+def _outward_text(x: float, *, up: bool) -> str:
+    """Return a number with six digits, not below (`up`) or not above it."""
+    if not math.isfinite(x) or float(f"{x:.6g}") == x:
+        return f"{x:.6g}"
+    rounding = ROUND_CEILING if up else ROUND_FLOOR
+    return f"{Context(prec=6, rounding=rounding).create_decimal(x):.6g}"
 
 
 def _between(course: Tube, column: int, begin: float, end: float) -> Interval:

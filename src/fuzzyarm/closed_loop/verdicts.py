@@ -86,6 +86,8 @@ class LoopVerdict(Shown):
         Why it is undecided, or what limits the region.
     line : int
         Of the file; 0 for a claim from elsewhere.
+    claim : LoopClaim or None
+        What is claimed.
     """
 
     statement: str
@@ -104,6 +106,7 @@ class LoopVerdict(Shown):
     seconds: float = 0.0
     reason: str = ""
     line: int = 0
+    claim: LoopClaim | None = field(default=None, compare=False)
 
     @property
     def proved(self) -> bool:
@@ -281,6 +284,7 @@ class _Case:
             pieces=self.attempts,
             seconds=time.monotonic() - self.started,
             line=0 if self.claim.span == NOWHERE else self.claim.span.line,
+            claim=self.claim,
             **facts,
         )
 
@@ -311,6 +315,8 @@ class _Case:
                 proposal.multipliers,
                 proposal.rate,
                 proposal.form.names,
+                self._sensors_of(maker.problem),
+                dict(self.connect or {}),
             )
             against, facts = verified(maker, certificate, form=proposal.form)
             if against:
@@ -327,6 +333,11 @@ class _Case:
             return replace(verdict, seconds=seconds, pieces=self.attempts)
         over = "time ran out" if stop.now else reason
         return self._said(UNDECIDED, reason=over, rest=_plain(maker.rest))
+
+    @staticmethod
+    def _sensors_of(problem: LoopProblem) -> dict[str, Sensor]:
+        """Return the sensors of a loop as a certificate has them."""
+        return {".".join(port): sensor for port, sensor in problem.sensors.items()}
 
     def _with_rate(self, maker: FormMaker, verdict: LoopVerdict) -> LoopVerdict:
         """Add by how much V falls in each period."""
@@ -405,7 +416,15 @@ def check_certificate(
             raise CertificateError(f"{name} is not the file that was proved")
     statement = claim_text(certificate.claim)
     try:
-        maker = FormMaker(problem_of(text, certificate.claim, plant=plant))
+        maker = FormMaker(
+            problem_of(
+                text,
+                certificate.claim,
+                plant=plant,
+                sensors=certificate.sensors,
+                connect=certificate.connect,
+            )
+        )
         against, facts = verified(maker, certificate)
     except (FuzzyarmError, EnclosureError) as error:
         against, facts = _sentence(error), {}
@@ -414,6 +433,7 @@ def check_certificate(
         statement,
         verdict,
         certificate=certificate,
+        claim=certificate.claim,
         reason=f"the certificate does not prove it: {against}" if against else "",
         seconds=time.monotonic() - started,
         **({} if against else facts),
