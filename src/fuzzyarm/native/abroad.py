@@ -68,7 +68,7 @@ def declared_names(headers: Path) -> dict[str, bool]:
     Some are of later versions or of no stable ABI: a module that uses one of them is not loaded, as
     on every platform.
     """
-    names = {}
+    names: dict[str, bool] = {}
     for header in sorted(headers.glob("*.h")):
         text = header.read_text(encoding="utf-8")
         names |= {match[2]: match[1] == "DATA" for match in _DECLARED.finditer(text)}
