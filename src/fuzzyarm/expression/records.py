@@ -296,12 +296,12 @@ class Shape(Kind):
 
     def _absurdities(self, parameters: Sequence[float]) -> Iterator[Misfit]:
         """Yield numbers with which no area or moment could be computed."""
+        signed = (*self.positive, *self.nonzero)
         for i, value in enumerate(parameters):
-            name = self._name_of(i)
             if MAX_MAGNITUDE < abs(value) < math.inf:
                 message = f"a {self.name} cannot have numbers beyond {MAX_MAGNITUDE:g}"
                 yield Misfit(i, "absurd", message)
-            elif name in (*self.positive, *self.nonzero) and abs(value) < MIN_WIDTH:
+            elif abs(value) < MIN_WIDTH and (name := self._name_of(i)) in signed:
                 yield Misfit(i, "absurd", f"{self.number_words(name)} is below {MIN_WIDTH:g}")
 
     def _name_of(self, index: int) -> str:
