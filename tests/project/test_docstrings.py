@@ -6,11 +6,17 @@ import re
 from sources import MODULES, SOURCE, tree
 
 
+def is_overload(function):
+    """Say whether a function is a signature of another only."""
+    return any(isinstance(d, ast.Name) and d.id == "overload" for d in function.decorator_list)
+
+
 def public_functions(tree):
     """Yield public functions and methods of a module."""
     for node in tree.body:
         if isinstance(node, ast.FunctionDef) and not node.name.startswith("_"):
-            yield node
+            if not is_overload(node):  # the function itself has the docstring
+                yield node
         elif isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
             for inner in node.body:
                 if isinstance(inner, ast.FunctionDef) and not inner.name.startswith("_"):
