@@ -19,7 +19,8 @@ help:
 	@echo "make native build the machine code of the kernels anew"
 	@echo "make wheels make wheels for this platform and, by ziglang, for others, and check them"
 	@echo "make docs   set up and build the pages as a site, in build/docs"
-	@echo "make bench  set up and measure against C and the peers that are installed"
+	@echo "make bench  set up and measure against C and the peers that are installed;"
+	@echo "            with BEFORE=TREE/.venv/bin/python beside another tree, in turns"
 	@echo "make mutants  change the source in 300 ways and see which a test notices"
 	@echo "make fuzz   all random cases of the tests; then files, rule bases and commands, some 10,000 each"
 	@echo "make editors  compile, test and package the extension for VS Code (needs node)"
@@ -64,7 +65,7 @@ docs: $(VENV)/.dev
 	@echo "build/docs/index.html"
 
 bench: $(VENV)/.dev
-	$(BIN)/python benchmarks/run_all.py
+	$(BIN)/python benchmarks/$(if $(BEFORE),beside.py --before $(BEFORE),run_all.py)
 
 mutants: $(VENV)/.dev
 	$(BIN)/python tools/mutants.py --jobs 2
