@@ -217,6 +217,16 @@ def test_a_cut_is_one_finding() -> None:
         assert len(parse_fis(text.partition(section)[0]).errors) == 1
 
 
+def test_a_system_with_a_number_is_one() -> None:
+    text = (DATA / "tipper_matlab.fis").read_text(encoding="utf-8")
+    numbered = text.replace("[System]", "[System1]")
+    assert same_model(good(parse_fis(numbered)), good(parse_fis(text)))
+    (finding,) = parse_fis(numbered.partition("[Input1]")[0]).errors
+    assert finding.name in {"no-engine", "wrong-count"}
+    (finding,) = parse_fis("[System1]\nName='y'\n").errors
+    assert (finding.name, finding.message) == ("no-engine", "there is no input in this file")
+
+
 def test_more_than_a_file_says_is_read_with_a_warning() -> None:
     imported = parse_fis(fis("1, 1 (1) : 1", "1, 2 (1) : 1", count="1"))
     assert len(good(imported).rules) == 2

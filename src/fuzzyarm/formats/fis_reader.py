@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from fuzzyarm.expression.kinds import SNORMS, TNORMS
@@ -155,7 +155,7 @@ class _Reader:
         for section in sorted(found, key=lambda section: section.number):
             if section.kind != "system":
                 self._section(section, inputs)
-        self._check_whole(has_system=bool(systems))
+        self._check_whole(systems)
         for draft in (*self.inputs, *self.outputs):
             draft.settle_range(self.findings)
         for draft in self.inputs:
@@ -605,21 +605,21 @@ class _Reader:
 
     # --- What the file says of itself ---
 
-    def _check_whole(self, *, has_system: bool) -> None:
+    def _check_whole(self, systems: Sequence[Section]) -> None:
         """Say, once, that a file is cut off: it has less than it says."""
         counts = (
             ("numinputs", len(self.inputs), "inputs"),
             ("numoutputs", len(self.outputs), "outputs"),
             ("numrules", len(self.rules), "rules"),
         )
-        if not has_system:
+        if not systems:
             self.findings.error("no-engine", "there is no section [System] in this file")
             return
         for key, counted, what in counts:
             word = self.settings.get(key)
             if word is not None and not self._check_count(word, counted, what):
                 return
-        system = self.seen["system", 0]
+        system = systems[0].span  # [System1] is one, too
         ends = [bool(_ENDING.search(self.rules[index].text)) for index in (0, -1) if self.rules]
         if not self.inputs or not self.outputs:
             what = "input" if not self.inputs else "output"
