@@ -41,6 +41,7 @@ import workload
 
 import fuzzyarm
 from fuzzyarm import compiled
+from fuzzyarm.kernels import has_machine_code
 from fuzzyarm.loop import simulate_many
 from fuzzyarm.plant import reach_return
 
@@ -242,6 +243,8 @@ def main() -> int:
     parser.add_argument("parts", metavar="PART", nargs="*", help=", ".join(PARTS))
     chosen = parser.parse_args()
     if chosen.part:
+        if not has_machine_code():
+            raise SystemExit("without machine code of these sources there is nothing to compare")
         print(json.dumps(list(PARTS[chosen.part]())))
         return 0
     for part in chosen.parts:
