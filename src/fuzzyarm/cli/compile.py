@@ -2,7 +2,7 @@
 
 The suffix of OUT tells the format. Tables: .lut (text), .csv, .npz or .json,
 and .tex (LaTeX, to be printed). Source text: .h (a C99 header on its own), .c (with a .h
-beside it) or .st (IEC 61131-3 Structured Text);
+beside it), .st (IEC 61131-3 Structured Text) or .py (a module for MicroPython);
 .mjs or .js is a module of JavaScript that infers the rules themselves.
 FILE may be a table already; it is then rewritten in the other format.
 
@@ -67,7 +67,7 @@ if TYPE_CHECKING:
     from fuzzyarm.table.compiler import Levels
 
 
-_EXPORTS = (".h", ".c", ".st")
+_EXPORTS = (".h", ".c", ".st", ".py")
 _UNIT = ".fmu"
 _MODULES = (".mjs", ".js")
 
@@ -97,6 +97,9 @@ def _run(arguments: argparse.Namespace) -> int:
     exports = suffix not in tables
     controller = load_controller(arguments.file) if exports else None
     if controller is not None:
+        if suffix == ".py":
+            hint = "a .h, .st or .fmu is; its rule base alone is a .py"
+            raise WordError("a controller is not exported to MicroPython", hint=hint)
         _export_controller(controller, suffix, arguments)
         return 0
     if suffix == _UNIT:

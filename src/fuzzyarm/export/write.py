@@ -12,6 +12,7 @@ from fuzzyarm.export.controller_c import controller_c
 from fuzzyarm.export.controller_st import controller_st
 from fuzzyarm.export.controllers import ControllerProgram
 from fuzzyarm.export.fmu import controller_fmu
+from fuzzyarm.export.micropython import python_module
 from fuzzyarm.export.names import C_RESERVED, ST_RESERVED, identifier
 from fuzzyarm.export.numbers import ExportError
 from fuzzyarm.export.routine import Routine
@@ -23,8 +24,8 @@ from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.table import LookupTable
 from fuzzyarm.text.files import write_atomically
 
-EXPORTS = (".h", ".c", ".st")
-"""Suffixes of exported files: a header on its own, a pair of .c and .h, Structured Text."""
+EXPORTS = (".h", ".c", ".st", ".py")
+"""Suffixes of exported files: a header on its own, a pair of .c and .h, Structured Text, Python."""
 
 CONTROLLER_EXPORTS = (".h", ".c", ".st", ".fmu")
 """Suffixes of an exported controller."""
@@ -137,6 +138,9 @@ def export_files(
     path = Path(path)
     suffix, prefix = _suffix_and_prefix(path, name, EXPORTS)
     chosen = tuple(routines)
+    if suffix == ".py":
+        text, calls = python_module(chosen, path.stem)
+        return Exported(chosen, ((path, text),), tuple(calls))
     if suffix == ".st":
         text, blocks = structured_text(chosen, prefix)
         return Exported(chosen, ((path, text),), tuple(blocks))

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.proof.tables import table_proof
 from fuzzyarm.table.compiler import Levels, choose_output
@@ -174,8 +175,15 @@ def routines_for(
         names = (how.output,) if how.output else tuple(each.name for each in model.outputs)
         reports = tuple(compiled(model, name, how, progress) for name in names or (None,))
         chosen = [report.table for report in reports]
-    # Few PLCs have a double; a C compiler always has.
-    default = "float32" if Path(path).suffix.lower() == ".st" else "mixed"
+    # Few PLCs have a double; a C compiler always has; Python has one kind of float.
+    suffix = Path(path).suffix.lower()
+    default = {".st": "float32", ".py": "float64"}.get(suffix, "mixed")
+    if suffix == ".py" and how.precision not in (None, default):
+        raise FuzzyarmError(
+            f"--precision {how.precision} does not apply: a module for MicroPython computes in the"
+            " floats of its port",
+            hint="leave it out",
+        )
     proved = {
         report.table.output: fidelity.proved
         for report in reports

@@ -1,0 +1,391 @@
+"""Rule bases and tables as a module for MicroPython and CircuitPython, with its self-test.
+
+It imports `math` and `array` alone. Numbers stand in it so that no reader of decimals can round
+them: tables as the bytes of an array, single numbers as the quotient of two whole ones.
+"""
+
+from __future__ import annotations
+
+import ast
+import inspect
+import keyword
+import math
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from fuzzyarm.export.listing import Loop, Walked, element, function_body
+from fuzzyarm.export.names import Names, identifier
+from fuzzyarm.export.numbers import ExportError, Kind
+from fuzzyarm.export.program import Call
+from fuzzyarm.export.routine import Routine, routine_words
+from fuzzyarm.export.rulebase import DirectRoutine
+from fuzzyarm.export.sets import TABLE_HINT
+from fuzzyarm.export.table import Side, TableCode, TableRoutine
+from fuzzyarm.expression import operations
+from fuzzyarm.expression.operations import Operation
+from fuzzyarm.expression.printing import PYTHON, Assign, Language, Statement
+from fuzzyarm.version import __version__
+
+__all__ = ["python_module"]
+
+_LETTERS = {"float64": "d", "float32": "f", "int8": "b", "int16": "h", "int32": "i"}
+
+_RESERVED = re.compile(
+    "|".join([*keyword.kwlist, "math", "array", "self_test", "min", "max", "abs", "range", "float",
+              "int", "print", r"K\d+"])
+)  # fmt: skip
+
+_QUIET = "_quiet(math.{})"
+_FUNCTIONS = {
+    "divide": "_divide", "power": "_power", "sinh": "_sinh",
+    "log": "_logarithm(math.log)", "log10": "_logarithm(math.log10)",
+    "floor": "_whole(math.floor)", "ceil": "_whole(math.ceil)", "round": "_whole(round)",
+    "truncate": "_whole(math.trunc)", "remainder": _QUIET.format("fmod"),
+    **{name: _QUIET.format(name) for name in ("sqrt", "sin", "cos", "tan", "asin", "acos")},
+    **{name: f"_endless(math.{name})" for name in ("exp", "cosh")},
+    **{name: f"math.{name}" for name in ("atan", "atan2", "tanh")},
+}  # fmt: skip
+"""How an operation that may fail is made here: of the functions that fuzzyarm itself has."""
+
+_ENDLESS = """def _endless(function):
+    # Too large a result is a ValueError in MicroPython, and an OverflowError elsewhere.
+    def endless(x):
+        try:
+            return float(function(x))
+        except (OverflowError, ValueError):
+            return math.inf
+    return endless
+"""
+
+_BISECTION = """def _count(points, first, count, x, reached):
+    # How many points from `first` on x has passed; with `reached` those that it equals, too.
+    low = 0
+    high = count
+    while low < high:
+        middle = (low + high) // 2
+        point = points[first + middle]
+        if point < x or (reached and point == x):
+            low = middle + 1
+        else:
+            high = middle
+    return low
+"""
+
+_WHOLE_BLEND = """def _blend(near, far, share):
+    # Rounded to the nearest, ties away from zero.
+    product = (far - near) * share
+    if product >= 0:
+        return near + (product + 16384) // 32768
+    return near - (16384 - product) // 32768
+"""
+
+
+@dataclass
+class _Module:
+    """What the functions of a module share."""
+
+    names: Names = field(default_factory=lambda: Names("python", refused=_RESERVED))
+    constants: list[str] = field(default_factory=list)
+    helpers: list[str] = field(default_factory=list)
+    known: dict[object, str] = field(default_factory=dict)
+
+    def number(self, value: float) -> str:
+        """Return the text of a float: whole numbers are plain, others constants with a name."""
+        if not math.isfinite(value):
+            return f'float("{value}")'
+        over, under = value.as_integer_ratio()
+        if under == 1 and abs(over) < 2**53:
+            return "-0.0" if math.copysign(1.0, value) < 0.0 and over == 0 else repr(value)
+        if value < 0.0:
+            return f"-{self.number(-value)}"
+        key = ("number", value)
+        if key not in self.known:
+            self.known[key] = f"K{sum(name.startswith('K') for name in self.known.values())}"
+            exact = under < 2**1000 and over < 2**1000
+            text = f"{over} / {under}" if exact else repr(value)
+            self.constants.append(f"{self.known[key]} = {text}  # {value!r}")
+        return self.known[key]
+
+    def array(self, numbers: Any, kind: Kind, wanted: str) -> str:
+        """Return the name of an array; equal ones are shared."""
+        data = np.asarray(numbers).astype(np.dtype(kind).newbyteorder("<")).tobytes()
+        key = ("array", kind, data)
+        if key not in self.known:
+            name = self.known[key] = self.names.new(wanted)
+            letter = _LETTERS[np.dtype(kind).name]
+            parts = [data[i : i + 24] for i in range(0, len(data), 24)]
+            lines = "".join(f"\n    {_bytes(part)}" for part in parts)
+            self.constants.append(f'{name} = array("{letter}", ({lines}\n))')
+        return self.known[key]
+
+    def helper(self, text: str) -> str:
+        """Write a function into the module, once; return its name."""
+        if text not in self.helpers:
+            self.helpers.append(text)
+        return text.partition("(")[0].removeprefix("def ")
+
+    def operation(self, operation: Operation) -> str:
+        """Return the template of an operation."""
+        name = operation.name
+        if name not in _FUNCTIONS:
+            return operation.python
+        made = _FUNCTIONS[name]
+        for each in re.findall(r"_\w+", made):
+            self._own(each)
+        called = made
+        if "(" in made:
+            called = f"_{name}_of" if f"_{name}" in made else f"_{name}"
+            self.helper(f"{called} = {made}\n")
+        return f"{called}({', '.join(f'{{{i}}}' for i in range(operation.arity))})"
+
+    def _own(self, name: str) -> None:
+        """Write a function of fuzzyarm's own arithmetic, and those that it calls."""
+        if name == "_endless":
+            self.helper(_ENDLESS)
+            return
+        text = _source(getattr(operations, name))
+        for each in re.findall(r"\b_[a-z]+\b", text):
+            if each != name and hasattr(operations, each):
+                self._own(each)
+        self.helper(text)
+
+    def language(self) -> Language:
+        """Return Python with the numbers and functions of this module."""
+        return PYTHON._replace(text=self._text, number=self.number, rename={})
+
+    def _text(self, operation: Operation) -> str:
+        return self.operation(operation)
+
+
+def _bytes(data: bytes) -> str:
+    """Return a literal that both kinds of Python read."""
+    return 'b"' + "".join(f"\\x{byte:02x}" for byte in data) + '"'
+
+
+def _source(function: Callable[..., Any]) -> str:
+    """Return the text of a function without what MicroPython does not need: types, wrappers."""
+    tree = ast.parse(inspect.getsource(function.__code__))  # not of what it wraps
+    for node in ast.walk(tree):
+        if isinstance(node, ast.FunctionDef):
+            node.decorator_list, node.returns = [], None
+            for argument in [*node.args.args, node.args.vararg]:
+                if argument is not None:
+                    argument.annotation = None
+    text = f"{ast.unparse(tree)}\n"
+    # A result that is too large is a ValueError in MicroPython, of a positive base as well.
+    return text.replace(
+        "if base != 0.0:", "if base > 0.0:\n            return math.inf\n        if base < 0.0:"
+    )
+
+
+def python_module(routines: Sequence[Routine], name: str) -> tuple[str, list[str]]:
+    """Return a module with a function for every routine, and how they are called.
+
+    Parameters
+    ----------
+    routines : sequence of Routine
+        In double precision, or tables in whole numbers.
+    name : str
+        Of the module, for the head.
+
+    Raises
+    ------
+    ExportError
+        If the defuzzifier of one walks over tables.
+    """
+    module = _Module()
+    functions: list[str] = []
+    calls: list[str] = []
+    tests: list[str] = []
+    for routine in routines:
+        own = module.names.new(routine.output.name)
+        inner = Names("python", refused=_RESERVED)
+        parameters = [inner.new(argument.name) for argument in routine.arguments]
+        calls.append(f"{own}({', '.join(parameters)})")
+        if isinstance(routine, TableRoutine):
+            body = _TableInPython(routine, module, parameters, inner).body()
+        else:
+            assert isinstance(routine, DirectRoutine)
+            body = _rules(routine, module, parameters)
+        lines = [f"def {calls[-1]}:", *(f"    {line}" for line in body)]
+        functions.append("\n".join([*lines, ""]))
+        tests += _test(routine, own, module)
+    words = [line for each, call in zip(routines, calls, strict=True)
+             for line in (call, *(f"  {word}" for word in routine_words(each)), "")]  # fmt: skip
+    head = [
+        f"# made by fuzzyarm {__version__}; do not edit: make it again from its source",
+        "#",
+        *(f"# {line}".rstrip() for line in words),
+        f"# on a board: import {name}, and {name}.self_test() is 0 where all is well",
+        "",
+        *(
+            ["import math"]
+            if any("math." in text for text in [*module.helpers, *functions])
+            else []
+        ),
+        "from array import array",
+        "",
+    ]
+    test = ["def self_test():", "    # Returns 0 if the functions give what the model gives.",
+            *(f"    {line}" for line in tests), "    return 0", ""]  # fmt: skip
+    parts = ["\n".join(head), *module.constants, "", *module.helpers]
+    return "\n".join([*parts, *functions, "\n".join(test)]), calls
+
+
+# --- Rules ---
+
+
+def _rules(routine: DirectRoutine, module: _Module, parameters: Sequence[str]) -> list[str]:
+    """Return the statements that infer an output."""
+    listing, language = routine.listing, module.language()
+    lines = []
+    for given, parameter in zip(routine.program.given, parameters, strict=True):
+        language.rename[given] = f"{given}_"
+        if given in listing.reads:
+            lines.append(f"{given}_ = float({parameter})")
+    for name, (call, argument) in listing.calls.items():
+        if name in listing.reads:
+            function = module.helper(_function(call, module))
+            language.rename[name] = f"{function}({language.expression(argument)})"
+    for each in listing.body:
+        if isinstance(each, Walked):
+            way = routine.rulebase.output(routine.name).defuzzifier
+            raise ExportError(
+                f"the {way} of '{routine.name}' is not exported to MicroPython", hint=TABLE_HINT
+            )
+        lines += _loop(each, module, language) if isinstance(each, Loop) else _one(each, language)
+    return [*lines, f"return {language.expression(listing.result)}"]
+
+
+def _one(each: Statement, language: Language) -> list[str]:
+    return language.lines([each])
+
+
+def _loop(each: Loop, module: _Module, language: Language) -> list[str]:
+    sums = each.sums
+    for name, column in sums.columns.items():
+        array = module.array(column, np.float64, sums.wanted[name])
+        language.rename[element(sums, name)] = f"{array}[{sums.index}]"
+    inner = [line for part in each.body for line in _one(part, language)]
+    return [
+        *(f"{name} = 0.0" for name in (sums.area, sums.moment)),
+        f"for {sums.index} in range({sums.count}):",
+        *(f"    {line}" for line in inner),
+    ]
+
+
+def _function(call: Call, module: _Module) -> str:
+    """Return the text of a function of ``h``."""
+    language = module.language()
+    *body, last = function_body(call)
+    assert isinstance(last, Assign)
+    lines = [*language.lines(body), f"return {language.expression(last.value)}"]
+    text = "\n".join([*(f"    {line}" for line in lines), ""])
+    key = ("function", text)
+    if key not in module.known:
+        module.known[key] = f"_{module.names.new(call.wanted)}"
+    return f"def {module.known[key]}(h):\n{text}"
+
+
+# --- Tables ---
+
+
+class _TableInPython(TableCode):
+    """The statements of a look-up; numbers are those of the port, or whole."""
+
+    language = PYTHON
+    types = dict.fromkeys((np.float32, np.float64, np.int8, np.int16, np.int32), "float")
+
+    def __init__(
+        self, routine: TableRoutine, module: _Module, parameters: Sequence[str], names: Names
+    ) -> None:
+        super().__init__(routine.core, parameters)
+        self.module, self.names = module, names
+        self.kind = routine.core.precision.inside
+
+    def body(self) -> list[str]:
+        """Return the statements of the function."""
+        return self._interpolated() if self.core.linear else self._picked()
+
+    def _points(self, side: Side, what: str) -> str:
+        wanted = f"{identifier(self.core.table.axes[side.axis].name)}_{what}"
+        return self.module.array(self.core.points[side.axis], self.kind, wanted)
+
+    def _values(self) -> str:
+        wanted = f"{identifier(self.core.table.output)}_values"
+        return self.module.array(self.core.values, self.kind, wanted)
+
+    def _picked(self) -> list[str]:
+        index, what = "", "bins" if self.core.mode == "bins" else "middles"
+        count = self.module.helper(_BISECTION) if self.sides else ""
+        for side in self.sides:
+            call = f"{count}({self._points(side, what)}, 0, {side.size - 1}, {side.name}, False)"
+            index = f"({index}) * {side.size} + {call}" if index else call
+        return [f"return {self._values()}[{index or '0'}]"]
+
+    def _interpolated(self) -> list[str]:
+        lines: list[str] = []
+        shares, terms = [], []
+        for side in self.sides:
+            x, i, t = (self.names.new(f"{word}_{side.name}") for word in "xit")
+            levels, ends = self._points(side, "levels"), self.core.points[side.axis]
+            low, high = f"{levels}[0]", f"{levels}[{len(ends) - 1}]"
+            count = self.module.helper(_BISECTION)
+            near, far = f"{levels}[{i}]", f"{levels}[{i} + 1]"
+            share = self.share(x, near, far)
+            if self.fixed:
+                share = f"({x} - {near}) * 32768 // ({far} - {near})"
+            lines += [
+                f"{x} = {side.name} if {side.name} > {low} else {low}",
+                f"{x} = {x} if {x} < {high} else {high}",
+                f"{i} = {count}({levels}, 1, {side.size - 2}, {x}, True)",
+                f"{t} = {share}",
+            ]
+            shares.append(t)
+            terms.append(i if side.stride == 1 else f"{i} * {side.stride}")
+        values = self._values()
+        if not shares:
+            return [f"return {values}[0]"]
+        cell = self.names.new("cell")
+        lines.append(f"{cell} = {' + '.join(terms)}")
+
+        def assign(side: int, pair: int, near: str, far: str) -> str:
+            name = self.names.new(f"v_{pair}_{side}")
+            lines.append(f"{name} = {self._blended(near, far, shares[side])}")
+            return name
+
+        corners = [f"{values}[{cell} + {k}]" if k else f"{values}[{cell}]" for k in self.offsets]
+        value = self.blended(corners, shares, assign)
+        return [*lines, f"return {value}"]
+
+    def _blended(self, near: str, far: str, share: str) -> str:
+        if self.fixed:
+            return f"{self.module.helper(_WHOLE_BLEND)}({near}, {far}, {share})"
+        return self.blend(near, far, share)
+
+
+# --- The self-test ---
+
+
+def _test(routine: Routine, name: str, module: _Module) -> list[str]:
+    vectors = routine.vectors()
+    count = len(vectors.expected)
+    if not count:
+        return []
+    columns = [*vectors.inputs, vectors.expected]
+    rows = np.stack([np.asarray(column) for column in columns], axis=1)
+    array = module.array(rows.ravel(), routine.kind, f"test_of_{name}")
+    width = len(columns)
+    given = ", ".join(f"{array}[k + {i}]" if i else f"{array}[k]" for i in range(width - 1))
+    # A port with floats of 32 bits is as good as these: the test lets that pass.
+    largest = float(np.nanmax(np.abs(vectors.expected.astype(np.float64)), initial=1e-30))
+    tolerance = 0 if np.issubdtype(routine.kind, np.integer) else 1e-4 * largest
+    return [
+        f"for k in range(0, {count * width}, {width}):",
+        f"    if not abs({name}({given}) - {array}[k + {width - 1}]) <= {tolerance!r}:",
+        "        return 1",
+    ]
