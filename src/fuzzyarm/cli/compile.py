@@ -2,7 +2,8 @@
 
 The suffix of OUT tells the format. Tables: .lut (text), .csv, .npz or .json,
 and .tex (LaTeX, to be printed). Source text: .h (a C99 header on its own), .c (with a .h
-beside it), .st (IEC 61131-3 Structured Text) or .py (a module for MicroPython);
+beside it), .st (IEC 61131-3 Structured Text), .xml (the same as PLCopen XML) or .py (a module
+for MicroPython);
 .mjs or .js is a module of JavaScript that infers the rules themselves.
 FILE may be a table already; it is then rewritten in the other format.
 
@@ -67,7 +68,7 @@ if TYPE_CHECKING:
     from fuzzyarm.table.compiler import Levels
 
 
-_EXPORTS = (".h", ".c", ".st", ".py")
+_EXPORTS = (".h", ".c", ".st", ".xml", ".py")
 _UNIT = ".fmu"
 _MODULES = (".mjs", ".js")
 

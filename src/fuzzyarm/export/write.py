@@ -15,6 +15,7 @@ from fuzzyarm.export.fmu import controller_fmu
 from fuzzyarm.export.micropython import python_module
 from fuzzyarm.export.names import C_RESERVED, ST_RESERVED, identifier
 from fuzzyarm.export.numbers import ExportError
+from fuzzyarm.export.plcopen import controller_xml, routines_xml
 from fuzzyarm.export.routine import Routine
 from fuzzyarm.export.rulebase import direct_routine
 from fuzzyarm.export.structured_text import structured_text
@@ -24,11 +25,16 @@ from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.table import LookupTable
 from fuzzyarm.text.files import write_atomically
 
-EXPORTS = (".h", ".c", ".st", ".py")
-"""Suffixes of exported files: a header on its own, a pair of .c and .h, Structured Text, Python."""
+EXPORTS = (".h", ".c", ".st", ".xml", ".py")
+"""Suffixes of exported files: a header on its own, a pair of .c and .h, Structured Text, PLCopen
+XML, a module for MicroPython."""
 
-CONTROLLER_EXPORTS = (".h", ".c", ".st", ".fmu")
+CONTROLLER_EXPORTS = (".h", ".c", ".st", ".xml", ".fmu")
 """Suffixes of an exported controller."""
+
+
+_STRUCTURED = {".st": structured_text, ".xml": routines_xml}
+_CONTROLLERS = {".st": controller_st, ".xml": controller_xml}
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,8 +147,8 @@ def export_files(
     if suffix == ".py":
         text, calls = python_module(chosen, path.stem)
         return Exported(chosen, ((path, text),), tuple(calls))
-    if suffix == ".st":
-        text, blocks = structured_text(chosen, prefix)
+    if suffix in _STRUCTURED:
+        text, blocks = _STRUCTURED[suffix](chosen, prefix)
         return Exported(chosen, ((path, text),), tuple(blocks))
     if suffix == ".h":
         header, prototypes = c_header(chosen, prefix, path.name)
@@ -188,7 +194,7 @@ def _suffix_and_prefix(path: Path, name: str | None, known: Sequence[str]) -> tu
         raise ExportError(f"{path.name!r} cannot stand in an #include", hint="take another name")
     if name is None:
         return suffix, identifier(path.stem)
-    reserved = name in C_RESERVED or (suffix == ".st" and name.lower() in ST_RESERVED)
+    reserved = name in C_RESERVED or (suffix in _STRUCTURED and name.lower() in ST_RESERVED)
     if identifier(name) != name or reserved:
         raise ExportError(
             f"'{name}' cannot begin an identifier", hint=f"for instance {identifier(name)}_x"
@@ -246,8 +252,8 @@ def export_controller(
     """
     path = Path(path)
     suffix, prefix = _suffix_and_prefix(path, name, CONTROLLER_EXPORTS)
-    if suffix == ".st":
-        content, block = controller_st(program, prefix)
+    if suffix in _STRUCTURED:
+        content, block = _CONTROLLERS[suffix](program, prefix)
         return ExportedController(program, ((path, content),), (block,))
     if suffix == ".fmu":
         return ExportedController(program, ((path, controller_fmu(program, prefix, fmi)),), ())

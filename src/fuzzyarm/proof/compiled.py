@@ -177,7 +177,7 @@ def routines_for(
         chosen = [report.table for report in reports]
     # Few PLCs have a double; a C compiler always has; Python has one kind of float.
     suffix = Path(path).suffix.lower()
-    default = {".st": "float32", ".py": "float64"}.get(suffix, "mixed")
+    default = {".st": "float32", ".xml": "float32", ".py": "float64"}.get(suffix, "mixed")
     if suffix == ".py" and how.precision not in (None, default):
         raise FuzzyarmError(
             f"--precision {how.precision} does not apply: a module for MicroPython computes in the"
@@ -224,7 +224,7 @@ def program_of(
     from fuzzyarm.export import export_controller
 
     suffix = Path(path).suffix.lower()
-    default = {".st": "float32", ".fmu": "float64"}.get(suffix, "mixed")
+    default = {".st": "float32", ".xml": "float32", ".fmu": "float64"}.get(suffix, "mixed")
     program, reports = controller_program(controller, how, default, progress)
     if progress is not None:
         progress("exporting")
