@@ -178,3 +178,53 @@ def test_a_machine_without_a_compiler_is_told_so(tmp_path, monkeypatch):
     with pytest.raises(ExportError, match="needs a C compiler") as caught:
         find_compiler()
     assert "CC" in caught.value.hint
+
+
+HEADS = {"linux64": b"\x7fELF", "win64": b"MZ", "darwin64": b"\xcf\xfa\xed\xfe"}
+
+
+def built_for(platforms, folder):
+    pytest.importorskip("ziglang")
+    out = folder / "servo.fmu"
+    words = ["compile", str(shipped("servo.frb")), "-o", str(out), "--platforms", platforms]
+    assert main(words) == 0
+    with zipfile.ZipFile(out) as archive:
+        names = [name for name in archive.namelist() if name.startswith("binaries/")]
+        assert [name.split("/")[1] for name in names] == platforms.split(",")
+        for name in names:
+            assert archive.read(name).startswith(HEADS[name.split("/")[1]])
+    return out
+
+
+@pytest.mark.slow
+def test_a_unit_holds_libraries_for_other_platforms(tmp_path):
+    fmpy = pytest.importorskip("fmpy")
+    out = built_for("linux64,darwin64", tmp_path)
+    from fmpy.validation import validate_fmu
+
+    assert validate_fmu(str(out)) == []
+    if sys.platform == "linux" and platform.machine() == "x86_64":
+        assert fmpy.simulate_fmu(str(out), stop_time=0.01, step_size=0.001) is not None
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--platforms", "amiga"], "no platform 'amiga' (there are linux64"),
+        (["--platforms", "aarch64-linux"], "version 2 of FMI does not know 'aarch64-linux'"),
+    ],
+)
+def test_platforms_that_are_not_known_are_named(tmp_path, capsys, words, message):
+    out = tmp_path / "servo.fmu"
+    assert main(["compile", str(shipped("servo.frb")), "-o", str(out), *words]) == 1
+    assert message in capsys.readouterr().err
+    assert not out.exists()
+
+
+def test_without_the_wheel_it_says_what_to_install(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr("fuzzyarm.export.fmu.find_spec", lambda name: None)
+    words = ["compile", str(shipped("servo.frb")), "-o", str(tmp_path / "servo.fmu")]
+    assert main([*words, "--platforms", "linux64"]) == 1
+    err = capsys.readouterr().err
+    assert "the ziglang wheel, which is not installed" in err
+    assert "platforms]" in err

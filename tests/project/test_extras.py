@@ -20,6 +20,7 @@ PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
 PACKAGES = (
     "cma", "control", "dask", "distributed", "flint", "fmpy", "gymnasium", "loky", "pandas",
     "numba", "pyarrow", "pygls", "lsprotocol", "sklearn", "textual", "xarray",
+    "ziglang",
 )  # fmt: skip
 """What the extras bring, as it is imported."""
 

@@ -76,7 +76,7 @@ _MODULES = (".mjs", ".js")
 _SOURCE_ONLY = ("direct", "table", "q", "precision", "name")
 _RULES_ONLY = ("direct", "table", "levels", "tolerance", "round", "date", "ends")
 _TABLES_ONLY = ("levels", "tolerance", "round", "date", "mode", "q")
-_CONTROLLERS_ONLY = ("fmi", "certificate")
+_CONTROLLERS_ONLY = ("fmi", "platforms", "certificate")
 _MADE_TABLES_ONLY = ("levels", "tolerance", "round", "date", "mode")
 
 
@@ -119,7 +119,11 @@ def _write_for_board(arguments: argparse.Namespace, place: str) -> None:
     """Write a folder for Arduino or PlatformIO."""
     from fuzzyarm.cli.boards import write_for_board
 
-    _forbid(arguments, ("ends", "fmi", "certificate"), f"--for {place} makes a folder for a board")
+    _forbid(
+        arguments,
+        ("ends", "fmi", "platforms", "certificate"),
+        f"--for {place} makes a folder for a board",
+    )
     if arguments.table and arguments.direct:
         raise WordError("--table and --direct exclude each other")
     with _of_file(arguments.file):
@@ -230,6 +234,7 @@ def _making(arguments: argparse.Namespace) -> Making:
         precision=arguments.precision,
         name=arguments.name,
         fmi=arguments.fmi or 2,
+        platforms=arguments.platforms,
     )
 
 
@@ -322,7 +327,7 @@ def _export_controller(
         _forbid(arguments, _MADE_TABLES_ONLY, "without --table no table is made of rules")
     _forbid(arguments, ("output",), "a controller is exported as a whole")
     if suffix != _UNIT:
-        _forbid(arguments, ("fmi",), f"{Path(arguments.out).name} is not an FMU")
+        _forbid(arguments, ("fmi", "platforms"), f"{Path(arguments.out).name} is not an FMU")
     elif arguments.precision not in (None, "float64"):
         raise WordError("an FMU computes in double precision: --precision float64")
     how = _making(arguments)
@@ -452,6 +457,9 @@ COMMANDS = (
             ),
             flag("--table", "look tables up instead of inferring the rules"),
             argument("--fmi", "version of FMI, 2 by default", type=int, choices=(2, 3)),
+            argument(
+                "--platforms LIST", "of an FMU: linux64,win64,darwin64 and others, by ziglang"
+            ),
             argument("--q", "fixed point: int16 or int8", type=int, choices=(15, 7)),
             argument(
                 "--precision",

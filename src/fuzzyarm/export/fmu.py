@@ -15,6 +15,8 @@ import tempfile
 import uuid
 import zipfile
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 from xml.etree import ElementTree as Xml
 
@@ -23,6 +25,7 @@ from fuzzyarm.export.controllers import ControllerProgram, port_name
 from fuzzyarm.export.fmi import fmi_source
 from fuzzyarm.export.numbers import ExportError
 from fuzzyarm.export.steps import Variable
+from fuzzyarm.extras import installing
 from fuzzyarm.version import __version__
 
 VERSIONS = (2, 3)
@@ -34,7 +37,56 @@ Entry = tuple[Variable, str, str]
 """A variable, its name in the unit, and the member that holds it."""
 
 
-def controller_fmu(program: ControllerProgram, prefix: str, version: int = 2) -> bytes:
+@dataclass(frozen=True, slots=True)
+class Platform:
+    """A machine that a unit can hold a library for.
+
+    Attributes
+    ----------
+    target : str
+        As the compiler of the ``ziglang`` wheel calls it.
+    folders : dict of int to str
+        Of the library in the archive, by the version of FMI; some are unknown to version 2.
+    suffix : str
+        Of the library.
+    """
+
+    target: str
+    folders: dict[int, str]
+    suffix: str
+
+
+PLATFORMS = {
+    "linux64": Platform("x86_64-linux-gnu.2.17", {2: "linux64", 3: "x86_64-linux"}, ".so"),
+    "win64": Platform("x86_64-windows-gnu", {2: "win64", 3: "x86_64-windows"}, ".dll"),
+    "darwin64": Platform("x86_64-macos", {2: "darwin64", 3: "x86_64-darwin"}, ".dylib"),
+    "aarch64-linux": Platform("aarch64-linux-gnu.2.17", {3: "aarch64-linux"}, ".so"),
+    "aarch64-darwin": Platform("aarch64-macos", {3: "aarch64-darwin"}, ".dylib"),
+}
+"""Platforms by name: those of version 2 of FMI, and two of version 3."""
+
+
+def platforms_named(text: str, version: int) -> tuple[Platform, ...]:
+    """Return platforms by a list like ``linux64,win64``.
+
+    Raises
+    ------
+    ExportError
+        For a name that is not known, or not to this version of FMI.
+    """
+    found = []
+    for name in dict.fromkeys(part.strip() for part in text.split(",")):
+        if name not in PLATFORMS:
+            raise ExportError(f"no platform '{name}'", hint=f"there are {', '.join(PLATFORMS)}")
+        if version not in PLATFORMS[name].folders:
+            raise ExportError(f"version {version} of FMI does not know '{name}'", hint="--fmi 3")
+        found.append(PLATFORMS[name])
+    return tuple(found)
+
+
+def controller_fmu(
+    program: ControllerProgram, prefix: str, version: int = 2, platforms: Sequence[Platform] = ()
+) -> bytes:
     """Return a controller as a co-simulation unit, built with the C compiler that is there.
 
     Parameters
@@ -45,6 +97,9 @@ def controller_fmu(program: ControllerProgram, prefix: str, version: int = 2) ->
         The model identifier.
     version : int
         Of FMI, 2 or 3.
+    platforms : sequence of Platform
+        Which libraries it holds, built by the ``ziglang`` wheel; by default that of the machine
+        at hand, built by its own compiler.
 
     Raises
     ------
@@ -55,7 +110,7 @@ def controller_fmu(program: ControllerProgram, prefix: str, version: int = 2) ->
         raise ExportError(f"version {version} of FMI is not supported", hint="versions 2 and 3 are")
     if program.precision != "float64":
         raise ExportError("an FMU computes in double precision", hint="--precision float64")
-    compiler = find_compiler()
+    compiler = _cross_compiler() if platforms else find_compiler()
     steps = program.steps
     files, made = controller_c(steps, prefix, prefix, ".h", program.tried.vectors, program.head())
     entries = list(_entries(program, made.targets))
@@ -65,15 +120,23 @@ def controller_fmu(program: ControllerProgram, prefix: str, version: int = 2) ->
     places = [(variable, place) for variable, _, place in entries]
     shell = fmi_source(version, prefix, token, places, settable, steps.model.period)
     source = f'#include "{prefix}.h"\n\n{shell}'
-    library = compile_library(compiler, {f"{prefix}.h": files[".h"], f"{prefix}.c": source}, prefix)
+    sources = {f"{prefix}.h": files[".h"], f"{prefix}.c": source}
     description = _description(program, prefix, version, token, entries)
     folder = {2: _platform2(), 3: _platform3()}[version]
     content: dict[str, str | bytes] = {
         "modelDescription.xml": description,
-        f"binaries/{folder}/{prefix}{_suffix()}": library,
+        **{
+            f"binaries/{each.folders[version]}/{prefix}{each.suffix}": compile_library(
+                [*compiler, "-target", each.target], sources, prefix, each.suffix
+            )
+            for each in platforms
+        },
         f"sources/{prefix}.h": files[".h"],
         f"sources/{prefix}.c": source,
     }
+    if not platforms:
+        place = f"binaries/{folder}/{prefix}{_suffix()}"
+        content[place] = compile_library(compiler, sources, prefix, _suffix())
     if version == 3:
         content["sources/buildDescription.xml"] = _build_description(prefix)
     return _archive(content)
@@ -105,7 +168,25 @@ def find_compiler() -> list[str]:
     )
 
 
-def compile_library(compiler: Sequence[str], files: dict[str, str], name: str) -> bytes:
+def _cross_compiler() -> list[str]:
+    """Return the words that call the compiler of the ``ziglang`` wheel.
+
+    Raises
+    ------
+    ExportError
+        If it is not installed.
+    """
+    if find_spec("ziglang") is None:
+        raise ExportError(
+            "libraries for other platforms are built by the ziglang wheel, which is not installed",
+            hint=installing("platforms"),
+        )
+    return [sys.executable, "-m", "ziglang", "cc"]
+
+
+def compile_library(
+    compiler: Sequence[str], files: dict[str, str], name: str, suffix: str
+) -> bytes:
     """Return the shared library that a C compiler makes of some files.
 
     Raises
@@ -116,7 +197,7 @@ def compile_library(compiler: Sequence[str], files: dict[str, str], name: str) -
     with tempfile.TemporaryDirectory(prefix="fuzzyarm-") as folder:
         for file, text in files.items():
             (Path(folder) / file).write_text(text, "utf-8")
-        target = Path(folder) / f"{name}{_suffix()}"
+        target = Path(folder) / f"{name}{suffix}"
         # Products and sums stay apart: a fused one would move the last bit.
         words = ["-std=c99", "-O2", "-ffp-contract=off", "-fPIC", "-shared", "-fvisibility=hidden"]
         command = [*compiler, *words, f"{name}.c", "-o", target.name, "-lm"]
@@ -126,7 +207,7 @@ def compile_library(compiler: Sequence[str], files: dict[str, str], name: str) -
             raise ExportError(f"cannot run the C compiler: {error}") from None
         if done.returncode != 0 or not target.is_file():
             said = next(iter(done.stderr.strip().splitlines()), "it says nothing")
-            raise ExportError(f"the C compiler '{compiler[0]}' failed: {said}")
+            raise ExportError(f"the C compiler '{' '.join(compiler)}' failed: {said}")
         return target.read_bytes()
 
 

@@ -11,7 +11,7 @@ from fuzzyarm.export.c import c_header, c_pair
 from fuzzyarm.export.controller_c import controller_c
 from fuzzyarm.export.controller_st import controller_st
 from fuzzyarm.export.controllers import ControllerProgram
-from fuzzyarm.export.fmu import controller_fmu
+from fuzzyarm.export.fmu import controller_fmu, platforms_named
 from fuzzyarm.export.micropython import python_module
 from fuzzyarm.export.names import C_RESERVED, ST_RESERVED, identifier
 from fuzzyarm.export.numbers import ExportError
@@ -230,7 +230,12 @@ class ExportedController:
 
 
 def export_controller(
-    program: ControllerProgram, path: str | Path, name: str | None = None, *, fmi: int = 2
+    program: ControllerProgram,
+    path: str | Path,
+    name: str | None = None,
+    *,
+    fmi: int = 2,
+    platforms: str | None = None,
 ) -> ExportedController:
     """Return the files of a controller for a path, by its suffix.
 
@@ -244,6 +249,9 @@ def export_controller(
         Begins every identifier; the name of the file by default.
     fmi : int
         Version of FMI, 2 or 3.
+    platforms : str, optional
+        Of an FMU, as in ``linux64,win64``: see :data:`fuzzyarm.export.fmu.PLATFORMS`. By default
+        the machine at hand.
 
     Raises
     ------
@@ -256,7 +264,9 @@ def export_controller(
         content, block = _CONTROLLERS[suffix](program, prefix)
         return ExportedController(program, ((path, content),), (block,))
     if suffix == ".fmu":
-        return ExportedController(program, ((path, controller_fmu(program, prefix, fmi)),), ())
+        chosen = platforms_named(platforms, fmi) if platforms is not None else ()
+        unit = controller_fmu(program, prefix, fmi, chosen)
+        return ExportedController(program, ((path, unit),), ())
     files, made = controller_c(
         program.steps, prefix, path.stem, suffix, program.tried.vectors, program.head()
     )

@@ -68,6 +68,8 @@ class Making:
         Begins every identifier.
     fmi : int
         Version of FMI.
+    platforms : str or None
+        Of an FMU: which machines it runs on, as in ``linux64,win64``.
     proofs : tuple of str
         Of a controller: what is proved of it in its loop, for the head.
     """
@@ -85,6 +87,7 @@ class Making:
     precision: str | None = None
     name: str | None = None
     fmi: int = 2
+    platforms: str | None = None
     proofs: tuple[str, ...] = ()
 
 
@@ -228,7 +231,8 @@ def program_of(
     program, reports = controller_program(controller, how, default, progress)
     if progress is not None:
         progress("exporting")
-    return export_controller(program, path, how.name, fmi=how.fmi), reports
+    exported = export_controller(program, path, how.name, fmi=how.fmi, platforms=how.platforms)
+    return exported, reports
 
 
 def controller_program(
