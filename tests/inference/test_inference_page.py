@@ -28,5 +28,6 @@ def test_every_norm_and_defuzzifier_is_named() -> None:
     from fuzzyarm.model.rulebase import SAMPLINGS
     from tests.strategies import CONJUNCTIONS, DISJUNCTIONS
 
-    for name in (*CONJUNCTIONS, *DISJUNCTIONS, *DEFUZZIFIERS, *SAMPLINGS):
+    shipped = [name for name in DEFUZZIFIERS if not DEFUZZIFIERS[name].own]
+    for name in (*CONJUNCTIONS, *DISJUNCTIONS, *shipped, *SAMPLINGS):
         assert f"`{name}" in PAGE, name
