@@ -28,6 +28,7 @@ from fuzzyarm.model.units import product, read_unit, unit_text, unlike
 from fuzzyarm.plant.own import PLANTS
 from fuzzyarm.plant.plant import Address, Plant, Port
 from fuzzyarm.text.diagnostic import Diagnostic, Related, Severity, Span
+from fuzzyarm.text.names import near_hint
 
 # --- Which plant ---
 
@@ -118,6 +119,7 @@ def doubts_of(
     site = site_of(plant, connect) if plant is not None else site_by_axes(text.model)
     reaches = reaches_of(text, site)
     found = [*_mismatches(text, reaches), *_unlike_units(text, reaches, site)]
+    found += _unknown_of_claims(text)
     if site is not None:
         found += _missing_ports(text.model, site, given=plant is not None)
         if all(use.name in text.sheets for use in text.model.uses):
@@ -430,3 +432,47 @@ def ports_in_words(axes: Iterable[str]) -> Mapping[str, str]:
         for _, name in interface.references:
             found.setdefault(name, f"{site.name}, reference only")
     return found
+
+
+def plants_in_words(axes: Iterable[str]) -> Mapping[tuple[str, str], str]:
+    """Return plants, and states and parameters of those with these axes, with what each is."""
+    wanted = set(axes)
+    sites = [s for s in shipped_sites() if wanted and wanted <= set(s.interface.axes)]
+    found: dict[tuple[str, str], str] = {}
+    for name, kind in PLANTS.items():
+        found["plant", name] = (kind.__doc__ or "").strip().partition("\n")[0]
+    for site in sites or shipped_sites():
+        plant = PLANTS.get(site.name)
+        if plant is None:
+            continue
+        for name, unit in plant.states.items():
+            found.setdefault(("state", name), f"{site.name}, {unit}")
+        for name, value in plant.parameters.items():
+            number = getattr(value, "value", value)
+            found.setdefault(("parameter", name), f"{site.name}, {number:g} as it is")
+    return found
+
+
+def _unknown_of_claims(text: ControllerText) -> Iterator[Diagnostic]:
+    """Yield names in claims that the shipped plant which they are about does not have."""
+    for claim in text.model.claims:
+        kind = PLANTS.get(claim.plant)
+        if kind is None:
+            continue
+        interface = site_of(kind()).interface
+        ports = {interface.label(port) for port in (*interface.outputs, *interface.inputs)}
+        ports |= {name for _, name in (*interface.outputs, *interface.inputs)}
+        for what, names, known in (
+            ("state", [name for name, _, _ in claim.start], set(kind.states)),
+            ("parameter", [name for name, _, _ in claim.parameters], set(kind.parameters)),
+            ("port", [name for name, _ in claim.at] + [claim.output][: bool(claim.output)], ports),
+        ):
+            for name in names:
+                if name not in known:
+                    hint = (
+                        near_hint(name, sorted(known))[0] or f"there are {', '.join(sorted(known))}"
+                    )
+                    message = f"{claim.plant} has no {what} '{name}'"
+                    yield Diagnostic(
+                        "unknown-port", message, claim.span, Severity.WARNING, hint=hint
+                    )

@@ -6,7 +6,19 @@ import math
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
-from fuzzyarm.language.parts import Flag, Keyword, Mark, Maybe, Name, Part, Phrase, Printed, Values
+from fuzzyarm.language.parts import (
+    Flag,
+    Keyword,
+    Mark,
+    Maybe,
+    Name,
+    Part,
+    Phrase,
+    Printed,
+    Values,
+    refers,
+)
+from fuzzyarm.language.phrases import Kind, Occurrence
 from fuzzyarm.language.rows import Row
 from fuzzyarm.language.signals import read_time, time_text
 from fuzzyarm.language.tokens import Cursor, name_text
@@ -27,7 +39,8 @@ class StateStretch(NamedTuple):
     high: Figure
 
 
-def _read_stretch(cursor: Cursor, what: str) -> StateStretch:
+def _read_stretch(cursor: Cursor, what: str, offered: str) -> StateStretch:
+    cursor.suggest(offered)
     name = cursor.name(what)
     cursor.expect("in", f"after '{name}'")
     low = cursor.figure("the lowest value")
@@ -96,6 +109,7 @@ class LoopClaimNode(NamedTuple):
 def _read_set_points(cursor: Cursor) -> tuple[tuple[Word, Figure], ...]:
     found: list[tuple[Word, Figure]] = []
     while not found or cursor.accept(","):
+        cursor.suggest("ports")
         port = cursor.name("an output of the plant")
         cursor.expect("=", f"after '{port}'")
         found.append((port, cursor.figure("its set point")))
@@ -106,19 +120,27 @@ def _set_points_text(found: Iterable[tuple[str, float]]) -> str:
     return ", ".join(f"{name_text(port)} = {number_text(value)}" for port, value in found)
 
 
-def _stretches(field: str, what: str, label: str) -> Phrase:
+def _stretches(field: str, kind: Kind, what: str, label: str) -> Phrase:
     """Return intervals with commas between them; their names are the plant's."""
+    offered = f"{kind}s"
 
     def read(cursor: Cursor) -> tuple[StateStretch, ...]:
-        found = [_read_stretch(cursor, what)]
+        found = [_read_stretch(cursor, what, offered)]
         while cursor.accept(","):
-            found.append(_read_stretch(cursor, what))
+            found.append(_read_stretch(cursor, what, offered))
         return tuple(found)
+
+    def mentions(found: Iterable[StateStretch]) -> Iterator[Occurrence]:
+        return (_occurrence(kind, stretch.name) for stretch in found)
 
     def show(found: Iterable[StateStretch]) -> str:
         return ", ".join(map(_stretch_text, found))
 
-    return Phrase(field, read, label, show, lambda _: iter(()), empty=())
+    return Phrase(field, read, label, show, mentions, empty=())
+
+
+def _occurrence(kind: Kind, word: Word) -> Occurrence:
+    return Occurrence(kind, word, word.span)
 
 
 class _Claim(Part):
@@ -129,7 +151,7 @@ class _Claim(Part):
             cursor.expect(":", "before what is claimed")
         elif not cursor.accept(":"):
             return
-        values["output"] = _read_stretch(cursor, "an output of the plant")
+        values["output"] = _read_stretch(cursor, "an output of the plant", "ports")
         if cursor.accept("during"):
             values["when"], values["begin"] = "during", cursor.figure("when it begins")
             cursor.expect("..", "between the times")
@@ -153,6 +175,10 @@ class _Claim(Part):
     def sketch(self, line: Printed) -> None:
         line.add("[: PORT in A .. B [during A .. B s | after TIME | always]]", "before")
 
+    def mentions(self, node: LoopClaimNode) -> Iterator[Occurrence]:
+        if node.output is not None:
+            yield _occurrence(Kind.PORT, node.output.name)
+
     def words(self) -> Iterator[tuple[str, str]]:
         yield "in", ""
         yield "during", "while a time lasts"
@@ -169,7 +195,7 @@ LOOP_CLAIM_ROW = Row(
         "the loop goes to rest from wherever it starts in a region that the proof says",
     ),
     Mark("on", "before the plant"),
-    Name("plant", "a plant", label="PLANT"),
+    Name("plant", "a plant", refers(Kind.PLANT), "PLANT", "plants"),
     Maybe(
         Mark("at", "", "constant set points; 0 for other ports"),
         Phrase(
@@ -177,15 +203,15 @@ LOOP_CLAIM_ROW = Row(
             _read_set_points,
             "PORT = X",
             _set_points_text,
-            lambda _: iter(()),
+            lambda found: (_occurrence(Kind.PORT, port) for port, _ in found),
             empty=(),
         ),
     ),
     Maybe(
         Mark("with", "", "parameters of the plant that may be anywhere in an interval"),
-        _stretches("parameters", "a parameter of the plant", "PARAMETER in A .. B"),
+        _stretches("parameters", Kind.PARAMETER, "a parameter of the plant", "PARAMETER in A .. B"),
     ),
-    Maybe(Mark("from"), _stretches("start", "a state of the plant", "STATE in A .. B")),
+    Maybe(Mark("from"), _stretches("start", Kind.STATE, "a state of the plant", "STATE in A .. B")),
     _Claim(),
 )
 

@@ -40,6 +40,9 @@ class Kind(StrEnum):
     SIGNAL = "signal"
     AXIS = "axis"
     PORT = "port"
+    PLANT = "plant"
+    STATE = "state"
+    PARAMETER = "parameter"
 
 
 class Occurrence(NamedTuple):

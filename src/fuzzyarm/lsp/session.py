@@ -178,10 +178,13 @@ def _ports(reading: Reading) -> Facts:
     """Return the ports of the plants that have the axes of a controller."""
     if reading.parsed.whole is None:
         return {}
-    from fuzzyarm.controller.findings import ports_in_words
+    from fuzzyarm.controller.findings import plants_in_words, ports_in_words
 
-    ports = ports_in_words(reading.parsed.whole.axis_names)
-    return {(Name.PORT, name): words for name, words in ports.items()}
+    axes = reading.parsed.whole.axis_names
+    found = {(Name.PORT, name): words for name, words in ports_in_words(axes).items()}
+    of_plants = plants_in_words(axes)
+    found |= {(Name(kind), name): words for (kind, name), words in of_plants.items()}
+    return found
 
 
 def _facts(reading: Reading) -> Facts:

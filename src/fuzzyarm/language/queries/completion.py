@@ -295,6 +295,15 @@ class _AskingCursor(Cursor):
     def _suggest_ports(self) -> list[Candidate]:
         return self._named(Kind.PORT)
 
+    def _suggest_plants(self) -> list[Candidate]:
+        return self._named(Kind.PLANT)
+
+    def _suggest_states(self) -> list[Candidate]:
+        return self._named(Kind.STATE)
+
+    def _suggest_parameters(self) -> list[Candidate]:
+        return self._named(Kind.PARAMETER)
+
     def _suggest_times(self) -> list[Candidate]:
         return _words(TIMES, "value")
 
@@ -375,6 +384,9 @@ def _rank(candidate: Candidate) -> int:
 
 # --- What could stand at a position ---
 
+OF_PLANTS = (Kind.PORT, Kind.PLANT, Kind.STATE, Kind.PARAMETER)
+"""Names that mean something of a plant."""
+
 _PARTIAL = re.compile(r"(?:'[^']*|[^\W\d][\w-]*)\Z")
 _ALLOW = re.compile(r"#\s*allow\s+(?:[\w-]+\s*,\s*)*([\w-]*)\Z")
 
@@ -389,7 +401,7 @@ def complete(reading: Reading, line: int, column: int, facts: Facts = NOTHING) -
     line, column : int
         Where the cursor stands, from 1.
     facts : Facts, optional
-        The ports of plants among them are offered.
+        What plants have (ports, states, parameters) is offered.
     """
     text = reading.raw_line(line)[: column - 1]
     column = len(text) + 1
@@ -461,11 +473,11 @@ def _in_controller(
         return [Candidate(word, "keyword", word, records[word].doc) for word in wanted]
     names: dict[Kind, dict[str, str]] = {}
     for (kind, name), words in facts.items():
-        if kind is Kind.PORT:
+        if kind in OF_PLANTS:
             names.setdefault(kind, {})[name] = words
     for each in reading.occurrences:
         above = each.span.line < line and each.is_definition
-        if above or (each.kind is Kind.PORT and each.span.line != line):
+        if above or (each.kind in OF_PLANTS and each.span.line != line):
             names.setdefault(each.kind, {}).setdefault(each.name, each.kind)
     record = records.get(tokens[0].text) or CONTROLLER_STATEMENTS[SIGNAL]
     return _asked(record.row.read, tokens, reading.model, names=names)

@@ -192,8 +192,10 @@ def _of_line(reading: Reading, occurrence: Occurrence) -> str:
     lines = [
         " ".join(reading.raw_line(each.span.line).split()) for each in found if each.is_definition
     ]
-    if occurrence.kind is Kind.PORT:
-        return f"port {code(occurrence.name)} of the plant"
+    if occurrence.kind is Kind.PLANT:
+        return f"the plant {code(occurrence.name)}"
+    if occurrence.kind in (Kind.PORT, Kind.STATE, Kind.PARAMETER):
+        return f"{occurrence.kind} {code(occurrence.name)} of the plant"
     uses = sum(not each.is_definition for each in found)
     return "\n\n".join([*map(code, lines), f"used {uses} time{'s' if uses != 1 else ''}"])
 

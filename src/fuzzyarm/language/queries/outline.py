@@ -45,6 +45,9 @@ _NAMES = {
     Kind.SIGNAL: "variable",
     Kind.AXIS: "enumMember",
     Kind.PORT: "property",
+    Kind.PLANT: "namespace",
+    Kind.STATE: "property",
+    Kind.PARAMETER: "property",
 }
 _VALUES = {*EVEN_SHAPES, *SAMPLINGS, *SETTINGS["outside"].values, "exact", "hold"}
 _KINDS: tuple[Registry[Any], ...] = (SHAPES, TNORMS, SNORMS, DEFUZZIFIERS)
