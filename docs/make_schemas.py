@@ -140,6 +140,47 @@ VERDICT = record(
     line=whole("of the file"),
 )
 
+TUBE = record(
+    "a tube: between what each port is in each period",
+    duration=number("how far it goes, s"),
+    boxes=whole("into how many boxes the starts were cut"),
+    arrival=number("after which all runs are in the proved region, s; 0 where there is none"),
+    ends=numbers("of the periods, s"),
+    ports=by_name(
+        record("of a port", low=numbers("in each period"), high=numbers("in each period")),
+        "by port",
+    ),
+) | {"type": ["object", "null"]}
+_SPAN = {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2}
+LOOP_VERDICT = record(
+    "the verdict on a claim about a loop",
+    "file",
+    file=text("where several files were given: whose"),
+    property=text("the claim, without `prove`"),
+    verdict=text("what came out", "proved", "refuted", "undecided"),
+    region=by_name(_SPAN, "the proved region, by state and memory"),
+    start_region=by_name({"type": "number"}, "how far a run may start along a state alone"),
+    rest=by_name({"type": "number"}, "where the loop rests"),
+    fall=number("the share by which V falls in each period at least"),
+    continuous=truth("whether it is of the loop in continuous time"),
+    uncertain=names("what was taken as an unknown gain"),
+    certificate={"type": ["string", "null"], "description": "the hash of the certificate"},
+    tube=TUBE,
+    evidence=names("a start and what its run did, or the box that is in the way"),
+    pieces=whole("attempts of the search"),
+    seconds=number("how long it took"),
+    reason=text("why it is undecided, or empty"),
+    line=whole("of the file; 0 for a claim of the command"),
+)
+LOOP_BOUNDS = record(
+    "where all runs of a loop are",
+    property=text("of which loop, from where, for how long"),
+    complete=truth("whether all starts were followed to the end"),
+    open=names("starts that were not"),
+    tube=TUBE,
+    seconds=number("how long it took"),
+)
+
 # --- Tables and source text ---
 
 _TABLE = {
@@ -580,6 +621,8 @@ OUTPUTS = (
         "what holds of its drives",
         rows(DRIVE, "in the order of the axes"),
     ),
+    Output("prove-loop", "prove FILE --plant P --stable", "a claim about a loop", LOOP_VERDICT),
+    Output("prove-tube", "prove FILE --plant P --for TIME", "a tube", LOOP_BOUNDS),
     Output("compile", "compile FILE -o OUT.lut", "a table that was made", TABLE_REPORT),
     Output(
         "compile-source", "compile FILE -o OUT.c", "source text of rules and tables", SOURCE_REPORT

@@ -28,6 +28,10 @@ def maker() -> Any:
     return module
 
 
+ON_MOTOR = ("--plant", "motor")
+BOX = "from position in 0.1 .. 0.11"
+
+
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Some files: a faulty rule base, one with claims, tables, samples."""
@@ -59,6 +63,13 @@ CALLS = {
     "prove-table": [["prove", PD7, "--table", "linear"]],
     "prove-sector": [["prove", PD7, "--sector"], ["prove", PD7, "--sector", "--along", "e=1,ce=1"]],
     "prove-drives": [["prove", SERVO, "--sector"]],
+    "prove-loop": [
+        ["prove", SERVO, *ON_MOTOR, "--stable"],
+        ["prove", SERVO, *ON_MOTOR, "--claim", f"{BOX}: position in -1 .. 1", "--for", "3ms"],
+    ],
+    "prove-tube": [
+        ["prove", SERVO, *ON_MOTOR, "--from", BOX.removeprefix("from "), "--for", "3ms"]
+    ],
     "compile": [
         ["compile", PD7, "-o", "a.lut"],
         ["compile", PD7, "--tolerance", "1", "-o", "b.lut"],
@@ -87,6 +98,7 @@ CALLS = {
 """Calls of each output, in this order: later ones read what earlier ones have written."""
 
 RARE = {
+    "prove-loop": {"file"},
     "compare": {"seconds"},  # with --time, which measures for seconds
     "fit": {"fidelity", "test"},
     "reproduce": {
