@@ -21,7 +21,7 @@ from fuzzyarm.plant.own import starting_at
 from fuzzyarm.plant.plant import with_parameters
 from fuzzyarm.text.numbers import number_text
 
-__all__ = ["Breach", "refuting_run", "sampled_runs"]
+__all__ = ["Breach", "refuting_run", "run_of", "sampled_runs"]
 
 
 class Breach(NamedTuple):
@@ -42,11 +42,11 @@ def refuting_run(problem: LoopProblem, claim: LoopClaim) -> Breach | None:
         What is claimed of it.
     """
     for start, values in _starts(problem, claim):
-        run = _simulated(problem, start, values, claim)
+        run = run_of(problem, start, values, claim)
         if run is None:
             return None
         against = _breach(problem, claim, run, start)
-        finer = against and _simulated(problem, start, values, claim, steps=4)
+        finer = against and run_of(problem, start, values, claim, steps=4)
         if finer and _breach(problem, claim, finer, start):
             open_ = {n: x for n, x in values.items() if len(set(problem.parameters[n])) > 1}
             words = ", ".join(
@@ -98,7 +98,7 @@ def sampled_runs(problem: LoopProblem, duration: float, count: int) -> list[Run]
     """
     claim = LoopClaim("", output="", when="during", end=duration)
     begun = _starts(problem, replace(claim, start=(("", 0.0, 0.0),)))
-    runs = (_simulated(problem, *each, claim, duration=duration) for each in islice(begun, count))
+    runs = (run_of(problem, *each, claim, duration=duration) for each in islice(begun, count))
     return [run for run in runs if run is not None]
 
 
@@ -114,15 +114,30 @@ def _near_set_point(problem: LoopProblem) -> dict[str, Interval]:
     return spans
 
 
-def _simulated(
+def run_of(
     problem: LoopProblem,
     start: Mapping[str, float],
     values: Mapping[str, float],
-    claim: LoopClaim,
+    claim: LoopClaim | None = None,
+    *,
     steps: int = 1,
     duration: float = 0.0,
 ) -> Run | None:
-    """Return the run; with so many times as many steps of the integrator to confirm another."""
+    """Return a run of a loop; None where there is none.
+
+    Parameters
+    ----------
+    problem : LoopProblem
+        The loop.
+    start, values : mapping of str to float
+        By state and by parameter.
+    claim : LoopClaim, optional
+        Of which it is to tell something.
+    steps : int, optional
+        How many times as many steps the integrator takes, to confirm another run.
+    duration : float, optional
+        s; by default as long as the plant or the claim says.
+    """
     plant = problem.plant
     if values:
         plant = with_parameters(plant, values)
@@ -136,7 +151,9 @@ def _simulated(
         if not interface.references[port].order and port in interface.outputs
     }
     duration = duration or plant.duration or 1000 * problem.period
-    if claim.output and claim.when == "during" and math.isfinite(claim.end):
+    if claim is None:
+        pass
+    elif claim.output and claim.when == "during" and math.isfinite(claim.end):
         duration = claim.end
     elif claim.begin:
         duration = max(duration, 1.5 * claim.begin)

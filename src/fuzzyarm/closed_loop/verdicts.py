@@ -29,6 +29,7 @@ from fuzzyarm.closed_loop.search import proposals, rate_of
 from fuzzyarm.closed_loop.timed import Haven, claim_of_stability, followed, in_the_way
 from fuzzyarm.closed_loop.tube import Tube
 from fuzzyarm.closed_loop.verification import verified
+from fuzzyarm.closed_loop.witnesses import contradiction
 from fuzzyarm.controller.text import ControllerText, read_controller
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.loop.course import Sensor
@@ -329,6 +330,10 @@ class _Case:
                 break
         if best is not None:
             verdict = self._with_rate(maker, best[1])
+            assert verdict.certificate is not None
+            against = contradiction(maker, verdict.certificate)
+            if against:
+                return self._said(UNDECIDED, reason=f"a certificate is contradicted: {against}")
             seconds = time.monotonic() - self.started
             return replace(verdict, seconds=seconds, pieces=self.attempts)
         over = "time ran out" if stop.now else reason
@@ -426,6 +431,7 @@ def check_certificate(
             )
         )
         against, facts = verified(maker, certificate)
+        against = against or contradiction(maker, certificate)
     except (FuzzyarmError, EnclosureError) as error:
         against, facts = _sentence(error), {}
     verdict = UNDECIDED if against else PROVED

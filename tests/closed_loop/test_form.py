@@ -1,0 +1,142 @@
+"""The form of a loop, on which certificates stand, against the kernel that `simulate` runs."""
+
+from dataclasses import replace
+from fractions import Fraction
+from itertools import pairwise, product
+
+import numpy as np
+import pytest
+from budget import cases
+from scipy.optimize import linprog
+
+import fuzzyarm
+from fuzzyarm.closed_loop import check_certificate, read_claim
+from fuzzyarm.closed_loop.claims import problem_of
+from fuzzyarm.closed_loop.form_maker import FormMaker
+from fuzzyarm.closed_loop.runs import run_of
+from fuzzyarm.closed_loop.verification import verified
+from fuzzyarm.closed_loop.witnesses import contradiction
+from fuzzyarm.proof.arithmetic import Stop
+
+
+def of(file, plant):
+    text = fuzzyarm.load(fuzzyarm.shipped(file))
+    certificate = fuzzyarm.prove(text, "stable", plant=plant).certificate
+    return text, FormMaker(problem_of(text, read_claim("stable", plant)), Stop()), certificate
+
+
+@pytest.fixture(scope="module")
+def servo():
+    return of("servo.frb", "motor")
+
+
+def floats(matrix):
+    return np.array([[float(x) for x in row] for row in matrix])
+
+
+def samples(maker, certificate, count):
+    """Return states of runs from within the region, and the states a period later."""
+    p = floats(certificate.p)
+    root = np.linalg.inv(np.linalg.cholesky(p)).T
+    generator = np.random.default_rng(5)
+    pairs = []
+    for _ in range(count):
+        way = generator.standard_normal(len(p))
+        way *= generator.uniform() / np.linalg.norm(way)
+        start = dict(zip(maker.problem.states, map(float, root @ way), strict=True))
+        run = run_of(maker.problem, start, {}, steps=8, duration=4 * maker.problem.period)
+        z = np.array([run.outputs[name] for name in maker.problem.states]).T
+        pairs += list(pairwise(z[:3]))
+    return pairs
+
+
+def misfit(form, pairs):
+    """Return how far, in shares of the states, the worst period is from all that a form allows."""
+    a, b, blocks = floats(form.a), floats(form.b), floats(form.blocks)
+    size, count = form.size, len(blocks)
+    worst = 0.0
+    for z, after in pairs:
+        scale = np.abs(a) @ np.abs(z)
+        best = np.inf
+        # |w| ≤ |v| with v = C z + D w is linear in w once the sign of each v is chosen.
+        for signs in product((1.0, -1.0), repeat=count):
+            rows, limits = [], []
+            for k, sign in enumerate(signs):
+                along = sign * blocks[k, size:]
+                own = np.eye(count)[k]
+                fixed = float(sign * (blocks[k, :size] @ z))
+                rows += [[*(own - along), 0.0], [*(-own - along), 0.0]]
+                limits += [fixed, fixed]
+            left = after - a @ z
+            for i in range(size):
+                rows += [[*b[i], -scale[i]], [*(-b[i]), -scale[i]]]
+                limits += [left[i], -left[i]]
+            found = linprog(
+                [*np.zeros(count), 1.0], rows, limits, bounds=[(None, None)] * count + [(0, None)]
+            )
+            if found.success:
+                best = min(best, found.fun)
+        worst = max(worst, best)
+    return worst
+
+
+def with_entry(matrix, i, j, factor):
+    rows = [list(row) for row in matrix]
+    rows[i][j] *= factor
+    return tuple(map(tuple, rows))
+
+
+def test_every_period_of_simulate_is_one_of_the_form(servo):
+    _, maker, certificate = servo
+    form = maker.form(certificate.choice)
+    assert misfit(form, samples(maker, certificate, cases(15, 1000))) < 1e-7
+
+
+def test_a_damaged_form_is_seen(servo):
+    _, maker, certificate = servo
+    form = maker.form(certificate.choice)
+    pairs = samples(maker, certificate, 25)
+    size = form.size
+    for i, j in product(range(size), range(size)):
+        if form.a[i][j]:
+            damaged = replace(form, a=with_entry(form.a, i, j, Fraction(11, 10)))
+            assert misfit(damaged, pairs) > 1e-5, ("a", i, j)
+    narrow = tuple(tuple(x / 4 for x in row[:size]) + row[size:] for row in form.blocks)
+    assert misfit(replace(form, blocks=narrow), pairs) > 1e-5
+
+
+class Mistaken(FormMaker):
+    """It takes another loop for its own: as a mistake in the making of forms would."""
+
+    def __init__(self, problem, form):
+        super().__init__(problem)
+        self.other = form
+
+    def form(self, choice, *, continuous=False):
+        return self.other
+
+
+def test_a_form_of_another_loop_is_contradicted_by_runs(servo):
+    text, maker, certificate = servo
+    assert contradiction(maker, certificate) == ""
+    slow = replace(text, model=replace(text.model, period=0.08))  # unstable
+    mistaken = Mistaken(problem_of(slow, certificate.claim), maker.form(certificate.choice))
+    against, _ = verified(mistaken, certificate)
+    assert against == ""  # search and checker would both believe it
+    assert "the run from" in contradiction(mistaken, certificate)
+
+
+def test_a_function_that_rises_is_contradicted(servo):
+    _, maker, certificate = servo
+    tilted = [list(row) for row in certificate.p]
+    tilted[0][1] = tilted[1][0] = -tilted[0][1]  # V rises along most runs
+    assert "lets V rise" in contradiction(maker, replace(certificate, p=tuple(map(tuple, tilted))))
+
+
+def test_a_checked_certificate_has_been_asked_by_runs(servo, monkeypatch):
+    text, _, certificate = servo
+    assert check_certificate(certificate, text).proved
+    monkeypatch.setattr(
+        "fuzzyarm.closed_loop.verdicts.contradiction", lambda *_: "the run from here leaves it"
+    )
+    assert not check_certificate(certificate, text).proved
