@@ -113,7 +113,6 @@ def test_the_servo_in_continuous_time(servo):
         ("from position in -0.3 .. 0.3: position in -0.01 .. 0.01 after 1 s", "proved"),
         ("from position in -0.3 .. 0.3: position in -0.01 .. 0.01 after 50 ms", "refuted"),
         ("at position = 0.1 from position in 0 .. 0.2: position in -0.05 .. 0.25", "proved"),
-        ("stable from position in -1 .. 1", "undecided"),
     ],
 )
 def test_where_a_start_goes(servo, statement, expected):
@@ -197,6 +196,27 @@ def late(delay):
 def test_an_unstable_loop_is_never_proved(name, text, options):
     verdict = prove(text(), "stable", plant="motor", **options)
     assert not verdict.proved, name
+
+
+@pytest.mark.parametrize(
+    ("file", "plant", "claim"),
+    [
+        ("tanks", "tanks", "stable at level2 = 0.2"),  # rests where level1 is not 0
+        ("heater", "room", "stable at temperature = 21"),  # its integral begins far from rest
+    ],
+)
+def test_a_loop_that_is_not_next_to_its_rest_is_not_refuted(file, plant, claim):
+    verdict = prove(load(shipped(f"{file}.frb")), claim, plant=plant, budget=1e-9)
+    assert verdict.verdict == "undecided"
+    assert verdict.reason
+
+
+@pytest.mark.parametrize("name", ["sign", "slow"])
+def test_a_loop_that_leaves_its_rest_is_refuted(name):
+    text = far_gains({"G_u": -4.5}) if name == "sign" else every(0.08)
+    verdict = prove(text, "stable", plant="motor")
+    assert verdict.verdict == "refuted", str(verdict)
+    assert any("diverges" in line or "away from rest" in line for line in verdict.evidence)
 
 
 def test_a_delay_that_the_loop_bears_is_proved(servo):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
 from itertools import islice, product
 from typing import NamedTuple
 
@@ -31,7 +30,9 @@ class Breach(NamedTuple):
     words: tuple[str, ...]
 
 
-def refuting_run(problem: LoopProblem, claim: LoopClaim) -> Breach | None:
+def refuting_run(
+    problem: LoopProblem, claim: LoopClaim, rest: Mapping[str, float] | None = None
+) -> Breach | None:
     """Return a run that breaks a claim, if one of some runs does.
 
     Parameters
@@ -40,14 +41,20 @@ def refuting_run(problem: LoopProblem, claim: LoopClaim) -> Breach | None:
         The loop.
     claim : LoopClaim
         What is claimed of it.
+    rest : mapping of str to float, optional
+        Where the plant rests, if the controller is at rest as it starts. That a loop is stable,
+        with no word of where from, is refuted by runs from next to there only.
     """
-    for start, values in _starts(problem, claim):
+    at_rest = not claim.start and not claim.output
+    if at_rest and rest is None:
+        return None
+    for start, values in _starts(problem, claim, rest if at_rest else None):
         run = run_of(problem, start, values, claim)
         if run is None:
             return None
-        against = _breach(problem, claim, run, start)
+        against = _breach(problem, claim, run, rest)
         finer = against and run_of(problem, start, values, claim, steps=4)
-        if finer and _breach(problem, claim, finer, start):
+        if finer and _breach(problem, claim, finer, rest):
             open_ = {n: x for n, x in values.items() if len(set(problem.parameters[n])) > 1}
             words = ", ".join(
                 f"{name} = {number_text(x)}" for name, x in {**start, **open_}.items()
@@ -61,12 +68,10 @@ RUNS = 24
 
 
 def _starts(
-    problem: LoopProblem, claim: LoopClaim
+    problem: LoopProblem, claim: LoopClaim, rest: Mapping[str, float] | None = None
 ) -> Iterator[tuple[dict[str, float], dict[str, float]]]:
     """Yield starts and parameters: corners, then drawn."""
-    spans = dict(problem.start)
-    if not claim.start and not claim.output:  # stability: from near the set point
-        spans = _near_set_point(problem)
+    spans = dict(problem.start) if rest is None else _near(problem, rest)
     generator = np.random.default_rng(0)
     corners = list(product(*(dict.fromkeys(span) for span in spans.values())))
     values = {name: span.low for name, span in problem.parameters.items()}
@@ -97,20 +102,20 @@ def sampled_runs(problem: LoopProblem, duration: float, count: int) -> list[Run]
         How many at most.
     """
     claim = LoopClaim("", output="", when="during", end=duration)
-    begun = _starts(problem, replace(claim, start=(("", 0.0, 0.0),)))
+    begun = _starts(problem, claim)
     runs = (run_of(problem, *each, claim, duration=duration) for each in islice(begun, count))
     return [run for run in runs if run is not None]
 
 
-def _near_set_point(problem: LoopProblem) -> dict[str, Interval]:
+def _near(problem: LoopProblem, rest: Mapping[str, float]) -> dict[str, Interval]:
+    """Return starts next to rest: by a thousandth of what a sensor sees, where there is one."""
     interface = problem.site.interface
-    spans = dict(problem.start)
-    for (axis, name), port in interface.outputs.items():
+    spans = {name: Interval(rest[name], rest[name]) for name in problem.states}
+    for (_, name), port in interface.outputs.items():
         if name in spans:
             wide = port.high - port.low
             off = 1e-3 * (wide if math.isfinite(wide) else 1.0)
-            at = problem.set_point[axis, name]
-            spans[name] = Interval(at - off, at + off)
+            spans[name] = Interval(rest[name] - off, rest[name] + off)
     return spans
 
 
@@ -172,15 +177,17 @@ def run_of(
         return None
 
 
-def _breach(problem: LoopProblem, claim: LoopClaim, run: Run, start: Mapping[str, float]) -> str:
+def _breach(
+    problem: LoopProblem, claim: LoopClaim, run: Run, rest: Mapping[str, float] | None
+) -> str:
     """Return in words how a run breaks a claim; empty where it does not."""
     lost = f"the run diverges after {run.diverged or 0.0:.4g} s: {run.cause}"
     if claim.output:
         return _outside(problem, claim, run, lost)
     if run.diverged is not None:
         return lost
-    # Of a start that is not named no run tells: it may lie outside a region that there is.
-    return "" if claim.start else _unrest(problem, run, start)
+    # Of a start that is not next to rest no run tells: it may be on its way.
+    return "" if claim.start or rest is None else _unrest(problem, run, rest)
 
 
 def _outside(problem: LoopProblem, claim: LoopClaim, run: Run, lost: str) -> str:
@@ -197,22 +204,23 @@ def _outside(problem: LoopProblem, claim: LoopClaim, run: Run, lost: str) -> str
     return lost if inside else ""
 
 
-def _unrest(problem: LoopProblem, run: Run, start: Mapping[str, float]) -> str:
-    """Return which output swings far from where it began, next to rest, and goes on doing so."""
+def _unrest(problem: LoopProblem, run: Run, rest: Mapping[str, float]) -> str:
+    """Return which output swings far from rest, next to which it began, and goes on doing so."""
     interface = problem.site.interface
     for address, port in interface.outputs.items():
         name, label = address[1], interface.label(address)
-        if label not in run.outputs or name not in start:
+        if label not in run.outputs or name not in rest:
             continue
-        at = problem.set_point[address]
         wide = port.high - port.low
         far = 0.05 * (wide if math.isfinite(wide) else 50.0)
-        off = np.abs(np.asarray(run.outputs[label]) - at)
-        late = off[len(off) // 2 :]
-        if len(late) and late[-len(late) // 3 :].max() > far:
-            began = abs(start[name] - at)
+        off = np.abs(np.asarray(run.outputs[label]) - rest[name])
+        third = len(off) // 3
+        if not third:
+            continue
+        before, last = off[third : 2 * third].max(), off[-third:].max()
+        if last > far and last > 0.9 * before:
             return (
-                f"{label} is up to {late.max():.4g} away in the last half of"
-                f" {run.time[-1]:.4g} s, from {began:.4g}"
+                f"{label} is up to {last:.4g} away from rest in the last third of"
+                f" {run.time[-1]:.4g} s, from {off[0]:.4g}"
             )
     return ""

@@ -207,6 +207,7 @@ class _Case:
         watch = None if tell is None else (lambda count, gap: tell(self.statement, count, gap))
         self.stop = Stop(budget, watch)
         self.attempts = 0
+        self.rest: dict[str, float] | None = None
 
     def verdict(self) -> LoopVerdict:
         """Judge the claim."""
@@ -231,6 +232,7 @@ class _Case:
         """Judge a claim for all time: by a region that holds the start, or a tube as far as one."""
         try:
             maker = FormMaker(problem, self.stop)
+            self.rest = _begun_at_rest(maker)
             starts = bool(self.claim.output or self.claim.start) and not self.continuous
             found = self._searched(maker, self.claim, self.stop.half() if starts else self.stop)
             if found.verdict == UNDECIDED and starts:
@@ -356,10 +358,19 @@ class _Case:
 
     def _attacked(self, problem: LoopProblem) -> LoopVerdict | None:
         """Return a refutation by a run, if one of some runs is one."""
-        breach = refuting_run(problem, self.claim)
+        breach = refuting_run(problem, self.claim, self.rest)
         if breach is None:
             return None
         return self._said(REFUTED, evidence=breach.words, run=breach.run)
+
+
+def _begun_at_rest(maker: FormMaker) -> dict[str, float] | None:
+    """Return where the plant rests; None where what is remembered does not start at rest."""
+    begin = maker.begin
+    for name in maker.memory:
+        if not math.isnan(begin[name]) and Fraction(begin[name]) != maker.rest[name]:
+            return None
+    return {name: float(maker.rest[name]) for name in maker.problem.states}
 
 
 def _float_down(x: Fraction) -> float:
@@ -368,8 +379,8 @@ def _float_down(x: Fraction) -> float:
 
 
 def _sentence(error: Exception) -> str:
-    hint = getattr(error, "hint", "")
-    return f"{error} ({hint})" if hint else str(error)
+    hint, text = getattr(error, "hint", ""), str(error)
+    return f"{text} ({hint})" if hint and hint not in text else text
 
 
 def _plain(values: Mapping[str, Fraction]) -> dict[str, float]:
