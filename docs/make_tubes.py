@@ -1,4 +1,4 @@
-"""Draw the figure of docs/closed-loop-tubes.md: tubes with runs in them.
+"""Draw the figure of docs/closed-loop.md: tubes with runs in them.
 
 python docs/make_tubes.py
 """

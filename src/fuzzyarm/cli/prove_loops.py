@@ -62,11 +62,18 @@ def _claim_of(arguments: argparse.Namespace) -> LoopClaim:
         raise WordError(f"{word} needs a plant", hint="--plant motor")
     text = "stable"
     if arguments.at is not None:
-        text += " at " + arguments.at.replace("=", " = ").replace(",", ", ")
+        pairs = (pair.partition("=") for pair in arguments.at.split(","))
+        text += " at " + ", ".join(f"{_name(port)} = {value}" for port, _, value in pairs)
     for word in ("with", "from"):
         if getattr(arguments, word) is not None:
             text += f" {word} {getattr(arguments, word)}"
     return read_claim(text, plant)
+
+
+def _name(word: str) -> str:
+    from fuzzyarm.language.tokens import name_text
+
+    return name_text(word.strip().strip("'"))
 
 
 def _ended(claim: LoopClaim, arguments: argparse.Namespace) -> LoopClaim:

@@ -170,6 +170,8 @@ class Follower:
         Of its dimensions.
     labels : list of str
         Of the ports: outputs, then inputs.
+    last_weight : ndarray, shape (dimensions, boxes)
+        The weight of a :class:`Course`, of boxes that could not be followed to the end, too.
     """
 
     def __init__(
@@ -246,7 +248,7 @@ class Follower:
         ends: list[float] = []
         between: list[Intervals] = []
         at: list[Intervals] = []
-        weight = np.zeros((kept, batch))
+        weight = self.last_weight = np.zeros((kept, batch))
         undone = np.zeros(batch, dtype=bool)
         arrived = np.zeros(batch, dtype=bool)
         self.sizes, self.order = states.bounds.size.max(axis=1), ORDER
@@ -276,7 +278,7 @@ class Follower:
                 signs = self.goal(period + 1, states, memory)
                 arrived |= signs > 0
                 undone |= (signs < 0) & ~arrived
-            weight = np.maximum(weight, self._weight(states, kept))
+            weight = self.last_weight = np.maximum(weight, self._weight(states, kept))
             if undone.all() and not whole:
                 break
             if arrived.all():

@@ -230,7 +230,7 @@ class _Search:
             batch, open_ = open_[:AT_ONCE], open_[AT_ONCE:]
             halves = bool(self.follower.names) and count < self.most
             halves &= clock.monotonic() < self.until
-            for group, course in self._followed(batch, whole=not halves):
+            for group, course, weights in self._followed(batch, whole=not halves):
                 halved = list(group)
                 if course is not None:
                     kept = ~course.undone if halves else np.ones(len(group), dtype=bool)
@@ -247,8 +247,7 @@ class _Search:
                     lost += group
                     halved = []
                 for box in halved:
-                    weight = None if course is None else course.weight[:, group.index(box)]
-                    open_ += box.halves(self._dimension(box, weight))
+                    open_ += box.halves(self._dimension(box, weights[:, group.index(box)]))
                     count += 1
             if self.progress is not None:
                 self.progress(self.done, len(open_))
@@ -263,21 +262,25 @@ class _Search:
 
     def _followed(
         self, boxes: Sequence[Box], *, whole: bool
-    ) -> list[tuple[list[Box], Course | None]]:
-        """Return boxes with what came of them; None for a single one that cannot be followed."""
+    ) -> list[tuple[list[Box], Course | None, Vector]]:
+        """Return boxes with what came of them; None for a single one that cannot be followed.
+
+        Behind it stands what widens them; so far as they were followed.
+        """
         try:
-            return [(list(boxes), self.follower.follow(boxes, whole=whole))]
+            course = self.follower.follow(boxes, whole=whole)
+            return [(list(boxes), course, course.weight)]
         except EnclosureError:
             if len(boxes) == 1:
-                return [(list(boxes), None)]
+                return [(list(boxes), None, self.follower.last_weight)]
             middle = len(boxes) // 2
             first = self._followed(boxes[:middle], whole=whole)
             return first + self._followed(boxes[middle:], whole=whole)
 
-    def _dimension(self, box: Box, weight: Vector | None) -> int:
+    @staticmethod
+    def _dimension(box: Box, weight: Vector) -> int:
         """Return the dimension to halve: the one that widens the tube most, for its halvings."""
-        own = np.ones(len(box.low)) if weight is None else weight + 0.05
-        return int(np.argmax(own * 0.5 ** np.array(box.halvings)))
+        return int(np.argmax((weight + 0.05) * 0.5 ** np.array(box.halvings)))
 
     def _answer(
         self, finished: Sequence[Course], failed: Sequence[Box], lost: Sequence[Box], count: int
