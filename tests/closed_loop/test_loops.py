@@ -245,8 +245,8 @@ def test_the_limit_of_a_linear_loop_is_found():
 
 
 def test_the_circle_criterion_of_a_lure_system():
-    # Khalil, Nonlinear Systems, 7.1: 4 / ((s + 1)(s/2 + 1)(s/3 + 1)) with a gain in [0, k] is
-    # stable where the real part of its frequency response is above -1/k.
+    # 4 / ((s + 1)(s/2 + 1)(s/3 + 1)) with a gain in [0, k] is stable, says the circle criterion,
+    # where the real part of its frequency response is above -1/k.
     a = [[0, 1, 0], [0, 0, 1], [-6, -11, -6]]
     b, c = [0, 0, 1], [24, 0, 0]
     s = 1j * np.geomspace(1e-3, 1e3, 200_001)

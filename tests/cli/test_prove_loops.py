@@ -1,0 +1,96 @@
+"""``fuzzyarm prove`` of loops: what it says, returns, writes and refuses."""
+
+import json
+from fractions import Fraction
+
+import pytest
+
+import fuzzyarm
+from fuzzyarm.cli.main import main
+
+SERVO = str(fuzzyarm.shipped("servo.frb"))
+ON = ["prove", SERVO, "--plant", "motor"]
+START = "position in 0.1 .. 0.11"
+
+
+def test_a_tube_alone_bounds_all_ports(capsys, tmp_path):
+    figure = tmp_path / "tube.svg"
+    words = ["--with", "J in 0.009 .. 0.011", "--quantise", "position=0.001"]
+    assert main([*ON, "--from", START, "--for", "3ms", *words, "--plot", str(figure)]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0].endswith(f"on motor with J in 0.009 .. 0.011 from {START} for 0.003 s")
+    assert [line.split(" in ")[0].strip() for line in lines[1:5]] == [
+        "position", "velocity", "current", "voltage",
+    ]  # fmt: skip
+    assert figure.read_text(encoding="utf-8").count("<path") > 10
+
+
+@pytest.mark.parametrize(
+    ("claim", "status", "verdict"),
+    [
+        (f"from {START}: position in 0 .. 0.2", 0, "proved"),
+        (f"from {START}: position in 0 .. 0.105", 1, "refuted"),
+        (f"from {START}: position in 0 .. 0.2 after 1 ms", 0, "proved"),
+    ],
+)
+def test_a_claim_gets_its_end(capsys, claim, status, verdict):
+    assert main([*ON, "--claim", claim, "--for", "3ms", "--json"]) == status
+    data = json.loads(capsys.readouterr().out)
+    assert data["verdict"] == verdict
+    assert data["property"].endswith(" .. 0.003 s")
+    assert (data["tube"] is None) == (verdict == "refuted")
+
+
+def test_a_tube_has_no_certificate(capsys, tmp_path):
+    path = tmp_path / "c.json"
+    claim = ["--claim", f"from {START}: position in 0 .. 0.2", "--for", "3ms"]
+    assert main([*ON, *claim, "--certificate", str(path)]) == 0
+    assert "a tube has no certificate" in capsys.readouterr().err
+    assert not path.exists()
+
+
+def test_a_certificate_knows_the_sensors(capsys, tmp_path):
+    path = tmp_path / "c.json"
+    late = ["--sensor-delay", "position=1ms", "--sensor-delay", "velocity=1ms"]
+    assert main([*ON, "--stable", *late, "--certificate", str(path)]) == 0
+    assert "late 1" in capsys.readouterr().out
+    assert main(["prove", "--check", str(path)]) == 0
+    data = json.loads(path.read_text(encoding="utf-8"))
+    assert data["sensors"]["shaft.position"][0] == str(Fraction(0.001))
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--stable", "--for", "1s"], "--stable is for all time"),
+        (["--from", START], "--from goes with --stable or --for"),
+        (["--with", "J in 1 .. 2"], "--with goes with --stable or --for"),
+        (["--claim", "stable", "--from", START], "--from is part of --claim"),
+        (["--claim", "stable", "--for", "1s"], "--for gives a claim"),
+        (["--claim", f"from {START}: position in 0 .. 1 after 2 s", "--for", "1s"], "before the"),
+        (["--from", "positon in 0 .. 1", "--for", "1s"], "no state 'positon'"),
+    ],
+)
+def test_what_does_not_fit_is_said(capsys, words, said):
+    assert main([*ON, *words]) != 0
+    assert said in capsys.readouterr().err
+
+
+def test_what_cannot_be_followed_is_said_by_name(capsys, tmp_path):
+    (tmp_path / "own.py").write_text(
+        "from fuzzyarm.plant import Plant, Port\n\n\n"
+        "class Own(Plant):\n"
+        "    name = 'own'\n"
+        "    inputs = {'voltage': Port('V')}\n"
+        "    outputs = {'position': Port('rad'), 'velocity': Port('rad/s', rate_of='position')}\n"
+        "    states = {'position': 'rad', 'velocity': 'rad/s'}\n"
+        "    axis = 'shaft'\n\n"
+        "    def derivative(self, t, x, u, p):\n"
+        "        return [x[1], u[0] if x[0] > 0 else -u[0]]\n",
+        encoding="utf-8",
+    )
+    plant = str(tmp_path / "own.py")
+    words = ["prove", SERVO, "--plant", plant, "--connect", "shaft=plant", "--for", "3ms"]
+    assert main(words) != 0
+    said = capsys.readouterr().err
+    assert "the equations of own cannot be traced" in said
