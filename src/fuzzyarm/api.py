@@ -340,17 +340,19 @@ def check_parsed(
     on : PlantOf, optional
         The plant of a controller.
     """
-    found, doubts = list(parsed.diagnostics), list[Diagnostic]()
+    diagnostics, doubts = list(parsed.diagnostics), list[Diagnostic]()
     if parsed.controller is not None:
-        found, doubts = _of_controller(parsed, path, on)
+        diagnostics, doubts = _of_controller(parsed, path, on)
     if parsed.rulebase is None:
         if parsed.controller is not None:
-            found = sorted((*found, *judged(doubts, parsed.document, path)), key=_position)
-        return Review(text, tuple(found))
+            diagnostics = sorted(
+                (*diagnostics, *judged(doubts, parsed.document, path)), key=_position
+            )
+        return Review(text, tuple(diagnostics))
     more = judge(parsed.rulebase, on_step).findings if failed is None else failed
     more = [*more, *doubts]
     findings = check(parsed.rulebase, parsed.document, path=path, more=more, on_step=on_step)
-    merged = sorted((*found, *findings), key=_position)
+    merged = sorted((*diagnostics, *findings), key=_position)
     return Review(text, tuple(merged), parsed.rulebase)
 
 
@@ -367,9 +369,9 @@ def _of_controller(
 
     assert parsed.controller is not None
     controller, faults = with_files(parsed.controller, Path(path).parent, path)
-    found = [*parsed.diagnostics, *faults, *doubts_of(controller, *(on or ()))]
-    doubts = [each for each in found if each.name in CHECKS]
-    return [each for each in found if each.name not in CHECKS], doubts
+    diagnostics = [*parsed.diagnostics, *faults, *doubts_of(controller, *(on or ()))]
+    doubts = [diagnostic for diagnostic in diagnostics if diagnostic.name in CHECKS]
+    return [diagnostic for diagnostic in diagnostics if diagnostic.name not in CHECKS], doubts
 
 
 def check_file(path: str | os.PathLike[str], on: PlantOf | None = None) -> Review:
@@ -416,8 +418,8 @@ def _check_foreign(path: str | os.PathLike[str], name: str) -> Review:
         return Review(text, tuple(imported.diagnostics))
     # The other program computes the file, so that a contradiction in it is a doubt.
     findings = [
-        replace(each, severity=Severity.WARNING) if each.is_error else each
-        for each in check(imported.rulebase, path=name)
+        replace(diagnostic, severity=Severity.WARNING) if diagnostic.is_error else diagnostic
+        for diagnostic in check(imported.rulebase, path=name)
     ]
     return Review(text, (*imported.diagnostics, *findings), imported.rulebase)
 

@@ -91,7 +91,7 @@ class _FuzzyModel(BaseEstimator):
     def _outputs(self, X: Any, classes: tuple[str, ...]) -> Array:  # noqa: N803
         check_is_fitted(self)
         inputs = validate_data(self, X, reset=False, dtype=np.float64)
-        names = tuple(each.name for each in self.rulebase_.inputs)
+        names = tuple(variable.name for variable in self.rulebase_.inputs)
         silent = np.zeros(len(inputs))
         target = self.rulebase_.outputs[0].name if not classes else "class"
         return outputs_of(self.rulebase_, Samples(names, inputs, target, silent, classes))

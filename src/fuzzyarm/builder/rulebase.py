@@ -150,10 +150,10 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
         RuleBaseError
             If the text has mistakes.
         """
-        made = cls.__new__(cls)
-        made._start()
-        made.add(text)
-        return made
+        builder = cls.__new__(cls)
+        builder._start()
+        builder.add(text)
+        return builder
 
     @classmethod
     def of(cls, rulebase: AnyRuleBase) -> RuleBaseBuilder:
@@ -558,18 +558,18 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
         document = parse_statements(lines.text, self._line)
         scope = self._known()
         known = len(scope.diagnostics)
-        found = list(document.diagnostics)
-        if not found:
+        diagnostics = list(document.diagnostics)
+        if not diagnostics:
             for statement in document.statements:
                 if _is_of_controller(statement.node):
                     message = "controllers are written as text: fuzzyarm.parse reads them"
-                    found.append(Diagnostic("not-a-rule-base", message, statement.node.span))
+                    diagnostics.append(Diagnostic("not-a-rule-base", message, statement.node.span))
                     break
                 judge_statement(statement.node, scope)
-            found += scope.diagnostics[known:]
-        if any(finding.is_error for finding in found):
+            diagnostics += scope.diagnostics[known:]
+        if any(finding.is_error for finding in diagnostics):
             self._scope = None  # it has parts of what is not added
-            raise RuleBaseError(self._in_call(lines, document, found))
+            raise RuleBaseError(self._in_call(lines, document, diagnostics))
         self._calls.append((self._line, lines))
         self._line += lines.count
         first, *rest = document.statements or (None,)
@@ -605,7 +605,8 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
             meant, _ = as_meant(lines.text, parse_document(lines.text))
             found, moved = meant.diagnostics or found, 0
         return [
-            replace(each, argument=lines.argument_of(_moved(each.span, moved))) for each in found
+            replace(diagnostic, argument=lines.argument_of(_moved(diagnostic.span, moved)))
+            for diagnostic in found
         ]
 
     def _names(self, role: str) -> list[str]:

@@ -267,9 +267,9 @@ def controller_text(name: str, file: str, rulebase: RuleBase) -> str:
     ground = _ROOM if adds_up else _SHAFT
     result, unit, end = ground.gain
     gains, lines = [], list(ground.first)
-    for (signal, of, at), each in zip(ground.signals, rulebase.inputs, strict=False):
+    for (signal, of, at), variable in zip(ground.signals, rulebase.inputs, strict=False):
         gain = f"G_{signal.split()[0]}"
-        gains.append(_gain(gain, _reach(each) / at, of))
+        gains.append(_gain(gain, _reach(variable) / at, of))
         source, comma, filtered = signal.partition(",")
         lines.append(f"{source} * {gain}{comma}{filtered}")
     gains.append(_gain(f"G_{result}", end / _reach(rulebase.outputs[0]), unit))

@@ -62,7 +62,7 @@ of a .frb file from standard input.
 
 def _check(arguments: argparse.Namespace) -> int:
     failed = False
-    found: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     on = _plant_of(arguments)
     for path in _files(arguments.files):
         try:
@@ -74,16 +74,16 @@ def _check(arguments: argparse.Namespace) -> int:
             continue
         doubtful = any(d.severity is Severity.WARNING for d in review.diagnostics)
         failed |= review.failed or (arguments.strict and doubtful)
-        found += review.diagnostics
+        diagnostics += review.diagnostics
         if not arguments.json:
             _print_review(path, review, quiet=arguments.quiet)
             if arguments.verbose and review.rulebase is not None and not review.failed:
                 print(f"{path}: {_engine_of(review.rulebase)}")
     if arguments.json:
-        print_json([finding_data(diagnostic) for diagnostic in found], 2)
-    wrong = any(each.is_error for each in found)
-    if failed and found and (arguments.json or not wrong):
-        summary = Review("", tuple(found)).summary
+        print_json([finding_data(diagnostic) for diagnostic in diagnostics], 2)
+    wrong = any(each.is_error for each in diagnostics)
+    if failed and diagnostics and (arguments.json or not wrong):
+        summary = Review("", tuple(diagnostics)).summary
         print_error(summary if wrong else f"{summary}; --strict lets no warning pass")
     return int(failed)
 
@@ -94,7 +94,7 @@ def _files(paths: Iterable[str]) -> Iterator[str]:
         if not os.path.isdir(path):
             yield path
             continue
-        found = [each for each in own_files(path) if _is_ours(each)]
+        found = [file for file in own_files(path) if _is_ours(file)]
         if not found:
             raise EmptyFolderError(path)
         yield from sorted(found)

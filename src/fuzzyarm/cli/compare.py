@@ -126,10 +126,10 @@ def _compare_trajectories(
     _, options = equipped_by(arguments, plant)
     timed = bool(arguments.cost or (arguments.plot and is_counted(plant)))
     counted = names if timed or arguments.operations else ()
-    compared: list[Compared] = []
+    comparisons: list[Compared] = []
     costs: list[Cost] = []
     with progress_bar("controllers", len(names) + len(counted)) as bar:
-        for each in compare(
+        for comparison in compare(
             controllers,
             options,
             plant=plant,
@@ -138,7 +138,7 @@ def _compare_trajectories(
             payload=arguments.payload,
             connect=connections(arguments),
         ):
-            compared.append(each)
+            comparisons.append(comparison)
             bar(1)
         for name in counted:
             costs.append(cost_of(name, conventions=conventions, timed=timed))
@@ -146,20 +146,20 @@ def _compare_trajectories(
     if arguments.plot and costs:
         from fuzzyarm.study.figures import draw_cost, save_figure
 
-        save_figure(draw_cost(compared, costs), arguments.plot)
+        save_figure(draw_cost(comparisons, costs), arguments.plot)
     elif arguments.plot:
         _plot_runs(_runs_along(arguments, controllers, plant, trajectories[0]), arguments.plot)
-    _print_notes(compared)
+    _print_notes(comparisons)
     senses = [arguments.errors] if arguments.errors else list(_SENSES)
     if arguments.json:
-        print_json([_compared_json(*pair) for pair in zip_longest(compared, costs)], 1)
+        print_json([_compared_json(*pair) for pair in zip_longest(comparisons, costs)], 1)
     elif arguments.markdown:
-        print("\n".join(_compared_markdown(compared, costs, senses)))
+        print("\n".join(_compared_markdown(comparisons, costs, senses)))
     else:
-        ways = " and ".join(each.name for each in trajectories)
+        ways = " and ".join(trajectory.name for trajectory in trajectories)
         load = _load(conventions, payload=arguments.payload) if carries(plant) else ""
         print(f"{ways}{load}, {_counting(conventions)}")
-        print("\n".join(_compared_lines(compared, costs, senses)))
+        print("\n".join(_compared_lines(comparisons, costs, senses)))
     return 0
 
 

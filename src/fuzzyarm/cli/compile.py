@@ -143,7 +143,7 @@ def _write_module(arguments: argparse.Namespace) -> None:
     _forbid(arguments, refused, "JavaScript infers the rules of all outputs")
     text = rule_base_module(model, arguments.file)
     write_atomically(arguments.out, text)
-    names = ", ".join(each.name for each in model.inputs)
+    names = ", ".join(variable.name for variable in model.inputs)
     if arguments.json:
         print_json({"file": arguments.out, "bytes": len(text.encode())}, 2)
     else:

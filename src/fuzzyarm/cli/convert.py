@@ -93,11 +93,11 @@ def _run(arguments: argparse.Namespace) -> int:
     exported = None
     if imported.rulebase is not None:
         exported = _exported(arguments, imported.rulebase, target)
-    found = findings_of(imported, exported, arguments.source)
+    diagnostics = findings_of(imported, exported, arguments.source)
     text = None if exported is None else exported.text
     if text is not None:
         write_atomically(arguments.target, text)
-    _report(arguments, imported, found, written=text is not None)
+    _report(arguments, imported, diagnostics, written=text is not None)
     return 0 if text is not None else 1
 
 
@@ -234,13 +234,13 @@ def _targets(arguments: argparse.Namespace, systems: Sequence[System]) -> list[P
     """Return where each system goes: into the folder of -o by its name, a single one to OUT."""
     if arguments.target is not None:
         if len(systems) > 1:
-            names = ", ".join(each.name for each in systems)
+            names = ", ".join(system.name for system in systems)
             hint = "-o DIR writes a file for each"
             raise WordError(f"{arguments.source} makes {len(systems)}: {names}", hint=hint)
         return [Path(arguments.target)]
     folder = Path(arguments.out or ".")
     folder.mkdir(parents=True, exist_ok=True)
-    return [folder / f"{each.name}.frb" for each in systems]
+    return [folder / f"{system.name}.frb" for system in systems]
 
 
 def _write_system(arguments: argparse.Namespace, system: System, target: Path) -> bool:
@@ -257,23 +257,27 @@ def _write_system(arguments: argparse.Namespace, system: System, target: Path) -
 
 def _say_findings(found: Sequence[Diagnostic], source: str, *, to_errors: bool = False) -> None:
     stream = sys.stderr if to_errors else sys.stdout
-    for each in found:
-        if each.span != NOWHERE:
-            print_findings([each], text_to_show(source), stream)
+    for diagnostic in found:
+        if diagnostic.span != NOWHERE:
+            print_findings([diagnostic], text_to_show(source), stream)
             continue
-        hint = [f"       = hint: {each.hint}"] if each.hint else []
-        path = each.path or source
-        say(f"{path}: {each.severity}[{each.name}]: {each.message}", *hint, to_errors=to_errors)
+        hint = [f"       = hint: {diagnostic.hint}"] if diagnostic.hint else []
+        path = diagnostic.path or source
+        say(
+            f"{path}: {diagnostic.severity}[{diagnostic.name}]: {diagnostic.message}",
+            *hint,
+            to_errors=to_errors,
+        )
 
 
 def _say_system(
     arguments: argparse.Namespace, system: System, target: Path, *, written: bool
 ) -> None:
-    found = [d for d in system.diagnostics if d.is_error or not arguments.quiet]
+    diagnostics = [d for d in system.diagnostics if d.is_error or not arguments.quiet]
     what = f"{arguments.source}: {system.name}"
-    for each in found:
-        hint = [f"       = hint: {each.hint}"] if each.hint else []
-        line = f"{what}: {each.severity}[{each.name}]: {each.message}"
+    for diagnostic in diagnostics:
+        hint = [f"       = hint: {diagnostic.hint}"] if diagnostic.hint else []
+        line = f"{what}: {diagnostic.severity}[{diagnostic.name}]: {diagnostic.message}"
         say(line, *hint, to_errors=not written)
     if not written:
         print_error(f"{target}: not written")

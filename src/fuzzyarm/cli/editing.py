@@ -188,8 +188,8 @@ def _picture(
     head.append(f"   {document.summary}   {time.strftime('%H:%M:%S')}", "not bold")
     parts: list[RenderableType] = [head, Text()]
     if document.findings:
-        said = render_all(document.findings, document.text)
-        parts += [Text(said, "red" if document.broken else "yellow"), Text()]
+        text = render_all(document.findings, document.text)
+        parts += [Text(text, "red" if document.broken else "yellow"), Text()]
     scene = document.scene
     if scene is None:
         return Group(*parts)

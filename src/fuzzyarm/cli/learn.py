@@ -173,14 +173,14 @@ class _Training:
         entry = CATALOGUE.get(self.name)
         path = entry.file() if isinstance(entry, TextEntry) else self.name
         change = teaching(0.0 if arguments.freeze else arguments.rate, arguments.delay)
-        made = text_controller(path, Choice(sources=_sources(arguments)), change=change)
-        plant = plant_of(arguments, [made])
-        gains, parameters = split_settings(overrides(arguments.set), made, plant)
+        controller = text_controller(path, Choice(sources=_sources(arguments)), change=change)
+        plant = plant_of(arguments, [controller])
+        gains, parameters = split_settings(overrides(arguments.set), controller, plant)
         plant = with_parameters(plant, parameters) if parameters else plant
         self.along = follows(arguments, plant)
         plant, self.options = equipped_by(arguments, plant)
         connect = connections(arguments)
-        self.trainee = Trainee(made.with_gains(gains), plant, connect, self.name)
+        self.trainee = Trainee(controller.with_gains(gains), plant, connect, self.name)
         self.count = len(self.trainee.axes)
         self.finished: list[Snapshot] = []
         self.film: list[Snapshot] = []

@@ -241,7 +241,9 @@ def find_command(name: str) -> Command:
 def _print_mistakes(error: RuleBaseError) -> None:
     from fuzzyarm.language.reading import text_to_show
 
-    errors = [each for each in error.diagnostics if each.is_error] or list(error.diagnostics)
+    errors = [diagnostic for diagnostic in error.diagnostics if diagnostic.is_error] or list(
+        error.diagnostics
+    )
     try:
         text = text_to_show(errors[0].path)
     except (OSError, ValueError, IndexError):

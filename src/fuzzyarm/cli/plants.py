@@ -90,7 +90,7 @@ def plant_of(arguments: argparse.Namespace, controllers: Sequence[Controller]) -
 def _plant_by_axes(controllers: Sequence[Controller], connect: Mapping[str, str]) -> str:
     from fuzzyarm.controller.findings import site_for
 
-    names = {each.name: site_for(each, connect).name for each in controllers}
+    names = {controller.name: site_for(controller, connect).name for controller in controllers}
     if len(set(names.values())) > 1:
         words = ", ".join(f"{name} on {plant}" for name, plant in names.items())
         raise WordError(

@@ -135,7 +135,7 @@ def _files(arguments: argparse.Namespace, tolerance: float | None, budget: float
             for loop in loops_of(path, controller, arguments, budget):
                 verdicts.append((path, loop))
                 data.append(file | loop_data(loop))
-            data += [file | each for each in drives_of(path, controller, arguments, budget)]
+            data += [file | drive for drive in drives_of(path, controller, arguments, budget)]
     if arguments.json:
         print_json(data, 2)
     found = {verdict.verdict for _, verdict in verdicts}

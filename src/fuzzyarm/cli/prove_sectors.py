@@ -102,31 +102,31 @@ def _of_rulebase(
     if arguments.plant is not None:
         raise WordError("--plant is for controllers, not for rule bases")
     name = only_output(rulebase, arguments.output)
-    found: list[Sector] = []
+    sectors: list[Sector] = []
     failed: list[str] = []
     with progress() as tell:
         stop = Stop(budget, lambda count, gap: tell(path, count, gap))
         prover = Prover(rulebase, name, tolerance=tolerance, stop=stop)
         for weights in _forms(prover, arguments.along, failed):
             try:
-                found.append(sector(prover, weights))
+                sectors.append(sector(prover, weights))
             except FuzzyarmError as error:
                 failed.append(f"along {form_text(weights)}: {error}")
-    if arguments.plot is not None and found:
+    if arguments.plot is not None and sectors:
         from fuzzyarm.show.figures.sector import rulebase_sectors, sector_figure
         from fuzzyarm.show.figures.style import save_figure
 
-        save_figure(sector_figure(rulebase_sectors(rulebase, name, found)), arguments.plot)
+        save_figure(sector_figure(rulebase_sectors(rulebase, name, sectors)), arguments.plot)
     if arguments.json:
-        print_json({"sectors": [_sector_data(each) for each in found], "open": failed}, 2)
+        print_json({"sectors": [_sector_data(each) for each in sectors], "open": failed}, 2)
     else:
-        for each in found:
+        for each in sectors:
             say(*_sector_lines(name, each))
         for words in failed:
             say(f"no sector {words}")
-        if arguments.plot is not None and found:
+        if arguments.plot is not None and sectors:
             say(f"{arguments.plot}: drawn from {path}")
-    return 0 if found and all(each.complete for each in found) else EXIT_UNDECIDED
+    return 0 if sectors and all(each.complete for each in sectors) else EXIT_UNDECIDED
 
 
 def _forms(prover: Any, along: str | None, failed: list[str]) -> list[dict[str, Any]]:
@@ -199,21 +199,21 @@ def drives_of(
 
     plant = find_plant(arguments.plant) if arguments.plant is not None else None
     with progress() as tell:
-        found = prove_drives(controller, plant, budget=budget, tell=tell)
+        proofs = prove_drives(controller, plant, budget=budget, tell=tell)
     if arguments.plot is not None:
         from fuzzyarm.show.figures.sector import controller_sectors, sector_figure
         from fuzzyarm.show.figures.style import save_figure
 
-        shown = controller_sectors(controller, found, plant)
-        if shown:
-            save_figure(sector_figure(shown), arguments.plot)
+        pictures = controller_sectors(controller, proofs, plant)
+        if pictures:
+            save_figure(sector_figure(pictures), arguments.plot)
     if not arguments.json:
-        for each, axes in _grouped(found):
+        for each, axes in _grouped(proofs):
             say(*_drive_lines(path, each, axes, sectors_only=arguments.sector))
         if arguments.plot is not None:
-            drawn = any(each.sectors for each in found)
+            drawn = any(proof.sectors for proof in proofs)
             say(f"{arguments.plot}: drawn from {path}" if drawn else "no sector to draw")
-    return [_drive_data(each) for each in found]
+    return [_drive_data(proof) for proof in proofs]
 
 
 def _grouped(found: list[DriveProof]) -> list[tuple[DriveProof, list[str]]]:
@@ -221,9 +221,9 @@ def _grouped(found: list[DriveProof]) -> list[tuple[DriveProof, list[str]]]:
     from dataclasses import replace
 
     groups: dict[str, tuple[DriveProof, list[str]]] = {}
-    for each in found:
-        key = repr(replace(each, axis=""))
-        groups.setdefault(key, (each, []))[1].append(f"{each.axis}.{each.port}")
+    for proof in found:
+        key = repr(replace(proof, axis=""))
+        groups.setdefault(key, (proof, []))[1].append(f"{proof.axis}.{proof.port}")
     return list(groups.values())
 
 
@@ -235,8 +235,8 @@ def _drive_lines(
     if not sectors_only:
         lines += _limit_lines(found)
         lines += _gain_lines(found)
-    for each in found.sectors:
-        lines += _drive_sector(each, found)
+    for drive_sector in found.sectors:
+        lines += _drive_sector(drive_sector, found)
     return [*lines, *(f"  not proved: {words}" for words in found.open)]
 
 

@@ -240,8 +240,8 @@ def _diff(arguments: argparse.Namespace) -> int:
         cells = compare_tables(before, after)
         data, view = _diff_data(cells), table_diff_view(cells)
     elif isinstance(before, ControllerText) and isinstance(after, ControllerText):
-        found = compare_controllers(before, after)
-        data, view = _controller_diff_data(found), controller_diff_view(found)
+        diff = compare_controllers(before, after)
+        data, view = _controller_diff_data(diff), controller_diff_view(diff)
     else:
         raise _unlike(arguments, before, after)
     if arguments.json:
@@ -275,9 +275,9 @@ def _kind_of(model: Model) -> str:
 def _controller_diff_data(diff: ControllerDiff) -> dict[str, Any]:
     return {
         "same": diff.same,
-        "settings": [asdict(each) for each in diff.settings],
-        "gains": [asdict(each) for each in diff.gains],
-        "lines": [asdict(each) for each in diff.lines],
+        "settings": [asdict(setting) for setting in diff.settings],
+        "gains": [asdict(gain) for gain in diff.gains],
+        "lines": [asdict(line) for line in diff.lines],
         "order": list(diff.order),
         "rulebases": {name: asdict(rules) for name, rules in diff.rulebases},
         "tables": {name: _diff_data(cells) for name, cells in diff.tables},

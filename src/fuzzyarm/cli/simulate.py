@@ -232,7 +232,7 @@ def run_as_json(result: Run) -> dict[str, Any]:
         "compiled": result.compiled,
         "plant": result.plant,
         "outputs": dict(zip(result.labels, result.units, strict=True)),
-        "metrics": {name: each.as_dict() for name, each in result.metrics.items()},
+        "metrics": {name: metric.as_dict() for name, metric in result.metrics.items()},
         "seed": result.seed,
     }
 
@@ -280,7 +280,7 @@ def _error_lines(result: Run) -> list[str]:
 def _metric_lines(result: Run) -> list[str]:
     """Return a table with a column for each tracked output."""
     names = [f"{label}, {unit}" for label, unit in zip(result.labels, result.units, strict=True)]
-    columns = [each.as_dict() for each in result.metrics.values()]
+    columns = [metrics.as_dict() for metrics in result.metrics.values()]
     widths = [max(14, len(name) + 2) for name in names]
     lines = ["error of".ljust(16) + "".join(map(str.rjust, names, widths))]
     # Where every control period has a set point of its own all three are the same.
@@ -289,7 +289,7 @@ def _metric_lines(result: Run) -> list[str]:
     if result.every > 1:
         shown[1:1] = between
     for metric in shown:
-        cells = ["-" if each[metric] is None else f"{each[metric]:.4g}" for each in columns]
+        cells = ["-" if column[metric] is None else f"{column[metric]:.4g}" for column in columns]
         label = between.get(metric, metric)
         lines.append(label.ljust(16) + "".join(map(str.rjust, cells, widths)))
     return lines
@@ -320,7 +320,7 @@ def _write_csv(results: list[Run], path: str) -> None:
     text = io.StringIO()
     several = len(results) > 1
     for index, result in enumerate(results):
-        columns = _csv_columns(result, held=any(each.every > 1 for each in results))
+        columns = _csv_columns(result, held=any(run.every > 1 for run in results))
         if not index:
             heads = [*["controller"] * several, *columns]
             text.write(",".join(map(quoted, heads)) + "\n")
@@ -343,7 +343,7 @@ def _csv_columns(result: Run, *, held: bool) -> dict[str, Any]:
     times = {"time [s]": result.time}
     if held:
         times["set point time [s]"] = result.set_point_time
-    return times | {f"{name} [{units[name]}]": each for name, each in result.columns().items()}
+    return times | {f"{name} [{units[name]}]": column for name, column in result.columns().items()}
 
 
 def _show_gains(controller: Controller, as_json: bool) -> None:

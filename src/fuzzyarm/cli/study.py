@@ -135,7 +135,10 @@ def _differences(result: Reproduced) -> list[float | None]:
 
 def _reproduced_as_text(result: Reproduced) -> str:
     row = result.published
-    apart = ["" if each is None else f"{100 * each:+.2f} %" for each in _differences(result)]
+    apart = [
+        "" if difference is None else f"{100 * difference:+.2f} %"
+        for difference in _differences(result)
+    ]
     lines = [
         f"{row.table}  {row.row}  ({row.condition})  {result.variant}",
         _line("", [f"{name}" for name in _headings(row)]),

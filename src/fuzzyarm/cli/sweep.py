@@ -147,7 +147,7 @@ def _ranges(
         return ranges, whole(drawn(ranges, arguments.random, arguments.seed)), arguments.random
     if not ranges:
         raise WordError("nothing is swept", hint="--sweep NAME=A..B:N, or --random N")
-    count = math.prod(each.count or 1 for each in ranges)
+    count = math.prod(interval.count or 1 for interval in ranges)
     if count > MOST_RUNS:
         raise WordError(f"a grid of {count:,} runs is out of range: up to {MOST_RUNS:,}")
     return ranges, whole(grid(ranges)), count
@@ -392,7 +392,7 @@ def _map_axes(arguments: argparse.Namespace, asked: Asked) -> tuple[str, ...]:
     """Return the one or two names over which a figure is drawn."""
     if not arguments.plot:
         return ()
-    names = [each.name for each in asked.ranges]
+    names = [interval.name for interval in asked.ranges]
     axes = tuple(names)
     if arguments.map:
         axes = tuple(name.strip() for name in arguments.map.split(","))
@@ -412,7 +412,7 @@ def _plot(many: Many, asked: Asked, axes: tuple[str, ...], arguments: argparse.N
     from fuzzyarm.show.figures import save_figure
     from fuzzyarm.show.figures.sweep import sweep_figure
 
-    ranges = {each.name: each for each in asked.ranges}
+    ranges = {interval.name: interval for interval in asked.ranges}
     figure = sweep_figure(many, [ranges[name] for name in axes], arguments.metric)
     save_figure(figure, arguments.plot)
 
@@ -471,7 +471,7 @@ def _as_json(many: Many, asked: Asked, arguments: argparse.Namespace) -> dict[st
         "trajectory": many.trajectory,
         "runs": len(many),
         "diverged": _lost(many),
-        "sweep": [asdict(each) for each in asked.ranges],
+        "sweep": [asdict(interval) for interval in asked.ranges],
         "outputs": dict(zip(many.outputs, many.units, strict=True)),
         "metric": metric,
         "extremes": {

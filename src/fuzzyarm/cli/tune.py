@@ -128,7 +128,7 @@ def _run(arguments: argparse.Namespace) -> int:
         tuned = tune(path, **given, workers=workers, executor=executor)
     result.take(tuned)
     if arguments.json:
-        files = [os.fspath(each) for each in result.files]
+        files = [os.fspath(file) for file in result.files]
         print_json({**tuned.as_data(), "files": files})
     else:
         say(*_lines(tuned, path, result.files))
@@ -306,8 +306,8 @@ def _samples(arguments: argparse.Namespace, rulebase: RuleBase) -> dict[str, Any
         message = f"'{rulebase.name}' is a rule base alone: nothing says what is good"
         hint = "--data set.csv, or tune the controller that uses it"
         raise WordError(message, hint=hint)
-    inputs = tuple(each.name for each in rulebase.inputs)
-    outputs = [each.name for each in rulebase.outputs]
+    inputs = tuple(variable.name for variable in rulebase.inputs)
+    outputs = [output.name for output in rulebase.outputs]
     target = arguments.target
     if target is None and len(outputs) == 1 and outputs[0] in _columns(arguments.data):
         target = outputs[0]
@@ -501,18 +501,18 @@ def _lines(tuned: Tuned, path: str, written: list[Path]) -> Iterator[str]:
         width_for,
     )
 
-    found = tuned.found
+    search = tuned.found
     on = counted(len(tuned.scenarios), "scenario")
     yield (
         f"{Path(path).name}: {tuned.cost}, {tuned.over} of {on};"
-        f" {counted(len(tuned.parameters), 'number')} moved, {counted(len(found.trials), 'trial')}"
-        f" in {duration_words(found.seconds)}"
+        f" {counted(len(tuned.parameters), 'number')} moved, {counted(len(search.trials), 'trial')}"
+        f" in {duration_words(search.seconds)}"
     )
     yield from (f"  {line}" for line in table_lines(tuned))
     yield from tuned.claim().split("; ")
-    if len(found.trials) > 1:
+    if len(search.trials) > 1:
         columns = shutil.get_terminal_size().columns if sys.stdout.isatty() else 80
-        yield from plain_text(curve_view(found.curve, width_for(columns))).splitlines()
+        yield from plain_text(curve_view(search.curve, width_for(columns))).splitlines()
     front = list(front_lines(tuned))
     if front:
         yield from ("front of error and chatter:", *(f"  {line}" for line in front))

@@ -51,16 +51,16 @@ def _run(arguments: argparse.Namespace) -> int:
         say(f"note: {note}", to_errors=True)
     from fuzzyarm.learning.validation import validate
 
-    found = validate(rulebase, samples)
+    validation = validate(rulebase, samples)
     if arguments.plot:
         from fuzzyarm.show.figures import save_figure, validation_figure
 
-        title = f"{rulebase.name}: {counted(found.samples, 'sample')}"
-        save_figure(validation_figure(found, samples.target, title), arguments.plot)
+        title = f"{rulebase.name}: {counted(validation.samples, 'sample')}"
+        save_figure(validation_figure(validation, samples.target, title), arguments.plot)
     if arguments.json:
-        print_json(found.to_dict(), ascii_only=False)
+        print_json(validation.to_dict(), ascii_only=False)
     else:
-        say(*_lines(found, samples, every=arguments.all))
+        say(*_lines(validation, samples, every=arguments.all))
     return 0
 
 
@@ -68,8 +68,8 @@ def _samples(rulebase: RuleBase, arguments: argparse.Namespace) -> Samples:
     """Return the samples with the columns that the rule base has."""
     from fuzzyarm.learning.data import Columns, column_names, read_samples
 
-    inputs = tuple(each.name for each in rulebase.inputs)
-    outputs = [each.name for each in rulebase.outputs]
+    inputs = tuple(variable.name for variable in rulebase.inputs)
+    outputs = [output.name for output in rulebase.outputs]
     names = column_names(arguments.data)
     target = arguments.target
     if target is not None and target not in names:
@@ -83,8 +83,8 @@ def _samples(rulebase: RuleBase, arguments: argparse.Namespace) -> Samples:
             f"note: no column is called {' or '.join(outputs)}: rules are judged without errors",
             to_errors=True,
         )
-    wanted = Columns(target or outputs[0], inputs, target_needed=target is not None)
-    samples = read_samples(arguments.data, wanted)
+    columns = Columns(target or outputs[0], inputs, target_needed=target is not None)
+    samples = read_samples(arguments.data, columns)
     if samples.classes:
         return samples.in_classes(tuple(outputs))
     if target is not None and target not in outputs:
@@ -142,8 +142,14 @@ def _summary(found: Validation, samples: Samples) -> list[str]:
 
 def _regions(regions: tuple[Region, ...]) -> list[str]:
     rows = [
-        (each.input, each.term, str(each.samples), _figure(each.error), _figure(each.bias))
-        for each in regions
+        (
+            region.input,
+            region.term,
+            str(region.samples),
+            _figure(region.error),
+            _figure(region.bias),
+        )
+        for region in regions
     ]
     header = ("input", "region", "samples", "error", "bias")
     return ["error by region: where a term holds most", *_columns(header, rows, words=2)]
@@ -152,10 +158,10 @@ def _regions(regions: tuple[Region, ...]) -> list[str]:
 def _rules(found: Validation, *, every: bool) -> list[str]:
     firing = [rule for rule in found.rules if not rule.never_fires]
     rules = sorted(firing, key=lambda rule: (-rule.mean, rule.number))
-    shown = rules if every else rules[:_FEW]
-    lines = ["rules by how much they fire", *_columns(_RULE, [_row(rule) for rule in shown])]
-    if len(shown) < len(rules):
-        lines.append(f"  and {len(rules) - len(shown)} more: --all lists them")
+    uses = rules if every else rules[:_FEW]
+    lines = ["rules by how much they fire", *_columns(_RULE, [_row(rule) for rule in uses])]
+    if len(uses) < len(rules):
+        lines.append(f"  and {len(rules) - len(uses)} more: --all lists them")
     never = found.never_fired
     if not never:
         return [*lines, "every rule fires at some sample"]

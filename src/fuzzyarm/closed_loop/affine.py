@@ -259,8 +259,8 @@ class AffineAlgebra:
             return x
         answer = self.block(x.deviation.scaled((ONE - least) / 2), words)
         middle = x.deviation.scaled((ONE + least) / 2)
-        kept = middle.plus(answer)
-        return Affine(rest, kept.parts, low, high)
+        form = middle.plus(answer)
+        return Affine(rest, form.parts, low, high)
 
     def block(self, v: Affine, words: str) -> Affine:
         """Add a block with |w| ≤ |v|; return its answer."""
@@ -287,16 +287,16 @@ class AffineAlgebra:
 
     def expression(self, root: Node, values: Mapping[str, Affine]) -> Affine:
         """Return an expression that is affine, or is so beside choices that are made at rest."""
-        found: dict[Node, Affine] = {}
+        forms: dict[Node, Affine] = {}
         for node in postorder(root):
             if isinstance(node, Constant):
-                found[node] = self.number(node.value)
+                forms[node] = self.number(node.value)
             elif isinstance(node, Symbol):
-                found[node] = values[node.name]
+                forms[node] = values[node.name]
             else:
                 assert isinstance(node, Apply)
-                found[node] = self._applied(node.operation, [found[a] for a in node.arguments])
-        return found[root]
+                forms[node] = self._applied(node.operation, [forms[a] for a in node.arguments])
+        return forms[root]
 
     def _applied(self, operation: str, arguments: list[Affine]) -> Affine:
         known: dict[str, Callable[..., Affine]] = {
@@ -313,8 +313,8 @@ class AffineAlgebra:
         }
         if operation in known:
             return known[operation](*arguments)
-        if all(each.is_constant for each in arguments):
-            return number(_exactly(operation, [each.constant for each in arguments]))
+        if all(argument.is_constant for argument in arguments):
+            return number(_exactly(operation, [argument.constant for argument in arguments]))
         raise NotAffineError(f"'{operation}' of a signal is not linear")
 
     def _is_less(self, a: Affine, b: Affine, *, or_equal: bool = False) -> bool:

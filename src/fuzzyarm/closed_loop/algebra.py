@@ -114,7 +114,7 @@ class Zonotopes:
         found: list[Number] = []
         for output in sheet.outputs:
             planes: RulePlanes = self.planes(sheet, output.name)
-            given = [self._inside(inputs[each.name], each) for each in sheet.inputs]
+            given = [self._inside(inputs[variable.name], variable) for variable in sheet.inputs]
             value = self._asked(planes.band, given)
             if planes.clamps:
                 value = self.fresh(clip(value, output.low, output.high))

@@ -51,7 +51,7 @@ def refutation(
     n, m = form.size, len(form.blocks)
     if len(p) != n or any(len(row) != n for row in p) or len(multipliers) != m:
         return "its matrices are not of the loop's size"
-    if any(each < 0 for each in multipliers) or not 0 <= rate < 1:
+    if any(multiplier < 0 for multiplier in multipliers) or not 0 <= rate < 1:
         return "a multiplier or the rate is out of range"
     if any(p[i][j] != p[j][i] for i in range(n) for j in range(i)) or not is_positive_definite(p):
         return "its matrix is not symmetric and positive definite"

@@ -45,7 +45,7 @@ def read_claim(text: str, plant: str = "") -> LoopClaim:
         claimed = not rest or re.match(r"(at|with|from)\s|:", rest)
         words = f"{head} {rest}" if claimed else f"{head}: {rest}"
     document = parse_document(f"controller x\nprove {words}\n")
-    wrong = tuple(each for each in document.diagnostics if each.line > 1)
+    wrong = tuple(diagnostic for diagnostic in document.diagnostics if diagnostic.line > 1)
     nodes = [s.node for s in document.statements if isinstance(s.node, LoopClaimNode)]
     if wrong or not nodes:
         raise RuleBaseError(wrong or document.diagnostics)

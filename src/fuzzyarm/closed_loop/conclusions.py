@@ -55,18 +55,21 @@ class Conclusions:
         self, algebra: AffineAlgebra, sheet: RuleBase, inputs: Mapping[str, Affine]
     ) -> list[Affine]:
         """Return the linear law of a rule base, which has the same rest: inputs are 0 there."""
-        found = []
+        forms = []
         for output in sheet.outputs:
             prover = self._prover(sheet, output.name)
-            at = {n: each.constant if each.is_constant else ZERO for n, each in inputs.items()}
+            at = {
+                n: variable.constant if variable.is_constant else ZERO
+                for n, variable in inputs.items()
+            }
             total = number(self._value_at(prover, at))
             slopes = slopes_at(prover, {name: float(x) for name, x in at.items()})
-            for name, each in inputs.items():
-                if not each.is_constant:
+            for name, variable in inputs.items():
+                if not variable.is_constant:
                     low, high = slopes.around(name)
-                    total = total.plus(each.scaled((low + high) / 2))
-            found.append(Affine(total.constant, total.parts))
-        return found
+                    total = total.plus(variable.scaled((low + high) / 2))
+            forms.append(Affine(total.constant, total.parts))
+        return forms
 
     def _value_at(self, prover: Prover, at: Mapping[str, Fraction]) -> Fraction:
         for variable_, low, high in self._universes(prover):
@@ -80,10 +83,10 @@ class Conclusions:
     @staticmethod
     def _universes(prover: Prover) -> list[tuple[str, Fraction, Fraction]]:
         found = []
-        for each in prover.inputs:
-            if not (math.isfinite(each.low) and math.isfinite(each.high)):
-                raise LoopProofError(f"the input '{each.name}' of a rule base has no end")
-            found.append((each.name, Fraction(each.low), Fraction(each.high)))
+        for variable in prover.inputs:
+            if not (math.isfinite(variable.low) and math.isfinite(variable.high)):
+                raise LoopProofError(f"the input '{variable.name}' of a rule base has no end")
+            found.append((variable.name, Fraction(variable.low), Fraction(variable.high)))
         return found
 
     def concluding(self, choice: Choice) -> Rules:
@@ -109,7 +112,7 @@ class Conclusions:
     ) -> Affine:
         """Return an output as a known gain and blocks, around its inputs at rest."""
         prover = self._prover(sheet, output)
-        rest = {name: each.constant for name, each in inputs.items()}
+        rest = {name: variable.constant for name, variable in inputs.items()}
         value = self._value_at(prover, rest)
         region: dict[str, tuple[float, float]] = {}
         for name, low, high in self._universes(prover):
@@ -135,11 +138,11 @@ class Conclusions:
             parts = _gain(algebra, sigma, low, high, f"{sheet.name}, a gain in")
         else:
             parts = Affine(ZERO)
-            for name, each in inputs.items():
-                if not each.is_constant:
+            for name, variable in inputs.items():
+                if not variable.is_constant:
                     low, high = self._slopes(prover, region, name)
                     words = f"{sheet.name}, its slope along {name} in"
-                    parts = parts.plus(_gain(algebra, each.deviation, low, high, words))
+                    parts = parts.plus(_gain(algebra, variable.deviation, low, high, words))
         ends = self._range(prover, region)
         return Affine(value, parts.parts, *ends)
 
@@ -176,8 +179,8 @@ class Conclusions:
     ) -> tuple[Fraction, Fraction]:
         key = "slope", id(prover), name, tuple(region.items())
         if key not in self._known:
-            found = prover.slope(region, name)
-            self._known[key] = Fraction(found.low), Fraction(found.high)
+            bounds = prover.slope(region, name)
+            self._known[key] = Fraction(bounds.low), Fraction(bounds.high)
         return self._known[key]  # type: ignore[return-value]
 
     def _range(
@@ -185,15 +188,18 @@ class Conclusions:
     ) -> tuple[Fraction, Fraction]:
         key = "range", id(prover), tuple(region.items())
         if key not in self._known:
-            found = prover.value(region)
-            self._known[key] = Fraction(found.low), Fraction(found.high)
+            bounds = prover.value(region)
+            self._known[key] = Fraction(bounds.low), Fraction(bounds.high)
         return self._known[key]  # type: ignore[return-value]
 
     def resting_table(
         self, algebra: AffineAlgebra, sheet: LookupTable, inputs: Mapping[str, Affine]
     ) -> Affine:
         """Return a table at rest, as a number."""
-        at = [float(each.constant) if each.is_constant else 0.0 for each in inputs.values()]
+        at = [
+            float(variable.constant) if variable.is_constant else 0.0
+            for variable in inputs.values()
+        ]
         return number(float(sheet.lookup(*at)))
 
     def tabled(self, choice: Choice) -> Tables:
@@ -212,11 +218,11 @@ def _gain(
 ) -> Affine:
     """Return a signal times a gain between two numbers."""
     middle, radius = (low + high) / 2, (high - low) / 2
-    found = signal.scaled(middle)
+    form = signal.scaled(middle)
     if radius:
         words = f"{words} {float(low):.6g} .. {float(high):.6g}"
-        found = found.plus(algebra.block(signal.scaled(radius), words))
-    return found
+        form = form.plus(algebra.block(signal.scaled(radius), words))
+    return form
 
 
 def _table_form(
@@ -225,28 +231,28 @@ def _table_form(
     """Return a table that is interpolated as slopes along each input, around rest."""
     if sheet.default_mode != "linear":
         raise LoopProofError(f"a table with steps ('{sheet.default_mode}') jumps at rest")
-    rest = [float(each.constant) for each in inputs.values()]
-    for axis, x, each in zip(sheet.axes, rest, inputs.values(), strict=True):
-        if Fraction(x) != each.constant or x not in axis.levels:  # its value would be rounded
+    rest = [float(variable.constant) for variable in inputs.values()]
+    for axis, x, variable in zip(sheet.axes, rest, inputs.values(), strict=True):
+        if Fraction(x) != variable.constant or x not in axis.levels:  # its value would be rounded
             raise LoopProofError(f"at rest '{axis.name}' of a table is between two levels")
     values = np.asarray(sheet.values, float)
     total = Affine(ZERO)
-    for number_, (axis, (name, each)) in enumerate(zip(sheet.axes, inputs.items(), strict=True)):
-        if each.is_constant:
+    for number_, (axis, (name, form)) in enumerate(zip(sheet.axes, inputs.items(), strict=True)):
+        if form.is_constant:
             continue
         levels = np.asarray(axis.levels, float)
         first, last = (Fraction(float(level)) for level in levels[[0, -1]])
-        half = choice.share * min(last - each.constant, each.constant - first)
+        half = choice.share * min(last - form.constant, form.constant - first)
         if half <= 0:
             raise LoopProofError(f"at rest '{name}' is at the end of its table")
-        algebra.require(each, -half, half, f"'{name}' of a table")
+        algebra.require(form, -half, half, f"'{name}' of a table")
         steps = Intervals.at(np.moveaxis(values, number_, -1))
         slopes = (steps[..., 1:] - steps[..., :-1]) / (
             Intervals.at(levels[1:]) - Intervals.at(levels[:-1])
         )
         low, high = Fraction(float(slopes.low.min())), Fraction(float(slopes.high.max()))
         words = f"a table, its slope along {name} in"
-        total = total.plus(_gain(algebra, each.deviation, low, high, words))
+        total = total.plus(_gain(algebra, form.deviation, low, high, words))
     value = Fraction(float(sheet.lookup(*rest)))
     ends = Fraction(float(values.min())), Fraction(float(values.max()))
     return Affine(value, total.parts, *ends)

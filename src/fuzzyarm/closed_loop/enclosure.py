@@ -113,8 +113,8 @@ class Intervals:
     def radius(self) -> Vector:
         """How far the ends are from :attr:`middle`, rounded up."""
         middle = self.middle
-        found = np.maximum(self.high - middle, middle - self.low)
-        return np.asarray(np.where(self.low == self.high, 0.0, _up(found)))
+        values = np.maximum(self.high - middle, middle - self.low)
+        return np.asarray(np.where(self.low == self.high, 0.0, _up(values)))
 
     @property
     def size(self) -> Vector:
@@ -445,8 +445,8 @@ def matrix_exponential(matrix: Intervals | Any, time: float = 1.0) -> Intervals:
     >>> bool(found.radius.max() < 1e-14)
     True
     """
-    given = matrix if isinstance(matrix, Intervals) else Intervals.at(matrix)
-    whole = given * time
+    intervals = matrix if isinstance(matrix, Intervals) else Intervals.at(matrix)
+    whole = intervals * time
     size = float(_up(whole.size.sum(axis=1) * (1.0 + 1e-12)).max(initial=0.0))
     if not math.isfinite(size):
         raise EnclosureError("the exponential of a matrix that is not finite")

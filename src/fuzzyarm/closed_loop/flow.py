@@ -125,15 +125,15 @@ class _Series:
         if operation in CONDITIONS:
             if k == 0:
                 arguments = [
-                    as_forms(self.coefficient(each, 0), self.shape)
-                    if each not in self.conditions
-                    else self.conditions[each]
-                    for each in node.arguments
+                    as_forms(self.coefficient(argument, 0), self.shape)
+                    if argument not in self.conditions
+                    else self.conditions[argument]
+                    for argument in node.arguments
                 ]
                 self.conditions[node] = CONDITIONS[operation](*arguments)
             return
         if k == 0 and operation not in ("sin", "cos"):
-            arguments = [self.coefficient(each, 0) for each in node.arguments]
+            arguments = [self.coefficient(argument, 0) for argument in node.arguments]
             made = applied(node, arguments, self.shape, lambda each: self.coefficient(each, 0))
             self.buffer(node).put(0, as_forms(made, self.shape))
             return
@@ -175,8 +175,8 @@ class _Decisions:
             condition = series.conditions[node.arguments[0]]
         else:
             a, b = (
-                as_forms(series.coefficient(each, 0), series.shape)
-                for each in (*node.arguments, constant(0.0))[:2]
+                as_forms(series.coefficient(argument, 0), series.shape)
+                for argument in (*node.arguments, constant(0.0))[:2]
             )
             first_is_less = node.operation == "minimum"
             condition = is_less_equal(a, b) if first_is_less else is_less_equal(b, a)
@@ -190,7 +190,7 @@ Rule = Callable[[_Series, Apply, int], Any]
 
 def _sum_rule(sign: float) -> Rule:
     def rule(series: _Series, node: Apply, k: int) -> Any:
-        a, b = (series.coefficient(each, k) for each in node.arguments)
+        a, b = (series.coefficient(argument, k) for argument in node.arguments)
         if isinstance(b, float):
             return a + sign * b if isinstance(a, float) or b != 0.0 else a
         if isinstance(a, float):
@@ -383,7 +383,7 @@ class Flow:
             else:
                 parts = node.arguments if isinstance(node, Apply) else ()
                 stays = bool(parts) and all(
-                    each in self.steady or isinstance(each, Constant) for each in parts
+                    part in self.steady or isinstance(part, Constant) for part in parts
                 )
             if stays:
                 self.steady.add(node)
@@ -484,7 +484,7 @@ class Flow:
     ) -> _Series:
         """Return the coefficients of the solutions up to an order; `before`: over the box."""
         batch = start.shape[1]
-        count = max(len(start.parts), *(len(each.parts) for each in constants.values()), 0)
+        count = max(len(start.parts), *(len(forms.parts) for forms in constants.values()), 0)
         series = _Series(self, count, orders + 1, batch)
         series.before = before
         for node in self.symbols:

@@ -203,19 +203,19 @@ class Follower:
         starts = [problem.start[name] for name in problem.states]
         self.start = starts
         # The dimensions of the first box: states and parameters that have a width.
-        self.wide = [i for i, each in enumerate(starts) if each.low < each.high]
+        self.wide = [i for i, start in enumerate(starts) if start.low < start.high]
         intervals = [starts[i] for i in self.wide] + [value for _, value in moving.values()]
         self.names = [problem.states[i] for i in self.wide] + [name for name, _ in moving.values()]
         self.first = Box(
-            tuple(each.low for each in intervals),
-            tuple(each.high for each in intervals),
+            tuple(interval.low for interval in intervals),
+            tuple(interval.high for interval in intervals),
             (0,) * len(intervals),
         )
         interface = problem.site.interface
         self.ports = [*interface.outputs, *interface.inputs]
         self.labels = [interface.label(port) for port in self.ports]
         self.limits = np.array([port.bound for port in interface.outputs.values()])
-        self.demands = [(each, self.labels.index(each.port)) for each in demands]
+        self.demands = [(demand, self.labels.index(demand.port)) for demand in demands]
         self._planes: dict[tuple[int, str], RulePlanes] = {}
 
     def planes(self, sheet: RuleBase, output: str) -> RulePlanes:
@@ -261,18 +261,18 @@ class Follower:
                 name: algebra.forms(inputs[port])
                 for name, port in zip(self.inputs, self.problem.site.interface.inputs, strict=True)
             }
-            driven = self._driven(held)
+            intervals = self._driven(held)
             states = states.with_symbols(max(algebra.count, len(states.parts)))
             states, steps, parts = self._moved(
                 states, {**constants, **held}, period * self.period, parts
             )
             if not at:
-                at.append(_joined(first, driven))
+                at.append(_joined(first, intervals))
             for index, outputs in enumerate(steps):
                 begins.append(period + index / len(steps))
                 ends.append(period + (index + 1) / len(steps))
-                between.append(_joined(outputs[0], driven))
-                at.append(_joined(outputs[1], driven))
+                between.append(_joined(outputs[0], intervals))
+                at.append(_joined(outputs[1], intervals))
                 undone |= self._undone(begins[-1], ends[-1], between[-1], at[-2:]) & ~arrived
             if self.goal is not None:
                 signs = self.goal(period + 1, states, memory)
@@ -317,8 +317,10 @@ class Follower:
             for time, at in zip((begin, end), ends, strict=True):
                 if min(abs(time - first), abs(time - last)) <= SAME_TIME:
                     found.append(at[port])
-            for each in found:
-                undone |= ~((each.low >= demand.low) & (each.high <= demand.high))  # NaN, too
+            for intervals in found:
+                undone |= ~(
+                    (intervals.low >= demand.low) & (intervals.high <= demand.high)
+                )  # NaN, too
         return undone
 
     def _demand_bounded(self, at: Intervals) -> None:
@@ -359,7 +361,7 @@ class Follower:
 
     def _outputs_at(self, states: Forms, constants: Mapping[str, Forms], time: float) -> Intervals:
         found = self._told(states, constants, time)
-        return stacked([each for each in found.values() if isinstance(each, Forms)]).bounds
+        return stacked([forms for forms in found.values() if isinstance(forms, Forms)]).bounds
 
     def _outputs_between(
         self, ends: tuple[Intervals, Intervals], step: Step, constants: Mapping[str, Forms],
@@ -465,10 +467,10 @@ def _with_own_symbols(forms: Forms) -> Forms:
 
 def _affine_weights(root: Node, states: Sequence[str]) -> list[float] | None:
     """Return how an expression grows with the states; None where that is not constant."""
-    slopes = [specialise(each, {}) for each in gradient(root, tuple(states))]
-    if not all(isinstance(each, Constant) for each in slopes) or "t" in symbols(root):
+    slopes = [specialise(node, {}) for node in gradient(root, tuple(states))]
+    if not all(isinstance(slope, Constant) for slope in slopes) or "t" in symbols(root):
         return None
-    return [each.value for each in slopes if isinstance(each, Constant)]
+    return [slope.value for slope in slopes if isinstance(slope, Constant)]
 
 
 def _joined(outputs: Intervals, driven: Intervals) -> Intervals:

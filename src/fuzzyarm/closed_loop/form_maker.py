@@ -148,7 +148,7 @@ class FormMaker:
         inputs, after, _ = self._one_period(algebra, states)
         moves = self._rates(algebra, states, inputs)
         moves += [after[name].plus(states[name].scaled(-ONE)) for name in self.memory]
-        if any(each.constant for each in moves):
+        if any(move.constant for move in moves):
             raise LoopProofError(
                 "the loop does not rest at its set point with everything else at 0",
                 hint="of a plant that is not affine that is the rest which is looked at",
@@ -184,7 +184,7 @@ class FormMaker:
             if after[name].constant != self.rest[name]:
                 raise NotAffineError(f"{name} does not rest")
         deviations = {name: variable(name) for name in names}
-        drives = {f"u{k}": each.deviation for k, each in enumerate(inputs.values())}
+        drives = {f"u{k}": form.deviation for k, form in enumerate(inputs.values())}
         self._check_rest(algebra, states, inputs)
         rows, radius = self.plant.rows(choice, algebra, deviations, drives, inputs, continuous)
         rows += [after[name].deviation for name in self.memory]
@@ -199,8 +199,8 @@ class FormMaker:
             tuple(row[:size] for row in matrix),
             tuple(row[size:] for row in matrix),
             tuple(spread),
-            tuple(row_of(each.v, names, count) for each in algebra.blocks),
-            tuple(each.words for each in algebra.blocks),
+            tuple(row_of(block.v, names, count) for block in algebra.blocks),
+            tuple(block.words for block in algebra.blocks),
             tuple(algebra.bounds),
             {**outputs, **inputs},
             self._seeds(choice),
@@ -214,12 +214,12 @@ class FormMaker:
         inputs: Mapping[Address, Affine],
     ) -> None:
         """Make sure that the plant rests, whatever its parameters are."""
-        at = {name: number(each.constant) for name, each in states.items()}
-        driven = {name: number(each.constant) for name, each in inputs.items()}
-        if any(each.constant for each in self._rates(algebra, at, driven)):
+        at = {name: number(state.constant) for name, state in states.items()}
+        forms = {name: number(form.constant) for name, form in inputs.items()}
+        if any(rate.constant for rate in self._rates(algebra, at, forms)):
             raise LoopProofError("the plant does not rest where the controller does")
-        if any(each.low < each.high for each in self.problem.parameters.values()):
-            ranges = self._point_ranges(at, driven)
+        if any(parameter.low < parameter.high for parameter in self.problem.parameters.values()):
+            ranges = self._point_ranges(at, forms)
             for root in self.equations.rates:
                 low, high = exact_bounds(root, ranges)
                 if low or high:
@@ -232,8 +232,8 @@ class FormMaker:
         ranges = {"t": (ZERO, ZERO)}
         for key, name in zip(equations.states, problem.states, strict=True):
             ranges[key] = (at[name].constant, at[name].constant)
-        for key, each in zip(equations.inputs, driven.values(), strict=True):
-            ranges[key] = (each.constant, each.constant)
+        for key, form in zip(equations.inputs, driven.values(), strict=True):
+            ranges[key] = (form.constant, form.constant)
         for key, span in zip(equations.parameters, problem.parameters.values(), strict=True):
             ranges[key] = (Fraction(span.low), Fraction(span.high))
         return ranges
@@ -266,7 +266,7 @@ class FormMaker:
 
 def _solved(rows: Sequence[Affine], names: Sequence[str]) -> list[Fraction] | None:
     """Solve rows = 0 in rationals; None where that is not one point."""
-    matrix = [[*row_of(each, names, 0), -each.constant] for each in rows]
+    matrix = [[*row_of(row, names, 0), -row.constant] for row in rows]
     size = len(names)
     for column in range(size):
         pivot = next((k for k in range(column, size) if matrix[k][column]), None)

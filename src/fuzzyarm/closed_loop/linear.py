@@ -201,10 +201,10 @@ def _falling(
         answer = np.zeros(n + m)
         answer[n + k] = 1.0
         parts.append(np.outer(answer, answer) - np.outer(c[k], c[k]))
-    made = np.array(parts)
+    values = np.array(parts)
     # Small steps change V little: the scale of what it falls by is taken out.
     pace = np.linalg.norm(move - (0.0 if continuous else stay))
-    return Inequality(np.zeros((1, n + m, n + m)), made[:, None] / max(pace, 1e-9))
+    return Inequality(np.zeros((1, n + m, n + m)), values[:, None] / max(pace, 1e-9))
 
 
 def _containing(rows: Vector, basis: Vector, m: int) -> Inequality:

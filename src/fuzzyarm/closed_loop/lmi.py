@@ -54,27 +54,33 @@ def feasible_point(
     """Return a point at which all inequalities hold; None where none was found."""
     widened = [
         Inequality(
-            each.constant,
+            inequality.constant,
             np.concatenate(
                 [
-                    each.parts,
-                    np.broadcast_to(np.eye(each.constant.shape[1]), (1, *each.constant.shape)),
+                    inequality.parts,
+                    np.broadcast_to(
+                        np.eye(inequality.constant.shape[1]), (1, *inequality.constant.shape)
+                    ),
                 ]
             ),
         )
-        for each in inequalities
+        for inequality in inequalities
     ]
-    lowest = min(float(np.linalg.eigvalsh(each.at(start)).min()) for each in inequalities)
+    lowest = min(
+        float(np.linalg.eigvalsh(inequality.at(start)).min()) for inequality in inequalities
+    )
     y = np.append(start, max(1.0, 1.5 * -lowest) if lowest <= 0.0 else 0.0)
     if lowest > 0.0:
         return start
     cost = np.zeros(len(y))
     cost[-1] = 1.0
-    size = sum(each.size for each in inequalities)
+    size = sum(inequality.size for inequality in inequalities)
     for weight in (10.0**power for power in range(rounds)):
         for _ in range(STEPS):
             y, decrement = _newton(widened, cost * weight, y)
-            if y[-1] < 0.0 and all(_is_positive(each.at(y[:-1])) for each in inequalities):
+            if y[-1] < 0.0 and all(
+                _is_positive(inequality.at(y[:-1])) for inequality in inequalities
+            ):
                 return y[:-1]
             if decrement < 1e-2 or not np.isfinite(y).all():
                 break
@@ -92,7 +98,7 @@ def minimise(
     inequalities: Sequence[Inequality], cost: Vector, start: Vector, *, accuracy: float = 1e-3
 ) -> Vector:
     """Return a point at which the cost is nearly least, inside all inequalities."""
-    size = sum(each.size for each in inequalities)
+    size = sum(inequality.size for inequality in inequalities)
     y = start
     scale = abs(float(cost @ start)) or 1.0
     weight = 1.0 / scale
@@ -111,9 +117,9 @@ def minimise(
 def _newton(inequalities: Sequence[Inequality], cost: Vector, y: Vector) -> tuple[Vector, float]:
     """Return the next point of Newton's method on the barrier, and the decrement."""
     gradient, hessian = cost.copy(), np.zeros((len(y), len(y)))
-    for each in inequalities:
-        half: Vector = np.linalg.inv(np.linalg.cholesky(each.at(y)))
-        scaled = half @ each.parts @ half.swapaxes(1, 2)  # (k, r, n, n)
+    for inequality in inequalities:
+        half: Vector = np.linalg.inv(np.linalg.cholesky(inequality.at(y)))
+        scaled = half @ inequality.parts @ half.swapaxes(1, 2)  # (k, r, n, n)
         flat = scaled.reshape(len(y), -1)
         gradient -= np.trace(scaled, axis1=2, axis2=3).sum(axis=1)
         hessian += flat @ flat.T
@@ -126,21 +132,21 @@ def _newton(inequalities: Sequence[Inequality], cost: Vector, y: Vector) -> tupl
     # Damped steps stay inside by theory, longer ones are tried first.
     for factor in (1.0, 0.5, 0.25, step):
         near = y + factor * way
-        if all(_is_positive(each.at(near)) for each in inequalities) and (
+        if all(_is_positive(inequality.at(near)) for inequality in inequalities) and (
             _barrier(inequalities, cost, near) <= _barrier(inequalities, cost, y)
         ):
             return near, decrement
     shrunk = 0.5 * step
     while shrunk > 1e-12:
         near = y + shrunk * way
-        if all(_is_positive(each.at(near)) for each in inequalities):
+        if all(_is_positive(inequality.at(near)) for inequality in inequalities):
             return near, decrement
         shrunk *= 0.5
     return y, 0.0
 
 
 def _barrier(inequalities: Sequence[Inequality], cost: Vector, y: Vector) -> float:
-    logs = [np.linalg.slogdet(each.at(y))[1].sum() for each in inequalities]
+    logs = [np.linalg.slogdet(inequality.at(y))[1].sum() for inequality in inequalities]
     return float(cost @ y - sum(logs))
 
 

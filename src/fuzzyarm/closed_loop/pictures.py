@@ -158,7 +158,7 @@ def _run(problem: LoopProblem, states: Vector) -> Run:
         for port, value in problem.set_point.items()
         if not interface.references[port].order and port in interface.outputs
     }
-    sensors = {".".join(port): each for port, each in problem.sensors.items()}
+    sensors = {".".join(port): sensor for port, sensor in problem.sensors.items()}
     return simulate(
         problem.text,
         plant,

@@ -373,7 +373,7 @@ def _cut_at(pieces: Quotients, heights: Vector) -> Quotients:
             _moved(pieces, heights, top, bottom, 1.0 - share),
         ]
         pieces = halves[0][0].joined(halves[1][0])
-        heights = np.concatenate([each[1] for each in halves])
+        heights = np.concatenate([half[1] for half in halves])
     return done[0].joined(*done[1:]) if len(done) > 1 else done[0] if done else pieces
 
 
@@ -381,25 +381,27 @@ def _moved(
     pieces: Quotients, heights: Vector, stays: Vector, moves: Vector, share: Vector
 ) -> tuple[Quotients, Vector]:
     """Return pieces with one vertex moved along an edge to where a linear function is 0."""
-    made = pieces.take(np.arange(pieces.count))
-    assert made.error is not None
+    quotients = pieces.take(np.arange(pieces.count))
+    assert quotients.error is not None
     heights = heights.copy()
-    dimension = made.corners.shape[2]
-    made.corners = made.corners.copy()
+    dimension = quotients.corners.shape[2]
+    quotients.corners = quotients.corners.copy()
     for i in range(dimension + 1):
         for j in range(dimension + 1):
             rows = np.flatnonzero((stays == i) & (moves == j))
             if i == j or not rows.size:
                 continue
             s = share[rows, None]
-            made.corners[rows, j] = (1.0 - s) * made.corners[rows, i] + s * made.corners[rows, j]
+            quotients.corners[rows, j] = (1.0 - s) * quotients.corners[
+                rows, i
+            ] + s * quotients.corners[rows, j]
             heights[rows, j] = 0.0
-            for values in (made.upper, made.lower, made.error):
+            for values in (quotients.upper, quotients.lower, quotients.error):
                 own = values[rows]
-                for changed, sources in _moves(dimension, made.degree, i, j):
+                for changed, sources in _moves(dimension, quotients.degree, i, j):
                     own[:, changed] = (1.0 - s) * own[:, sources] + s * own[:, changed]
                 values[rows] = own
-    return made, heights
+    return quotients, heights
 
 
 def _clipped(pieces: Quotients, centre: Vector, radius: Vector) -> Quotients:
@@ -479,7 +481,7 @@ class TablePlanes:
                 for i, (a, b) in enumerate(pairwise(cuts))
                 if a <= high + slack and b >= low - slack
             ]
-        found = []
+        stretches = []
         ends = [-math.inf, *levels, math.inf]
         for i, (a, b) in enumerate(pairwise(ends)):
             if a > high or b < low:
@@ -487,11 +489,11 @@ class TablePlanes:
             places = max(a, low), min(b, high)
             if i == 0 or i == len(levels):
                 node = 0 if i == 0 else len(levels) - 1
-                found.append(_Stretch(places, (node, node), (0.0, 0.0)))
+                stretches.append(_Stretch(places, (node, node), (0.0, 0.0)))
             else:
                 shares = tuple(min(max((x - a) / (b - a), 0.0), 1.0) for x in places)
-                found.append(_Stretch(places, (i - 1, i), shares))
-        return found
+                stretches.append(_Stretch(places, (i - 1, i), shares))
+        return stretches
 
 
 class _Stretch(NamedTuple):

@@ -199,7 +199,9 @@ def loop_problem(
             raise LoopProofError(f"'{name}' has no constant set point")
         wanted[port] = float(value)
     seen = {
-        port: each for name, each in (sensors or {}).items() for port in interface.every_port(name)
+        port: sensor
+        for name, sensor in (sensors or {}).items()
+        for port in interface.every_port(name)
     }
     for port, each in seen.items():
         if each.noise:
@@ -213,15 +215,15 @@ def loop_problem(
 def _chosen(
     what: str, given: Mapping[str, tuple[float, float]] | None, names: Mapping[str, object]
 ) -> dict[str, Interval]:
-    found = {}
+    intervals = {}
     for name, (low, high) in (given or {}).items():
         if name not in names:
             hint = near_hint(name, list(names))[0] or f"there are {', '.join(names)}"
             raise LoopProofError(f"the plant has no {what} '{name}'", hint=hint)
         if not (math.isfinite(low) and math.isfinite(high) and low <= high):
             raise LoopProofError(f"{name} in {low:g} .. {high:g} is not an interval")
-        found[name] = Interval(float(low), float(high))
-    return found
+        intervals[name] = Interval(float(low), float(high))
+    return intervals
 
 
 # ── one control period ───────────────────────────────────────────────────────────────
@@ -515,7 +517,7 @@ class ControlPeriod(Generic[T]):
         known = self._signals.get((self._axis, value))
         if known is not None:
             return known
-        gain = next(each for each in self.model.gains if each.name == value)
+        gain = next(model for model in self.model.gains if model.name == value)
         amount = gain.values[self._index if len(gain.values) > 1 else 0]
         return self.algebra.number(amount.value(math.pi))
 
@@ -565,7 +567,7 @@ class ControlPeriod(Generic[T]):
         return given
 
     def _gain_of_drive(self, axes: Axes, line: Signal, drive: Drive) -> T:
-        constants = {each.name for each in self.model.gains}
+        constants = {gain.name for gain in self.model.gains}
         products = axes.gain_of(line.names[0], drive, constants)
         if not products:
             return self.algebra.number(1.0 if products is None else 0.0)

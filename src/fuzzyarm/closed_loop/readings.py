@@ -56,14 +56,14 @@ def readable(root: Node) -> Node:
     UnreadableError
         If it has another one.
     """
-    made: dict[Node, Node] = {}
+    nodes: dict[Node, Node] = {}
     for node in postorder(root):
         if not isinstance(node, Apply):
-            made[node] = node
+            nodes[node] = node
             continue
-        arguments = tuple(made[argument] for argument in node.arguments)
-        made[node] = _rewritten(node.operation, arguments)
-    return made[root]
+        arguments = tuple(nodes[argument] for argument in node.arguments)
+        nodes[node] = _rewritten(node.operation, arguments)
+    return nodes[root]
 
 
 def pruned(root: Node, numbers: Mapping[str, float]) -> Node:
@@ -71,13 +71,13 @@ def pruned(root: Node, numbers: Mapping[str, float]) -> Node:
 
     Arithmetic is left as it is, for it would be rounded: options and gains choose, forms count.
     """
-    made: dict[Node, Node] = {}
+    nodes: dict[Node, Node] = {}
     root = replace(root, numbers)
     for node in postorder(root):
         if not isinstance(node, Apply):
-            made[node] = node
+            nodes[node] = node
             continue
-        arguments = [made[argument] for argument in node.arguments]
+        arguments = [nodes[argument] for argument in node.arguments]
         own: Node = apply(node.operation, *arguments)
         if node.operation in CONDITIONS:
             own = specialise(own, {})
@@ -85,8 +85,8 @@ def pruned(root: Node, numbers: Mapping[str, float]) -> Node:
             own = arguments[1] if arguments[0].value else arguments[2]
         elif node.operation in ("minimum", "maximum") or node.operation == "where":
             own = _without_infinite(_choice(*arguments) if node.operation == "where" else own)
-        made[node] = own
-    return made[root]
+        nodes[node] = own
+    return nodes[root]
 
 
 def _without_infinite(node: Node) -> Node:
@@ -240,11 +240,11 @@ def _is_never_negative(node: Node, value: Callable[[Node], Any]) -> bool:
     assert isinstance(node, Apply)
     arguments = node.arguments
     if node.operation == "maximum":
-        return any(_is_never_negative(each, value) for each in arguments)
+        return any(_is_never_negative(argument, value) for argument in arguments)
     if node.operation == "multiply" and arguments[0] is arguments[1]:
         return True
     if node.operation in ("multiply", "divide", "add", "minimum"):
-        return all(_is_never_negative(each, value) for each in arguments)
+        return all(_is_never_negative(argument, value) for argument in arguments)
     return node.operation in ("absolute", "exp", "sqrt")
 
 
@@ -301,7 +301,7 @@ def read(roots: Sequence[Node], values: Mapping[str, Forms]) -> list[Forms]:
             made[node] = values[node.name]
         else:
             assert isinstance(node, Apply)
-            arguments = [made[each] for each in node.arguments]
+            arguments = [made[argument] for argument in node.arguments]
             made[node] = applied(node, arguments, shape, made.__getitem__)
     return [as_forms(made[root], shape) for root in roots]
 
@@ -317,10 +317,10 @@ def applied(
     """Return an operation; a product or a sum with a number is one with a number."""
     if node.operation == "sqrt" and _is_never_negative(node.arguments[0], value):
         return _steep_root(as_forms(arguments[0], shape))
-    numbers = [isinstance(each, float) for each in arguments]
+    numbers = [isinstance(argument, float) for argument in arguments]
     if numbers in ([True, False], [False, True]):
         own, number = arguments if numbers[1] else reversed(arguments)
         by_number = _WITH_NUMBERS.get((node.operation, numbers[1]))
         if by_number is not None:
             return by_number(own, number)
-    return _READINGS[node.operation](*(as_forms(each, shape) for each in arguments))
+    return _READINGS[node.operation](*(as_forms(argument, shape) for argument in arguments))

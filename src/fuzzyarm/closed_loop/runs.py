@@ -169,7 +169,7 @@ def run_of(
             references=references,
             duration=max(duration, 2 * problem.period * problem.text.model.every),
             options=Options(
-                sensors={".".join(port): each for port, each in problem.sensors.items()}
+                sensors={".".join(port): sensor for port, sensor in problem.sensors.items()}
             ),
             connect=problem.site.connect,
         )

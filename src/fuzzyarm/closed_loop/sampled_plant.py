@@ -82,13 +82,13 @@ class SampledPlant:
     def is_affine(self) -> bool:
         """Whether the slopes of the plant are the same everywhere."""
         moving = {*self.equations.states, *self.equations.inputs, "t"}
-        return not any(moving & set(symbols(each)) for row in self._jacobian for each in row)
+        return not any(moving & set(symbols(node)) for row in self._jacobian for node in row)
 
     def _slopes_over(self, ranges: Mapping[str, tuple[float, float]]) -> Intervals:
         """Return bounds of the slopes of the rates by states and inputs."""
-        found = [[bounds_of(each, ranges) for each in row] for row in self._jacobian]
-        low = [[each.low for each in row] for row in found]
-        high = [[each.high for each in row] for row in found]
+        found = [[bounds_of(node, ranges) for node in row] for row in self._jacobian]
+        low = [[interval.low for interval in row] for row in found]
+        high = [[interval.high for interval in row] for row in found]
         return Intervals.between(low, high)
 
     def _ranges(
@@ -108,9 +108,9 @@ class SampledPlant:
             ranges[key] = around(self.rest[name], half)
         interface = problem.site.interface
         for key, (address, port) in zip(equations.inputs, interface.inputs.items(), strict=True):
-            each = inputs[address]
-            low = port.low if each.low is None else max(port.low, below(each.low))
-            high = port.high if each.high is None else min(port.high, above(each.high))
+            form = inputs[address]
+            low = port.low if form.low is None else max(port.low, below(form.low))
+            high = port.high if form.high is None else min(port.high, above(form.high))
             ranges[key] = (low, high)
         return ranges
 

@@ -132,8 +132,8 @@ def loop_tube(
         If the loop has something of which nothing is enclosed.
     """
     problem = problem_of(text, claim, plant=plant, connect=connect, sensors=sensors)
-    asked = replace(claim, stable=False, output="", when="during", begin=0.0, end=duration)
-    way, _ = followed(problem, asked, budget=budget, tell=tell)
+    loop_claim = replace(claim, stable=False, output="", when="during", begin=0.0, end=duration)
+    way, _ = followed(problem, loop_claim, budget=budget, tell=tell)
     return way, in_the_way(way)
 
 

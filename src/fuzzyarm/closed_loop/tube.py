@@ -119,8 +119,8 @@ class Tube:
 
     def holds(self, demand: Demand) -> bool:
         """Tell whether a demand is proved."""
-        found = self.bounds(demand.port, demand.begin, demand.end)
-        return demand.low <= found.low and found.high <= demand.high
+        interval = self.bounds(demand.port, demand.begin, demand.end)
+        return demand.low <= interval.low and interval.high <= demand.high
 
 
 def _ends(interval: Interval) -> str:

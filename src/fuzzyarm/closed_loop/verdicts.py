@@ -223,10 +223,10 @@ class _Case:
             if refuted is not None:
                 return refuted
         bounded = math.isfinite(self.claim.end) and not self.claim.stable
-        found = self._by_tube(problem) if bounded else self._by_region(problem)
-        if found.verdict == UNDECIDED and not self.claim.output:
-            return self._attacked(problem) or found
-        return found
+        loop_verdict = self._by_tube(problem) if bounded else self._by_region(problem)
+        if loop_verdict.verdict == UNDECIDED and not self.claim.output:
+            return self._attacked(problem) or loop_verdict
+        return loop_verdict
 
     def _by_region(self, problem: LoopProblem) -> LoopVerdict:
         """Judge a claim for all time: by a region that holds the start, or a tube as far as one."""
@@ -234,12 +234,12 @@ class _Case:
             maker = FormMaker(problem, self.stop)
             self.rest = _begun_at_rest(maker)
             starts = bool(self.claim.output or self.claim.start) and not self.continuous
-            found = self._searched(maker, self.claim, self.stop.half() if starts else self.stop)
-            if found.verdict == UNDECIDED and starts:
-                return self._by_tube_and_region(problem, maker) or found
+            verdict = self._searched(maker, self.claim, self.stop.half() if starts else self.stop)
+            if verdict.verdict == UNDECIDED and starts:
+                return self._by_tube_and_region(problem, maker) or verdict
         except (FuzzyarmError, EnclosureError) as error:
-            found = self._said(UNDECIDED, reason=_sentence(error))
-        return found
+            verdict = self._said(UNDECIDED, reason=_sentence(error))
+        return verdict
 
     def _by_tube_and_region(self, problem: LoopProblem, maker: FormMaker) -> LoopVerdict | None:
         """Return what a tube as far as a proved region says; None where there is no such region."""
@@ -268,11 +268,11 @@ class _Case:
         if not reason:
             return self._said(PROVED, tube=way)
         try:
-            found = self._searched(FormMaker(problem, self.stop), self.claim, self.stop)
+            verdict = self._searched(FormMaker(problem, self.stop), self.claim, self.stop)
         except (FuzzyarmError, EnclosureError):
-            found = None
-        if found is not None and found.proved:
-            return found
+            verdict = None
+        if verdict is not None and verdict.proved:
+            return verdict
         whole = way if way.complete else None
         return self._said(UNDECIDED, reason=reason, tube=whole, evidence=in_the_way(way))
 

@@ -100,7 +100,7 @@ def start_vertices(maker: FormMaker, form: Form) -> list[tuple[Fraction, ...]]:
         )
         for name in problem.states
     ]
-    if 2 ** sum(len(each) > 1 for each in ends) > 4096:
+    if 2 ** sum(len(end) > 1 for end in ends) > 4096:
         raise LoopProofError("a start of more than 12 intervals")
     return [
         _with_memory(maker, form, dict(zip(problem.states, corner, strict=True)))
@@ -157,20 +157,22 @@ def start_quadric(
 
 def _along_alone(maker: FormMaker, form: Form, p: Sequence[Sequence[Fraction]]) -> dict[str, float]:
     """Return how far the loop may start along each state, the memory as it is at the start."""
-    found = {}
+    values = {}
     for k, name in enumerate(maker.problem.states):
         quadratic, linear, c = start_quadric(maker, form, p, (k,))
         a, b = float(quadratic[0, 0]), float(linear[0])
         inside = b * b - 4.0 * a * c
         if c < 0.0 and inside >= 0.0:
-            found[name] = min((-b + math.sqrt(inside)) / (2 * a), (b + math.sqrt(inside)) / (2 * a))
-    return found
+            values[name] = min(
+                (-b + math.sqrt(inside)) / (2 * a), (b + math.sqrt(inside)) / (2 * a)
+            )
+    return values
 
 
 def reach_of(form: Form, level: Fraction, p: Sequence[Sequence[Fraction]]) -> dict[str, float]:
     """Return how far each state is from rest at most where V is at most a level."""
     inverse = np.linalg.inv(np.array([[float(x) for x in row] for row in p]))
-    found = {}
+    values = {}
     for k, name in enumerate(form.names):
         half = math.sqrt(float(level) * max(float(inverse[k, k]), 0.0))
         row = tuple(Fraction(int(i == k)) for i in range(form.size))
@@ -180,8 +182,8 @@ def reach_of(form: Form, level: Fraction, p: Sequence[Sequence[Fraction]]) -> di
                 break
         else:
             half = 0.0 if not level else math.inf
-        found[name] = half
-    return found
+        values[name] = half
+    return values
 
 
 def _outside(maker: FormMaker, form: Form, certificate: Certificate, level: Fraction) -> str:

@@ -129,10 +129,11 @@ class Forms:
     @property
     def bounds(self) -> Intervals:
         """The smallest intervals that hold all values, rounded outward."""
-        found = outward(self.centre - self.radius, self.centre + self.radius)
+        intervals = outward(self.centre - self.radius, self.centre + self.radius)
         exact = self.radius == 0.0
         return Intervals(
-            np.where(exact, self.centre, found.low), np.where(exact, self.centre, found.high)
+            np.where(exact, self.centre, intervals.low),
+            np.where(exact, self.centre, intervals.high),
         )
 
     def __getitem__(self, index: Any) -> Forms:
@@ -190,9 +191,9 @@ class Forms:
         stays = np.ones(count, dtype=bool)
         stays[kept + dropped] = False
         rest = (self.rest + np.abs(self.parts[kept + dropped]).sum(axis=0)) * ENLARGED
-        made = Forms(self.centre, self.parts[stays], rest)
+        forms = Forms(self.centre, self.parts[stays], rest)
         left = int(stays.sum())
-        return made.with_symbols(left + states, range(left, left + states))
+        return forms.with_symbols(left + states, range(left, left + states))
 
     # ── sums and multiples ───────────────────────────────────────────────────────────
 
@@ -285,10 +286,10 @@ class Forms:
         linear = Forms(np.zeros_like(steep), linear.parts, linear.rest, linear._spread)
         # c is not in what is scaled: of its rounding nothing is counted twice, which does no harm.
         tilt = (slope.radius * radius) * ENLARGED
-        found = linear.within(tilt) + Forms.of(start + curved)
+        forms = linear.within(tilt) + Forms.of(start + curved)
         plain = Forms.of(whole)
         # What it shares with others is given up only where that is less than what is not linear.
-        return _chosen(plain.radius < found.rest, plain, found)
+        return _chosen(plain.radius < forms.rest, plain, forms)
 
 
 def aligned(a: Forms, b: Forms) -> tuple[Forms, Forms]:
@@ -302,8 +303,8 @@ def aligned(a: Forms, b: Forms) -> tuple[Forms, Forms]:
 
 def stacked(forms: Sequence[Forms]) -> Forms:
     """Return forms of one shape along a new first axis."""
-    count = max(len(each.parts) for each in forms)
-    every = [each if len(each.parts) == count else each.with_symbols(count) for each in forms]
+    count = max(len(form.parts) for form in forms)
+    every = [form if len(form.parts) == count else form.with_symbols(count) for form in forms]
     return Forms(
         np.stack([each.centre for each in every]),
         np.stack([each.parts for each in every], axis=1),
@@ -400,8 +401,8 @@ def _hyperbolic(x: Intervals) -> tuple[Intervals, ...]:
 
     def at(values: Vector) -> Intervals:
         size = Intervals.at(np.minimum(np.abs(values), 300.0))
-        found = 1.0 - 2.0 / (enclosure.exponential(size * 2.0) + 1.0)
-        low, high = np.maximum(found.low, 0.0), np.minimum(found.high, 1.0)
+        intervals = 1.0 - 2.0 / (enclosure.exponential(size * 2.0) + 1.0)
+        low, high = np.maximum(intervals.low, 0.0), np.minimum(intervals.high, 1.0)
         high = np.where(np.abs(values) > 300.0, 1.0, high)
         negative = values < 0.0
         return Intervals(np.where(negative, -high, low), np.where(negative, -low, high))

@@ -146,9 +146,12 @@ class Entry:
 
 def changed(law: Law, values: dict[str, float], origin: Origin = "printed") -> CompiledController:
     """Make the controller of a law with some gains set."""
-    made = CompiledController(law)
-    return made.with_origin(
-        **{name: made.gains[name].with_value([value], origin) for name, value in values.items()}
+    compiled_controller = CompiledController(law)
+    return compiled_controller.with_origin(
+        **{
+            name: compiled_controller.gains[name].with_value([value], origin)
+            for name, value in values.items()
+        }
     )
 
 
@@ -187,23 +190,23 @@ def acdid(choice: Choice) -> CompiledController:
         if choice.start == "cold"
         else {}
     )
-    made = changed(ADAPTIVE_CRITICALLY_DAMPED_LAW, values)
+    compiled_controller = changed(ADAPTIVE_CRITICALLY_DAMPED_LAW, values)
     if choice.described:
-        slip = made.gains["velocity_in_W22"].with_value([0.0], "printed")
-        return made.with_origin(velocity_in_W22=slip)
-    return made
+        slip = compiled_controller.gains["velocity_in_W22"].with_value([0.0], "printed")
+        return compiled_controller.with_origin(velocity_in_W22=slip)
+    return compiled_controller
 
 
 def mrac(choice: Choice) -> CompiledController:
     """Make model reference control, in the form of the figures or of the text."""
     unknown = (f"model.{name}" for name in (*UNKNOWN_BODY, *MOTORS))
-    made = changed(
+    compiled_controller = changed(
         MODEL_REFERENCE_LAW, dict.fromkeys(unknown, 0.0) if choice.start == "cold" else {}
     )
     if choice.described:
-        form = made.gains["inertia_times_u"].with_value([1.0], "printed")
-        return made.with_origin(inertia_times_u=form)
-    return made
+        form = compiled_controller.gains["inertia_times_u"].with_value([1.0], "printed")
+        return compiled_controller.with_origin(inertia_times_u=form)
+    return compiled_controller
 
 
 def with_integral(name: str, base: Maker, whole_run_gain: float | None = None) -> Maker:
@@ -337,14 +340,14 @@ class TextEntry:
     def make(self, choice: Choice) -> Controller:
         """Make the controller."""
         made = text_controller(self.file(choice.variant), choice, self.name)
-        told = made.with_origin(
+        compiled_controller = made.with_origin(
             **{
                 name: replace(gain, origin="identified" if name in self.identified else self.origin)
                 for name, gain in made.gains.items()
             }
         )
-        told.name = made.name
-        return told
+        compiled_controller.name = made.name
+        return compiled_controller
 
 
 def text_controller(
@@ -381,9 +384,9 @@ def text_controller(
             instead[known[role]] = sheets
             change = _both(change, by_name(known[role], sheets[0]))
     text = read_controller(path, instead, change, source)
-    made = controller_of(text, choice)
-    made.name = name or made.name
-    return made
+    compiled_controller = controller_of(text, choice)
+    compiled_controller.name = name or compiled_controller.name
+    return compiled_controller
 
 
 def controller_of(text: ControllerText, choice: Choice | None = None) -> CompiledController:

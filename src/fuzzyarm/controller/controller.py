@@ -189,21 +189,21 @@ class Sum(Controller):
 
     def __init__(self, addends: Sequence[Controller], name: str = "") -> None:
         self.addends = tuple(addends)
-        self.name = name or "+".join(each.name for each in addends)
+        self.name = name or "+".join(addend.name for addend in addends)
 
     def parts(self) -> Iterator[Controller]:
         """Iterate over the addends."""
-        for each in self.addends:
-            yield from each.parts()
+        for addend in self.addends:
+            yield from addend.parts()
 
     @property
     def gains(self) -> Mapping[str, Gain]:
         """Gains of all addends; a name that two of them have is ``addend:name``."""
-        names = [name for each in self.addends for name in each.gains]
+        names = [name for addend in self.addends for name in addend.gains]
         return {
-            name if names.count(name) == 1 else f"{each.name}:{name}": gain
-            for each in self.addends
-            for name, gain in each.gains.items()
+            name if names.count(name) == 1 else f"{addend.name}:{name}": gain
+            for addend in self.addends
+            for name, gain in addend.gains.items()
         }
 
     def with_gains(self, values: Mapping[str, Sequence[float]]) -> Sum:
@@ -213,16 +213,18 @@ class Sum(Controller):
         """
         for name in values:
             owner, _, bare = name.rpartition(":")
-            if not any(bare in each.gains and owner in {"", each.name} for each in self.addends):
+            if not any(
+                bare in addend.gains and owner in {"", addend.name} for addend in self.addends
+            ):
                 raise unknown_gain(self, name)
         changed = []
-        for each in self.addends:
+        for addend in self.addends:
             own = {}
             for name, value in values.items():
                 owner, _, bare = name.rpartition(":")
-                if bare in each.gains and owner in {"", each.name}:
+                if bare in addend.gains and owner in {"", addend.name}:
                     own[bare] = value
-            changed.append(each.with_gains(own))
+            changed.append(addend.with_gains(own))
         return Sum(changed, self.name)
 
     def start(self, single: bool = False) -> None:
@@ -231,14 +233,14 @@ class Sum(Controller):
 
     def prepare(self, arithmetic: Arithmetic) -> None:
         """Start every addend in the arithmetic of a run."""
-        for each in self.addends:
-            each.prepare(arithmetic)
+        for addend in self.addends:
+            addend.prepare(arithmetic)
 
     def torque(self, reference: Reference, state: State, clock: Clock) -> Pair:
         """Add the torques up."""
         first = second = 0.0
-        for each in self.addends:
-            torque = each.torque(reference, state, clock)
+        for addend in self.addends:
+            torque = addend.torque(reference, state, clock)
             first += torque[0]
             second += torque[1]
         return first, second

@@ -50,7 +50,7 @@ def site_by_axes(model: ControllerModel, connect: Mapping[str, str] | None = Non
     """
     connect = connect or {}
     wanted = {connect.get(axis, axis) for axis in model.axis_names}
-    asked = [(kind, each) for kind in KINDS for each in ports_of(model, kind)]
+    asked = [(kind, port) for kind in KINDS for port in ports_of(model, kind)]
     for shipped_site in shipped_sites():
         site = replace(shipped_site, connect=connect) if connect else shipped_site
         found = [_has(site, model, *each) for each in asked]
@@ -118,14 +118,14 @@ def doubts_of(
     """
     site = site_of(plant, connect) if plant is not None else site_by_axes(text.model)
     reaches = reaches_of(text, site)
-    found = [*_mismatches(text, reaches), *_unlike_units(text, reaches, site)]
-    found += _unknown_of_claims(text)
+    diagnostics = [*_mismatches(text, reaches), *_unlike_units(text, reaches, site)]
+    diagnostics += _unknown_of_claims(text)
     if site is not None:
-        found += _missing_ports(text.model, site, given=plant is not None)
+        diagnostics += _missing_ports(text.model, site, given=plant is not None)
         if all(use.name in text.sheets for use in text.model.uses):
-            found += _limits(text.model, reaches, site)
+            diagnostics += _limits(text.model, reaches, site)
     # Axes that share their lines share their findings.
-    once = dict.fromkeys(replace(each, path=text.path) for each in found)
+    once = dict.fromkeys(replace(diagnostic, path=text.path) for diagnostic in diagnostics)
     return sorted(once, key=lambda each: (each.span, each.name))
 
 
@@ -145,11 +145,11 @@ LEAST = 0.1
 def _mismatches(text: ControllerText, reaches: Reaches) -> Iterator[Diagnostic]:
     """Yield signals that are far wider or far narrower than what they are looked up in."""
     judged: set[tuple[int, str]] = set()
-    for each in reaches.look_ups:
-        key = (id(each.axes), each.signal)
+    for up in reaches.look_ups:
+        key = (id(up.axes), up.signal)
         if key in judged:
             continue
-        finding = _too_wide(text.model, each) or _too_narrow(each)
+        finding = _too_wide(text.model, up) or _too_narrow(up)
         if finding is not None:  # one gain is wrong, whatever else looks the signal up
             judged.add(key)
             yield finding
@@ -224,25 +224,25 @@ def _unlike_units(
     text: ControllerText, reaches: Reaches, site: Site | None
 ) -> Iterator[Diagnostic]:
     """Yield gains whose unit meets another one of its kind, as rad and deg, and does not cancel."""
-    gains = {each.name: each for each in text.model.gains}
-    for each in reaches.meetings:
-        before, brought = each.reach, each.brought
+    gains = {model.name: model for model in text.model.gains}
+    for meeting in reaches.meetings:
+        before, brought = meeting.reach, meeting.brought
         both = product(before, brought)
-        if each.option and both and each.name in gains:
-            yield _unlike_option(each, gains[each.name])
+        if meeting.option and both and meeting.name in gains:
+            yield _unlike_option(meeting, gains[meeting.name])
             continue
         pair = unlike(both) if both is not None else None
-        if pair is None or unlike(before) or unlike(brought) or each.name not in gains:
+        if pair is None or unlike(before) or unlike(brought) or meeting.name not in gains:
             continue
-        gain = gains[each.name]
+        gain = gains[meeting.name]
         yield Diagnostic(
             "unlike-units",
-            f"{pair[0]} and {pair[1]} do not cancel: gain {each.name} has the unit {gain.unit},"
+            f"{pair[0]} and {pair[1]} do not cancel: gain {meeting.name} has the unit {gain.unit},"
             f" what it scales {unit_text(before)}",
-            each.span,
+            meeting.span,
             Severity.WARNING,
             hint="write both in one unit",
-            related=(Related(f"gain {each.name}", gain.span),),
+            related=(Related(f"gain {meeting.name}", gain.span),),
         )
     for address, lines in reaches.drives.items():
         port = _port(text.model, site, address)

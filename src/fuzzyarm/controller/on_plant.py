@@ -108,7 +108,7 @@ class Site:
 
     def driven(self, model: ControllerModel) -> frozenset[Address]:
         """Return the inputs that a controller drives."""
-        return frozenset(self.find(model, "drive", each) for each in ports_of(model, "drive"))
+        return frozenset(self.find(model, "drive", port) for port in ports_of(model, "drive"))
 
     def find(self, model: ControllerModel, kind: str, asked: Address) -> Address:
         """Return axis and port of the plant for those of a controller.
@@ -271,18 +271,20 @@ def make_law(text: ControllerText, find_law: FindLaw, site: Site = SITE_OF_LAWS)
 
     @cache
     def partners() -> dict[str, CompiledController]:
-        found = {}
-        for each in model.partners:
-            require_for_laws(f"the partner '{each.name}' ({each.law})", site)
-            law = find_law(each.law)
-            found[each.name] = law.with_gains({name: [value] for name, value in each.gains})
-        return found
+        controllers = {}
+        for partner in model.partners:
+            require_for_laws(f"the partner '{partner.name}' ({partner.law})", site)
+            law = find_law(partner.law)
+            controllers[partner.name] = law.with_gains(
+                {name: [value] for name, value in partner.gains}
+            )
+        return controllers
 
     @cache
     def program(arithmetic: Arithmetic) -> Program:
         laws = {
-            name: (law_address(each.law, arithmetic), each.block(arithmetic))
-            for name, each in partners().items()
+            name: (law_address(partner.law, arithmetic), partner.block(arithmetic))
+            for name, partner in partners().items()
         }
         infers = any(isinstance(each, RuleBase) for each in chain(*text.sheets.values()))
         # Tables alone need no inference, which takes long to compile.
@@ -297,9 +299,9 @@ def make_law(text: ControllerText, find_law: FindLaw, site: Site = SITE_OF_LAWS)
     def remember(chosen: Gains, arithmetic: Arithmetic) -> NDArray[np.float64]:
         # A gain of the text counts with the π of the run, one that is given as it is.
         given = {
-            each.name: chosen[each.name].value
-            for each in gains
-            if chosen[each.name].value != each.value
+            gain.name: chosen[gain.name].value
+            for gain in gains
+            if chosen[gain.name].value != gain.value
         }
         return program(arithmetic).cells_with(given, arithmetic)
 
@@ -333,14 +335,14 @@ def controller_on(controller: Controller, site: Site) -> Controller:
         If the plant does not have what one measures or drives.
     """
     if isinstance(controller, Sum):
-        return Sum([controller_on(each, site) for each in controller.addends], controller.name)
+        return Sum([controller_on(addend, site) for addend in controller.addends], controller.name)
     law = text_law_of(controller)
     if law is not None:
         site.wiring(law.text.model)  # tells what is missing
         if site != law.site:
-            made = CompiledController(law.on(site), controller.gains)
-            made.name = controller.name
-            return made
+            compiled_controller = CompiledController(law.on(site), controller.gains)
+            compiled_controller.name = controller.name
+            return compiled_controller
     elif not controller.takes_ports:
         require_for_laws(controller.name, site)
     return controller
@@ -570,15 +572,15 @@ def _gains(model: ControllerModel) -> Iterator[Gain]:
     for line in lines:
         if isinstance(line, Zoom):
             positive |= {line.by, line.inside}
-    for each in model.gains:
+    for gain in model.gains:
         yield Gain(
-            each.name,
-            tuple(value.value(np.pi) for value in each.values),
-            each.unit or "1",
+            gain.name,
+            tuple(value.value(np.pi) for value in gain.values),
+            gain.unit or "1",
             "",
             "own",
-            positive=each.name in positive,
-            bounds=(0.0, LARGEST_RATE) if each.name in rates else None,
+            positive=gain.name in positive,
+            bounds=(0.0, LARGEST_RATE) if gain.name in rates else None,
         )
 
 
@@ -637,7 +639,7 @@ class Learned:
 
     def tables(self, like: LookupTable) -> list[LookupTable]:
         """Return the table of each axis of the controller; the rest as `like` has it."""
-        return [replace(like, axes=self.axes, values=each) for each in self.values]
+        return [replace(like, axes=self.axes, values=value) for value in self.values]
 
     def table(self, like: LookupTable) -> LookupTable:
         """Return all tables as one, whose first input tells the axes of the controller apart."""
@@ -665,8 +667,8 @@ def learned(law: TextLaw, arithmetic: Arithmetic, memory: Any = None) -> Learned
     axes = tuple(axis for axis in _table(law.text.sheets[line.table][0]).axes if axis.name != AXIS)
     shape = tuple(len(axis.levels) for axis in axes)
     places = [program.learned[axis, line.table] for axis in law.text.model.axis_names]
-    values = [memory[each.values : each.values + each.count] for each in places]
-    visits = [memory[each.visits : each.visits + each.count] for each in places]
+    values = [memory[place.values : place.values + place.count] for place in places]
+    visits = [memory[place.visits : place.visits + place.count] for place in places]
     return Learned(
         axes,
         np.array(values).reshape(-1, *shape),

@@ -95,15 +95,15 @@ def find_controllers(
     start, variant, sources
         Of all of them.
     """
-    found = [find_controller(n, start=start, variant=variant, sources=sources) for n in names]
+    controllers = [find_controller(n, start=start, variant=variant, sources=sources) for n in names]
     called: dict[str, set[str]] = {}
-    for name, made in zip(names, found, strict=True):
+    for name, made in zip(names, controllers, strict=True):
         called.setdefault(made.name, set()).add(name)
-    for name, made in zip(names, found, strict=True):
+    for name, made in zip(names, controllers, strict=True):
         others = called[made.name]
         if len(others) > 1 and name != made.name:
             made.name = f"{made.name} ({_shortest(name, others)})"
-    return found
+    return controllers
 
 
 def _shortest(path: str, others: Collection[str]) -> str:

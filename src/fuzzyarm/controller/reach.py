@@ -156,7 +156,9 @@ def combine(operation: str, a: Interval, b: Interval) -> Interval:
 
 def hull(*intervals: Interval) -> Interval:
     """Return the smallest interval around some."""
-    return Interval(min(each.low for each in intervals), max(each.high for each in intervals))
+    return Interval(
+        min(interval.low for interval in intervals), max(interval.high for interval in intervals)
+    )
 
 
 def overlap(a: Interval, b: Interval) -> Interval:
@@ -186,7 +188,7 @@ class _Walk:
         self.text = text
         self.site = site
         self.found = Reaches()
-        self.gains = {each.name: each for each in text.model.gains}
+        self.gains = {gain.name: gain for gain in text.model.gains}
         self.axis = ""
         self.index = 0
 
@@ -213,7 +215,7 @@ class _Walk:
 
     def _signal(self, axes: Axes, line: Signal) -> None:
         if line.source is None:
-            made = [self._sum(line.products, line.span)]
+            reaches = [self._sum(line.products, line.span)]
         else:
             of = line.source
             values = self._results(axes, of, line)
@@ -222,8 +224,8 @@ class _Walk:
             else:
                 self.found.sources[self.axis, of] = values[0]
             factors = line.products[0].factors if line.products else ()
-            made = [self._times(each, factors, line.span) for each in values]
-        for name, reach in zip(line.names, made, strict=False):
+            reaches = [self._times(value, factors, line.span) for value in values]
+        for name, reach in zip(line.names, reaches, strict=False):
             self.found.signals[self.axis, name] = reach
 
     # --- Numbers, products, sums ---
@@ -239,9 +241,9 @@ class _Walk:
 
     def _named(self, name: str) -> Reach:
         """Return where a signal, a gain or a partner is."""
-        known = self.found.signals.get((self.axis, name))
-        if known is not None:
-            return known
+        reach = self.found.signals.get((self.axis, name))
+        if reach is not None:
+            return reach
         gain = self.gains.get(name)
         if gain is None:
             return Reach()
@@ -272,16 +274,16 @@ class _Walk:
 
     def _sum(self, products: Sequence[Product], span: Span) -> Reach:
         parts = [self._product(each, span) for each in products]
-        units = [each.unit for each in parts]
-        origins = frozenset[str]().union(*(each.origins for each in parts))
-        alone = len(origins) == sum(len(each.origins) for each in parts)
+        units = [part.unit for part in parts]
+        origins = frozenset[str]().union(*(part.origins for part in parts))
+        alone = len(origins) == sum(len(part.origins) for part in parts)
         return Reach(
-            reduce(lambda a, b: combine("add", a, b), [each.at for each in parts]),
-            sum(each.pace for each in parts),
-            max(each.kept for each in parts),
-            units[0] if all(each == units[0] for each in units) else None,
+            reduce(lambda a, b: combine("add", a, b), [part.at for part in parts]),
+            sum(part.pace for part in parts),
+            max(part.kept for part in parts),
+            units[0] if all(unit == units[0] for unit in units) else None,
             origins,
-            alone and all(each.tight for each in parts),
+            alone and all(part.tight for part in parts),
         )
 
     def _product(self, part: Product, span: Span) -> Reach:
@@ -304,10 +306,10 @@ class _Walk:
             self._meet_options(of, reach, line.span)
             return [self._updated(of, reach)]
         if of.kind == "rules":
-            made = self._conclusions(of.name) or [Reach()] * len(line.names)
+            reaches = self._conclusions(of.name) or [Reach()] * len(line.names)
         else:
-            made = [self._values(axes, of.name)]
-        return [replace(each, origins=_own(of)) for each in made]
+            reaches = [self._values(axes, of.name)]
+        return [replace(each, origins=_own(of)) for each in reaches]
 
     def _meet_options(self, of: Source, reach: Reach, span: Span) -> None:
         """Note gains that have to be in the unit of what a source is taken of."""
@@ -347,13 +349,15 @@ class _Walk:
         ports = of.record.ports
         if len(ports) == 1:
             return self._of_port(ports[0], of.name)
-        measured, wanted = self._of_port("measured", of.name), self._of_port("reference", of.name)
+        measured, reach = self._of_port("measured", of.name), self._of_port("reference", of.name)
         weight = of.option("weight")
         share = self._number(weight) if isinstance(weight, str | float) else Interval(1.0, 1.0)
-        asked = combine("multiply", wanted.at, share)
+        interval = combine("multiply", reach.at, share)
         unit = of_difference(measured.unit)
-        both = wanted.origins | measured.origins
-        return Reach(combine("subtract", asked, measured.at), measured.pace, FED_BACK, unit, both)
+        both = reach.origins | measured.origins
+        return Reach(
+            combine("subtract", interval, measured.at), measured.pace, FED_BACK, unit, both
+        )
 
     def _of_port(self, kind: str, name: str) -> Reach:
         """Return where a measured or reference value of the plant is."""
@@ -387,13 +391,13 @@ class _Walk:
         sheet = self._sheet(name)
         if not isinstance(sheet, RuleBase):
             return []
-        found = []
+        reaches = []
         for output in sheet.outputs:
             at = Interval(output.low, output.high)
             if isinstance(output.no_rule, float):
                 at = hull(at, Interval(output.no_rule, output.no_rule))
-            found.append(Reach(at))
-        return found
+            reaches.append(Reach(at))
+        return reaches
 
     def _values(self, axes: Axes, name: str) -> Reach:
         table = self._sheet(name)
@@ -413,7 +417,11 @@ class _Walk:
         sheet = self._sheet(name)
         if sheet is None:
             return
-        names = [each for each in input_names(sheet) if each != AXIS or each in inputs]
+        names = [
+            input_name
+            for input_name in input_names(sheet)
+            if input_name != AXIS or input_name in inputs
+        ]
         if len(names) != len(inputs):
             return
         for signal, universe in zip(inputs, _universes(sheet, names), strict=True):

@@ -153,7 +153,9 @@ def with_files(
     list of Diagnostic
         What could not, and what does not fit.
     """
-    sheets: dict[str, tuple[Sheet, ...]] = {each.name: (each,) for each in model.rulebases}
+    sheets: dict[str, tuple[Sheet, ...]] = {
+        rulebase.name: (rulebase,) for rulebase in model.rulebases
+    }
     sheets.update(instead or {})
     faults: list[Diagnostic] = []
     for use in model.uses:
@@ -196,7 +198,7 @@ def _files_for(folder: Path) -> list[str]:
     """Return the names of files that a controller in a folder could use."""
     found = list(shipped_names())
     with suppress(OSError):
-        found += sorted(each.name for each in islice(folder.iterdir(), 1000))
+        found += sorted(path.name for path in islice(folder.iterdir(), 1000))
     return found
 
 
@@ -269,7 +271,7 @@ def by_name(name: str, sheet: Sheet) -> Change:
     SourceError
         When it is called: if an input is not a signal of the axis.
     """
-    wanted = tuple(each for each in input_names(sheet) if each != AXIS)
+    wanted = tuple(input_name for input_name in input_names(sheet) if input_name != AXIS)
 
     def change(model: ControllerModel) -> ControllerModel:
         def asked(axes: Axes, line: Line) -> Line:
@@ -278,9 +280,9 @@ def by_name(name: str, sheet: Sheet) -> Change:
             if not isinstance(line, Signal) or line.source is None or line.source.name != name:
                 return line
             signals = [other for other in axes.lines if isinstance(other, Signal)]
-            made = [each for other in signals for each in other.names]
+            lines = [each for other in signals for each in other.names]
             for each in wanted:
-                if each not in made:
+                if each not in lines:
                     known = ", ".join(dict.fromkeys(line.source.inputs))
                     raise SourceError(
                         f"'{name}' is asked for '{each}', which the controller does not have",
@@ -289,8 +291,8 @@ def by_name(name: str, sheet: Sheet) -> Change:
             return replace(line, source=replace(line.source, inputs=wanted))
 
         axes = tuple(
-            replace(each, lines=tuple(asked(each, line) for line in each.lines))
-            for each in model.axes
+            replace(axis, lines=tuple(asked(axis, line) for line in axis.lines))
+            for axis in model.axes
         )
         return replace(model, axes=axes)
 
@@ -315,7 +317,7 @@ def teaching(rate: float | None = None, delay: int | None = None) -> Change:
             options = dict(line.options) | {k: v for k, v in changed.items() if v is not None}
             return replace(line, options=tuple(options.items()))
 
-        axes = tuple(replace(each, lines=tuple(map(taught, each.lines))) for each in model.axes)
+        axes = tuple(replace(axis, lines=tuple(map(taught, axis.lines))) for axis in model.axes)
         return replace(model, axes=axes)
 
     return change
@@ -367,7 +369,11 @@ def _misfit(
                 hint=f"its outputs are {outputs}",
                 path=text.path,
             )
-    names = [each for each in input_names(sheet) if each != AXIS or each in inputs]
+    names = [
+        input_name
+        for input_name in input_names(sheet)
+        if input_name != AXIS or input_name in inputs
+    ]
     if len(names) != len(inputs):
         yield Diagnostic(
             "wrong-count",

@@ -49,8 +49,8 @@ def update_function(kind: SourceKind) -> Callable[[Any, Any], None]:
 
 def _roots(kind: SourceKind) -> list[Node]:
     """Return what is given and what is remembered, as expressions over the arguments."""
-    given = {VALUE: kind.expression}
-    return [kind.expression, *(replace(root, given) for root in kind.nexts)]
+    nodes = {VALUE: kind.expression}
+    return [kind.expression, *(replace(root, nodes) for root in kind.nexts)]
 
 
 def _source(kind: SourceKind, name: str) -> str:
@@ -124,10 +124,10 @@ def range_of_source(
         value = given if value is None else _hull(value, given)
         for state, start, after in zip(kind.states, starts, nexts, strict=True):
             first = period_number == 0 and math.isnan(start)
-            known = after if first else _hull(ranges[state.name], after)
+            interval = after if first else _hull(ranges[state.name], after)
             if period_number >= MOST_PERIODS:
-                known = _widened(ranges[state.name], known)
-            ranges[state.name] = known
+                interval = _widened(ranges[state.name], interval)
+            ranges[state.name] = interval
             ranges[_unseen(state.name)] = Interval(0.0, 0.0)
         if before == (value, ranges):
             break

@@ -23,7 +23,7 @@ KINDS = {
 @cache
 def names() -> frozenset[str]:
     """Return the names of the files that a page may ask for."""
-    found = (each.relative_to(PAGE).as_posix() for each in PAGE.rglob("*") if each.is_file())
+    found = (path.relative_to(PAGE).as_posix() for path in PAGE.rglob("*") if path.is_file())
     return frozenset(name for name in found if Path(name).suffix in KINDS)
 
 

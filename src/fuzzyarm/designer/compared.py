@@ -76,7 +76,7 @@ def outputs_of(model: RuleBase | LookupTable) -> list[str]:
         return [model.output]
     if not model.outputs:
         raise ExportRefusedError(f"'{model.name}' has no outputs")
-    return [each.name for each in model.outputs]
+    return [output.name for output in model.outputs]
 
 
 def surface_of(model: RuleBase | LookupTable, output: str) -> Surface:
@@ -92,7 +92,7 @@ def surface_of(model: RuleBase | LookupTable, output: str) -> Surface:
         table = model
         return Surface(ends, lambda at: np.asarray(table.lookup(*(at[n] for n in table.names))))
     rulebase, target = model, model.output(output)
-    ranges = {each.name: (each.low, each.high) for each in rulebase.inputs}
+    ranges = {variable.name: (variable.low, variable.high) for variable in rulebase.inputs}
     unbounded = [name for name, ends in ranges.items() if not all(map(math.isfinite, ends))]
     if unbounded:
         raise ExportRefusedError(f"input '{unbounded[0]}' of '{rulebase.name}' is unbounded")
@@ -137,7 +137,7 @@ def _slice(
     at[x] = xs[None, :]
     if y:
         at[y] = ys[:, None]
-    values = [np.broadcast_to(each.at(at), (ys.size, xs.size)) for each in (first, second)]
+    values = [np.broadcast_to(surface.at(at), (ys.size, xs.size)) for surface in (first, second)]
     where = _where(np.abs(values[1] - values[0]), {y or "": ys, x: xs})
     return {
         "x": x,
@@ -174,7 +174,7 @@ def _largest(
     points = {name: np.linspace(*ends, count) for name, ends in ranges.items()}
     mesh = dict(zip(points, np.ix_(*points.values()), strict=True))
     shape = (count,) * len(points)
-    values = [np.broadcast_to(each.at(mesh), shape) for each in (first, second)]
+    values = [np.broadcast_to(surface.at(mesh), shape) for surface in (first, second)]
     found = _where(np.abs(values[1] - values[0]), points)
     one_sided = int(np.sum(np.isnan(values[0]) != np.isnan(values[1])))
     return None if found is None else {**found, "points": count ** len(ranges), "alone": one_sided}
@@ -188,7 +188,7 @@ def _changes(one: RuleBase | LookupTable, two: RuleBase | LookupTable) -> dict[s
         return {
             "same": diff.same,
             "parts": [
-                [title, [[each.kind, str(each)] for each in changes]]
+                [title, [[change.kind, str(change)] for change in changes]]
                 for title, changes in parts.items()
                 if changes
             ],
@@ -196,13 +196,13 @@ def _changes(one: RuleBase | LookupTable, two: RuleBase | LookupTable) -> dict[s
     if isinstance(one, LookupTable) and isinstance(two, LookupTable):
         cells = compare_tables(one, two)
         header = [["changed", f"{what}: {a} -> {b}"] for what, a, b in cells.header]
-        listed = [["changed", table_change_words(cells, each)] for each in cells.changes]
+        listed = [["changed", table_change_words(cells, change)] for change in cells.changes]
         rest = len(listed) - MOST_CHANGES
         listed = listed[:MOST_CHANGES] + ([["more", str(rest)]] if rest > 0 else [])
         parts_ = [["settings", header], ["cells", listed]]
         return {
             "same": cells.same,
             "summary": table_summary(cells),
-            "parts": [each for each in parts_ if each[1]],
+            "parts": [part for part in parts_ if part[1]],
         }
     return {"same": False, "mixed": True, "parts": []}

@@ -50,7 +50,7 @@ def surface(session: Session, asked: SurfaceWork, job: Job) -> None:
             for o in rulebase.outputs)  # fmt: skip
     model = replace(rulebase, outputs=tuple(gaps))
     point = list(asked.point)
-    names = [each.name for each in model.inputs]
+    names = [variable.name for variable in model.inputs]
     if len(point) != len(names):
         raise MessageError(f"must have {len(names)} values, as the inputs", "point")
     if asked.fired:
@@ -67,15 +67,15 @@ def _tell_surface(model: RuleBase, point: list[float], asked: SurfaceWork, job: 
     output = _at(model.outputs, asked.output, "output")
     across = min(MOST_ACROSS, max(2, asked.across))
     run = compiled(model)
-    held = {each.name: value for each, value in zip(model.inputs, point, strict=True)}
+    held = {variable.name: value for variable, value in zip(model.inputs, point, strict=True)}
     columns = {**held, x.name: np.linspace(*_ends(x, asked.ends[0]), across)}
     rows = [None] if x is y else np.linspace(*_ends(y, asked.ends[1]), across)
     z: list[float | None] = []
     for row in rows:
         job.check()
         given = columns if row is None else {**columns, y.name: row}
-        found = np.broadcast_to(run(given)[output.name], (across,))
-        z += jsonable(found)
+        values = np.broadcast_to(run(given)[output.name], (across,))
+        z += jsonable(values)
     job.tell({"z": z, "across": across})
 
 

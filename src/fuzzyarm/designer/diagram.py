@@ -64,13 +64,13 @@ def diagram_of(controller: ControllerText, reading: Reading) -> Diagram:
         "period": diagram.period,
         "width": _short(picture.width),
         "height": _short(picture.height),
-        "blocks": [_block(each, picture.pitch, reading) for each in picture.blocks],
+        "blocks": [_block(block, picture.pitch, reading) for block in picture.blocks],
         "strokes": [[*map(_short, (*start, *end))] for start, end in picture.strokes],
         "tips": [[*map(_short, points[-1])] for _, points in picture.wires],
         "dots": [[_short(x), _short(y)] for x, y in picture.dots],
         "words": [
-            {"text": each.text, "x": _short(each.x), "y": _short(each.y), "style": each.style}
-            for each in picture.words
+            {"text": word.text, "x": _short(word.x), "y": _short(word.y), "style": word.style}
+            for word in picture.words
         ],
         "uses": [[use.name, *use.files] for use in controller.model.uses],
     }

@@ -69,7 +69,7 @@ def model_of(session: Session) -> Any:
         If it has mistakes.
     """
     parsed = session.reading.parsed
-    mistakes = [each for each in parsed.diagnostics if each.is_error]
+    mistakes = [diagnostic for diagnostic in parsed.diagnostics if diagnostic.is_error]
     if mistakes:
         raise ExportRefusedError(f"the text has mistakes: {in_words(RuleBaseError(mistakes[:1]))}")
     if not isinstance(session.reading, Reading):
@@ -258,8 +258,8 @@ def _module(model: RuleBase, source: str) -> str:
 
 def _conversion(session: Session, model: RuleBase, out: str) -> tuple[list[Offered], list[str]]:
     exported = converted(model, session.path, Path(out).suffix, session.text)
-    found = findings_of(Imported(model, (), "fuzzyarm"), exported, session.path)
-    lines = [in_words(RuleBaseError([each])) for each in found]
+    diagnostics = findings_of(Imported(model, (), "fuzzyarm"), exported, session.path)
+    lines = [in_words(RuleBaseError([diagnostic])) for diagnostic in diagnostics]
     if exported.text is None:
         raise ExportRefusedError("; ".join(lines))
     return [_offered(out, exported.text)], lines

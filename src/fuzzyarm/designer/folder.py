@@ -98,10 +98,10 @@ class Workspace:
         if self.only is not None:
             return []
         try:
-            found = [each for each in self.folder.iterdir() if each.suffix.lower() in suffixes]
+            paths = [path for path in self.folder.iterdir() if path.suffix.lower() in suffixes]
         except OSError:  # it does not exist yet, or may not be read: `trouble` says so
             return []
-        return sorted(each.name for each in found if self._is_own(each))
+        return sorted(each.name for each in paths if self._is_own(each))
 
     def _is_own(self, path: Path) -> bool:
         """Whether something is a file of the folder; what may not be looked at is not."""
@@ -400,7 +400,7 @@ class Workspace:
         """Return the names in the folder; some systems do not tell small letters from capitals."""
         if not self.folder.exists():
             return set()
-        return {each.name.casefold() for each in self.folder.iterdir()}
+        return {path.name.casefold() for path in self.folder.iterdir()}
 
     def _demand_folder(self) -> None:
         if self.only is not None:
@@ -469,10 +469,17 @@ def _converted(path: Path) -> dict[str, Any]:
     exported = None
     if imported.rulebase is not None:
         exported = converted(imported.rulebase, str(path), ".frb")
-    found = findings_of(imported, exported, str(path))
+    diagnostics = findings_of(imported, exported, str(path))
     if exported is None or exported.text is None:
-        raise OutsideError("; ".join(finding_words(each) for each in found if each.is_error))
-    return {"text": exported.text, "findings": [finding_words(each) for each in found]}
+        raise OutsideError(
+            "; ".join(
+                finding_words(diagnostic) for diagnostic in diagnostics if diagnostic.is_error
+            )
+        )
+    return {
+        "text": exported.text,
+        "findings": [finding_words(diagnostic) for diagnostic in diagnostics],
+    }
 
 
 def _is_rule_base(path: Path) -> bool:

@@ -61,7 +61,7 @@ def learnable(session: Session, asked: Nothing, job: Job) -> None:
     from fuzzyarm.model.controller import Learn
 
     def fitting(model: ControllerModel) -> list[dict[str, Any]]:
-        return [each for each in plants_for(model, job.plants) if each["fits"]]
+        return [plant for plant in plants_for(model, job.plants) if plant["fits"]]
 
     def teaches(model: ControllerModel | None) -> bool:
         return model is not None and any(isinstance(line, Learn) for _, line in model.lines())
@@ -129,11 +129,11 @@ class Training:
         from fuzzyarm.language.reading import read_text
         from fuzzyarm.learning.self_organizing import Trainee
 
-        asked = self.asked
-        rate = number_of(asked.rate, "the rate")
+        work = self.asked
+        rate = number_of(work.rate, "the rate")
         if rate is not None and not 0.0 <= rate <= LARGEST_RATE:
             raise GroundsError(f"a rate of {rate:g} is out of range", hint=f"0 to {LARGEST_RATE:g}")
-        name = asked.controller
+        name = work.controller
         path, source = session.path, str(session.text)
         if name:
             entry = CATALOGUE.get(name)
@@ -143,12 +143,12 @@ class Training:
         elif session.path.lower().endswith(".lut"):
             raise GroundsError("a table does not learn by itself; choose a controller")
         choice = Choice(sources=Sources(table=self._start()))
-        made = text_controller(path, choice, change=teaching(rate), source=source)
+        controller = text_controller(path, choice, change=teaching(rate), source=source)
         title = name or Path(path).name
         model = parse(source, path).controller
         assert model is not None
-        plant = plant_named(asked.plant, model, self.job.plants)
-        return title, Trainee(made, plant, name=title)
+        plant = plant_named(work.plant, model, self.job.plants)
+        return title, Trainee(controller, plant, name=title)
 
     def _start(self) -> Any:
         """Return the table to begin with; None for that of the text."""
@@ -166,18 +166,18 @@ class Training:
         from fuzzyarm.learning.self_organizing import reference_words, trajectory_words
         from fuzzyarm.loop.run import plant_motion
 
-        asked, plant = self.asked, self.trainee.plant
+        work, plant = self.asked, self.trainee.plant
         if plant.trajectories:
             motion = trajectory_motion_of(
-                asked.trajectory, self.trainee.controller, plant, payload=asked.payload
+                work.trajectory, self.trainee.controller, plant, payload=work.payload
             )
             return motion, trajectory_words(motion.name, payload=any(motion.carrying))
-        words = words_of(Experiment(reference=asked.reference), self.folder)
+        words = words_of(Experiment(reference=work.reference), self.folder)
         check_words(words, plant)
-        seconds = seconds_of(asked.seconds)
+        seconds = seconds_of(work.seconds)
         motion = plant_motion(self.trainee.controller, plant, words.signals() or None, seconds)
-        named = Path(asked.plant or plant.name).name  # as the command says it
-        return motion, reference_words(named, list_of(asked.reference))
+        named = Path(work.plant or plant.name).name  # as the command says it
+        return motion, reference_words(named, list_of(work.reference))
 
     # --- The training ---
 

@@ -89,7 +89,7 @@ def finding_words(finding: Diagnostic) -> str:
 def in_words(error: Exception) -> str:
     """Return an error without the path that it happened at."""
     if isinstance(error, RuleBaseError):
-        return "; ".join(finding_words(each) for each in error.diagnostics)
+        return "; ".join(finding_words(diagnostic) for diagnostic in error.diagnostics)
     if isinstance(error, OSError) and error.strerror:
         name = Path(str(error.filename)).name if error.filename else ""
         return f"{name}: {error.strerror}" if name else error.strerror

@@ -93,8 +93,12 @@ def _fields_of(kind: Hashable) -> tuple[tuple[str, Any, bool], ...]:
     record: Any = kind
     hints = get_type_hints(record)
     return tuple(
-        (each.name, hints[each.name], each.default is MISSING and each.default_factory is MISSING)
-        for each in fields(record)
+        (
+            field.name,
+            hints[field.name],
+            field.default is MISSING and field.default_factory is MISSING,
+        )
+        for field in fields(record)
     )
 
 

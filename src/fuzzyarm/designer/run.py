@@ -254,8 +254,8 @@ class LiveRun:
             idle = self.paused or self.run.over
             # A run that stands still waits for a word, and looks after the files it uses.
             pause = 0.2 if idle else max(0.001, every - (time.perf_counter() - started))
-            for said in self.job.heard(RunWord, pause):
-                self._take(said)
+            for word in self.job.heard(RunWord, pause):
+                self._take(word)
             self.job.check()
             self._look_at_files()
 
@@ -343,7 +343,7 @@ class LiveRun:
             self.job.tell({"news": "note", "text": in_words(error), "field": field})
 
     def _move_gains(self, values: Mapping[str, Sequence[float]]) -> None:
-        wanted = {**self.gains, **{name: list(each) for name, each in values.items()}}
+        wanted = {**self.gains, **{name: list(value) for name, value in values.items()}}
         try:
             self.run.take_over(self.controller.with_gains(wanted))
         except FuzzyarmError as error:
@@ -355,7 +355,7 @@ class LiveRun:
         """Go on with the text as it is now, where that is possible."""
         try:
             controller = _controller_of(self.text, self.path)
-            moved = {name: each for name, each in self.gains.items() if name in controller.gains}
+            moved = {name: gain for name, gain in self.gains.items() if name in controller.gains}
             self.run.take_over(controller.with_gains(moved))
         except StructureError:
             self.job.tell({"news": "text", "taken": False})
@@ -369,8 +369,8 @@ class LiveRun:
 
     def _forget_written(self) -> None:
         """Drop the gains of a hand that the text has now; those that it cannot have stay."""
-        declared = {each.name for each in self._own_gains()}
-        self.gains = {name: each for name, each in self.gains.items() if name not in declared}
+        declared = {gain.name for gain in self._own_gains()}
+        self.gains = {name: gain for name, gain in self.gains.items() if name not in declared}
 
     def _own_gains(self) -> Sequence[Any]:
         """Return the gains that stand in the text: none, where it is a rule base."""
@@ -399,8 +399,8 @@ class LiveRun:
 
     def _gains(self) -> list[dict[str, Any]]:
         text = _text(self.controller)
-        tunes = {each.name: each.tune for each in text.model.gains}
-        own = {each.name for each in self._own_gains()}
+        tunes = {model.name: model.tune for model in text.model.gains}
+        own = {own_gain.name for own_gain in self._own_gains()}
         return [
             {
                 "name": name,
@@ -507,7 +507,7 @@ class LiveRun:
         scale = scales(course)
         outputs, wanted = rows[:, :count] * scale, rows[:, count : 2 * count] * scale
         begin = 2 * count + len(self.loop.site.interface.outputs)
-        drives = rows[:, [begin + each for each in self.columns]]
+        drives = rows[:, [begin + column for column in self.columns]]
         values = np.hstack([wanted, outputs, wanted - outputs, drives])
         every = max(self.every, math.ceil(len(values) / MOST_AT_ONCE))
         at = np.arange(0, len(values), every)

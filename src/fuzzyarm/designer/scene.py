@@ -105,12 +105,20 @@ def scene_of(rulebase: RuleBase, reading: Reading) -> Scene:
     return {
         "name": rulebase.name,
         "description": rulebase.description,
-        "inputs": [_variable(each, functions, positions, lower) for each in rulebase.inputs],
-        "outputs": [_output(each, made, functions, positions, lower) for each in rulebase.outputs],
+        "inputs": [
+            _variable(variable, functions, positions, lower) for variable in rulebase.inputs
+        ],
+        "outputs": [
+            _output(output, made, functions, positions, lower) for output in rulebase.outputs
+        ],
         "rules": _rules(rulebase, made, reading, positions),
         "grids": _grids(rulebase, reading, positions),
         "methods": _methods(rulebase, reading),
-        "missing": [each.name for each in reading.parsed.diagnostics if each.name in INCOMPLETE],
+        "missing": [
+            diagnostic.name
+            for diagnostic in reading.parsed.diagnostics
+            if diagnostic.name in INCOMPLETE
+        ],
         "numbers": numbers,
         "kinds": KINDS,
         "functions": functions.described,  # those of the curves to be drawn among them
@@ -120,9 +128,9 @@ def scene_of(rulebase: RuleBase, reading: Reading) -> Scene:
 
 def held_numbers(rulebase: RuleBase, variable: str) -> dict[str, Any] | None:
     """Return the numbers of a rule base while a hand moves the terms of a variable."""
-    found = rulebase.variable(variable)
-    middles = isinstance(found, Output) and found.defuzzifier.record.both
-    if middles and any(term.lower and is_value(term.lower) for term in found.terms):
+    output = rulebase.variable(variable)
+    middles = isinstance(output, Output) and output.defuzzifier.record.both
+    if middles and any(term.lower and is_value(term.lower) for term in output.terms):
         return None  # what stands in the numbers is the middle of two
     try:
         return numbers_of(rulebase, loose=variable)
@@ -145,8 +153,8 @@ def _variable(
         "high": jsonable(variable.high),
         "outside": variable.outside,
         "terms": [
-            _term(each, variable, functions, positions, lower.get((variable.name, each.name), ""))
-            for each in variable.terms
+            _term(term, variable, functions, positions, lower.get((variable.name, term.name), ""))
+            for term in variable.terms
         ],
     }
 
@@ -201,17 +209,17 @@ def _curve(function: Any) -> Curve:
 def _output(
     output: Output, made: Plan, functions: Functions, positions: Positions, lower: LowerNames
 ) -> SceneOutput:
-    found = made.outputs[output.name]
+    output_plan = made.outputs[output.name]
     upper = {name: term for (of, term), name in lower.items() if of == output.name}
     members: list[Member] = []
-    for i, member in enumerate(found.members):
+    for i, member in enumerate(output_plan.members):
         values = member.value is not None or not SHAPES[member.term.shape.kind].fuzzy
         curve = None if values else functions.curve(member.term.shape, member.hedges)
         members.append(
             {
                 "term": upper.get(member.term.name, member.term.name),
                 "isLower": member.term.name in upper,
-                "side": found.sides[i] if found.sides else UPPER,
+                "side": output_plan.sides[i] if output_plan.sides else UPPER,
                 "hedged": bool(member.hedges),
                 "words": " ".join(
                     [
@@ -228,12 +236,12 @@ def _output(
         **_variable(output, functions, positions, lower),
         "defuzzifier": str(output.defuzzifier),
         "aggregation": norm_number(SNORMS[output.aggregation], "S", functions),
-        "discrete": found.discrete,
+        "discrete": output_plan.discrete,
         "interval": output.defuzzifier.record.of == "ends",
-        "twoSided": bool(found.sides),
+        "twoSided": bool(output_plan.sides),
         "noRule": jsonable(output.no_rule),
         "members": members,
-        "asserted": [list(each) for each in found.contributions],
+        "asserted": [list(contribution) for contribution in output_plan.contributions],
     }
 
 
@@ -246,7 +254,7 @@ def _rules(
     for o, output in enumerate(made.outputs.values()):
         for member, index in output.contributions:
             concluded.setdefault(index, []).append([o, member])
-    names = [each.name for each in rulebase.inputs]
+    names = [variable.name for variable in rulebase.inputs]
     nodes = (statement.node for statement in reading.document.statements)
     written = {node.span.line: row_sentence(node) for node in nodes if isinstance(node, RuleNode)}
     found: list[SceneRule] = []
@@ -287,10 +295,10 @@ def _methods(rulebase: RuleBase, reading: Reading) -> list[Method]:
     """
     nodes = [statement.node for statement in reading.document.statements]
     written = {
-        ("" if node.target is None else str(node.target), str(each.key)): _value(each)
+        ("" if node.target is None else str(node.target), str(setting.key)): _value(setting)
         for node in nodes
         if isinstance(node, InferenceNode)
-        for each in node.settings
+        for setting in node.settings
     }
     norms = RuleBlock()
     usual = {"and": norms.conjunction, "or": norms.disjunction, "implication": norms.implication}

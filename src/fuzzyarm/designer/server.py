@@ -223,8 +223,8 @@ class Designer:
             return PlainTextResponse("not found", 404)
         name, content = found
         plain = "".join(c if c.isascii() and c not in '"\\%' else "_" for c in name)
-        said = f"attachment; filename=\"{plain}\"; filename*=UTF-8''{quote(name, safe='')}"
-        headers = {"Content-Disposition": said, "Content-Security-Policy": "default-src 'none'"}
+        text = f"attachment; filename=\"{plain}\"; filename*=UTF-8''{quote(name, safe='')}"
+        headers = {"Content-Disposition": text, "Content-Security-Policy": "default-src 'none'"}
         return Response(content, media_type="application/octet-stream", headers=headers)
 
     # --- The socket ---
@@ -299,7 +299,7 @@ class Designer:
 
     def _on(self, name: str) -> list[Window]:
         """Return the windows that have a file open."""
-        return [each for each in self.windows if name in each.files]
+        return [window for window in self.windows if name in window.files]
 
     def _hold(self, work: Coroutine[Any, Any, None]) -> None:
         """Run something beside the answering; a task that nobody holds may be dropped."""
@@ -345,10 +345,10 @@ class Designer:
             check = self._checks.pop(old, None)
             if check is not None:
                 check.cancel()  # nobody has the old name open any more
-            for each in self._on(old):
-                each.files = (each.files - {old}) | ({new} if new else set())
+            for window in self._on(old):
+                window.files = (window.files - {old}) | ({new} if new else set())
                 news: Moved = {"is": "moved", "file": old, "to": new}
-                told.append(each.tell(news))
+                told.append(window.tell(news))
         await asyncio.gather(*told)
         for _, new in moved:
             shared = self.workspace.opened(new)

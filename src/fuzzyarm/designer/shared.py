@@ -303,14 +303,16 @@ class SharedText:
             "summary": review.summary,
             "findings": [
                 {
-                    "name": each.name,
-                    "severity": str(each.severity),
-                    "message": each.message,
-                    "hint": each.hint,
-                    "range": positions.of(each.span),
-                    "fixes": [fix.preferred for fix in session.kind.fixes(session.reading, each)],
+                    "name": diagnostic.name,
+                    "severity": str(diagnostic.severity),
+                    "message": diagnostic.message,
+                    "hint": diagnostic.hint,
+                    "range": positions.of(diagnostic.span),
+                    "fixes": [
+                        fix.preferred for fix in session.kind.fixes(session.reading, diagnostic)
+                    ],
                 }
-                for each in review.diagnostics
+                for diagnostic in review.diagnostics
             ],
             "colours": [
                 [*positions.of(_span(word))[0], positions.of(_span(word))[1][1], word.colour]
@@ -376,27 +378,27 @@ class SharedText:
 
     def _complete(self, asked: requests.At) -> dict[str, Any]:
         kind, positions = self.session.kind, Positions(self.session.lines)
-        found = kind.complete(self.session.quick_reading, *self._place(asked.at))
+        candidates = kind.complete(self.session.quick_reading, *self._place(asked.at))
         return {
             "options": [
                 {
-                    "label": each.label,
-                    "detail": each.detail,
-                    "kind": each.kind,
-                    "insert": each.insert,
-                    "range": positions.of(each.span) if each.span else None,
+                    "label": candidate.label,
+                    "detail": candidate.detail,
+                    "kind": candidate.kind,
+                    "insert": candidate.insert,
+                    "range": positions.of(candidate.span) if candidate.span else None,
                 }
-                for each in found
+                for candidate in candidates
             ]
         }
 
     def _hover(self, asked: requests.At) -> dict[str, Any]:
-        found = self.session.hover(*self._place(asked.at))
-        if found is None:
+        hover = self.session.hover(*self._place(asked.at))
+        if hover is None:
             return {"markdown": ""}
         return {
-            "markdown": found.markdown,
-            "range": Positions(self.session.lines).of(found.span),
+            "markdown": hover.markdown,
+            "range": Positions(self.session.lines).of(hover.span),
         }
 
     def _rename(self, asked: requests.Rename) -> dict[str, Any]:
@@ -409,13 +411,14 @@ class SharedText:
     def _fixes(self, asked: requests.Fixes) -> dict[str, Any]:
         """Return the repairs of a finding, or of all in a line."""
         line, name = self._place(asked.at)[0], asked.name
-        found = self.session.review().diagnostics if self.session.reviewed else ()
+        diagnostics = self.session.review().diagnostics if self.session.reviewed else ()
         return {
             "fixes": [
-                {"title": fix.title, "of": each.name, **self._edits(fix.edits)}
-                for each in found
-                if each.span.line <= line <= each.span.end_line and name in (None, each.name)
-                for fix in self.session.kind.fixes(self.session.reading, each)
+                {"title": fix.title, "of": diagnostic.name, **self._edits(fix.edits)}
+                for diagnostic in diagnostics
+                if diagnostic.span.line <= line <= diagnostic.span.end_line
+                and name in (None, diagnostic.name)
+                for fix in self.session.kind.fixes(self.session.reading, diagnostic)
             ]
         }
 
@@ -428,9 +431,12 @@ class SharedText:
     def _shapes(self, asked: requests.Shapes) -> dict[str, Any]:
         shapes = [
             Reshaped(
-                each.variable, each.term, _shape(each), _shape(each.lower) if each.lower else None
+                shape.variable,
+                shape.term,
+                _shape(shape),
+                _shape(shape.lower) if shape.lower else None,
             )
-            for each in asked.shapes
+            for shape in asked.shapes
         ]
         return self._edits(set_shapes(self._rules, shapes))
 
@@ -568,7 +574,7 @@ _QUESTIONS: Mapping[str, Callable[[SharedText, Any], dict[str, Any]]] = {
 
 def _is_begun(reading: Reading) -> bool:
     """Whether the only mistake of a text is that something is not there yet."""
-    wrong = {each.name for each in reading.parsed.diagnostics if each.is_error}
+    wrong = {diagnostic.name for diagnostic in reading.parsed.diagnostics if diagnostic.is_error}
     return bool(wrong) and wrong <= INCOMPLETE
 
 

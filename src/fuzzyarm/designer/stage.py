@@ -108,7 +108,7 @@ def _fit(controller: Controller, name: str, plant: Plant) -> dict[str, Any]:
         nothing = {"trajectories": [], "shown": "", "carries": False, "reference": ""}
         return {"why": str(error), **nothing, "ports": []}
     label = site.interface.label
-    ports = [label(each) for each in (*site.interface.outputs, *site.interface.inputs)]
+    ports = [label(output) for output in (*site.interface.outputs, *site.interface.inputs)]
     return {"why": "", **followable(name, plant, label(followed)), "ports": ports}
 
 

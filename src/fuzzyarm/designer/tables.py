@@ -136,12 +136,12 @@ def table_error(session: Session, asked: TableErrorWork, job: Job) -> None:
     job.tell({"map": error_map(table, rulebase, mode, asked.axes)})
     if isinstance(model, LookupTable):
         job.progress("measuring the difference")
-        found = _fidelities(table, rulebase, mode)
-        lines += [fidelity_line(each) for each in found]
+        fidelities = _fidelities(table, rulebase, mode)
+        lines += [fidelity_line(fidelity) for fidelity in fidelities]
     else:
-        found = report.fidelities
+        fidelities = report.fidelities
         lines += report_lines(report, "table")
-    chosen = next((each for each in found if each.mode == mode), found[0])
+    chosen = next((fidelity for fidelity in fidelities if fidelity.mode == mode), fidelities[0])
     job.tell({"lines": lines, "worst": _worst(chosen, table, rulebase)})
     _prove_cells(table, rulebase, mode, job)
 
@@ -155,16 +155,16 @@ def _source_of(table: LookupTable, job: Job) -> tuple[RuleBase, str]:
     try:
         source = job.folder.session(name)
     except OutsideError:
-        said = f"the table says that it comes from '{printable(name)}', which is not in this folder"
-        raise ExportRefusedError(said) from None
+        text = f"the table says that it comes from '{printable(name)}', which is not in this folder"
+        raise ExportRefusedError(text) from None
     try:
         model = model_of(source)
     except FuzzyarmError as error:
         raise ExportRefusedError(f"{name}, which it was compiled from: {error}") from None
     if not isinstance(model, RuleBase):
         raise ExportRefusedError(f"{name} is not a rule base")
-    missing = set(table.names) - {each.name for each in model.inputs}
-    if missing or table.output not in {each.name for each in model.outputs}:
+    missing = set(table.names) - {variable.name for variable in model.inputs}
+    if missing or table.output not in {output.name for output in model.outputs}:
         raise ExportRefusedError(f"{name} has other inputs or another output by now")
     same = says.get("sha256") == hashlib.sha256(write(model).encode()).hexdigest()
     return model, "" if same else f"{name} has been changed since the table was compiled"
@@ -175,8 +175,8 @@ def _fidelities(table: LookupTable, rulebase: RuleBase, mode: str) -> tuple[Fide
     from dataclasses import replace
 
     proof = table_proof(rulebase, table.output)
-    found = measure_fidelity(table, rulebase, (mode, "linear"))
-    return tuple(replace(each, proved=proof(table, each.mode)) for each in found)
+    fidelities = measure_fidelity(table, rulebase, (mode, "linear"))
+    return tuple(replace(fidelity, proved=proof(table, fidelity.mode)) for fidelity in fidelities)
 
 
 def _worst(fidelity: Fidelity, table: LookupTable, rulebase: RuleBase) -> dict[str, Any]:
@@ -212,7 +212,7 @@ def error_map(table: LookupTable, rulebase: RuleBase, mode: str, axes: Axes) -> 
     y = axes.y or (names[-2] if len(names) > 1 else x)
     if x not in names or y not in names or (x == y and len(names) > 1):
         x, y = names[-1], names[-2] if len(names) > 1 else names[-1]
-    held = {each.name: _held(each, axes.at.get(each.name)) for each in table.axes}
+    held = {axis.name: _held(axis, axes.at.get(axis.name)) for axis in table.axes}
     xs, ys = (np.linspace(*_ends(table.axis(name)), ACROSS) for name in (x, y))
     mesh = {**{name: np.array(value) for name, value in held.items()}, x: xs[None, :]}
     if x != y:

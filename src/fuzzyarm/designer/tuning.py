@@ -102,7 +102,7 @@ def tunable(session: Session, asked: Nothing, job: Job) -> None:
         raise TextError("the text has mistakes: first mend what stands below it") from None
     loop = isinstance(subject, ControllerText)
     try:
-        parameters, why = [each.name for each in Design(subject).parameters], ""
+        parameters, why = [parameter.name for parameter in Design(subject).parameters], ""
     except TuneError as error:
         parameters, why = [], str(error)
     plants = plants_for(subject.model, job.plants) if isinstance(subject, ControllerText) else []
@@ -356,23 +356,23 @@ def _stage(order: Order, text: ControllerText) -> Stage:
     from fuzzyarm.loop.sweep import read_range
     from fuzzyarm.tuning.tune import stage_of
 
-    asked = order.asked
-    words = words_of(asked, Path(order.path).parent)
-    plant = plant_named(asked.plant, text.model, Plants(order.own))
+    work = order.asked
+    words = words_of(work, Path(order.path).parent)
+    plant = plant_named(work.plant, text.model, Plants(order.own))
     check_words(words, plant)
     with at_field("vary"):
-        vary = tuple(map(read_range, list_of(asked.vary)))
+        vary = tuple(map(read_range, list_of(work.vary)))
     plant = words.driven(plant)
     return stage_of(
         text,
         plant,
         words.options(plant),
         words.signals() or None,
-        seconds_of(asked.seconds),
+        seconds_of(work.seconds),
         words.connections(),
         vary,
-        payload=float(asked.payload is not False),
-        along=(asked.trajectory or None) if plant.trajectories else None,
+        payload=float(work.payload is not False),
+        along=(work.trajectory or None) if plant.trajectories else None,
     )
 
 
@@ -395,7 +395,7 @@ def _tuned(pipe: Connection, order: Order, enough: threading.Event) -> dict[str,
 
 
 def _reported(tuned: Tuned) -> dict[str, Any]:
-    files = [{"name": each.name, "new": each.new, "changed": each.changed} for each in tuned.files]
+    files = [{"name": file.name, "new": file.new, "changed": file.changed} for file in tuned.files]
     return {**tuned.as_data(), "diff": tuned.diff(), "files": files}
 
 
@@ -409,9 +409,9 @@ def _samples(order: Order, rulebase: RuleBase) -> dict[str, Any]:
             f"'{rulebase.name}' is a rule base alone: nothing says what is good",
             hint="put samples into the folder, or tune the controller that uses it",
         )
-    outputs = [each.name for each in rulebase.outputs]
+    outputs = [output.name for output in rulebase.outputs]
     known = len(outputs) == 1 and outputs[0] in column_names(samples["data"])
-    inputs = tuple(each.name for each in rulebase.inputs)
+    inputs = tuple(variable.name for variable in rulebase.inputs)
     columns = Columns(samples.get("target", outputs[0] if known else None), inputs)
     read = {name: read_samples(samples[name], columns) for name in samples if name != "target"}
     return {**read, "scenarios": None}
@@ -438,9 +438,9 @@ class Teller:
         self.found: dict[str, tuple[Found, float]] = {}
         """By phase, and when it was heard of."""
         pipe.send({"moving": [
-            {"name": each.name, "low": each.low, "high": each.high, "start": each.start,
-             "share": float(share)}
-            for each, share in zip(design.parameters, design.start, strict=True)
+            {"name": parameter.name, "low": parameter.low, "high": parameter.high,
+             "start": parameter.start, "share": float(share)}
+            for parameter, share in zip(design.parameters, design.start, strict=True)
         ]})  # fmt: skip
 
     def search(self, found: Found) -> None:
@@ -482,5 +482,5 @@ class Teller:
             news["best_shares"] = [float(share) for share in best]
             news["shares"] = [float(share) for share in trials[-1].point]
             pairs = zip(self.design.parameters, best, strict=True)
-            news["values"] = [each.value(float(share)) for each, share in pairs]
+            news["values"] = [parameter.value(float(share)) for parameter, share in pairs]
         self.pipe.send(news)

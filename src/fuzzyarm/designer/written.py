@@ -65,7 +65,7 @@ def page_of_text(text: str, path: Path) -> str:
     reading = read(text.replace("\r\n", "\n").replace("\r", "\n"), str(path))
     rulebase = reading.parsed.rulebase
     if rulebase is None:
-        mistakes = [each for each in reading.parsed.diagnostics if each.is_error]
+        mistakes = [diagnostic for diagnostic in reading.parsed.diagnostics if diagnostic.is_error]
         if mistakes:
             raise RuleBaseError(mistakes)
         raise NotWrittenError(f"{path} is a controller: a page is made of a rule base")
@@ -75,8 +75,8 @@ def page_of_text(text: str, path: Path) -> str:
         "colours": _colours(reading),
         "scene": scene_of(rulebase, reading),
         "held": {
-            each.name: held_numbers(rulebase, each.name)
-            for each in (*rulebase.inputs, *rulebase.outputs)
+            variable.name: held_numbers(rulebase, variable.name)
+            for variable in (*rulebase.inputs, *rulebase.outputs)
         },
         "places": _places(reading, rulebase),
         "version": __version__,

@@ -100,8 +100,8 @@ def board_folder(
     else:
         part = _routines_part(exported, stem, board)
     constants = part.library.writer.flash
-    known = Footprint(constants, part.state, part.stack, "its tables alone")
-    demand_fit(known, board, stem)
+    footprint = Footprint(constants, part.state, part.stack, "its tables alone")
+    demand_fit(footprint, board, stem)
     sources = {
         f"{stem}.h": part.library.header,
         f"{stem}.c": part.library.source,
@@ -151,7 +151,7 @@ def _controller_part(program: ControllerProgram, stem: str, board: Board) -> _Pa
     sorts = [sort for sort in ("reference", "measured", "drive") if steps.of_sort(sort)]
     types = {"reference": "reference", "measured": "measured", "drive": "drives"}
     declared = [f"static {stem}_{types[sort]} {sort};" for sort in sorts]
-    given = [*steps.of_sort("reference"), *steps.of_sort("measured")]
+    variables = [*steps.of_sort("reference"), *steps.of_sort("measured")]
     called = ", ".join(["&state", *(f"&{sort}" for sort in sorts)])
     call = Call(
         header=f"{stem}.h",
@@ -161,7 +161,7 @@ def _controller_part(program: ControllerProgram, stem: str, board: Board) -> _Pa
             *_rows("given", kind, rows, steps.precision.outside),
         ],
         start=[f"{stem}_init(&state);"],
-        load=[f"{_member(made, port)} = given[k][{k}];" for k, port in enumerate(given)],
+        load=[f"{_member(made, port)} = given[k][{k}];" for k, port in enumerate(variables)],
         call=f"{stem}_step({called});",
         count=len(rows),
         held=0,
@@ -324,7 +324,7 @@ def _outputs(routines: Sequence[Routine]) -> str:
 
 
 def _holds(routine: Routine) -> bool:
-    return any(each.name.startswith("last ") for each in routine.arguments)
+    return any(argument.name.startswith("last ") for argument in routine.arguments)
 
 
 def _scales(routine: Routine) -> list[Scale | None]:

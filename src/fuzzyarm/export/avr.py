@@ -154,8 +154,8 @@ def _say(words: Sequence[str], folder: Path) -> str:
     except (OSError, subprocess.TimeoutExpired) as error:
         raise ExportError(f"cannot measure with {words[0]}: {error}") from None
     if done.returncode != 0:
-        said = next(iter(done.stderr.strip().splitlines()), "it says nothing")
-        raise ExportError(f"{words[0]} failed: {said}")
+        text = next(iter(done.stderr.strip().splitlines()), "it says nothing")
+        raise ExportError(f"{words[0]} failed: {text}")
     return done.stdout + done.stderr
 
 

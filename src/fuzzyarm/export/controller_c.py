@@ -190,12 +190,12 @@ class CController:
         )
 
     def _axis_lines(self, axis: str) -> Iterator[str]:
-        for each in self.steps.variables.values():
-            if each.axis == axis and each.sort in ("signal", "state"):
-                member = self.axes[axis].new(each.name)
-                kind = self.kind_of(each)
-                self._know(each.symbol, f"s->{self.paths[axis]}{member}", kind)
-                remark = " /* remembered */" if each.sort == "state" else ""
+        for variable in self.steps.variables.values():
+            if variable.axis == axis and variable.sort in ("signal", "state"):
+                member = self.axes[axis].new(variable.name)
+                kind = self.kind_of(variable)
+                self._know(variable.symbol, f"s->{self.paths[axis]}{member}", kind)
+                remark = " /* remembered */" if variable.sort == "state" else ""
                 yield f"    {kind} {member};{remark}"
         for key, table in self.steps.learned.items():
             if table.axis == axis:
@@ -324,9 +324,9 @@ class CController:
                 " : s->until_set_point - 1u;",
             ]
         uses = self._uses()
-        for number, each in enumerate(self.steps.steps):
+        for number, step in enumerate(self.steps.steps):
             following = self.steps.steps[number + 1 : number + 2]
-            lines += self._step(each, following[0] if following else None, uses)
+            lines += self._step(step, following[0] if following else None, uses)
         if self.steps.needs_first:
             lines.append("s->first = 0;")
         return lines
@@ -334,8 +334,8 @@ class CController:
     def _uses(self) -> dict[str, int]:
         """Count how often each local variable is read."""
         found: dict[str, int] = {}
-        for each in self.steps.steps:
-            for name in reads(each):
+        for step in self.steps.steps:
+            for name in reads(step):
                 found[name] = found.get(name, 0) + 1
         return found
 
@@ -434,11 +434,11 @@ class CController:
     def init_lines(self) -> list[str]:
         """Return the statements of init."""
         lines = []
-        for each in self.steps.variables.values():
-            if each.sort in ("gain", "signal", "state"):
-                kind = self.steps.precision.wide if each.wide else self.steps.precision.outside
-                start = rounded([each.start], kind, f"'{each.name}'").tolist()[0]
-                lines.append(f"{self.targets[each.symbol]} = {c_number(start, kind)};")
+        for variable in self.steps.variables.values():
+            if variable.sort in ("gain", "signal", "state"):
+                kind = self.steps.precision.wide if variable.wide else self.steps.precision.outside
+                start = rounded([variable.start], kind, f"'{variable.name}'").tolist()[0]
+                lines.append(f"{self.targets[variable.symbol]} = {c_number(start, kind)};")
         if self.steps.needs_first:
             lines.append("s->first = 1;")
         if self.steps.needs_last:
@@ -518,8 +518,8 @@ class CController:
     def headers(self) -> list[str]:
         """Return the standard headers that are needed."""
         nodes: list[Node] = []
-        for each in self.steps.steps:
-            nodes += [each.value] if isinstance(each, Set) else []
+        for step in self.steps.steps:
+            nodes += [step.value] if isinstance(step, Set) else []
         found = {"math.h"} if needs_math_header(list(postorder(*nodes))) else set()
         for routine in self.steps.routines.values():
             found |= set(routine_headers(routine))
@@ -607,9 +607,9 @@ class CController:
         """Return roughly how many bytes the state takes."""
         size = {"float": 4, "double": 8}
         total = 8
-        for each in self.steps.variables.values():
-            if each.sort in ("gain", "signal", "state"):
-                total += size[self.kind_of(each)]
+        for variable in self.steps.variables.values():
+            if variable.sort in ("gain", "signal", "state"):
+                total += size[self.kind_of(variable)]
         for table in self.steps.learned.values():
             total += len(table.values) * (size[self.outer] + 8) + 4 * table.delay + 4
         return total

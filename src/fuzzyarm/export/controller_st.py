@@ -63,8 +63,8 @@ def controller_st(program: ControllerProgram, prefix: str) -> tuple[str, str]:
     """
     _require_bounds(program.text)
     with printable_only():
-        made = _Controller(program.steps, prefix)
-        return made.text(program.head()), made.name
+        controller = _Controller(program.steps, prefix)
+        return controller.text(program.head()), controller.name
 
 
 def _require_bounds(text: ControllerText) -> None:
@@ -116,8 +116,8 @@ class _Controller:
             ("reference", "VAR_INPUT"), ("measured", "VAR_INPUT"), ("gain", "VAR_INPUT"),
             ("drive", "VAR_OUTPUT"), ("signal", "VAR"), ("state", "VAR"),
         ):  # fmt: skip
-            for each in self.steps.of_sort(sort):
-                self._variable(each, title)
+            for variable in self.steps.of_sort(sort):
+                self._variable(variable, title)
         if self.steps.needs_first:
             self.language.rename[FIRST] = self.names.new("first")
             self.sections["VAR"].append(f"    {self.language.rename[FIRST]} : BOOL := TRUE;")
@@ -236,8 +236,8 @@ class _Controller:
             yield "ELSE"
             yield f"    {self.left} := {self.left} - 1;"
             yield "END_IF;"
-        for each in self.steps.steps:
-            yield from self._step(each)
+        for step in self.steps.steps:
+            yield from self._step(step)
         if self.steps.needs_first:
             yield f"{self.language.rename[FIRST]} := FALSE;"
 

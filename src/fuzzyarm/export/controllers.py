@@ -74,8 +74,8 @@ def with_tables(text: ControllerText, compile_output: Compile) -> ControllerText
         return found
 
     axes = tuple(
-        replace(each, lines=tuple(new for line in each.lines for new in lines_of(line)))
-        for each in text.model.axes
+        replace(axis, lines=tuple(new for line in axis.lines for new in lines_of(line)))
+        for axis in text.model.axes
     )
     return ControllerText(replace(text.model, axes=axes), sheets, text.path)
 
@@ -164,17 +164,18 @@ class ControllerProgram:
             ports = _by_port(steps, given)
             truth = plain.step(ports["measured"], ports["reference"])
             if replica is not None:
-                found = replica.step(given)
-                row = [float(found[each.symbol]) for each in drives]
+                values = replica.step(given)
+                row = [float(values[drive.symbol]) for drive in drives]
             else:
                 assert held is not None
                 known = truth if held is plain else held.step(*ports.values())
-                row = [float(outside(known[port_name(steps, each)])) for each in drives]
+                row = [float(outside(known[port_name(steps, drive)])) for drive in drives]
             inputs = [*steps.of_sort("reference"), *steps.of_sort("measured")]
-            given_rows.append([given[each.symbol] for each in inputs])
+            given_rows.append([given[variable.symbol] for variable in inputs])
             expected_rows.append(row)
             differences = (
-                abs(x - truth[port_name(steps, each)]) for x, each in zip(row, drives, strict=True)
+                abs(x - truth[port_name(steps, drive)])
+                for x, drive in zip(row, drives, strict=True)
             )
             worst = max([worst, *(d for d in differences if not math.isnan(d))])
         largest = max(
@@ -211,11 +212,11 @@ class ControllerProgram:
 
     def _port_words(self) -> list[str]:
         words = {"reference": "references", "measured": "measured", "drive": "drives"}
-        return [
-            f"{word}: {', '.join(port_name(self.steps, each) for each in self.steps.of_sort(sort))}"
-            for sort, word in words.items()
-            if self.steps.of_sort(sort)
-        ]
+        ports = {
+            sort: [port_name(self.steps, variable) for variable in self.steps.of_sort(sort)]
+            for sort in words
+        }
+        return [f"{words[sort]}: {', '.join(names)}" for sort, names in ports.items() if names]
 
     def _sheet_words(self) -> list[str]:
         lines = []
@@ -229,8 +230,8 @@ class ControllerProgram:
                 whole = f", in q{self.q}" if isinstance(core, FixedTable) else ""
                 lines.append(f"{name}: table of {shape} cells, looked up by {core.mode}{whole}")
         lines += [
-            f"{each.axis} {each.name}: table of {len(each.values)} cells that learns"
-            for each in self.steps.learned.values()
+            f"{learning.axis} {learning.name}: table of {len(learning.values)} cells that learns"
+            for learning in self.steps.learned.values()
         ]
         return lines
 
@@ -251,6 +252,8 @@ def port_name(steps: Steps, port: Variable) -> str:
 
 def _by_port(steps: Steps, given: dict[str, float]) -> dict[str, dict[str, float]]:
     return {
-        sort: {port_name(steps, each): given[each.symbol] for each in steps.of_sort(sort)}
+        sort: {
+            port_name(steps, variable): given[variable.symbol] for variable in steps.of_sort(sort)
+        }
         for sort in ("measured", "reference")
     }

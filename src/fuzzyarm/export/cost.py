@@ -77,19 +77,19 @@ def step_cost(text: ControllerText) -> StepCost:
     steps = steps_of(text)
     least, most, exported = Operations(), Operations(), Operations()
     asked: set[tuple[str, tuple[str, ...]]] = set()
-    for each in steps.steps:
-        if isinstance(each, Ask) and isinstance(steps.routines[each.routine], DirectRoutine):
-            routine = steps.routines[each.routine]
+    for step in steps.steps:
+        if isinstance(step, Ask) and isinstance(steps.routines[step.routine], DirectRoutine):
+            routine = steps.routines[step.routine]
             assert isinstance(routine, DirectRoutine)
             exported += routine.listing.operations()
             # The kernel finds all outputs of a rule base at once.
-            key = (routine.rulebase.name, each.inputs)
+            key = (routine.rulebase.name, step.inputs)
             if key not in asked:
                 asked.add(key)
                 low, high = rule_cost(routine.rulebase)
                 least, most = least + low, most + high
             continue
-        low, high = _cost(each, steps)
+        low, high = _cost(step, steps)
         least, most, exported = least + low, most + high, exported + high
     return StepCost(least, most, exported)
 
@@ -145,8 +145,8 @@ class _Programs:
     def __init__(self, layout: Layout) -> None:
         self.k, self.f, self.count = layout.whole, layout.floats, layout.programs
         self.kinds = {
-            address_of(each.block, 1, compiled=False): each
-            for each in (CLOSED, SAMPLES["gravity"], WEIGHTED)
+            address_of(program.block, 1, compiled=False): program
+            for program in (CLOSED, SAMPLES["gravity"], WEIGHTED)
         }
 
     def costs(self) -> Iterator[Operations]:
@@ -196,8 +196,8 @@ class _Programs:
             total += self._sampled(consequents, fold)
         elif kind is WEIGHTED:
             linear = k[head + at.DETAIL]
-            each = Operations({COMPARISONS: 1, SUMS: 2 + linear, PRODUCTS: 1 + linear})
-            total += _times(each, groups)
+            counts = Operations({COMPARISONS: 1, SUMS: 2 + linear, PRODUCTS: 1 + linear})
+            total += _times(counts, groups)
         else:
             total += Operations({"integrations": 1})
         return total + _SETTLE + _times(_MEAN, int(k[head + at.IS_MEAN] != 0)), here
@@ -214,9 +214,9 @@ class _Programs:
     def _sampled(self, consequents: list[int], fold: int) -> Operations:
         """Cut and fold each set over its stretch of samples, and add up from first to last."""
         total = Operations({COMPARISONS: len(consequents)})
-        ends = [(self.k[each], self.k[each + 1]) for each in consequents]
-        for each, (begin, end) in zip(consequents, ends, strict=True):
-            total += _norm(self.k[each + 3], end - begin) + _norm(fold, end - begin)
+        ends = [(self.k[consequent], self.k[consequent + 1]) for consequent in consequents]
+        for consequent, (begin, end) in zip(consequents, ends, strict=True):
+            total += _norm(self.k[consequent + 3], end - begin) + _norm(fold, end - begin)
         if ends:
             first, last = min(begin for begin, _ in ends), max(end for _, end in ends)
             total += _times(_SAMPLE, last - first)

@@ -74,14 +74,14 @@ def platforms_named(text: str, version: int) -> tuple[Platform, ...]:
     ExportError
         For a name that is not known, or not to this version of FMI.
     """
-    found = []
+    platforms = []
     for name in dict.fromkeys(part.strip() for part in text.split(",")):
         if name not in PLATFORMS:
             raise ExportError(f"no platform '{name}'", hint=f"there are {', '.join(PLATFORMS)}")
         if version not in PLATFORMS[name].folders:
             raise ExportError(f"version {version} of FMI does not know '{name}'", hint="--fmi 3")
-        found.append(PLATFORMS[name])
-    return tuple(found)
+        platforms.append(PLATFORMS[name])
+    return tuple(platforms)
 
 
 def controller_fmu(
@@ -234,15 +234,15 @@ def _entries(program: ControllerProgram, targets: dict[str, str]) -> Iterator[En
     """Yield what has a value reference, what may be set first."""
     steps = program.steps
     for sort in ("reference", "measured", "gain", "drive", "signal"):
-        for each in steps.of_sort(sort):
-            place = targets[each.symbol].replace("s->", "state.", 1).replace("->", ".", 1)
-            name = each.name if sort == "gain" else port_name(steps, each)
-            if each.number >= 0:
-                name = f"{name}[{each.number + 1}]"
+        for variable in steps.of_sort(sort):
+            place = targets[variable.symbol].replace("s->", "state.", 1).replace("->", ".", 1)
+            name = variable.name if sort == "gain" else port_name(steps, variable)
+            if variable.number >= 0:
+                name = f"{name}[{variable.number + 1}]"
             name = {"reference": f"reference.{name}", "measured": f"measured.{name}"}.get(
                 sort, f"signal.{name}" if sort == "signal" else name
             )
-            yield each, _structured(name), place
+            yield variable, _structured(name), place
 
 
 def _structured(name: str) -> str:
@@ -341,7 +341,7 @@ def _description(
 def _structure(root: Xml.Element, version: int, entries: Sequence[Entry]) -> None:
     """Say what is calculated: drives are, of what was measured when a period began."""
     structure = Xml.SubElement(root, "ModelStructure")
-    drives = [number for number, (each, _, _) in enumerate(entries) if each.sort == "drive"]
+    drives = [number for number, (variable, _, _) in enumerate(entries) if variable.sort == "drive"]
     if version == 3:
         for word in ("Output", "InitialUnknown"):
             for number in drives:

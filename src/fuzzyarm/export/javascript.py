@@ -223,8 +223,8 @@ def kernel_source() -> str:
         translation.function(evaluate, [Array.REALS])
     translation.function(degree_on_corners, [Array.REALS, Scalar.REAL])
     blocks = {
-        each.name: translation.function(each.block, [Array.REALS], each.bindings).name
-        for each in PROGRAMS
+        program.name: translation.function(program.block, [Array.REALS], program.bindings).name
+        for program in PROGRAMS
     }
     names = ", ".join(f"{name}: {block}" for name, block in blocks.items())
     return f"{translation.text()}\nconst PROGRAMS_BY_NAME = {{ {names} }};\n"
@@ -282,7 +282,7 @@ def _function(kind: Kind, second: str) -> str:
     arguments = ", ".join([*firsts, *numbers])
     if not lines:
         return f"({arguments}) => {result}"
-    return "\n".join([f"({arguments}) => {{", *(f"    {each}" for each in lines),
+    return "\n".join([f"({arguments}) => {{", *(f"    {line}" for line in lines),
                       f"    return {result};", "  }"])  # fmt: skip
 
 
@@ -327,8 +327,8 @@ def rule_base_module(rulebase: RuleBase, source: str = "") -> str:
             hint="a table as FILE.json can be looked up there",
         ) from error
     ranges = {
-        "inputs": [_range(each) for each in rulebase.inputs],
-        "outputs": [_range(each) for each in rulebase.outputs],
+        "inputs": [_range(variable) for variable in rulebase.inputs],
+        "outputs": [_range(output) for output in rulebase.outputs],
     }
     origin = _comment(f"{rulebase.name} {rulebase.description}".strip(), source)
     parts = [
@@ -357,8 +357,8 @@ export function inferMany(given) {
 
 
 def _comment(title: str, source: str) -> list[str]:
-    made = f"made by fuzzyarm {__version__}; do not edit: make it again from its source"
-    lines = [made, f"rule base: {printable(title)}"]
+    text = f"made by fuzzyarm {__version__}; do not edit: make it again from its source"
+    lines = [text, f"rule base: {printable(title)}"]
     lines += [f"source: {printable(source)}"] if source else []
     return [f"// {line}" for line in lines]
 
@@ -382,9 +382,9 @@ def script_json(data: Any) -> str:
 def _used(functions: Iterable[dict[str, Any]]) -> Library:
     """Return the kinds that some functions are made of."""
     shapes, tnorms, snorms, hedges = set[str](), set[str](), set[str](), set[str]()
-    for each in functions:
-        shapes |= {each["shape"]} if "shape" in each else set()
-        hedges |= {name for name, _ in each.get("hedges", ())}
-        if "norm" in each:
-            (tnorms if each["sort"] == "T" else snorms).add(each["norm"])
+    for function in functions:
+        shapes |= {function["shape"]} if "shape" in function else set()
+        hedges |= {name for name, _ in function.get("hedges", ())}
+        if "norm" in function:
+            (tnorms if function["sort"] == "T" else snorms).add(function["norm"])
     return Library(sorted(shapes), sorted(tnorms), sorted(snorms), sorted(hedges))

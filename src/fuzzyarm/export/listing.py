@@ -131,7 +131,7 @@ class Listing:
                 self.reads |= self._symbols(statement.value)
         self._taken = {
             *program.given,
-            *(name for each in program.variables for name in _sets(each)),
+            *(name for variable in program.variables for name in _sets(variable)),
         }
         self.body: list[Statement | Loop | Walked] = []
         for each in reversed(needed):
@@ -153,36 +153,36 @@ class Listing:
         A variable that is set more than once stands for its last part only: before that,
         another use of a part is written out.
         """
-        last = {name: i for i, each in enumerate(program.variables) for name in _sets(each)}
-        known: dict[Node, Node] = {}
+        last = {name: i for i, variable in enumerate(program.variables) for name in _sets(variable)}
+        nodes: dict[Node, Node] = {}
         growing: dict[str, Node] = {}
         written: list[Assign | Loop | Walked] = []
-        for index, each in enumerate(program.variables):
-            if isinstance(each, Walk):
-                parts_of_walk = (self._written(p, program.calls, known, {}) for p in each.parts)
-                written.append(Walked(each, tuple(parts_of_walk)))
+        for index, variable in enumerate(program.variables):
+            if isinstance(variable, Walk):
+                parts_of_walk = (self._written(p, program.calls, nodes, {}) for p in variable.parts)
+                written.append(Walked(variable, tuple(parts_of_walk)))
                 continue
-            if isinstance(each, SampleSums):
+            if isinstance(variable, SampleSums):
                 parts = {
-                    name: self._written(part, program.calls, known, {})
-                    for name, part in each.parts.items()
+                    name: self._written(part, program.calls, nodes, {})
+                    for name, part in variable.parts.items()
                 }
-                columns = {name: symbol(element(each, name)) for name in each.columns}
+                columns = {name: symbol(element(variable, name)) for name in variable.columns}
                 body = (
                     step._replace(value=substitute(step.value, {**parts, **columns}))
-                    for step in each.body
+                    for step in variable.body
                 )
-                written.append(Loop(each, tuple(body)))
+                written.append(Loop(variable, tuple(body)))
                 continue
-            before = growing.get(each.name)
-            if each.value is not before:  # else nothing was added: it is closed here
-                own = {} if before is None else {before: symbol(each.name)}
-                value = self._written(each.value, program.calls, known, own)
-                written.append(each._replace(value=value))
-            growing[each.name] = each.value
-            if index == last[each.name]:
-                known[each.value] = symbol(each.name)
-        return written, self._written(program.result, program.calls, known, {})
+            before = growing.get(variable.name)
+            if variable.value is not before:  # else nothing was added: it is closed here
+                own = {} if before is None else {before: symbol(variable.name)}
+                value = self._written(variable.value, program.calls, nodes, own)
+                written.append(variable._replace(value=value))
+            growing[variable.name] = variable.value
+            if index == last[variable.name]:
+                nodes[variable.value] = symbol(variable.name)
+        return written, self._written(program.result, program.calls, nodes, {})
 
     def _written(
         self,
@@ -191,24 +191,24 @@ class Listing:
         known: Mapping[Node, Node],
         own: Mapping[Node, Node],
     ) -> Node:
-        made: dict[Node, Node] = {}
+        nodes: dict[Node, Node] = {}
         waiting = [(root, False)]
         while waiting:
             node, ready = waiting.pop()
             if node in own or node in known:
-                made[node] = own[node] if node in own else known[node]
+                nodes[node] = own[node] if node in own else known[node]
                 continue
             call = calls.get(node)
             parts = children(node) if call is None else (call.argument,)
             if not ready:
-                waiting += [(node, True), *((part, False) for part in parts if part not in made)]
+                waiting += [(node, True), *((part, False) for part in parts if part not in nodes)]
             elif call is not None:
-                made[node] = self._called(call, made[call.argument])
+                nodes[node] = self._called(call, nodes[call.argument])
             elif isinstance(node, Apply):
-                made[node] = apply(node.operation, *(made[part] for part in parts))
+                nodes[node] = apply(node.operation, *(nodes[part] for part in parts))
             else:
-                made[node] = node
-        return made[root]
+                nodes[node] = node
+        return nodes[root]
 
     def _called(self, call: Call, argument: Node) -> Node:
         """Return a symbol that is printed as the call of a function."""
@@ -243,10 +243,10 @@ class Listing:
     def variables(self) -> set[str]:
         """The names of all variables."""
         found: set[str] = set()
-        for each in self.body:
-            found |= {*_sets(each)}
-            if not isinstance(each, Walked):
-                found |= set(variables(each.body if isinstance(each, Loop) else (each,)))
+        for loop in self.body:
+            found |= {*_sets(loop)}
+            if not isinstance(loop, Walked):
+                found |= set(variables(loop.body if isinstance(loop, Loop) else (loop,)))
         return found
 
     def operations(self) -> Counter[str]:
@@ -377,13 +377,13 @@ def spread(name: str, root: Node, taken: Iterable[str]) -> tuple[tuple[Statement
 
 def _needs_variables(root: Node) -> bool:
     """Return whether an operation in `root` is needed twice, or it nests too deep."""
-    seen: set[Node] = set()
+    nodes: set[Node] = set()
     depth: dict[Node, int] = {}
     for node in postorder(root):
         operands = [child for child in children(node) if isinstance(child, Apply)]
-        if not seen.isdisjoint(operands) or len(set(operands)) < len(operands):
+        if not nodes.isdisjoint(operands) or len(set(operands)) < len(operands):
             return True
-        seen |= set(operands)
+        nodes |= set(operands)
         depth[node] = 1 + max((depth[child] for child in operands), default=0)
     return depth[root] > _DEEPEST
 

@@ -133,13 +133,13 @@ class _Module:
         name = operation.name
         if name not in _FUNCTIONS:
             return operation.python
-        made = _FUNCTIONS[name]
-        for each in re.findall(r"_\w+", made):
+        text = _FUNCTIONS[name]
+        for each in re.findall(r"_\w+", text):
             self._own(each)
-        called = made
-        if "(" in made:
-            called = f"_{name}_of" if f"_{name}" in made else f"_{name}"
-            self.helper(f"{called} = {made}\n")
+        called = text
+        if "(" in text:
+            called = f"_{name}_of" if f"_{name}" in text else f"_{name}"
+            self.helper(f"{called} = {text}\n")
         return f"{called}({', '.join(f'{{{i}}}' for i in range(operation.arity))})"
 
     def _own(self, name: str) -> None:
@@ -251,13 +251,13 @@ def _rules(routine: DirectRoutine, module: _Module, parameters: Sequence[str]) -
         if name in listing.reads:
             function = module.helper(_function(call, module))
             language.rename[name] = f"{function}({language.expression(argument)})"
-    for each in listing.body:
-        if isinstance(each, Walked):
+    for loop in listing.body:
+        if isinstance(loop, Walked):
             way = routine.rulebase.output(routine.name).defuzzifier
             raise ExportError(
                 f"the {way} of '{routine.name}' is not exported to MicroPython", hint=TABLE_HINT
             )
-        lines += _loop(each, module, language) if isinstance(each, Loop) else _one(each, language)
+        lines += _loop(loop, module, language) if isinstance(loop, Loop) else _one(loop, language)
     return [*lines, f"return {language.expression(listing.result)}"]
 
 

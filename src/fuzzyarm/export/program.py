@@ -111,12 +111,12 @@ class Program:
     @property
     def walks(self) -> tuple[Walk, ...]:
         """What is walked over tables, in order."""
-        return tuple(each for each in self.variables if isinstance(each, Walk))
+        return tuple(variable for variable in self.variables if isinstance(variable, Walk))
 
     @property
     def sums(self) -> tuple[SampleSums, ...]:
         """The sums over samples, in order."""
-        return tuple(each for each in self.variables if isinstance(each, SampleSums))
+        return tuple(variable for variable in self.variables if isinstance(variable, SampleSums))
 
     @cached_property
     def nodes(self) -> tuple[Node, ...]:
@@ -129,9 +129,9 @@ class Program:
     def over_arrays(self, values: Mapping[str, Any], real: type) -> Any:
         """Return the output at arguments by :attr:`given`, every operation rounded to `real`."""
         known = dict(values)
-        for each in self.variables:
-            if isinstance(each, SampleSums | Walk):
-                known |= each.over_arrays(known, real)
+        for variable in self.variables:
+            if isinstance(variable, SampleSums | Walk):
+                known |= variable.over_arrays(known, real)
         # C has the functions of its library, in double precision those of Python.
         in_doubles = np.dtype(real) == np.float64
         return evaluate_arrays(self.result, known, real, self._order, as_floats=in_doubles)
@@ -163,10 +163,10 @@ def _words(expression: Antecedent) -> str:
         hedges = "".join(f"{hedge.name} " for hedge in expression.hedges)
         return f"{hedges}({_words(expression.operand)})"
     joined = " and " if isinstance(expression, And) else " or "
-    inner = (_words(each) for each in expression.operands)
+    inner = (_words(operand) for operand in expression.operands)
     return joined.join(
-        text if isinstance(each, Is | Hedged) else f"({text})"
-        for each, text in zip(expression.operands, inner, strict=True)
+        text if isinstance(operand, Is | Hedged) else f"({text})"
+        for operand, text in zip(expression.operands, inner, strict=True)
     )
 
 
@@ -448,7 +448,7 @@ class _Builder:
     def _union(self, output: OutputPlan) -> Part:
         # In the order of the sets, as the kernel adds them up.
         ordered = sorted(self.heights[output.output.name].items())
-        heights = {member: each for member, (_, each) in ordered}
+        heights = {member: node for member, (_, node) in ordered}
         if output.closed is not None:
             parts = list(clipped_union(output, heights, self.call))
         else:

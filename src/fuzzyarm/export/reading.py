@@ -57,7 +57,9 @@ def read(function: Callable[..., Any], cells: Cells, *arguments: Any) -> Any:
         Its arguments; ``s`` is given as `cells`, the code as a list.
     """
     trial = _Trial(cells)
-    result = _Reader(function, trial).run([trial if each is cells else each for each in arguments])
+    result = _Reader(function, trial).run(
+        [trial if argument is cells else argument for argument in arguments]
+    )
     for index, value in trial.written.items():
         cells.store(index, value)
     return result
@@ -102,7 +104,7 @@ class _Reader:
 
     def run(self, arguments: list[Any]) -> Any:
         source = _source(self.function)
-        names = [each.arg for each in source.args.args]
+        names = [argument.arg for argument in source.args.args]
         self.known = dict(zip(names, arguments, strict=True))
         *body, last = source.body
         self.statements(body)
@@ -206,15 +208,15 @@ class _Reader:
     def joined(self, each: ast.BoolOp) -> Any:
         """Join conditions, as far as the known ones do not decide."""
         conjunction = isinstance(each.op, ast.And)
-        found: Node | None = None
+        node: Node | None = None
         for part in each.values:
             value = self.value(part)
             if isinstance(value, Node):
                 joined = "both" if conjunction else "either"
-                found = value if found is None else apply(joined, found, value)
+                node = value if node is None else apply(joined, node, value)
             elif bool(value) != conjunction:
                 return value
-        return conjunction if found is None else found
+        return conjunction if node is None else node
 
     def called(self, each: ast.Call) -> Any:
         if isinstance(each.func, ast.Attribute):  # math.isnan(x)

@@ -43,22 +43,22 @@ class Replica:
         self.program = steps
         self.real = steps.precision.wide
         self._orders: dict[Node, Schedule] = {}
-        self._routines = {name: _call_of(each) for name, each in steps.routines.items()}
+        self._routines = {name: _call_of(routine) for name, routine in steps.routines.items()}
         self.start()
 
     def start(self) -> None:
         """Forget everything."""
         steps = self.program
         self.values: dict[str, Any] = {
-            name: self.real(self._held(each)) for name, each in steps.variables.items()
+            name: self.real(self._held(variable)) for name, variable in steps.variables.items()
         }
         held = np.float32 if steps.single else np.float64
         self.tables = {
-            name: np.array(each.values, held).astype(self.real)
-            for name, each in steps.learned.items()
+            name: np.array(learning.values, held).astype(self.real)
+            for name, learning in steps.learned.items()
         }
         self.visits = {name: np.zeros(len(t), np.int64) for name, t in self.tables.items()}
-        self._rings = {name: [-1] * each.delay for name, each in steps.learned.items()}
+        self._rings = {name: [-1] * learning.delay for name, learning in steps.learned.items()}
         self._judges = {
             name: np.asarray(table.values, held).ravel().astype(self.real)
             for name, table in steps.judges.items()
@@ -77,9 +77,12 @@ class Replica:
         self._periods += 1
         self.values[FIRST] = np.bool_(self._periods == 1)
         self.values[LAST] = np.bool_(self._periods % self.program.model.every == 0)
-        for each in self.program.steps:
-            self._run(each)
-        return {each.symbol: self.values[each.symbol] for each in self.program.of_sort("drive")}
+        for step in self.program.steps:
+            self._run(step)
+        return {
+            variable.symbol: self.values[variable.symbol]
+            for variable in self.program.of_sort("drive")
+        }
 
     def _run(self, each: Step) -> None:
         values = self.values
@@ -161,12 +164,12 @@ def trial(steps: Steps, periods: int, seed: int = 1) -> Iterator[dict[str, float
     """
     draw = np.random.default_rng(seed)
     outside = steps.precision.outside
-    references = {each: draw.uniform(0.2, 2.0, 2) for each in steps.of_sort("reference")}
-    errors = {each: draw.uniform(0.05, 0.4, 2) for each in steps.of_sort("measured")}
+    references = {variable: draw.uniform(0.2, 2.0, 2) for variable in steps.of_sort("reference")}
+    errors = {variable: draw.uniform(0.05, 0.4, 2) for variable in steps.of_sort("measured")}
     for k in range(periods):
         given = {
-            each.symbol: float(outside(a * math.sin(0.05 * b * k)))
-            for each, (a, b) in references.items()
+            variable.symbol: float(outside(a * math.sin(0.05 * b * k)))
+            for variable, (a, b) in references.items()
         }
         for each, (a, b) in errors.items():
             size = 10.0 ** (4.0 * math.sin(a * k + 1.0) * math.cos(0.3 * b * k) - 1.5)

@@ -308,12 +308,12 @@ def direct_routine(
 
 def corners_of(variable: Input) -> list[float]:
     """Return the ends of a variable and where its terms start, end or bend, in order."""
-    found = {x for x in (variable.low, variable.high) if math.isfinite(x)}
+    values = {x for x in (variable.low, variable.high) if math.isfinite(x)}
     for term in variable.terms:
         straight = SHAPES[term.shape.kind].straight
         edges = [x for x, _ in polyline(term.shape)] if straight else corner_points(term.shape)
-        found |= {x for x in edges if math.isfinite(x)}
-    return sorted(found) or [0.0]
+        values |= {x for x in edges if math.isfinite(x)}
+    return sorted(values) or [0.0]
 
 
 def _forgiving(rulebase: RuleBase) -> RuleBase:

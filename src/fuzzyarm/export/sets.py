@@ -73,14 +73,14 @@ def times(a: Node, b: Number) -> Node:
 
 def with_ends(root: Node, low: float, high: float) -> Node:
     """Return an expression with two numbers in place of the infinite ones."""
-    made: dict[Node, Node] = {}
+    nodes: dict[Node, Node] = {}
     for node in postorder(root):
-        made[node] = node
+        nodes[node] = node
         if isinstance(node, Constant) and math.isinf(node.value):
-            made[node] = constant(high if node.value > 0.0 else low)
+            nodes[node] = constant(high if node.value > 0.0 else low)
         elif isinstance(node, Apply):
-            made[node] = apply(node.operation, *(made[child] for child in node.arguments))
-    return made[root]
+            nodes[node] = apply(node.operation, *(nodes[child] for child in node.arguments))
+    return nodes[root]
 
 
 def where(condition: Node, then: Number, otherwise: Number) -> Node:

@@ -221,7 +221,7 @@ class Steps:
 
     def of_sort(self, sort: str) -> list[Variable]:
         """Return the variables of a sort, in order."""
-        return [each for each in self.variables.values() if each.sort == sort]
+        return [variable for variable in self.variables.values() if variable.sort == sort]
 
     @property
     def single(self) -> bool:
@@ -231,7 +231,7 @@ class Steps:
     @cached_property
     def calls_functions(self) -> bool:
         """Whether a routine calls functions whose last bits may differ between libraries."""
-        return any(getattr(each, "calls_functions", False) for each in self.routines.values())
+        return any(getattr(routine, "calls_functions", False) for routine in self.routines.values())
 
 
 class RoutineOptions(NamedTuple):
@@ -325,9 +325,9 @@ class _Walk:
             begin = 1 + at.INSTRUCTION * number
             self._instruction(begin, *self.code[begin : begin + at.INSTRUCTION])
         # Drives of one port add up in the arithmetic of the run; the sum is rounded once.
-        for each in self.made.of_sort("drive"):
-            value = symbol(self.scratch[self.drives[each.symbol]])
-            self.made.steps.append(Set(each.symbol, value, rounded=True))
+        for variable in self.made.of_sort("drive"):
+            value = symbol(self.scratch[self.drives[variable.symbol]])
+            self.made.steps.append(Set(variable.symbol, value, rounded=True))
         return self.made
 
     # --- Names ---
@@ -365,9 +365,9 @@ class _Walk:
             into = self.code[other + 1]
             if into in self.signals:
                 return self.signals[into]
-            found = self.made.variables.get(self.symbols.get(into, ""))
-            if found is not None:
-                return found.axis, found.name
+            variable = self.made.variables.get(self.symbols.get(into, ""))
+            if variable is not None:
+                return variable.axis, variable.name
         raise AssertionError("the result of an instruction is not used")
 
     def _local(self, wanted: str = "") -> str:
@@ -499,12 +499,12 @@ class _Walk:
             if name == "excess":
                 self._excess(cell, begin)
             arguments[name] = self.load(cell)
-        given = self._argued(kind.expression, arguments)
+        node = self._argued(kind.expression, arguments)
         if kind.rounded:
-            given = as_node(self.rounded(given))
+            node = as_node(self.rounded(node))
         for cell, root in enumerate(kind.nexts, frame + 1):
-            self.store(cell, replace(self._argued(root, arguments), {VALUE: given}))
-        return given
+            self.store(cell, replace(self._argued(root, arguments), {VALUE: node}))
+        return node
 
     def _argued(self, root: Node, arguments: dict[str, Any]) -> Node:
         """Return an expression of an update with its arguments, and what follows from them."""
@@ -512,9 +512,9 @@ class _Walk:
         root = replace(specialise(root, numbers), arguments)
         for state in self.unseen & set(symbols(root)):
             nan = unseen(symbol(state))
-            seen = substituted(root, nan, symbol(FIRST) | nan)
-            self.made.needs_first |= seen is not root
-            root = seen
+            node = substituted(root, nan, symbol(FIRST) | nan)
+            self.made.needs_first |= node is not root
+            root = node
         return root
 
     def _excess(self, cell: int, begin: int) -> None:
@@ -600,8 +600,8 @@ class _Walk:
                 path=self.text.path,
             )
         # Signals in single precision find their cell among thresholds in single precision.
-        signals = [self.made.variables.get(each) for each in inputs]
-        narrow = all(each is not None and not each.wide for each in signals)
+        signals = [self.made.variables.get(variable) for variable in inputs]
+        narrow = all(signal is not None and not signal.wide for signal in signals)
         core = self._core(table, narrow=narrow)
         for known, routine in self.made.routines.items():
             if isinstance(routine, TableRoutine) and _same_table(routine.core, core):

@@ -262,7 +262,7 @@ class CellBlock(TableBlock):
         """Return the block, without the values of the table."""
         lines, cell = self._found_cell()
         self.output = cell
-        self.variables = [each for each in self.variables if each[0] != cell]
+        self.variables = [variable for variable in self.variables if variable[0] != cell]
         return "\n".join(
             [
                 f"FUNCTION_BLOCK {self.name}",

@@ -129,8 +129,8 @@ class Walk:
     def layout(self) -> OutputLayout:
         """The tables, with the numbers of :attr:`functions`."""
         self.functions  # noqa: B018  (they are numbered while the layout is written)
-        found: OutputLayout = vars(self)["layout"]
-        return found
+        output_layout: OutputLayout = vars(self)["layout"]
+        return output_layout
 
     @property
     def function(self) -> Callable[..., Any]:

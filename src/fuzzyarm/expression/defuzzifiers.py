@@ -137,7 +137,7 @@ class DefuzzifierKind(Kind):
     @cached_property
     def rises(self) -> bool:
         """Whether its value is known to rise with each of its numbers."""
-        return all(isinstance(each, Constant) and each.value >= 0.0 for each in self._slopes)
+        return all(isinstance(slope, Constant) and slope.value >= 0.0 for slope in self._slopes)
 
     @cached_property
     def is_between(self) -> bool:
@@ -145,7 +145,7 @@ class DefuzzifierKind(Kind):
         if not self.rises or self.of == "sum" or self.inverts:
             return False
         nothing = evaluate(self.expression, dict.fromkeys(self.symbols, 0.0))
-        return nothing == 0.0 and sum(each.value for each in self._slopes) == 1.0  # type: ignore[attr-defined]
+        return nothing == 0.0 and sum(slope.value for slope in self._slopes) == 1.0  # type: ignore[attr-defined]
 
     @cached_property
     def _slopes(self) -> tuple[Node, ...]:
@@ -219,12 +219,12 @@ def defuzzifier(name: str, value: Callable[..., X], **facts: Any) -> Defuzzifier
     'top'
     """
     kind = DefuzzifierKind(name, (), value, **{"own": True, **facts})
-    unknown = [each for each in kind.symbols if each not in _ASPECT_OF]
+    unknown = [symbol for symbol in kind.symbols if symbol not in _ASPECT_OF]
     if unknown:
         raise KindError(f"no aggregate has the argument '{unknown[0]}' of '{name}'", name)
     if not kind.symbols:
         raise KindError(f"the value of '{name}' takes nothing of an aggregate", name)
-    others = [each for each in kind.symbols if _ASPECT_OF[each] != kind.of]
+    others = [symbol for symbol in kind.symbols if _ASPECT_OF[symbol] != kind.of]
     if others:
         both = f"{kind.symbols[0]} and {others[0]}"
         raise KindError(f"'{name}' takes {both}, which do not go together", name)

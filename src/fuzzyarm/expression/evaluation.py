@@ -71,10 +71,10 @@ def specialise(root: Node, values: Mapping[str, float]) -> Node:
     A part without symbols becomes its value, with the bits that :func:`evaluate` gives, and
     a choice by such a condition becomes its branch. Nothing else is simplified: x + 0 stays.
     """
-    made: dict[Node, Node] = {}
+    nodes: dict[Node, Node] = {}
     for node in postorder(replace(root, values)):
-        made[node] = _folded(node, made) if isinstance(node, Apply) else node
-    return made[node]
+        nodes[node] = _folded(node, nodes) if isinstance(node, Apply) else node
+    return nodes[node]
 
 
 def _folded(node: Apply, made: Mapping[Node, Node]) -> Node:
@@ -118,7 +118,7 @@ def library_function(name: str) -> Callable[..., Any]:
     plain = getattr(scalar, "__wrapped__", scalar)  # which raises where there is no value
 
     def function(*arguments: Any) -> Any:
-        arrays = [np.asarray(each, dtype=float) for each in arguments]
+        arrays = [np.asarray(argument, dtype=float) for argument in arguments]
         shape = np.broadcast_shapes(*(array.shape for array in arrays))
         columns = [
             np.broadcast_to(array, shape).ravel().tolist()
@@ -127,10 +127,10 @@ def library_function(name: str) -> Callable[..., Any]:
             for array in arrays
         ]
         try:
-            found = np.fromiter(map(plain, *columns), float, math.prod(shape))
+            values = np.fromiter(map(plain, *columns), float, math.prod(shape))
         except (ArithmeticError, ValueError):
-            found = np.fromiter(map(scalar, *columns), float, math.prod(shape))
-        return found.reshape(shape)
+            values = np.fromiter(map(scalar, *columns), float, math.prod(shape))
+        return values.reshape(shape)
 
     return function
 
@@ -291,17 +291,17 @@ def bounds(root: Node, ranges: Mapping[str, tuple[float, float]]) -> Interval:
 
 
 def _bounds_of_nodes(root: Node, ranges: Mapping[str, tuple[float, float]]) -> dict[Node, Interval]:
-    found: dict[Node, Interval] = {}
+    intervals: dict[Node, Interval] = {}
     for node in postorder(root):
         if isinstance(node, Constant):
-            found[node] = Interval(node.value, node.value)
+            intervals[node] = Interval(node.value, node.value)
         elif isinstance(node, Apply):
             operation = OPERATIONS[node.operation]
-            arguments = [found[argument] for argument in node.arguments]
-            found[node] = _rounded(operation.bounds(*arguments), exact=operation.exact)
+            arguments = [intervals[argument] for argument in node.arguments]
+            intervals[node] = _rounded(operation.bounds(*arguments), exact=operation.exact)
         else:
-            found[node] = Interval(*ranges[node.name])  # type: ignore[attr-defined]
-    return found
+            intervals[node] = Interval(*ranges[node.name])  # type: ignore[attr-defined]
+    return intervals
 
 
 _DOMAINS: dict[str, Callable[..., bool]] = {
@@ -330,12 +330,12 @@ def has_value(root: Node, ranges: Mapping[str, tuple[float, float]]) -> bool:
     root, ranges
         As for :func:`bounds`.
     """
-    found = _bounds_of_nodes(root, ranges)
-    for node, interval in found.items():
+    intervals = _bounds_of_nodes(root, ranges)
+    for node, interval in intervals.items():
         if not (math.isfinite(interval.low) and math.isfinite(interval.high)):
             return False
         domain = _DOMAINS.get(node.operation) if isinstance(node, Apply) else None
-        if domain and not domain(*(found[argument] for argument in children(node))):
+        if domain and not domain(*(intervals[argument] for argument in children(node))):
             return False
     return True
 

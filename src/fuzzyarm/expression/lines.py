@@ -75,15 +75,15 @@ class Lines(NamedTuple):
         import numpy as np
 
         first, last = self._sloping_ends()
-        found = np.empty(np.shape(x))
-        found[...] = _over_line(self.between[last], x)
+        values = np.empty(np.shape(x))
+        values[...] = _over_line(self.between[last], x)
         for i in range(last - 1, -1, -1):
             edge, line = self.edges[i], self.between[i]
             if i >= first:
-                np.copyto(found, _over_line(line, x), where=x < edge)
+                np.copyto(values, _over_line(line, x), where=x < edge)
             if self.heights[i] != self.between[i + 1].at(edge):
-                np.copyto(found, self.heights[i], where=x == edge)
-        return found
+                np.copyto(values, self.heights[i], where=x == edge)
+        return values
 
     def _sloping_ends(self) -> tuple[int, int]:
         """Return the first and the last line that say something of their own.
@@ -192,18 +192,18 @@ def sampled_degrees(corners: Sequence[Corner], positions: Sequence[float]) -> li
     """
     lines = lines_through(corners)
     ends = [(a, b) for a, b in pairwise(corners) if a[0] != b[0]]
-    found = []
+    values = []
     i = 0  # of the first edge that is not in front of the sample
     for x in positions:
         while i < len(lines.edges) and lines.edges[i] < x:
             i += 1
         if i < len(lines.edges) and lines.edges[i] == x:
-            found.append(lines.heights[i])
+            values.append(lines.heights[i])
         elif i in {0, len(lines.edges)}:
-            found.append(lines.between[i].height)
+            values.append(lines.between[i].height)
         else:
             (x_0, y_0), (x_1, y_1) = ends[i - 1]
             low, high = min(y_0, y_1), max(y_0, y_1)
             way = x - x_0 if y_0 <= y_1 else x_1 - x
-            found.append(min(high, low + (high - low) * way / (x_1 - x_0)))
-    return found
+            values.append(min(high, low + (high - low) * way / (x_1 - x_0)))
+    return values

@@ -242,28 +242,28 @@ def replace(root: Node, values: Mapping[str, Number]) -> Node:
 
     Nothing is simplified: x + 0 is not x where x is -0.0.
     """
-    made: dict[Node, Node] = {}
+    nodes: dict[Node, Node] = {}
     for node in postorder(root):
         if isinstance(node, Symbol) and node.name in values:
-            made[node] = as_node(values[node.name])
+            nodes[node] = as_node(values[node.name])
         elif isinstance(node, Apply):
-            made[node] = apply(node.operation, *(made[child] for child in node.arguments))
+            nodes[node] = apply(node.operation, *(nodes[child] for child in node.arguments))
         else:
-            made[node] = node
-    return made[root]
+            nodes[node] = node
+    return nodes[root]
 
 
 def substituted(root: Node, part: Node, instead: Node) -> Node:
     """Return an expression with another part in place of one."""
-    made: dict[Node, Node] = {}
+    nodes: dict[Node, Node] = {}
     for node in postorder(root):
         if node is part:
-            made[node] = instead
+            nodes[node] = instead
         elif isinstance(node, Apply):
-            made[node] = apply(node.operation, *(made[child] for child in node.arguments))
+            nodes[node] = apply(node.operation, *(nodes[child] for child in node.arguments))
         else:
-            made[node] = node
-    return made[root]
+            nodes[node] = node
+    return nodes[root]
 
 
 def trace(function: Callable[..., Number], names: Iterable[str]) -> Node:

@@ -131,12 +131,12 @@ class _Lowering:
             return frozenset()
         parts = [self.certain[child] for child in node.arguments]
         if node.operation == "where":
-            found = parts[0] | (parts[1] & parts[2])
+            nodes = parts[0] | (parts[1] & parts[2])
         elif node.operation in {"both", "either"}:
-            found = parts[0]  # the second condition may be guarded by the first
+            nodes = parts[0]  # the second condition may be guarded by the first
         else:
-            found = frozenset[Node]().union(*parts)
-        return found | {node} if self.uses[node] > 1 else found
+            nodes = frozenset[Node]().union(*parts)
+        return nodes | {node} if self.uses[node] > 1 else nodes
 
     def write(self, node: Node, known: dict[Node, Node], body: list[Statement]) -> Node:
         """Return `node` in terms of variables; `body` takes the statements that set them.

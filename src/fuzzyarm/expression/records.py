@@ -263,8 +263,8 @@ class Shape(Kind):
             Index of the number at fault and one sentence.
         """
         always = ("nan", "order", "positive", "nonzero")
-        misfits = (each for each in self.misfits(parameters) if each.why in always)
-        return next(((each.which, each.message) for each in misfits), None)
+        misfits = (misfit for misfit in self.misfits(parameters) if misfit.why in always)
+        return next(((misfit.which, misfit.message) for misfit in misfits), None)
 
     def misfits(self, parameters: Sequence[float]) -> Iterator[Misfit]:
         """Yield everything that is wrong with numbers, the worst first.
@@ -509,8 +509,8 @@ def _load_entry_points() -> None:
             if callable(found):
                 found()
         except (Exception, SystemExit) as error:  # whatever the code of other people raises
-            said = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
-            failures.append(f"the kinds '{point.name}' ({point.value}) cannot be loaded: {said}")
+            text = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
+            failures.append(f"the kinds '{point.name}' ({point.value}) cannot be loaded: {text}")
 
 
 # ── registration ─────────────────────────────────────────────────────────────────────

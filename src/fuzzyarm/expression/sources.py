@@ -210,7 +210,7 @@ class SourceKind(Kind):
         """Arguments of the update: what it remembers, :data:`ALWAYS`, then the others."""
         functions = [each for each in (self.function, *(s.next for s in self.states)) if each]
         names = [*(state.name for state in self.states), *ALWAYS]
-        names += (name for each in functions for name in _arguments(each) if name != VALUE)
+        names += (name for function in functions for name in _arguments(function) if name != VALUE)
         return tuple(dict.fromkeys(names))
 
     @cached_property
@@ -326,7 +326,7 @@ def source(name: str, update: Callable[..., X] | None = None, **facts: Any) -> S
             f"'{name}' is taken of a port, and does not say which values it reads", name
         )
     known = {*SUPPLIED, *kind.settings({}), *(state.name for state in kind.states)}
-    if unknown := [each for each in kind.symbols if each not in known]:
+    if unknown := [symbol for symbol in kind.symbols if symbol not in known]:
         raise KindError(f"nothing gives the update of '{name}' its argument '{unknown[0]}'", name)
     return SOURCES.add(kind)
 

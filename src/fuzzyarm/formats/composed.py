@@ -82,10 +82,10 @@ def _corners(degree: Degree, parts: Sequence[Shape], low: float, high: float) ->
     """Return where a set bends: where its parts do, and where two straight lines cross between."""
     ends = {low, high, *(x for part in parts for x in bends(part) if low < x < high)}
     xs = sorted(ends)
-    found = set(xs)
+    values = set(xs)
     for a, b in pairwise(xs):
-        found |= set(_bends_between(degree, a, b, 4))
-    return sorted(found)
+        values |= set(_bends_between(degree, a, b, 4))
+    return sorted(values)
 
 
 def _bends_between(degree: Degree, a: float, b: float, most: int) -> list[float]:

@@ -63,5 +63,8 @@ def converted(
 
 def findings_of(imported: Imported, exported: Exported | None, source: str) -> list[Diagnostic]:
     """Return what was found in reading and in writing; a rule knows where it stood in `source`."""
-    written = () if exported is None else exported.diagnostics
-    return [*imported.diagnostics, *(replace(each, path=source) for each in written)]
+    diagnostics = () if exported is None else exported.diagnostics
+    return [
+        *imported.diagnostics,
+        *(replace(diagnostic, path=source) for diagnostic in diagnostics),
+    ]

@@ -477,7 +477,7 @@ class Reader:
             self._settle(draft)
         blocks = [each for text in block.blocks if is_on(each := self._block(text), self.findings)]
         in_model = blocks_in_model(blocks, block.variables, self.dialect, self.findings)
-        if not any(each.rules for each in in_model):
+        if not any(rule_block.rules for rule_block in in_model):
             self.findings.warn("no-rules", "the function block has no rules", block.word)
         return rulebase_of(block.word.text, block.variables.values(), in_model)
 

@@ -158,13 +158,13 @@ def is_at_points_only(hedges: Sequence[Hedge]) -> bool:
 
 def hedged_degrees(degrees: Sequence[float], hedges: Sequence[Hedge]) -> list[float]:
     """Return the degrees at points as hedges modify them, the last of which acts first."""
-    found = list(degrees)
+    values = list(degrees)
     for hedge in reversed(hedges):
         if hedge.name in _OF_ALL_POINTS:
-            found = _OF_ALL_POINTS[hedge.name](found)
+            values = _OF_ALL_POINTS[hedge.name](values)
         else:
-            found = [apply_hedge(hedge, degree) for degree in found]
-    return found
+            values = [apply_hedge(hedge, degree) for degree in values]
+    return values
 
 
 def widest_gap(degrees: Sequence[float], hedges: Sequence[Hedge]) -> float:

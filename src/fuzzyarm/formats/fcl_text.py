@@ -189,17 +189,17 @@ _OF_THE_STANDARD = {
 def _spellings(dialect: Dialect) -> dict[str, Spelling]:
     """Return the words for shapes in capitals: those of both programs are read in either."""
     found = all_spellings(SHAPES, "jfl", "fcl")
-    known = {word.upper(): spelling for word, spelling in found.items()}
+    spellings = {word.upper(): spelling for word, spelling in found.items()}
     if not is_scikits(dialect):
-        return known
-    known |= {word: known[same] for word, same in _OF_THE_STANDARD.items()}
-    known["LEFTLINEAR"] = Spelling("ramp", "leftlinear", (1, 0))
+        return spellings
+    spellings |= {word: spellings[same] for word, same in _OF_THE_STANDARD.items()}
+    spellings["LEFTLINEAR"] = Spelling("ramp", "leftlinear", (1, 0))
     for word in ("SIGMOIDDIFFERENCE", "SIGMOIDPRODUCT"):  # the numbers of one after the other
-        known[word] = known[word]._replace(order=(0, 1, 2, 3))
-    known["SINGLETON"] = Spelling("singleton", "singleton", (0,))
+        spellings[word] = spellings[word]._replace(order=(0, 1, 2, 3))
+    spellings["SINGLETON"] = Spelling("singleton", "singleton", (0,))
     for word in ("LEFTGAUSSIAN", "RIGHTGAUSSIAN"):
-        known[word] = Spelling("gaussian", word.lower(), (0, 1))
-    return {word: each for word, each in known.items() if word not in _NOT_OF_SCIKIT}
+        spellings[word] = Spelling("gaussian", word.lower(), (0, 1))
+    return {word: each for word, each in spellings.items() if word not in _NOT_OF_SCIKIT}
 
 
 _NOT_OF_SCIKIT = frozenset({"LINEAR", "FUNCTION", "CONSTANT", "DISCRETE", "BINARY", "ARC", "DSIGM"})
@@ -216,8 +216,8 @@ def read_shape(cursor: Cursor, dialect: Dialect, inputs: int, findings: Findings
     key = cursor.key()
     if key == "(":
         return _points(cursor, dialect, findings)
-    known = _spellings(dialect)
-    if cursor.at_number() and key not in known:  # PI is a shape to one program, else a number
+    spellings = _spellings(dialect)
+    if cursor.at_number() and key not in spellings:  # PI is a shape to one program, else a number
         return make_shape("singleton", [cursor.number()], word, findings)
     if not cursor.ended and word.text[0] in ".0123456789":
         cursor.number()
@@ -232,9 +232,9 @@ def read_shape(cursor: Cursor, dialect: Dialect, inputs: int, findings: Findings
         return _function(cursor, dialect, findings)
     if key == "SINGLETONS" and not is_scikits(dialect):
         return _singletons(cursor, word, findings)
-    spelling = known.get(_ALIASES.get(key, key))
+    spelling = spellings.get(_ALIASES.get(key, key))
     if spelling is None:
-        names = (*known, "SINGLETONS")
+        names = (*spellings, "SINGLETONS")
         findings.unknown("unknown-shape", "the membership function", word, names)
         cursor.to_next_statement()
         return None

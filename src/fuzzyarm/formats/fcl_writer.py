@@ -62,7 +62,7 @@ def write_fcl(
     if dialect is not None:
         demand_program(dialect, ".fcl", "written for", PRODUCERS)
     producers = (dialect,) if dialect is not None else ("fuzzylite", "jfuzzylogic")
-    dialects = [FCL[each] for each in producers]
+    dialects = [FCL[producer] for producer in producers]
     return best([_Writer(rulebase, each, lossy=lossy, strict=strict).export() for each in dialects])
 
 
@@ -300,17 +300,17 @@ def _missing_functions(root: Node, dialect: Dialect) -> list[str]:
 
 def _without_signs(root: Node) -> Node:
     """Write -a as 0 - a: jFuzzyLogic knows signs of numbers only."""
-    made: dict[Node, Node] = {}
+    nodes: dict[Node, Node] = {}
     for node in postorder(root):
         if isinstance(node, Apply):
-            arguments = [made[argument] for argument in node.arguments]
+            arguments = [nodes[argument] for argument in node.arguments]
             is_sign = node.operation == "negative"
-            made[node] = (
+            nodes[node] = (
                 apply("subtract", 0.0, *arguments) if is_sign else apply(node.operation, *arguments)
             )
         else:
-            made[node] = node
-    return made[root]
+            nodes[node] = node
+    return nodes[root]
 
 
 def _pairs(values: tuple[float, ...]) -> str:

@@ -332,12 +332,14 @@ class Findings:
             if times > 1:
                 message = f"{items[index].message} (here and {times - 1} more times)"
                 items[index] = replace(items[index], message=message)
-        found = sorted(items, key=lambda d: (d.span, d.name))
+        diagnostics = sorted(items, key=lambda d: (d.span, d.name))
         if self._left_out:
             severity = Severity.ERROR if self.failed else Severity.INFO
             message = f"{self._left_out} more findings are not listed"
-            found.append(Diagnostic("more-findings", message, NOWHERE, severity, path=self.path))
-        return tuple(found)
+            diagnostics.append(
+                Diagnostic("more-findings", message, NOWHERE, severity, path=self.path)
+            )
+        return tuple(diagnostics)
 
 
 def listed(names: Sequence[str]) -> str:

@@ -118,12 +118,12 @@ def parse_fis(
     """
 
     def read(plain: str, findings: Findings) -> tuple[RuleBase | None, Dialect]:
-        found = FIS[producer or detect(plain)]
+        dialect = FIS[producer or detect(plain)]
         try:
-            return _Reader(plain, found, findings).read(), found
+            return _Reader(plain, dialect, findings).read(), dialect
         except FaultError as fault:
             findings.fault(fault)
-            return None, found
+            return None, dialect
 
     return imported(text, path, read, lossy=lossy, strict=strict)
 
@@ -472,13 +472,13 @@ class _Reader:
                 f"by number, so this one is called '{unique}'"
             )
             self.findings.warn("duplicate-term-name", message, name)
-        found = None
+        shapes = None
         if self.is_toolbox and draft.is_output:
-            found = interval_shapes(kind, rest, inputs, self.findings)
-        found = found or read_shapes(kind, rest, inputs, dialect, self.findings)
-        if found is not None:
-            self.is_type2 = self.is_type2 or found[1] is not None
-            draft.add(Term(unique, found[0], name.span, found[1]))
+            shapes = interval_shapes(kind, rest, inputs, self.findings)
+        shapes = shapes or read_shapes(kind, rest, inputs, dialect, self.findings)
+        if shapes is not None:
+            self.is_type2 = self.is_type2 or shapes[1] is not None
+            draft.add(Term(unique, shapes[0], name.span, shapes[1]))
 
     def _lower(self, draft: Draft, value: Word, inputs: int) -> None:
         """Give the term that was read last its lower function: numbers, and maybe a height."""
@@ -534,8 +534,10 @@ class _Reader:
             self.unequal.append(line)
             return None
         weight, is_or = self._weight(match, line), self._is_or(match, line)
-        conditions = [Is(*each) for each in self._propositions(self.inputs, inputs)]
-        conclusions = [Consequent(*each) for each in self._propositions(self.outputs, outputs)]
+        conditions = [Is(*proposition) for proposition in self._propositions(self.inputs, inputs)]
+        conclusions = [
+            Consequent(*proposition) for proposition in self._propositions(self.outputs, outputs)
+        ]
         if not conditions or not conclusions:
             side = "condition" if not conditions else "conclusion"
             message = f"the rule has no {side} and never does anything; it is left out"

@@ -186,10 +186,10 @@ def read_shape(
         text = rest.text.strip().removeprefix("[").removesuffix("]")
         return formula_shape(Word(text, rest.span), FIS["fuzzylite"].formula, findings)
     # fuzzylite writes the class of a term where it has no word in a FIS.
-    known = all_spellings(SHAPES, *ALL_NAMES, "fll")
-    spelling = known.get(name) or known.get(kind.text)
+    spellings = all_spellings(SHAPES, *ALL_NAMES, "fll")
+    spelling = spellings.get(name) or spellings.get(kind.text)
     if spelling is None:
-        _unknown(kind, known, findings)
+        _unknown(kind, spellings, findings)
         return None
     values = numbers(rest.parts(BRACKETED), findings)
     if values is None:
@@ -216,7 +216,7 @@ def read_shapes(
     upper = read_shape(kind, lists[0] if len(lists) > 1 else rest, inputs, dialect, findings)
     if upper is None or len(lists) < 2:
         return None if upper is None else (upper, None)
-    found = [numbers(each.parts(BRACKETED), findings) for each in lists[1:3]]
+    found = [numbers(word.parts(BRACKETED), findings) for word in lists[1:3]]
     if any(each is None for each in found):
         return None
     scale, lag = (found[0] or [1.0])[0], (found[1] if len(found) > 1 else None) or [0.0]

@@ -64,8 +64,8 @@ def interval_shapes(
     if values is None:
         return None
     rows = values[:size], values[size:]
-    made = [make_shape("singleton" if size == 1 else "linear", r, kind, findings) for r in rows]
-    first, second = made
+    shapes = [make_shape("singleton" if size == 1 else "linear", r, kind, findings) for r in rows]
+    first, second = shapes
     if first is None or second is None:
         return None
     if first == second:

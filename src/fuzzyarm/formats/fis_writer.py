@@ -59,7 +59,7 @@ def write_fis(
     producers = (producer,) if producer is not None else tuple(FIS)
     dialects = [FIS[each] for each in producers]
     return likeliest(
-        [_Writer(rulebase, each, lossy=lossy, strict=strict).export() for each in dialects]
+        [_Writer(rulebase, dialect, lossy=lossy, strict=strict).export() for dialect in dialects]
     )
 
 
@@ -252,13 +252,13 @@ class _Writer(Writer):
         if self.is_own:
             order = {name: index for index, name in enumerate(self.outputs)}
             sentences = [
-                each
+                sentence
                 for block in blocks
-                for each in as_sentences(block, self.dialect, self.findings, order)
+                for sentence in as_sentences(block, self.dialect, self.findings, order)
             ]
         else:
             sentences = [self._sentence(rule) for rule in self.rulebase.rules]
-        return [line for each in sentences for line in self._rule_lines(each)]
+        return [line for sentence in sentences for line in self._rule_lines(sentence)]
 
     def _sentence(self, rule: Rule) -> Sentence:
         """Give the hedges around an antecedent to values, of which Octave takes the root."""
@@ -301,14 +301,16 @@ class _Writer(Writer):
         if isinstance(antecedent, Hedged) and isinstance(antecedent.operand, Is):
             antecedent = hedged(antecedent.hedges, antecedent.operand)
         parts = antecedent.operands if isinstance(antecedent, And | Or) else (antecedent,)
-        found = [part for part in parts if isinstance(part, Is) and part.variable in self.inputs]
-        order = [self.inputs.index(part.variable) for part in found]
-        if len(found) != len(parts) or len(set(order)) != len(order):
+        propositions = [
+            part for part in parts if isinstance(part, Is) and part.variable in self.inputs
+        ]
+        order = [self.inputs.index(part.variable) for part in propositions]
+        if len(propositions) != len(parts) or len(set(order)) != len(order):
             return None
         if order != sorted(order) and len(order) > 2:
             message = "the conditions of a rule stand in the order of the inputs"
             self.findings.info("reordered-conditions", message)
-        return found
+        return propositions
 
     def _code(self, part: Is | None, rule: Rule) -> str:
         return "0" if part is None else self._number(part.variable, part.term, part.hedges, rule)

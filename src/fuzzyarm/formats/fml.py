@@ -81,15 +81,15 @@ class _Element:
 
     def child(self, tag: str) -> _Element:
         """Return the one child with a tag."""
-        found = next(self.all(tag), None)
-        if found is None:
+        element = next(self.all(tag), None)
+        if element is None:
             raise FaultError(f"<{self.tag.text}> has no <{tag}>", self.tag)
-        return found
+        return element
 
     def word(self, tag: str) -> Word:
         """Return the text of the one child with a tag."""
-        found = self.child(tag)
-        return Word(found.text, found.tag.span)
+        element = self.child(tag)
+        return Word(element.text, element.tag.span)
 
 
 def _parsed(text: str) -> _Element:
@@ -211,10 +211,10 @@ class _Reader:
         self._refuse_others(knowledge, VARIABLES)
         self._refuse_others(self.root.children, ("knowledgeBase", *RULE_BASES))
         # A linear consequent needs to know how many inputs there are.
-        found = [each for each in knowledge if each.tag.text in VARIABLES]
-        named = {each.get("name").text for each in found if not _is_output(each)}
+        elements = [each for each in knowledge if each.tag.text in VARIABLES]
+        named = {each.get("name").text for each in elements if not _is_output(each)}
         inputs = len(named - {""})
-        for element in found:
+        for element in elements:
             self._variable(element, inputs)
         self._estimate_ranges()
         blocks = [
@@ -226,9 +226,9 @@ class _Reader:
             self.findings.error("no-engine", "there is no output in this file", self.root.tag)
         elif not blocks and not self.findings.failed:
             self.findings.error("no-rules", "there is no rule base in this file", self.root.tag)
-        made = blocks_in_model(blocks, self.variables, FML, self.findings)
+        rule_blocks = blocks_in_model(blocks, self.variables, FML, self.findings)
         name = self.root.get("name").text
-        return rulebase_of(name, self.variables.values(), made)
+        return rulebase_of(name, self.variables.values(), rule_blocks)
 
     def _estimate_ranges(self) -> None:
         """Give an output of values, which has no domain, the range that they span."""
@@ -238,10 +238,10 @@ class _Reader:
         for draft in self.variables.values():
             if not draft.is_output or draft.bounded or draft.integrates:
                 continue
-            found = range_of_values((term.shape for term in draft.terms), ends)
-            if found is None:
+            values = range_of_values((term.shape for term in draft.terms), ends)
+            if values is None:
                 continue
-            draft.low, draft.high = found
+            draft.low, draft.high = values
             message = (
                 f"'{draft.name}' has no domain; its values span {draft.low:g} to {draft.high:g}"
             )
@@ -385,14 +385,14 @@ class _Reader:
             start, top = values  # both flanks are as wide
             parameters = [start, top, top, top + abs(top - start)]
             return make_shape("pi", parameters, kind, self.findings)
-        known = all_spellings(SHAPES, FML.kinds)
-        if kind.text not in known:
+        spellings = all_spellings(SHAPES, FML.kinds)
+        if kind.text not in spellings:
             if kind.text in _DEFINED_ELSEWHERE:
                 self._refuse(kind, "unsupported-shape")
             else:
-                self.findings.unknown("unknown-shape", "the shape", kind, (*known, "piShape"))
+                self.findings.unknown("unknown-shape", "the shape", kind, (*spellings, "piShape"))
             return None
-        return spelled_shape(known[kind.text], values, inputs, kind, self.findings, FML)
+        return spelled_shape(spellings[kind.text], values, inputs, kind, self.findings, FML)
 
     def _one_sided(self, kind: Word, values: list[float], draft: Draft) -> Shape | None:
         """Return a gaussian flank that stays at 1 up to the end of the range."""
@@ -572,11 +572,11 @@ class _Reader:
         )
         if not conclusions:
             raise FaultError("the rule has no conclusion", half.tag, "empty-rule")
-        for each in conclusions:
-            draft = self.variables.get(each.variable)
+        for conclusion in conclusions:
+            draft = self.variables.get(conclusion.variable)
             if draft is not None and not draft.is_output:
-                message = f"'{each.variable}' is an input; a rule cannot conclude on it"
-                self.findings.error("not-an-output", message, each.span)
+                message = f"'{conclusion.variable}' is an input; a rule cannot conclude on it"
+                self.findings.error("not-an-output", message, conclusion.span)
         return conclusions
 
     def _clauses(

@@ -259,8 +259,8 @@ class _Writer(Writer):
         yield "  </antecedent>"
         yield f"  <{consequent}>"
         yield f"    <{then}>"
-        for each in conclusions:
-            yield f"      {self._clause(clause, each, rule)}"
+        for conclusion in conclusions:
+            yield f"      {self._clause(clause, conclusion, rule)}"
         yield f"    </{then}>"
         yield f"  </{consequent}>"
         yield f"</{element}>"
@@ -285,8 +285,8 @@ def _attributes(**values: str) -> str:
 def _conditions(antecedent: Expression) -> list[Is] | None:
     """Return the propositions of a flat antecedent; None for anything else."""
     parts = antecedent.operands if isinstance(antecedent, And | Or) else (antecedent,)
-    found = [part for part in parts if isinstance(part, Is)]
-    return found if len(found) == len(parts) else None
+    propositions = [part for part in parts if isinstance(part, Is)]
+    return propositions if len(propositions) == len(parts) else None
 
 
 def _points(shape: Shape) -> list[tuple[float, float]]:

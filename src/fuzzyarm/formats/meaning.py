@@ -96,27 +96,27 @@ def blocks_in_model(
             for index, block in enumerate(blocks)
             for part in builder.block(block, _concluded(blocks[index + 1 :]))
         )
-    made = []
+    rule_blocks = []
     for block in blocks:
         rules = []
         for text in block.rules:
             conclusions = text.conclusions
             if dialect.producer == "jfuzzylogic":
                 _note_outputs(text, variables, findings)
-                conclusions = tuple(same_value(each, variables) for each in conclusions)
+                conclusions = tuple(same_value(conclusion, variables) for conclusion in conclusions)
             rule = Rule(text.antecedent, conclusions, text.weight, text.span)
             if dialect.suffix == ".fis":
                 rules += _rules_of_values(rule, variables, dialect, findings)
             else:
                 rules.append(rule)
-        made.append(block.in_model(rules))
-    return tuple(made)
+        rule_blocks.append(block.in_model(rules))
+    return tuple(rule_blocks)
 
 
 def _concluded(blocks: list[Block]) -> frozenset[str]:
     """Return the outputs that the rules of some blocks conclude."""
     texts = [text for block in blocks for text in block.rules]
-    return frozenset(each.variable for text in texts for each in text.conclusions)
+    return frozenset(conclusion.variable for text in texts for conclusion in text.conclusions)
 
 
 def _note_outputs(text: RuleText, variables: dict[str, Draft], findings: Findings) -> None:
@@ -235,7 +235,7 @@ class _Activations:
                 self.findings.error("missing-norm", message, text.span)
         if self.findings.failed:  # maybe a norm that is misspelt
             return
-        for name in [each.variable for each in text.conclusions]:
+        for name in [conclusion.variable for conclusion in text.conclusions]:
             draft = self.variables.get(name)
             if draft is None or not draft.integrates:
                 continue

@@ -101,15 +101,15 @@ def straight_shape(points: Shape) -> Shape:
     xs, ys = points.parameters[0::2], points.parameters[1::2]
     if any(a >= b for a, b in pairwise(xs)) or not all(0.0 <= y <= 1.0 for y in ys):
         return points
-    found = recovered(xs, ys)
-    if found is None or not is_joined(found, xs):
+    shape = recovered(xs, ys)
+    if shape is None or not is_joined(shape, xs):
         return points
     width, degree = xs[-1] - xs[0], membership_function(points)
     asked = [xs[0] - width, xs[0] - 1e-9 * width, *xs, xs[-1] + 1e-9 * width, xs[-1] + width]
     degrees = [degree(x) for x in asked]
     scaled = [
         replace(each, height=each.height * points.height)
-        for each in (found, _open_ended(found, xs))
+        for each in (shape, _open_ended(shape, xs))
     ]
     return next((each for each in scaled if _has(each, asked, degrees)), points)
 
@@ -304,7 +304,7 @@ def _lines(samples: _Samples, side: int, straightened: Straightened) -> list[_Li
     xs, ys = samples
     inside = samples.flank(side)
     best = samples.steep(side)
-    found = [_fitted([(xs[i], straightened(ys[i])) for i in best[: len(best) - drop]])
+    lines = [_fitted([(xs[i], straightened(ys[i])) for i in best[: len(best) - drop]])
              for drop in (0, 1) if len(best) - drop > 1]  # fmt: skip
     edge = samples.core[0 if side < 0 else 1]
     ends: list[tuple[float, float]] = [(xs[i], ys[i]) for i in (inside[:1] + inside[-1:])]
@@ -315,8 +315,8 @@ def _lines(samples: _Samples, side: int, straightened: Straightened) -> list[_Li
         ends.append((xs[edge], 1.0))
     for (x0, y0), (x1, y1) in pairwise(ends):
         if x0 != x1 and y0 != y1:
-            found.append(_fitted([(x0, straightened(y0)), (x1, straightened(y1))]))
-    return [line for line in found if line is not None]
+            lines.append(_fitted([(x0, straightened(y0)), (x1, straightened(y1))]))
+    return [line for line in lines if line is not None]
 
 
 def _fitted(points: list[tuple[float, float]]) -> _Line | None:
@@ -446,10 +446,10 @@ def _bell_slope(samples: _Samples, side: int) -> float | None:
         return (b - a) / (c - a) - (x1 - x0) / (x2 - x0)
 
     grid = [0.25 * math.pow(2.0, k / 4.0) for k in range(29)]  # 1/4 to 32
-    found = next(((a, b) for a, b in pairwise(grid) if bent(a) * bent(b) <= 0.0), None)
-    if found is None:
+    values = next(((a, b) for a, b in pairwise(grid) if bent(a) * bent(b) <= 0.0), None)
+    if values is None:
         return None
-    low, high = found
+    low, high = values
     for _ in range(60):
         middle = 0.5 * (low + high)
         low, high = (low, middle) if bent(low) * bent(middle) <= 0.0 else (middle, high)

@@ -109,9 +109,9 @@ class _Parser:
 
     def expect(self, key: str) -> None:
         if self.key() != key:
-            found = self.take()
-            message = f"'{key}' is expected here, not '{found.text[:40]}'"
-            raise FaultError(message, found)
+            word = self.take()
+            message = f"'{key}' is expected here, not '{word.text[:40]}'"
+            raise FaultError(message, word)
         self.at += 1
 
     def condition(self, depth: int) -> Expression:
@@ -159,19 +159,19 @@ class _Parser:
 
     def conclusions(self, depth: int) -> list[Consequent]:
         """Read conclusions; people put them in parentheses, as no program writes them."""
-        found: list[Consequent] = []
+        consequents: list[Consequent] = []
         while True:
             if self.key() == "(" and self.dialect.any_case and depth < MAX_NESTING:
                 self.at += 1
-                found += self.conclusions(depth + 1)
+                consequents += self.conclusions(depth + 1)
                 self.expect(")")
             else:
-                found.append(self.conclusion())
-            if len(found) > MAX_CONCLUSIONS:
+                consequents.append(self.conclusion())
+            if len(consequents) > MAX_CONCLUSIONS:
                 message = f"a rule may have at most {MAX_CONCLUSIONS} conclusions"
                 raise FaultError(message, self.words[self.at - 1], "too-many")
             if self.key() not in self.dialect.separators:
-                return found
+                return consequents
             self.at += 1
 
     def conclusion(self) -> Consequent:

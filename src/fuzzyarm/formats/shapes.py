@@ -146,10 +146,10 @@ def make_shape(
     `height` is a factor on the function; `ties` says what the other program takes at a
     doubled x of ``points``: ``first``, ``last`` or ``larger``.
     """
-    known = SHAPES[kind]
-    if known.parameters and len(parameters) != len(known.parameters):
-        names = ", ".join(known.symbols[1:])
-        message = f"{kind} takes {len(known.parameters)} numbers ({names}), not {len(parameters)}"
+    shape = SHAPES[kind]
+    if shape.parameters and len(parameters) != len(shape.parameters):
+        names = ", ".join(shape.symbols[1:])
+        message = f"{kind} takes {len(shape.parameters)} numbers ({names}), not {len(parameters)}"
         findings.error("parameter-count", message, at)
         return None
     if any(map(math.isnan, (*parameters, height))):
@@ -171,15 +171,15 @@ def make_shape(
 def _checked(
     kind: str, parameters: list[float], at: Word, findings: Findings, height: float
 ) -> Shape | None:
-    known = SHAPES[kind]
+    shape = SHAPES[kind]
     if kind in _EITHER_WAY:
         parameters = sorted(parameters)
     if kind in _SQUARED:  # a deviation is only ever squared
-        named = zip(known.parameters, parameters, strict=True)
-        parameters = [abs(value) if name in known.positive else value for name, value in named]
-    misfits = {each.why: each for each in reversed(list(known.misfits(parameters)))}
+        named = zip(shape.parameters, parameters, strict=True)
+        parameters = [abs(value) if name in shape.positive else value for name, value in named]
+    misfits = {misfit.why: misfit for misfit in reversed(list(shape.misfits(parameters)))}
     if "order" in misfits:
-        names = " <= ".join(known.symbols[1:])
+        names = " <= ".join(shape.symbols[1:])
         message = (
             f"the corners of {with_article(kind)} must not decrease ({names}): it is 0 everywhere"
         )
@@ -187,7 +187,7 @@ def _checked(
         return nothing(parameters)
     for why, must in (("positive", "be positive"), ("nonzero", "not be zero")):
         if why in misfits:
-            name = known.parameters[misfits[why].which].replace("-", "_")
+            name = shape.parameters[misfits[why].which].replace("-", "_")
             findings.error("not-positive", f"the {name} of {with_article(kind)} must {must}", at)
             return None
     if ("infinite" in misfits and kind != "singleton") or _without_inside(kind, parameters):
@@ -205,7 +205,7 @@ def with_article(kind: str) -> str:
 
 def nothing(parameters: Sequence[float]) -> Shape:
     """Return the set that nothing belongs to, where its corners are."""
-    corners = [each for each in parameters if math.isfinite(each)] or [0.0]
+    corners = [parameter for parameter in parameters if math.isfinite(parameter)] or [0.0]
     low, high = min(corners), max(corners)
     return Shape("points", (low, 0.0, high, 0.0) if low < high else (low, 0.0))
 
@@ -258,10 +258,10 @@ def range_of_values(
     Of a formula the corners and the middle of the inputs are asked. None where there is no
     finite value; a range without width gets half a unit on either side.
     """
-    found = [x for shape in shapes for x in _values(shape, inputs) if math.isfinite(x)]
-    if not found:
+    values = [x for shape in shapes for x in _values(shape, inputs) if math.isfinite(x)]
+    if not values:
         return None
-    low, high = min(found), max(found)
+    low, high = min(values), max(values)
     return (low, high) if low < high else (low - 0.5, high + 0.5)
 
 

@@ -126,12 +126,12 @@ def _formula(draft: Draft, term: Term, implication: str | None, findings: Findin
     except FormulaError:
         return None
     try:
-        known = shape_of(degree, draft.low, draft.high)
+        shape = shape_of(degree, draft.low, draft.high)
     except FormulaError:  # beyond the range
-        known = None
-    if known is None and count < 2:
+        shape = None
+    if shape is None and count < 2:
         return None
-    what = f"the {known.kind} that it draws" if known else f"its degrees at the {count} samples"
+    what = f"the {shape.kind} that it draws" if shape else f"its degrees at the {count} samples"
     message = f"the formula of '{term.name}' of '{draft.name}' is taken as {what}"
     findings.info("formula-as-set", message, term.span)
-    return known or joined(xs, degrees)
+    return shape or joined(xs, degrees)

@@ -333,7 +333,7 @@ def refuse_type_2(rulebase: RuleBase, findings: Findings, program: str) -> bool:
     variables = (*rulebase.inputs, *rulebase.outputs)
     what = [f"'{v.name} is {t.name}'" for v in variables for t in v.terms if t.lower is not None]
     ways = [o for o in rulebase.outputs if o.defuzzifier.record.type2]
-    what += [f"{each.defuzzifier.method} of '{each.name}'" for each in ways]
+    what += [f"{way.defuzzifier.method} of '{way.name}'" for way in ways]
     message = f"{what[0]} is of interval type 2, which is not written for {program}"
     findings.error("unsupported-type", message)
     return True
@@ -441,18 +441,18 @@ def as_sentences(
     antecedent whose hedges grow can be said as one. With `order`, the index of every
     output, only where the conclusions then stand in that order.
     """
-    found: list[Sentence] = []
+    sentences: list[Sentence] = []
     for rule in block.rules:
         sentence = _as_sentence(rule, block, dialect, findings)
-        last = found[-1] if found else None
+        last = sentences[-1] if sentences else None
         if last is not None and _carries_on(last, sentence, order):
             (first, _), *others = sentence.conclusions
             new = sentence.hedges[: len(sentence.hedges) - len(last.hedges)]
             conclusions = (*last.conclusions, (first, new), *others)
-            found[-1] = replace(sentence, conclusions=conclusions, rule=last.rule)
+            sentences[-1] = replace(sentence, conclusions=conclusions, rule=last.rule)
         else:
-            found.append(sentence)
-    return found
+            sentences.append(sentence)
+    return sentences
 
 
 def _as_sentence(rule: Rule, block: RuleBlock, dialect: Dialect, findings: Findings) -> Sentence:
@@ -537,7 +537,9 @@ class _SentenceWriter:
 
     def text(self, sentence: Sentence) -> str:
         condition = self.condition(sentence.antecedent, sentence.rule)
-        conclusions = [self.conclusion(*each, sentence.rule) for each in sentence.conclusions]
+        conclusions = [
+            self.conclusion(*conclusion, sentence.rule) for conclusion in sentence.conclusions
+        ]
         joint = " and " if self.dialect.activates else ", "
         ending = "" if sentence.weight == 1.0 else f" {self.key('with')} {written(sentence.weight)}"
         head, then = self.key("if"), self.key("then")

@@ -96,8 +96,8 @@ def _without_peak(member: Member) -> Callable[[float], float]:
     membership, flat = member.membership, plateaus(member.pieces)
 
     def degree(y: float) -> float:
-        found = membership(y)
-        return found if any(a <= y <= b for a, b in flat) else min(found, BELOW_ONE)
+        value = membership(y)
+        return value if any(a <= y <= b for a, b in flat) else min(value, BELOW_ONE)
 
     return degree
 

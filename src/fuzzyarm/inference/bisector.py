@@ -44,17 +44,17 @@ def bisector_at_point(plan: OutputPlan, fired: Fired) -> float | None:
     total = added_up(part.area for part in parts)
     if not total > 0.0:
         return None
-    found = []
+    values = []
     for share in (0.5 - SAME_HALF, 0.5 + SAME_HALF):
         before = 0.0
         for part in parts:
             if before + part.area >= share * total:
-                found.append(_inside(function, part.x0, part.x1, share * total - before))
+                values.append(_inside(function, part.x0, part.x1, share * total - before))
                 break
             before += part.area
         else:
-            found.append(parts[-1].x1)
-    return 0.5 * (found[0] + found[1])
+            values.append(parts[-1].x1)
+    return 0.5 * (values[0] + values[1])
 
 
 def _inside(function: Callable[[float], float], x0: float, x1: float, wanted: float) -> float:
@@ -76,8 +76,8 @@ def bisector_over_arrays(plan: OutputPlan, strengths: Strengths) -> tuple[Array,
 
     size = int(np.prod(strengths.shape))
     entries = strengths.flat()
-    found = leaves_over_arrays(plan, entries, size)
-    point, x0, x1, area = found.point, found.x0, found.x1, found.area
+    leaves = leaves_over_arrays(plan, entries, size)
+    point, x0, x1, area = leaves.point, leaves.x0, leaves.x1, leaves.area
     total = sum_by_point(point, area, size)
     first = np.searchsorted(point, np.arange(size))
     last = np.append(first[1:], point.size) - 1
@@ -126,8 +126,8 @@ def _nearest_half(samples: list[float], heights: list[float]) -> float | None:
         return None
     distances = [abs(running / total - 0.5) for running in accumulate(heights)]
     enough = min(distances) + SAME_HALF
-    found = [y for y, far in zip(samples, distances, strict=True) if far <= enough]
-    return added_up(found) / len(found)
+    values = [y for y, far in zip(samples, distances, strict=True) if far <= enough]
+    return added_up(values) / len(values)
 
 
 def halve(samples: list[float], heights: list[float]) -> float | None:

@@ -82,8 +82,8 @@ def cut_into_cells(propositions: Sequence[tuple[int, Lines]], low: float, high: 
 
 def _reaches(lines: dict[int, Line], degrees: dict[int, float], x: float) -> bool:
     """Tell whether lines have just these degrees at a position."""
-    found = {number: degree for number, line in lines.items() if (degree := line.at(x)) != 0.0}
-    return found == {number: degree for number, degree in degrees.items() if degree != 0.0}
+    values = {number: degree for number, line in lines.items() if (degree := line.at(x)) != 0.0}
+    return values == {number: degree for number, degree in degrees.items() if degree != 0.0}
 
 
 def _buckets(edges: list[float]) -> tuple[float, float, tuple[int, ...]]:

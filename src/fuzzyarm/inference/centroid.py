@@ -111,9 +111,9 @@ def integrated_centroid_over_arrays(plan: OutputPlan, strengths: Strengths) -> t
     from fuzzyarm.inference.aggregate_arrays import leaves_over_arrays, sum_by_point
 
     size = int(np.prod(strengths.shape))
-    found = leaves_over_arrays(plan, strengths.flat(), size)
-    area = sum_by_point(found.point, found.area, size)
-    moment = sum_by_point(found.point, found.moment, size)
+    leaves = leaves_over_arrays(plan, strengths.flat(), size)
+    area = sum_by_point(leaves.point, leaves.area, size)
+    moment = sum_by_point(leaves.point, leaves.moment, size)
     value = np.divide(moment, area, out=np.zeros(size), where=area > 0.0)
     value += 0.5 * (plan.output.low + plan.output.high)
     return value.reshape(strengths.shape), area.reshape(strengths.shape)

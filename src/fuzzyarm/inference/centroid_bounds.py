@@ -286,8 +286,8 @@ def _last_above(numbers: Array, left: Array, right: Array, can_count: Any) -> Ar
     k = above.sum(axis=-1, keepdims=True) - 1
     at = np.clip(k, 0, None)
     with np.errstate(all="ignore"):
-        found = np.take_along_axis(moment, at, -1) / np.take_along_axis(area, at, -1)
+        values = np.take_along_axis(moment, at, -1) / np.take_along_axis(area, at, -1)
     ends = [np.take_along_axis(x, np.clip(k + i, 0, x.shape[-1] - 1), -1) for i in (0, 1)]
-    found = np.clip(np.where(np.isfinite(found), found, ends[0]), *ends)
+    values = np.clip(np.where(np.isfinite(values), values, ends[0]), *ends)
     lowest = np.where(counts, x, np.inf).min(axis=-1)
-    return np.asarray(np.where(k[..., 0] < 0, lowest, found[..., 0]) - scale)
+    return np.asarray(np.where(k[..., 0] < 0, lowest, values[..., 0]) - scale)

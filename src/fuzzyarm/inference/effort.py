@@ -58,7 +58,7 @@ def microseconds(rulebase: RuleBase) -> float:
     covered = not what_is_not_covered(rulebase)
     per_rule = PER_RULE if covered else PER_RULE_OF_NUMPY
     rules = per_rule * len(made.rules)
-    return rules + sum(_of_output(each, covered=covered) for each in made.outputs.values())
+    return rules + sum(_of_output(output, covered=covered) for output in made.outputs.values())
 
 
 def points_within(rulebase: RuleBase, seconds: float, *, least: int, most: int) -> int:

@@ -167,8 +167,8 @@ class Compiled:
             check_names(held, self._outputs, what="output")
         if holds_arrays(given):
             return dict(self._engine.many(given, held))
-        found = self.ordinary(given)
-        return self._plain(given, held) if found is None else dict(found)
+        values = self.ordinary(given)
+        return self._plain(given, held) if values is None else dict(values)
 
     def ordinary(self, given: Mapping[str, Any]) -> dict[str, float] | None:
         """Return the outputs at a point by the kernel; None where one is not ordinary."""
@@ -267,7 +267,9 @@ class _Engine:
         self, given: Mapping[str, Any], held: Mapping[str, float] | None
     ) -> dict[str, NDArray[np.float64]]:
         """Evaluate arrays of points."""
-        arrays = {each.name: np.asarray(given[each.name]) for each in self.rulebase.inputs}
+        arrays = {
+            variable.name: np.asarray(given[variable.name]) for variable in self.rulebase.inputs
+        }
         if any(array.dtype.kind not in "fiub" for array in arrays.values()):
             return infer_arrays(self.rulebase, given, held)  # which says what is wrong
         try:

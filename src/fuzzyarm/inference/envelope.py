@@ -212,16 +212,16 @@ def reach_end(
 def last_covered(heap: Any, begin: int, end: int, sign: float) -> float:
     """Return the end of what a set covers."""
     # There may be pieces of no height in front and behind; only an area counts.
-    found = 0.0
+    value = 0.0
     covered = False
     for piece in range(begin, end, RUN_OF_LINE):
         if heap[piece + 4] > 0.0:
             if sign > 0.0:
-                found = heap[piece + 1]
+                value = heap[piece + 1]
             elif not covered:
-                found = heap[piece]
+                value = heap[piece]
             covered = True
-    return found
+    return value
 
 
 # What stands in front of c, and its mirror image. Two functions: both stop at c, from their own

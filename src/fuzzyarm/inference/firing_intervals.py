@@ -118,7 +118,7 @@ def doubled(rulebase: RuleBase) -> Doubled:
 class _Doubling:
     def __init__(self, rulebase: RuleBase) -> None:
         self.rulebase = rulebase
-        self.outputs = {each.name: each for each in rulebase.outputs}
+        self.outputs = {output.name: output for output in rulebase.outputs}
         self.two_sided = {n for n, o in self.outputs.items() if o.defuzzifier.record.type2}
         self.lower_names: dict[tuple[str, str], str] = {}
         self.intervals: set[tuple[str, str]] = set()
@@ -154,7 +154,9 @@ class _Doubling:
             blocks.append(replace(block, rules=tuple(rules)))
         rulebase = replace(
             self.rulebase,
-            inputs=tuple(replace(each, terms=self._terms(each)) for each in self.rulebase.inputs),
+            inputs=tuple(
+                replace(variable, terms=self._terms(variable)) for variable in self.rulebase.inputs
+            ),
             outputs=tuple(replace(each, terms=self._terms(each)) for each in self.rulebase.outputs),
             blocks=tuple(blocks),
         )
@@ -178,8 +180,10 @@ class _Doubling:
         if not two_sided:
             return [rule]
         upper = tuple(
-            self._consequent(each, UPPER) if each.variable in self.two_sided else each
-            for each in rule.consequents
+            self._consequent(consequent, UPPER)
+            if consequent.variable in self.two_sided
+            else consequent
+            for consequent in rule.consequents
         )
         lower = tuple(self._consequent(each, LOWER) for each in two_sided)
         return [
@@ -203,7 +207,7 @@ class _Doubling:
             if self._is_interval(expression.operand):
                 side = _turned(side, expression.hedges)
             return replace(expression, operand=self._read(expression.operand, side))
-        operands = tuple(self._read(each, side) for each in expression.operands)
+        operands = tuple(self._read(operand, side) for operand in expression.operands)
         return And(operands) if isinstance(expression, And) else Or(operands)
 
     def _is_interval(self, expression: Expression) -> bool:
@@ -355,9 +359,9 @@ def _is_read(rulebase: RuleBase, name: str) -> bool:
 
 def _concluding_ends(rule: Rule, names: dict[str, tuple[str, str]], kept: Iterable[str]) -> Rule:
     consequents = [
-        replace(each, variable=name)
-        for each in rule.consequents
-        for name in dict.fromkeys((each.variable, *names[each.variable]))
+        replace(consequent, variable=name)
+        for consequent in rule.consequents
+        for name in dict.fromkeys((consequent.variable, *names[consequent.variable]))
         if name in kept
     ]
     return replace(rule, consequents=tuple(consequents))

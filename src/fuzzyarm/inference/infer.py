@@ -96,9 +96,9 @@ def _outputs(
     if prepared.is_worth_a_kernel():
         from fuzzyarm.inference.engine import infer_one
 
-        found = infer_one(rulebase, given)
-        if found is not None:
-            return dict(found)
+        values = infer_one(rulebase, given)
+        if values is not None:
+            return dict(values)
     return dict(prepared.evaluate(given, held))
 
 

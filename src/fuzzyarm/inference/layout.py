@@ -158,7 +158,7 @@ class _Writer:
         conjunction = isinstance(expression, And)
         sort, norms = ("T", TNORMS) if conjunction else ("S", SNORMS)
         record = norms[planned.conjunction if conjunction else planned.disjunction]
-        operands = tuple(self._number(each, planned) for each in expression.operands)
+        operands = tuple(self._number(operand, planned) for operand in expression.operands)
         return self.norm(record, sort), operands
 
     def norm(self, norm: Norm, sort: str) -> int:
@@ -249,7 +249,7 @@ class _Writer:
             strides.append(stride)
             row += max(map(len, cells.lines)) + len(self.curves[i])
             stride *= len(cells.lines)
-        self.truth_rows = {each.number: row + i for i, each in enumerate(self.truths.values())}
+        self.truth_rows = {truth.number: row + i for i, truth in enumerate(self.truths.values())}
         row += len(self.truths)
         self.operands = max([len(rule.parts) for rule in self.rules], default=1)
         self.one, self.zero = at.ONES, at.ONES + 1
@@ -289,8 +289,16 @@ class _Writer:
         """
         first = len(self.whole)
         places = (first, count, self.operands, self.rule_floats[:1], self.lines)
-        rules = [each[:4] for each in self.rules]
-        key = repr((places, rules, self.rows, self.truths, [each.places() for each in writers]))
+        rules = [rule[:4] for rule in self.rules]
+        key = repr(
+            (
+                places,
+                rules,
+                self.rows,
+                self.truths,
+                [output_writer.places() for output_writer in writers],
+            )
+        )
         known = _programs.get(key)
         if known is None:
             self._write_each_program(writers, strides, count)

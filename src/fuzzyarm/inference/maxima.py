@@ -310,11 +310,11 @@ def maxima_over_arrays(plan: OutputPlan, strengths: Strengths) -> tuple[ArrayFig
             for (member, _), level in zip(entries, levels, strict=False)
             if level > 0.0
         ]
-        found = maxima_at_point(plan, fired) if fired else None
-        if found is not None:
+        values = maxima_at_point(plan, fired) if fired else None
+        if values is not None:
             top[row] = 1.0
             for name, rows in positions.items():
-                rows[row] = found[name]
+                rows[row] = values[name]
     back = back.reshape(strengths.shape)
     return {name: rows[back] for name, rows in positions.items()}, top[back]
 

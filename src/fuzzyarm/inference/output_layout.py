@@ -203,12 +203,12 @@ class OutputWriter:
     @property
     def _is_max_min(self) -> bool:
         """Whether its rules are conjunctions under min that count in full, united by max."""
-        rules = [each for each in self.base.rules if each.number in self.members]
+        rules = [rule for rule in self.base.rules if rule.number in self.members]
         return (
             self.plan.output.aggregation == "max"
             and self.base.operands > 1
-            and all(each.norm == at.MIN and each.conjunction for each in rules)
-            and all(each.weight == 1.0 and each.threshold == 0.0 for each in rules)
+            and all(rule.norm == at.MIN and rule.conjunction for rule in rules)
+            and all(rule.weight == 1.0 and rule.threshold == 0.0 for rule in rules)
         )
 
     def _write_layers(self) -> int:
@@ -374,7 +374,7 @@ class OutputWriter:
         for i, member in enumerate(self.plan.members):
             cut = self._norm(TNORMS[member.implication], "T")
             clips = CLIPPING.get(member.implication, ())
-            own = [self._piece(member, each, inside=True) for each in member.pieces]
+            own = [self._piece(member, piece, inside=True) for piece in member.pieces]
             head = self._set(member, own)
             levels = [len(clips), self._floats(number for clip in clips for number in clip)]
             top = self._floats([peak(member.pieces)])
@@ -434,7 +434,7 @@ class OutputWriter:
                 head = [*numbers, len(shape.parameters), 0, 0]
                 return positions.INVERSE, head, [shape.height]
             rising = is_rising(self.plan, member)
-            pieces = [self._piece(member, each, inside=False) for each in member.pieces]
+            pieces = [self._piece(member, piece, inside=False) for piece in member.pieces]
             if not rising:
                 pieces = [[x1, y1, x0, y0, *rest] for x0, y0, x1, y1, *rest in pieces[::-1]]
             end = self.plan.output.high if rising else self.plan.output.low

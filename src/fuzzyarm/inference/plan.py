@@ -378,18 +378,18 @@ def _plan_output(rulebase: RuleBase, output: Output, doubled: Doubled | None = N
         contributions = [(first[member], rule) for member, rule in contributions]
     closed = None if discrete or doubled is not None else _closed(output, members)
     enveloped = _is_enveloped(output, members) and not discrete and closed is None
-    made = OutputPlan(
+    output_plan = OutputPlan(
         output, record, members, tuple(contributions), discrete, closed, enveloped=enveloped
     )
-    if output.aggregation == "max" and made.integrated and doubled is None:
-        return made._replace(stretches=stretches([member.pieces for member in members]))
-    return made
+    if output.aggregation == "max" and output_plan.integrated and doubled is None:
+        return output_plan._replace(stretches=stretches([member.pieces for member in members]))
+    return output_plan
 
 
 def _both_sides(made: OutputPlan, doubled: Doubled) -> OutputPlan:
     """Say which members are of the upper and which of the lower set, and which go together."""
     output, members = made.output, made.members
-    parts = [Consequent(output.name, each.term.name, each.hedges) for each in members]
+    parts = [Consequent(output.name, member.term.name, member.hedges) for member in members]
     sides = tuple(map(doubled.side, parts))
     pairs = _pairs(output, members, sides, doubled)
     if made.discrete:
@@ -401,9 +401,9 @@ def _both_sides(made: OutputPlan, doubled: Doubled) -> OutputPlan:
     )
     if output.aggregation == "max" and made.integrated:
         found = [
-            each._replace(first=indices[each.first], second=indices[each.second])
+            stretch._replace(first=indices[stretch.first], second=indices[stretch.second])
             for indices in own
-            for each in stretches([members[i].pieces for i in indices])
+            for stretch in stretches([members[i].pieces for i in indices])
         ]
         return made._replace(stretches=tuple(found))
     return made
@@ -440,8 +440,10 @@ def _closed_sides(
             return None
         layers |= dict(zip(indices, form.own, strict=True))
         overlaps += [
-            Overlap(indices[each.member], tuple(indices[i] for i in each.others), each.layers)
-            for each in form.overlaps
+            Overlap(
+                indices[overlap.member], tuple(indices[i] for i in overlap.others), overlap.layers
+            )
+            for overlap in form.overlaps
         ]
     own_layers = tuple(layers[i] for i in range(len(members)))
     return ClosedForm(0.5 * (output.low + output.high), own_layers, tuple(overlaps))

@@ -66,9 +66,15 @@ class Propositions:
     """
 
     def __init__(self, propositions: Sequence[Proposition]) -> None:
-        curved = [each for each in propositions if each.lines is None]
+        curved = [proposition for proposition in propositions if proposition.lines is None]
         self._curved = tuple((each.number, each.function) for each in curved)
-        cut = cut_at_corners([(each.number, each.lines) for each in propositions if each.lines])
+        cut = cut_at_corners(
+            [
+                (proposition.number, proposition.lines)
+                for proposition in propositions
+                if proposition.lines
+            ]
+        )
         self._edges = cut.edges
         self._at = [list(degrees.items()) for degrees in cut.at]
         self._cells = [
@@ -286,7 +292,9 @@ class PointEngine:
             if isinstance(expression, And)
             else SNORMS[planned.disjunction].scalar
         )
-        first, *rest = [self._compile_expression(each, planned) for each in expression.operands]
+        first, *rest = [
+            self._compile_expression(operand, planned) for operand in expression.operands
+        ]
 
         def combine(point: Point) -> float:
             degree = first(point)
@@ -478,7 +486,7 @@ def _is_conjunction(planned: PlannedRule) -> bool:
         return True
     if not isinstance(antecedent, And):
         return False
-    if not all(isinstance(each, Is) for each in antecedent.operands):
+    if not all(isinstance(operand, Is) for operand in antecedent.operands):
         return False
     variables = [part.variable for part in propositions(antecedent)]
     return len(set(variables)) == len(variables)

@@ -114,16 +114,16 @@ def degrees(
     import numpy as np
 
     if shape.kind == "formula":
-        found = evaluate_arrays(degree_formula(shape), {POSITION: x}, as_floats=True)
+        values = evaluate_arrays(degree_formula(shape), {POSITION: x}, as_floats=True)
     elif SHAPES[shape.kind].straight:
-        found = SHAPES[shape.kind].lines(*shape.parameters, height=shape.height).over(x)
-        return hedged(hedges, found) if hedges else found
+        values = SHAPES[shape.kind].lines(*shape.parameters, height=shape.height).over(x)
+        return hedged(hedges, values) if hedges else values
     else:
-        found = SHAPES[shape.kind].array(x, *shape.parameters)
-    found = np.broadcast_to(found, np.broadcast_shapes(np.shape(found), x.shape))
+        values = SHAPES[shape.kind].array(x, *shape.parameters)
+    values = np.broadcast_to(values, np.broadcast_shapes(np.shape(values), x.shape))
     if shape.height != 1.0:
-        found = found * shape.height
-    return hedged(hedges, found) if hedges else found
+        values = values * shape.height
+    return hedged(hedges, values) if hedges else values
 
 
 def hedged(hedges: Sequence[Hedge], degree: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -260,22 +260,22 @@ def golden(function: SetFunction, a: float, b: float, sign: float, best: float) 
             a, c, fc = c, d, fd
             d = a + ratio * (b - a)
             fd = sign * function(d)
-    found = 0.5 * (a + b)
-    return best if sign * function(best) >= sign * function(found) else found
+    value = 0.5 * (a + b)
+    return best if sign * function(best) >= sign * function(value) else value
 
 
 def _bent_by_hedges(
     shape: Shape, hedges: tuple[Hedge, ...], edges: list[float], low: float, high: float
 ) -> list[float]:
     """Find where the degree below a hedge passes a level at which the hedge bends."""
-    found = []
+    values = []
     for depth, hedge in enumerate(hedges):
         for level in HEDGES[hedge.name].bends:
             below = term_function(shape, hedges[depth + 1 :])
             for a, b in pairwise(edges):
                 if (below(a) - level) * (below(b) - level) < 0.0:
-                    found.append(bisect(below, a, b, level))
-    return [x for x in found if low < x < high]
+                    values.append(bisect(below, a, b, level))
+    return [x for x in values if low < x < high]
 
 
 def bisect(function: SetFunction, a: float, b: float, level: float) -> float:

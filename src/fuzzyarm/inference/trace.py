@@ -201,8 +201,8 @@ class Trace(Drawn):
     outputs: tuple[OutputTrace, ...]
 
     def __repr__(self) -> str:
-        given = ", ".join(f"{each.name} = {each.given:.6g}" for each in self.inputs)
-        found = ", ".join(f"{each.name} = {each.value:.6g}" for each in self.outputs)
+        given = ", ".join(f"{variable.name} = {variable.given:.6g}" for variable in self.inputs)
+        found = ", ".join(f"{output.name} = {output.value:.6g}" for output in self.outputs)
         fired = f"{len(self.fired)} of {len(self.rules)} rules fire"
         return one_line(self, f"{self.rulebase}: {given} → {found}, {fired}")
 
@@ -277,7 +277,7 @@ def explain(
         rulebase.name,
         tuple(_fuzzy_value(rulebase.variable(n), given, point.values[n]) for n in used),
         _rules(rulebase, prepared, point),
-        tuple(_output(each, point, rulebase) for each in prepared.plan.outputs.values()),
+        tuple(_output(output, point, rulebase) for output in prepared.plan.outputs.values()),
     )
 
 
@@ -370,8 +370,8 @@ def _rules(rulebase: RuleBase, prepared: PointEngine, point: Point) -> tuple[Rul
     for block in rulebase.blocks:
         for rule in block.rules:
             own = [prepared.strength(i, point) for i in prepared.plan.readings[len(traces)]]
-            made = _rule_trace(len(traces) + 1, block, rule, own[0])
-            traces.append(made if len(own) == 1 else replace(made, lower=own[1]))
+            trace = _rule_trace(len(traces) + 1, block, rule, own[0])
+            traces.append(trace if len(own) == 1 else replace(trace, lower=own[1]))
     return tuple(traces)
 
 
@@ -400,7 +400,7 @@ def _output(plan: OutputPlan, point: Point, rulebase: RuleBase) -> OutputTrace:
     )
     union: Curve = ()
     if fired and not plan.discrete:
-        corners = {x for each in consequents for x, _ in each.curve}
+        corners = {x for consequent in consequents for x, _ in consequent.curve}
         union = _union(aggregate(plan, fired), corners, output.low, output.high)
     return _output_trace(plan, point, consequents, union)
 
@@ -453,16 +453,18 @@ def _output_of_type_2(plan: OutputPlan, point: Point, rulebase: RuleBase) -> Out
     unions: list[Curve] = [(), ()]
     if fired and not plan.discrete:
         for side in (UPPER, LOWER):
-            curves = (each.lower_curve if side else each.curve for each in consequents)
+            curves = (
+                consequent.lower_curve if side else consequent.curve for consequent in consequents
+            )
             corners = {x for curve in curves for x, _ in curve}
             function = aggregate(plan, side_of(plan, fired, side))
             unions[side] = _union(function, corners, plan.output.low, plan.output.high)
-    made = _output_trace(plan, point, tuple(consequents), unions[0])
+    trace = _output_trace(plan, point, tuple(consequents), unions[0])
     ends = None
-    if plan.record.of == "ends" and made.fired:
+    if plan.record.of == "ends" and trace.fired:
         ends = ends_of_output(plan, fired, point.values, inputs)
     left, right = ends or (None, None)
-    return replace(made, lower_aggregate=unions[1], left=left, right=right)
+    return replace(trace, lower_aggregate=unions[1], left=left, right=right)
 
 
 def _consequent(

@@ -81,15 +81,15 @@ class _Reader:
         heading = next(node for node in self.nodes if isinstance(node, ControllerHeading))
         self._report_repeated(ControllerHeading, "controller line")
         own = () if self.rulebase is None else (self.rulebase,)
-        for each in own:
-            self.sheets[each.name] = Word(each.name, heading.name.span)
-            self.used.add(each.name)
+        for rulebase in own:
+            self.sheets[rulebase.name] = Word(rulebase.name, heading.name.span)
+            self.used.add(rulebase.name)
         uses = tuple(node for node in self.nodes if isinstance(node, Use))
         for use in uses:
             self._declare(use.name, self.sheets)
         self._declare_gains()
         axes = self._axes()
-        count = max(1, sum(len(each.names) for each in axes))
+        count = max(1, sum(len(axis.names) for axis in axes))
         gains = [self._gain(node, count) for node in self.nodes if isinstance(node, GainModel)]
         partners = tuple(node for node in self.nodes if isinstance(node, Partner))
         self._judge_files(uses, count)
@@ -116,13 +116,13 @@ class _Reader:
     # --- Head ---
 
     def _report_repeated(self, kind: type, what: str) -> None:
-        found = [node for node in self.nodes if isinstance(node, kind)]
-        for extra in found[1:]:
+        nodes = [node for node in self.nodes if isinstance(node, kind)]
+        for extra in nodes[1:]:
             self.scope.report(
                 "duplicate-statement",
                 f"a controller has only one {what}",
                 extra.span,
-                related=(Related("first here", found[0].span),),
+                related=(Related("first here", nodes[0].span),),
             )
 
     def _period(self, heading: ControllerHeading) -> float:
@@ -162,7 +162,7 @@ class _Reader:
         return int(value)
 
     def _claims(self) -> tuple[LoopClaim, ...]:
-        found = []
+        claims = []
         for node in self.nodes:
             if not isinstance(node, LoopClaimNode):
                 continue
@@ -174,8 +174,8 @@ class _Reader:
             if claim.begin > claim.end:
                 message = f"the time ends at {claim.end:g} s, before it begins at {claim.begin:g} s"
                 self.scope.report("bad-range", message, node.span)
-            found.append(claim)
-        return tuple(found)
+            claims.append(claim)
+        return tuple(claims)
 
     def _judge_names_of(self, node: LoopClaimNode) -> None:
         for group in (
@@ -447,7 +447,9 @@ class _Reader:
             node.span,
             hint=f"a whole number from 0 to {MAX_DELAY}",
         )
-        return replace(node, options=tuple(each for each in node.options if each[0] != "delay"))
+        return replace(
+            node, options=tuple(option for option in node.options if option[0] != "delay")
+        )
 
     def _drive(self, node: Drive, signals: dict[str, str]) -> Drive:
         """Judge a line; one that is turned round drives nothing."""
@@ -524,23 +526,23 @@ class _Reader:
                     hint="add a line like  axis joint1, joint2  and signals below it",
                 )
             return
-        for each in axes:
-            driven = any(isinstance(line, Drive) for line in each.lines)
+        for axis in axes:
+            driven = any(isinstance(line, Drive) for line in axis.lines)
             if not driven and "drive" not in self.broken:
                 self.scope.report(
                     "no-drives",
-                    f"axis {', '.join(each.names)} drives nothing",
-                    each.span,
-                    hint=f"add a line like  drive {_drive_for(each)}",
+                    f"axis {', '.join(axis.names)} drives nothing",
+                    axis.span,
+                    hint=f"add a line like  drive {_drive_for(axis)}",
                 )
 
 
 def _drive_for(axes: Axes) -> str:
     """Return what would drive the plant: the last signal, which may have the name of its port."""
-    made = [line for line in axes.lines if isinstance(line, Signal)]
-    if not made:
+    signals = [line for line in axes.lines if isinstance(line, Signal)]
+    if not signals:
         return "voltage = u"
-    last = made[-1]
+    last = signals[-1]
     if last.source is None and len(last.products) == 1 and len(last.products[0].factors) == 1:
         value = last.products[0].factors[0].value
         if isinstance(value, str):
@@ -575,11 +577,11 @@ _ONE_OR_EACH = "one value for all axes, or one for each"
 
 def _signals_behind(nodes: Sequence[StatementNode]) -> dict[str, Span]:
     """Return the signals that are made before the next axis."""
-    found: dict[str, Span] = {}
+    spans: dict[str, Span] = {}
     for node in nodes:
         if isinstance(node, Axes):
             break
         if isinstance(node, Signal):
             for word in node.names:
-                found.setdefault(word, span_of(word))
-    return found
+                spans.setdefault(word, span_of(word))
+    return spans

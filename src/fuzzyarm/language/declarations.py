@@ -282,13 +282,13 @@ _LIMITS = {"input": MAX_INPUTS, "output": MAX_OUTPUTS}
 
 def declare_variable(node: VariableNode, scope: Scope) -> None:
     """Add the variable of `node` to `scope`."""
-    known = scope.drafts.get(node.name)
-    if known is not None:
+    draft = scope.drafts.get(node.name)
+    if draft is not None:
         scope.report(
             "duplicate-variable",
             f"'{node.name}' is declared twice",
             node.name.span,
-            related=(Related("first here", known.node.name.span),),
+            related=(Related("first here", draft.node.name.span),),
         )
         return
     if len(scope.names(node.role)) == _LIMITS[node.role]:

@@ -284,8 +284,8 @@ def elaborate_tuning(node: TuneNode, scope: Scope) -> Tuning:
     for item in node.items:
         if item.key == "peaks":
             _report_twice(item, moved, scope)
-            found = _peaks(item, scope)
-            peaks += [found] if found.variables else []
+            tuning = _peaks(item, scope)
+            peaks += [tuning] if tuning.variables else []
         elif item.key == "gain":
             _report_twice(item, moved, scope)
             gains += [_tuned_gain(item)] if _sound_range(item, scope) else []

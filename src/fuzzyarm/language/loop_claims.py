@@ -125,10 +125,10 @@ def _stretches(field: str, kind: Kind, what: str, label: str) -> Phrase:
     offered = f"{kind}s"
 
     def read(cursor: Cursor) -> tuple[StateStretch, ...]:
-        found = [_read_stretch(cursor, what, offered)]
+        stretches = [_read_stretch(cursor, what, offered)]
         while cursor.accept(","):
-            found.append(_read_stretch(cursor, what, offered))
-        return tuple(found)
+            stretches.append(_read_stretch(cursor, what, offered))
+        return tuple(stretches)
 
     def mentions(found: Iterable[StateStretch]) -> Iterator[Occurrence]:
         return (_occurrence(kind, stretch.name) for stretch in found)
@@ -237,7 +237,7 @@ def claim_node(claim: LoopClaim) -> LoopClaimNode:
         claim.stable,
         Word(claim.plant),
         tuple((Word(name), figure(value)) for name, value in claim.at),
-        tuple(stretch(*each) for each in claim.parameters),
+        tuple(stretch(*parameter) for parameter in claim.parameters),
         tuple(stretch(*each) for each in claim.start),
         stretch(claim.output, claim.low, claim.high) if claim.output else None,
         claim.when,

@@ -158,7 +158,7 @@ def _presumed(nodes: list[StatementNode], role: str) -> frozenset[str]:
             outputs.update(consequent.variable for consequent in node.consequents)
         else:
             continue
-        every.update(each.name for each in mentions(node) if each.kind is Kind.VARIABLE)
+        every.update(mention.name for mention in mentions(node) if mention.kind is Kind.VARIABLE)
     return frozenset(outputs if role == "output" else every - outputs)
 
 
@@ -220,12 +220,12 @@ def _rules_of(
         return known[0]
     before = len(scope.diagnostics)
     if isinstance(node, RuleNode):
-        found = elaborate_rule(node, scope)
+        rules = elaborate_rule(node, scope)
     else:
-        found = [rule for part in node.parts for rule in elaborate_grid(part, scope, budget)]
+        rules = [rule for part in node.parts for rule in elaborate_grid(part, scope, budget)]
     if not scope.overflows:  # else it may have been given up half-way
-        memory.keep_rules(node, found, scope.diagnostics[before:])
-    return found
+        memory.keep_rules(node, rules, scope.diagnostics[before:])
+    return rules
 
 
 def _lookup(nodes: list[StatementNode], scope: Scope) -> Lookup | None:
@@ -239,21 +239,21 @@ def _tuning(nodes: list[StatementNode], scope: Scope) -> Tuning | None:
 
 
 def _expectations(nodes: list[StatementNode], scope: Scope) -> tuple[Expectation, ...]:
-    found = [
+    expectations = [
         elaborate_expectation(n, scope)
         for n in nodes
         if isinstance(n, ExpectNode) and not scope.overflows
     ]
-    return tuple(expectation for expectation in found if expectation is not None)
+    return tuple(expectation for expectation in expectations if expectation is not None)
 
 
 def _properties(nodes: list[StatementNode], scope: Scope) -> tuple[Property, ...]:
-    found = [
+    properties = [
         elaborate_property(n, scope)
         for n in nodes
         if isinstance(n, ProveNode) and not scope.overflows
     ]
-    return tuple(each for each in found if each is not None)
+    return tuple(each for each in properties if each is not None)
 
 
 _Node = TypeVar("_Node", bound=StatementNode)

@@ -99,8 +99,8 @@ def parse(text: str, path: str = "<text>", memory: ParseMemory | None = None) ->
         foreign = foreign_text(text) if len(document.diagnostics) >= MANY else None
         if foreign is not None:
             document = document._replace(diagnostics=(foreign,))
-            found = [replace(foreign, path=path)]
-            return Parsed(document, RuleBase(UNNAMED, (), (), ()), tuple(found))
+            diagnostics = [replace(foreign, path=path)]
+            return Parsed(document, RuleBase(UNNAMED, (), (), ()), tuple(diagnostics))
         meant, mended = as_meant(text, document)
         document = document._replace(diagnostics=meant.diagnostics)
         heads = {type(statement.node) for statement in meant.statements}
@@ -118,13 +118,13 @@ def parse(text: str, path: str = "<text>", memory: ParseMemory | None = None) ->
         nodes = [statement.node for statement in meant.statements]
         whole, more = elaborate_controller(nodes, partial if Heading in heads else None)
         findings += [finding for finding in more if finding.line not in mended]
-    found = list(document.diagnostics) if too_large else [*document.diagnostics, *findings]
+    diagnostics = list(document.diagnostics) if too_large else [*document.diagnostics, *findings]
     if failures:
-        found = list(map(_with_failure, found))
+        diagnostics = list(map(_with_failure, diagnostics))
     # One slip in a line shared by several variables is one finding.
-    once = {(diagnostic.name, diagnostic.span): diagnostic for diagnostic in reversed(found)}
-    found = sorted(once.values(), key=lambda diagnostic: diagnostic.span)
-    return Parsed(document, partial, tuple(_limited(found, path)), whole)
+    once = {(diagnostic.name, diagnostic.span): diagnostic for diagnostic in reversed(diagnostics)}
+    diagnostics = sorted(once.values(), key=lambda diagnostic: diagnostic.span)
+    return Parsed(document, partial, tuple(_limited(diagnostics, path)), whole)
 
 
 def _with_failure(diagnostic: Diagnostic) -> Diagnostic:
@@ -136,9 +136,9 @@ def _with_failure(diagnostic: Diagnostic) -> Diagnostic:
 
 
 def _limited(found: list[Diagnostic], path: str) -> list[Diagnostic]:
-    shown = [replace(diagnostic, path=path) for diagnostic in found[:MAX_DIAGNOSTICS]]
+    diagnostics = [replace(diagnostic, path=path) for diagnostic in found[:MAX_DIAGNOSTICS]]
     if len(found) > MAX_DIAGNOSTICS:
-        shown.append(
+        diagnostics.append(
             Diagnostic(
                 "too-many-mistakes",
                 f"there are more than {MAX_DIAGNOSTICS:,} findings; the others are not shown",
@@ -146,7 +146,7 @@ def _limited(found: list[Diagnostic], path: str) -> list[Diagnostic]:
                 path=path,
             )
         )
-    return shown
+    return diagnostics
 
 
 def read_text(path: str | os.PathLike[str]) -> str:
@@ -218,7 +218,7 @@ def load_rulebase(path: str | os.PathLike[str]) -> RuleBase:
 
 def without_rulebase(parsed: Parsed, path: str) -> list[Diagnostic]:
     """Return the findings of a text without a rule base; of a controller, that it is one."""
-    found = list(parsed.diagnostics)
+    diagnostics = list(parsed.diagnostics)
     if parsed.controller is not None:
         span = parsed.document.statements[0].node.span
         hint = (
@@ -226,8 +226,8 @@ def without_rulebase(parsed: Parsed, path: str) -> list[Diagnostic]:
             "its rule bases stand in its use lines"
         )
         message = "this is a controller, not a rule base"
-        found.append(Diagnostic("not-a-rule-base", message, span, hint=hint, path=path))
-    return found
+        diagnostics.append(Diagnostic("not-a-rule-base", message, span, hint=hint, path=path))
+    return diagnostics
 
 
 # --- Formatting ---

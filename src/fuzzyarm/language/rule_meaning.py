@@ -160,16 +160,16 @@ def _row_rules(
 
 
 def _report_repeated(words: tuple[Word, ...], what: str, scope: Scope) -> None:
-    seen: dict[str, Span] = {}
+    spans: dict[str, Span] = {}
     for word in words:
-        if word in seen and not (what == "row" and not word):
+        if word in spans and not (what == "row" and not word):
             scope.report(
                 f"repeated-{what}",
                 f"the grid has two {what}s '{word}'",
                 word.span,
-                related=(Related("first here", seen[word]),),
+                related=(Related("first here", spans[word]),),
             )
-        seen.setdefault(word, word.span)
+        spans.setdefault(word, word.span)
 
 
 def _expression(node: ExpressionNode, scope: Scope) -> Expression | None:
@@ -186,10 +186,10 @@ def _expression(node: ExpressionNode, scope: Scope) -> Expression | None:
 
 
 def _proposition(node: PropositionNode, scope: Scope) -> Is | None:
-    found = _antecedent_term(scope.variable(node.variable), node.term, scope)
-    if found is None:
+    proposition = _antecedent_term(scope.variable(node.variable), node.term, scope)
+    if proposition is None:
         return None
-    return Is(found.variable, found.term, _hedges(node.hedges, scope), node.span)
+    return Is(proposition.variable, proposition.term, _hedges(node.hedges, scope), node.span)
 
 
 def _antecedent_term(draft: Draft | None, word: Word, scope: Scope) -> Is | None:

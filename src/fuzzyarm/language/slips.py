@@ -38,7 +38,7 @@ def as_meant(text: str, document: Document) -> tuple[Document, frozenset[int]]:
     meant, best = list(lines), document
     if len(document.diagnostics) > MAX_DIAGNOSTICS:
         return document, frozenset()
-    found: dict[int, Diagnostic] = {}
+    diagnostics: dict[int, Diagnostic] = {}
     # A header that is put right may show that its rows are to be put right too.
     for _ in range(_ROUNDS):
         first: dict[int, Diagnostic] = {}
@@ -53,12 +53,12 @@ def as_meant(text: str, document: Document) -> tuple[Document, frozenset[int]]:
         if not more:
             break
         again = parse_document("\n".join(meant))
-        if any(d.line in found or d.line in more for d in again.diagnostics):
+        if any(d.line in diagnostics or d.line in more for d in again.diagnostics):
             break  # what reads well alone does not read in its file
-        best, found = again, found | more
+        best, diagnostics = again, diagnostics | more
     advised = [_advised(each, lines) for each in best.diagnostics]
-    ordered = sorted([*advised, *found.values()], key=lambda diagnostic: diagnostic.span)
-    return best._replace(diagnostics=tuple(ordered)), frozenset(found)
+    ordered = sorted([*advised, *diagnostics.values()], key=lambda diagnostic: diagnostic.span)
+    return best._replace(diagnostics=tuple(ordered)), frozenset(diagnostics)
 
 
 # --- Files of other programs ---
@@ -129,9 +129,9 @@ def _put_right(lines: Sequence[str], number: int, first: Diagnostic) -> tuple[st
         if reads(line[:start] + first.replacement + line[end:]):
             return None
     for order in ORDERS:
-        better, said = _rewritten(line, word, order, controller)
-        if said and better.strip() and reads(better):
-            return better, said
+        better, text = _rewritten(line, word, order, controller)
+        if text and better.strip() and reads(better):
+            return better, text
     return None
 
 

@@ -226,7 +226,7 @@ def _sections(rulebase: RuleBase) -> Iterator[Sequence[StatementNode]]:
     if rulebase.lookup is not None:
         yield [_lookup(rulebase.lookup)]
     yield [_expectation(expectation) for expectation in rulebase.expectations]
-    yield [property_node(each, rulebase) for each in rulebase.properties]
+    yield [property_node(statement, rulebase) for statement in rulebase.properties]
     if rulebase.tuning is not None:
         yield [tuning_node(rulebase.tuning)]
 
@@ -319,8 +319,8 @@ def _inference(rulebase: RuleBase) -> Iterator[InferenceNode]:
         variable.name: (_choice("outside", variable.outside),) for variable in rulebase.inputs
     }
     # What most variables share is said once, for the others each by itself.
-    nodes = {str(each): each for own in settings.values() for each in own}
-    counts = Counter(str(each) for own in settings.values() for each in own)
+    nodes = {str(setting_node): setting_node for own in settings.values() for setting_node in own}
+    counts = Counter(str(setting_node) for own in settings.values() for setting_node in own)
     shared: list[SettingNode] = []
     for key in _OF_VARIABLES:
         texts = [text for text, node in nodes.items() if node.key == key]
@@ -329,7 +329,11 @@ def _inference(rulebase: RuleBase) -> Iterator[InferenceNode]:
         yield InferenceNode(None, tuple(shared))
     said = set(map(str, shared))
     for variable in (*rulebase.inputs, *rulebase.outputs):
-        own = tuple(each for each in settings[variable.name] if str(each) not in said)
+        own = tuple(
+            setting_node
+            for setting_node in settings[variable.name]
+            if str(setting_node) not in said
+        )
         if own:
             yield InferenceNode(Word(variable.name), own)
 

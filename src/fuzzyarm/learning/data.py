@@ -288,14 +288,14 @@ def rulebase_samples(
     target = names[0] if target is None and len(names) == 1 else target
     if target not in names:
         raise ColumnError(target or "--target", names)
-    ranges = {each.name: (each.low, each.high) for each in rulebase.inputs}
+    ranges = {variable.name: (variable.low, variable.high) for variable in rulebase.inputs}
     for name, ends in ranges.items():
         if not all(map(math.isfinite, ends)):
             raise _refused("unbounded-input", f"the range of '{name}' has no end", source)
 
     def value(**inputs: Array) -> ArrayLike:
-        found: Array = infer(rulebase, inputs, outputs=(target,))[target]
-        return found
+        values: Array = infer(rulebase, inputs, outputs=(target,))[target]
+        return values
 
     return replace(function_samples(value, ranges, count, target, seed), source=source)
 
@@ -368,7 +368,7 @@ def column_names(path: str | os.PathLike[str]) -> tuple[str, ...]:
     """Return the names of the columns of a file; errors as :func:`read_samples`."""
     name = os.fspath(path)
     if name.lower().endswith(".parquet"):
-        return tuple(str(each) for each in _frame(name).columns)
+        return tuple(str(column) for column in _frame(name).columns)
     with open(path, "rb") as file:
         return tuple(_cells(decoded(file.read(), name), name)[0].names)
 
@@ -448,14 +448,14 @@ def _split(line: str, mark: str) -> list[str]:
 
 def _spans(number: int, line: str, mark: str) -> tuple[Span, ...]:
     """Return where the cells of a line stand."""
-    found, start = [], 0
+    spans, start = [], 0
     for cell in _split(line, mark):
         at = line.find(cell, start)
         at = start if at < 0 else at  # quotes within quotes are not as in the text
-        found.append(Span(number, at + 1, number, at + max(len(cell), 1) + 1))
+        spans.append(Span(number, at + 1, number, at + max(len(cell), 1) + 1))
         following = line.find(mark, at + len(cell))
         start = len(line) if following < 0 else following + 1
-    return tuple(found)
+    return tuple(spans)
 
 
 def _number(cell: str, *, comma: bool = False) -> float | None:
@@ -531,7 +531,7 @@ class _Cells:
             raise DataError(wrong[:MOST_FINDINGS])
 
     def _column(self, at: int, wrong: list[Diagnostic]) -> Array:
-        found = np.empty(len(self.rows))
+        values = np.empty(len(self.rows))
         name = self.names[at]
         for k, row in enumerate(self.rows):
             number = _number(row[at], comma=self.comma)
@@ -545,8 +545,8 @@ class _Cells:
                 if len(wrong) < MAX_INPUTS * MOST_FINDINGS:
                     wrong.append(self._finding(kind, message, self.spans(k)[at]))
                 number = math.nan
-            found[k] = number
-        return found
+            values[k] = number
+        return values
 
     def _finding(self, name: str, message: str, span: Span) -> Diagnostic:
         return Diagnostic(name, message, span, path=self.path)

@@ -295,7 +295,7 @@ def _check_terms(samples: Samples, options: Options, terms: tuple[int, ...]) -> 
     if len(terms) != len(samples.names):
         count = len(samples.names)
         raise FitError(f"{len(terms)} numbers of terms for {count} inputs", hint="one for each")
-    if any(not 1 <= each <= 50 for each in terms):
+    if any(not 1 <= term <= 50 for term in terms):
         raise FitError("an input has 1 to 50 terms")
     if math.prod(terms) > MOST_RULES:
         raise FitError(
@@ -391,8 +391,8 @@ def _of_part(way: _Way, part: Samples) -> Callable[[Samples], Array]:
     weights, scaling = consequents(premises, part.inputs, part.outputs, way.best.shrinkage)
 
     def outputs(asked: Samples) -> Array:
-        found = predicted(premises, weights, scaling.regressors(asked.inputs), asked.inputs)
-        return scaling.middle + scaling.range * found
+        values = predicted(premises, weights, scaling.regressors(asked.inputs), asked.inputs)
+        return scaling.middle + scaling.range * values
 
     return outputs
 
@@ -453,7 +453,7 @@ def _nested(
 
 def _tried(judge: Judge, samples: Samples, options: Options) -> tuple[list[Candidate], bool]:
     """Return the structures that were tried, and whether the search came to its end."""
-    found: list[Candidate] = []
+    candidates: list[Candidate] = []
     counts = options.terms or (1,) * len(samples.names)
     if options.terms is not None:
         grid = grid_premises(judge.inputs, counts)
@@ -463,12 +463,12 @@ def _tried(judge: Judge, samples: Samples, options: Options) -> tuple[list[Candi
     else:
         search = clustered(judge, options.start, options.rules, options.seed)
     try:
-        found.extend(search)  # what a generator gave before an interrupt stays
+        candidates.extend(search)  # what a generator gave before an interrupt stays
     except KeyboardInterrupt:
-        if not found:
+        if not candidates:
             raise
-        return found, False
-    return found, True
+        return candidates, False
+    return candidates, True
 
 
 def _moved(
@@ -478,12 +478,12 @@ def _moved(
     trials = [chosen]
     if options.shrinkage is None:  # terms that have moved may leave conclusions more freedom
         trials.append(replace(chosen, shrinkage=chosen.shrinkage / 30.0))
-    found: list[Candidate] = []
+    candidates: list[Candidate] = []
     try:
-        found += [judge.moved(each) for each in trials]
+        candidates += [judge.moved(trial) for trial in trials]
     except KeyboardInterrupt:
         return chosen, [], False
-    moved = smallest_good(found)
+    moved = smallest_good(candidates)
     better = clearly_worse(chosen.squares, moved.squares)
     return (moved if better or options.move else chosen), [moved], True
 
@@ -542,7 +542,7 @@ def _written(samples: Samples, options: Options, way: _Way, error: Error, clock:
         score(samples, linear_outputs(samples)),
         error.value,
         way.judge.linear_error(),
-        tuple((each.words, each.size, each.error) for each in way.tried),
+        tuple((candidate.words, candidate.size, candidate.error) for candidate in way.tried),
         best.words,
         shrinkage,
         tuple(strengths.sum(axis=0).tolist()),
@@ -695,8 +695,8 @@ def linear_outputs(samples: Samples, asked: Samples | None = None) -> Array:
     known = scaling.regressors(samples.inputs)
     weights = np.linalg.lstsq(known, samples.outputs, rcond=1e-10)[0]
     at = known if asked is None else scaling.regressors(asked.inputs)
-    found: Array = at @ weights
-    return found
+    values: Array = at @ weights
+    return values
 
 
 class Fidelity(NamedTuple):

@@ -148,8 +148,8 @@ def fuzzy_c_means(
 
 
 def _squared_distances(points: Array, centres: Array) -> Array:
-    found: Array = ((points[:, None, :] - centres[None, :, :]) ** 2).sum(axis=2)
-    return found
+    values: Array = ((points[:, None, :] - centres[None, :, :]) ** 2).sum(axis=2)
+    return values
 
 
 def _spread_out(points: Array, count: int, draw: np.random.Generator) -> Array:

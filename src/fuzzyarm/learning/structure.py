@@ -115,10 +115,10 @@ class Judge(NamedTuple):
             squares[:, test] = np.mean(errors**2, axis=2)
         least = squares[squares.mean(axis=1).argmin()]
         # The most linear that is not clearly worse: they are in that order.
-        best = next(k for k, each in enumerate(squares) if not clearly_worse(each, least))
-        found = Candidate(words, premises, self.shrinkages[best], squares[best])
-        self.on_step(f"{words}: {found.error:.4g}")
-        return found
+        best = next(k for k, square in enumerate(squares) if not clearly_worse(square, least))
+        candidate = Candidate(words, premises, self.shrinkages[best], squares[best])
+        self.on_step(f"{words}: {candidate.error:.4g}")
+        return candidate
 
     def _errors_by_shrinkage(
         self, premises: Premises, train: NDArray[np.intp], test: NDArray[np.intp]
@@ -166,8 +166,8 @@ class Judge(NamedTuple):
                 raise KeyboardInterrupt
             weights, scaling = consequents(premises, inputs, outputs, shrinkage)
             asked = self.inputs[test]
-            found = predicted(premises, weights, scaling.regressors(asked), asked)
-            errors = self.outputs[test] - (scaling.middle + found * scaling.range)
+            values = predicted(premises, weights, scaling.regressors(asked), asked)
+            errors = self.outputs[test] - (scaling.middle + values * scaling.range)
             squares[test] = np.mean(errors**2, axis=1)
             self.on_step(f"{candidate.words}, terms moved")
         moved = replace(
@@ -203,7 +203,7 @@ def smallest_good(candidates: Iterable[Candidate]) -> Candidate:
     """Return the smallest candidate, then the most linear, not clearly worse than the best."""
     known = list(candidates)
     best = min(known, key=lambda each: each.error)
-    good = [each for each in known if not clearly_worse(each.squares, best.squares)]
+    good = [candidate for candidate in known if not clearly_worse(candidate.squares, best.squares)]
     return min(good, key=lambda each: (each.size, -each.shrinkage, each.error))
 
 

@@ -122,10 +122,10 @@ class Premises:
     @cached_property
     def members(self) -> Array:
         """1 where a rule has a term, shape (rules, terms)."""
-        found = np.zeros((len(self.rules), len(self.terms)))
-        for row, rule in zip(found, self.rules, strict=True):
+        values = np.zeros((len(self.rules), len(self.terms)))
+        for row, rule in zip(values, self.rules, strict=True):
             row[list(rule)] = 1.0
-        return found
+        return values
 
     @cached_property
     def _groups(self) -> tuple[_Group, ...]:
@@ -156,10 +156,10 @@ class Premises:
 
     def degrees(self, inputs: Array) -> Array:
         """Return the memberships, shape (samples, terms)."""
-        found = np.empty((len(inputs), len(self.terms)))
+        values = np.empty((len(inputs), len(self.terms)))
         for group in self._groups:
-            found[:, group.columns] = self._read(group, inputs, group.readings.value)
-        return found
+            values[:, group.columns] = self._read(group, inputs, group.readings.value)
+        return values
 
     def strengths(self, inputs: Array) -> Array:
         """Return how far each rule fires, as a share of all: shape (samples, rules), sum 1."""
@@ -194,14 +194,14 @@ class Premises:
         mean = np.sum(shares * consequents, axis=1, keepdims=True)
         by_term = (shares * (consequents - mean)) @ self.members
         by_term /= np.maximum(degrees, TINY)
-        found = np.zeros((len(inputs), len(self.numbers)))
+        values = np.zeros((len(inputs), len(self.numbers)))
         for group in self._groups:
             slopes = group.readings.slopes
             for index, sign, reading in zip(group.indices, group.signs, slopes, strict=True):
                 slope = self._read(group, inputs, reading) * sign * by_term[:, group.columns]
                 for k, column in zip(index.tolist(), slope.T, strict=True):
-                    found[:, k] += column  # neighbours share a number
-        return found
+                    values[:, k] += column  # neighbours share a number
+        return values
 
     def with_numbers(self, numbers: Array) -> Premises:
         """Return the same terms and rules with other numbers."""
@@ -253,8 +253,8 @@ class Scaling:
 
 def designed(shares: Array, regressors: Array) -> Array:
     """Return each regressor weighed by each rule, shape (samples, rules × regressors)."""
-    found: Array = (shares[:, :, None] * regressors[:, None, :]).reshape(len(shares), -1)
-    return found
+    values: Array = (shares[:, :, None] * regressors[:, None, :]).reshape(len(shares), -1)
+    return values
 
 
 def basis(regressors: Array) -> Array:
@@ -322,10 +322,10 @@ def _turns(count: int) -> Iterator[slice]:
 
 def predicted(premises: Premises, weights: Array, regressors: Array, inputs: Array) -> Array:
     """Return the scaled outputs of a model, shape (samples, outputs)."""
-    found: Array = np.einsum(
+    values: Array = np.einsum(
         "nr,nq,rqk->nk", premises.strengths(inputs), regressors, weights, optimize=True
     )
-    return found
+    return values
 
 
 # --- The numbers of the terms ---
@@ -426,9 +426,9 @@ def optimised(
     projection = Projection(premises, inputs, outputs, shrinkage)
 
     def residual(numbers: Array) -> Array:
-        found = projection.residual(numbers)
-        on_step(float(np.sqrt(np.sum(found**2) / outputs.size)))
-        return found
+        values = projection.residual(numbers)
+        on_step(float(np.sqrt(np.sum(values**2) / outputs.size)))
+        return values
 
     finished = True
     try:

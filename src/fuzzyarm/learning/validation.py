@@ -179,8 +179,8 @@ class Validation(Plotted):
         """Return it as JSON data: NaN is None, and the samples themselves are left out."""
         data = {k: v for k, v in asdict(self).items() if k not in {"predicted", "observed"}}
         data["calibration"] = [each._asdict() for each in self.calibration]
-        data["regions"] = [each._asdict() for each in self.regions]
-        data["rules"] = [each._asdict() for each in self.rules]
+        data["regions"] = [region._asdict() for region in self.regions]
+        data["rules"] = [use._asdict() for use in self.rules]
         data["never_fired"] = [rule.number for rule in self.never_fired]
         found: dict[str, Any] = _without_nan(data)
         return found
@@ -276,8 +276,8 @@ def _root_mean_square(values: Array) -> float:
 
 def _outside(rulebase: RuleBase, columns: dict[str, Array]) -> int:
     beyond = [
-        (columns[each.name] < each.low) | (columns[each.name] > each.high)
-        for each in rulebase.inputs
+        (columns[variable.name] < variable.low) | (columns[variable.name] > variable.high)
+        for variable in rulebase.inputs
     ]
     return int(np.any(beyond, axis=0).sum())
 

@@ -116,7 +116,7 @@ def wang_mendel(samples: Samples, words: int, layout: Layout) -> tuple[RuleBase,
         )
         raise WordsError(message)
     columns = [*samples.inputs.T, samples.values]
-    ranges = [outer_range(float(each.min()), float(each.max()), 4) for each in columns]
+    ranges = [outer_range(float(column.min()), float(column.max()), 4) for column in columns]
     found = proposals(samples.inputs, samples.values, ranges, words)
     if len(found.support) > MAX_RULES:
         message = f"{len(found.support):,} rules are too many"

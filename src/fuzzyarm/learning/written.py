@@ -124,16 +124,16 @@ def rounded_consequents(weights: Array, samples: Samples, tolerance: Array) -> A
     """
     centre = samples.inputs.mean(axis=0)
     reach = np.maximum(np.abs(samples.inputs - centre).max(axis=0), 1e-300)
-    found = weights.copy()
+    values = weights.copy()
     parts = math.sqrt(weights.shape[2])
     for k, each in enumerate(tolerance.tolist()):
         for j, far in enumerate(reach.tolist()):
             decimals = resolution(each / parts / far, 1)
-            found[:, k, j] = [round_to(value, decimals) for value in weights[:, k, j].tolist()]
-        constants = weights[:, k, -1] + (weights[:, k, :-1] - found[:, k, :-1]) @ centre
+            values[:, k, j] = [round_to(value, decimals) for value in weights[:, k, j].tolist()]
+        constants = weights[:, k, -1] + (weights[:, k, :-1] - values[:, k, :-1]) @ centre
         decimals = resolution(each / parts, 1)
-        found[:, k, -1] = [round_to(value, decimals) for value in constants.tolist()]
-    return found
+        values[:, k, -1] = [round_to(value, decimals) for value in constants.tolist()]
+    return values
 
 
 # --- The rule base ---
@@ -328,7 +328,7 @@ def commented(
     document = parse_document(write(rulebase))
     first, *others = document.statements
     lines = (*(f"# {line}".rstrip() for line in head), *first.trivia.before)
-    made = [Statement(first.node, Trivia(lines, first.trivia.behind))]
+    statements = [Statement(first.node, Trivia(lines, first.trivia.behind))]
     number = 0  # of the next rule
     for statement in others:
         node = statement.node
@@ -341,8 +341,8 @@ def commented(
         elif isinstance(node, GridNode):
             number += sum(cell.term is not None for row in node.rows for cell in row.cells)
         behind = f"# {text}" if text else statement.trivia.behind
-        made.append(Statement(node, Trivia(statement.trivia.before, behind)))
-    return _allowing(print_document(document._replace(statements=tuple(made))))
+        statements.append(Statement(node, Trivia(statement.trivia.before, behind)))
+    return _allowing(print_document(document._replace(statements=tuple(statements))))
 
 
 MEANT = frozenset({"coverage-gap", "jump", "missing-rule"})
@@ -354,9 +354,9 @@ def _allowing(text: str) -> str:
     parsed = parse(text)
     assert parsed.rulebase is not None, parsed.diagnostics
     names: dict[int, set[str]] = {}
-    for found in check(parsed.rulebase, parsed.document):
-        if found.name in MEANT:
-            names.setdefault(found.line, set()).add(found.name)
+    for diagnostic in check(parsed.rulebase, parsed.document):
+        if diagnostic.name in MEANT:
+            names.setdefault(diagnostic.line, set()).add(diagnostic.name)
     lines = text.split("\n")
     for number, some in names.items():
         line = lines[number - 1].partition("  #")[0]

@@ -94,10 +94,11 @@ def _rulebase(rule: Any, name: str, findings: Findings) -> RuleBase | None:
     if len(domains) < len({id(each.domain) for each in asked}) or labels[0] in domains:
         findings.error("duplicate-variable", "two domains of the rule have one name")
         return None
-    named = {id(each): _named(each, asked, hedged=True) for each in domains.values()}
+    named = {id(domain): _named(domain, asked, hedged=True) for domain in domains.values()}
     values = _named(target, concluded)
     inputs = tuple(
-        _input(label, each, named[id(each)].values(), findings) for label, each in domains.items()
+        _input(label, domain, named[id(domain)].values(), findings)
+        for label, domain in domains.items()
     )
     rules = []
     for sets, set_ in rule.conditions.items():
@@ -143,8 +144,8 @@ def _under_hedges(each: Any, own: list[_Named], domain: Any) -> _Named | None:
     for term in own:
         before = [float(term.set(x)) for x in xs]
         for hedges in (*_powers(before, degrees), (NOT,)):
-            made = [apply_hedges(hedges, min(1.0, max(0.0, y))) for y in before]
-            if all(abs(a - b) <= TOLERANCE for a, b in zip(made, degrees, strict=True)):
+            values = [apply_hedges(hedges, min(1.0, max(0.0, y))) for y in before]
+            if all(abs(a - b) <= TOLERANCE for a, b in zip(values, degrees, strict=True)):
                 return _Named(term.term, hedges, None)
     return None
 

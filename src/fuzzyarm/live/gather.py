@@ -378,7 +378,9 @@ def _inside(name: str, value: Any, own: frozenset[str]) -> dict[str, Any]:
     if type(value).__module__ not in own:
         return {}
     attributes = dict(getattr(value, "__dict__", {}))
-    return {k if name == "self" else f"{name}_{k}": each for k, each in attributes.items()}
+    return {
+        k if name == "self" else f"{name}_{k}": attribute for k, attribute in attributes.items()
+    }
 
 
 def _systems(
@@ -460,7 +462,7 @@ def _gathered(
         module, stem, lambda value: library_of(value) is not None, whole=whole
     )
     deadline = time.monotonic() + MEASURING
-    found = [_as_found(name, each, options, deadline) for name, each in systems.items()]
+    found = [_as_found(name, system, options, deadline) for name, system in systems.items()]
     return {"found": found, "left_out": left_out}
 
 
@@ -502,7 +504,7 @@ def _told_by_text(script: Path) -> dict[str, Any]:
     except (SyntaxError, ValueError, RecursionError):
         return {"builders": [], "by_hand": False}
     module = _beside("builders")
-    calls = [each.call for each in module.builders(tree)]
+    calls = [builder.call for builder in module.builders(tree)]
     return {"builders": calls, "by_hand": module.is_by_hand(tree)}
 
 

@@ -78,11 +78,11 @@ def _from_pyfuzzylite(
             setattr(settings, key, value)
     imported = parse_fll(text, lossy=lossy, strict=strict)
     # There is no text for the user to find a position in.
-    found = tuple(replace(d, span=NOWHERE, path="") for d in imported.diagnostics)
+    diagnostics = tuple(replace(d, span=NOWHERE, path="") for d in imported.diagnostics)
     rulebase = imported.rulebase
     if rulebase is not None and not rulebase.name.strip():
         rulebase = replace(rulebase, name=name)
-    return Imported(rulebase, found, "pyfuzzylite")
+    return Imported(rulebase, diagnostics, "pyfuzzylite")
 
 
 def _pyfuzzylite_numbers(engine: Any) -> Callable[[Mapping[str, float]], dict[str, float]]:
@@ -93,7 +93,11 @@ def _pyfuzzylite_numbers(engine: Any) -> Callable[[Mapping[str, float]], dict[st
         for variable in engine.input_variables:
             variable.value = values[variable.name]
         engine.process()
-        found = {each.name: float(each.value) for each in engine.output_variables if each.enabled}
+        found = {
+            output_variable.name: float(output_variable.value)
+            for output_variable in engine.output_variables
+            if output_variable.enabled
+        }
         return {name: value for name, value in found.items() if not math.isnan(value)}
 
     return numbers

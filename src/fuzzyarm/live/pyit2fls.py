@@ -242,11 +242,11 @@ class _Reader:
             conjunction = self._norm("t_norm", _T_NORMS)
             aggregation = self._norm("s_norm", _S_NORMS)
         inputs = self._inputs()
-        names = {each.name: [term.name for term in each.terms] for each in inputs}
-        outputs = tuple(self._output(each, inputs, aggregation) for each in self.results)
+        names = {variable.name: [term.name for term in variable.terms] for variable in inputs}
+        outputs = tuple(self._output(result, inputs, aggregation) for result in self.results)
         if self.findings.failed:
             return None
-        names |= {each.name: [term.name for term in each.terms] for each in outputs}
+        names |= {output.name: [term.name for term in output.terms] for output in outputs}
         rules = [
             rule
             for when, then in self.system.rules
@@ -382,29 +382,29 @@ class _Reader:
     # --- Variables ---
 
     def _inputs(self) -> tuple[Input, ...]:
-        found = []
+        inputs = []
         for name, sets in self.sets.items():
             low, high = _range(sets)
             terms = self._terms(name, sets, low, high)
             shapes = [each for term in terms for each in (term.shape, term.lower) if each]
             inside = not self._has_values and all(
-                constant_beyond(each, low, high) for each in shapes
+                constant_beyond(shape, low, high) for shape in shapes
             )
             outside = "clamp" if inside else "extend"
-            found.append(Input(name, low, high, terms, outside=outside))
-        return tuple(found)
+            inputs.append(Input(name, low, high, terms, outside=outside))
+        return tuple(inputs)
 
     def _terms(
         self, variable: str, sets: Sequence[Any], low: float, high: float
     ) -> tuple[Term, ...]:
         taken: set[str] = set()
-        made = []
+        terms = []
         for number, each in enumerate(sets, 1):
             name = unique_name(str(getattr(each, NAME, f"set{number}")), taken)
             taken.add(name)
             with reading(f"'{name}' of '{variable}'"):
-                made.append(self._term(each, name, variable, low, high))
-        return tuple(made)
+                terms.append(self._term(each, name, variable, low, high))
+        return tuple(terms)
 
     def _term(self, each: Any, name: str, variable: str, low: float, high: float) -> Term:
         what = f"'{name}' of '{variable}'"
@@ -546,7 +546,11 @@ class _Reader:
         self, function: Any, order: list[str], inputs: tuple[Input, ...], what: str
     ) -> Shape:
         try:
-            ends = {each.name: (each.low, each.high) for each in inputs if self.sets[each.name]}
+            ends = {
+                variable.name: (variable.low, variable.high)
+                for variable in inputs
+                if self.sets[variable.name]
+            }
             ranges = [ends.get(name, (-100.0, 100.0)) for name in order]
             shape = function_shape(function, order, ranges)
         except (SyntaxError, ValueError, FormulaError, OSError, TypeError) as error:
@@ -556,7 +560,7 @@ class _Reader:
         if shape.kind != "linear":
             return shape
         factors = dict(zip(order, shape.parameters, strict=False))
-        ordered = (factors.get(each.name, 0.0) for each in inputs)
+        ordered = (factors.get(variable.name, 0.0) for variable in inputs)
         return Shape("linear", (*ordered, shape.parameters[-1]))
 
     def _average(
@@ -567,7 +571,7 @@ class _Reader:
         defuzzifier: Defuzzifier,
         no_rule: float,
     ) -> Output:
-        ends = {each.name: (each.low, each.high) for each in inputs}
+        ends = {variable.name: (variable.low, variable.high) for variable in inputs}
         low, high = range_of_values((term.shape for term in terms), ends) or (0.0, 1.0)
         message = f"'{name}' has no universe of discourse; {low:g} to {high:g} by its values"
         self.findings.info("estimated-range", message)
@@ -623,7 +627,7 @@ def _fits(shape: Shape, degree: Callable[[float], float], xs: Sequence[float]) -
 
 
 def _value(factors: Mapping[str, Any], inputs: tuple[Input, ...]) -> Shape:
-    numbers = tuple(float(factors[each.name]) for each in inputs)
+    numbers = tuple(float(factors[variable.name]) for variable in inputs)
     constant = float(factors["const"])
     if not any(numbers):
         return Shape("singleton", (constant,))

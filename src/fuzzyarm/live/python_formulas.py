@@ -325,5 +325,5 @@ def _in_words(tree: ast.expr, names: list[str]) -> str:
         case ast.BinOp(left=left, op=sign, right=right) if type(sign) in _SIGNS:
             return f"({_in_words(left, names)} {_SIGNS[type(sign)]} {_in_words(right, names)})"
         case ast.Call(func=ast.Name(id=function), args=args, keywords=[]) if function in _FUNCTIONS:
-            return f"{function}({', '.join(_in_words(each, names) for each in args)})"
+            return f"{function}({', '.join(_in_words(argument, names) for argument in args)})"
     raise ValueError(f"'{ast.unparse(tree)}' is not supported")

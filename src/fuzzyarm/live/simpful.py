@@ -108,7 +108,7 @@ class _Reader:
         inputs = [n for n in self.variables if n in set(used)]
         concluded = list(dict.fromkeys(rule.consequents[0].variable for _, rule in read))
         self._note_both(inputs, concluded)
-        made = tuple(self._input(each) for each in inputs)
+        made = tuple(self._input(variable) for variable in inputs)
         output = self._values if self.sugeno else self._sets
         outputs = tuple(output(each, made, [rule for _, rule in read]) for each in concluded)
         return RuleBase(name, made, outputs, blocks_by_norms(read))
@@ -273,7 +273,7 @@ class _Reader:
     def _values(self, name: str, inputs: tuple[Input, ...], rules: list[Rule]) -> Output:
         used = [c.term for rule in rules for c in rule.consequents if c.variable == name]
         shapes = {term: self._value(term, inputs) for term in dict.fromkeys(used)}
-        ends = {each.name: (each.low, each.high) for each in inputs}
+        ends = {variable.name: (variable.low, variable.high) for variable in inputs}
         low, high = range_of_values(shapes.values(), ends) or (0.0, 1.0)
         message = f"'{name}' has no universe of discourse; {low:g} to {high:g} by its values"
         self.findings.info("estimated-range", message)
@@ -288,7 +288,7 @@ class _Reader:
         if name in self.system._crispvalues:
             return Shape("singleton", (factor * float(self.system._crispvalues[name]),))
         text = str(self.system._outputfunctions.get(name, "0"))
-        names = [each.name for each in inputs]
+        names = [variable.name for variable in inputs]
         try:
             return text_shape(text, names, factor)
         except (SyntaxError, ValueError, FormulaError) as error:
@@ -299,11 +299,11 @@ class _Reader:
 
 def _terms(shapes: Mapping[str, Shape]) -> tuple[Term, ...]:
     taken: set[str] = set()
-    made = []
+    terms = []
     for name, shape in shapes.items():
-        made.append(Term(unique_name(name, taken), shape))
+        terms.append(Term(unique_name(name, taken), shape))
         taken.add(name)
-    return tuple(made)
+    return tuple(terms)
 
 
 # --- Sets by the class of their function ---

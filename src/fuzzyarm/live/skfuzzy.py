@@ -103,18 +103,20 @@ def from_skfuzzy(
     clips = getattr(system, "clip_to_bounds", True)
     system = getattr(system, "ctrl", system)  # of a simulation
     variables = [*system.antecedents, *system.consequents]
-    labels = [str(each.label) for each in variables]
+    labels = [str(variable.label) for variable in variables]
     for label in sorted({each for each in labels if labels.count(each) > 1}):
         findings.error("duplicate-variable", f"two variables are called '{label}'")
-    terms = {id(each): _terms(each, findings, points=points) for each in variables}
+    terms = {id(variable): _terms(variable, findings, points=points) for variable in variables}
     inputs = tuple(
         Input(
-            str(each.label), *_range(each), terms[id(each)],
+            str(antecedent.label), *_range(antecedent), terms[id(antecedent)],
             outside="clamp" if clips else "error",
         )
-        for each in system.antecedents
+        for antecedent in system.antecedents
     )  # fmt: skip
-    outputs = tuple(_output(each, terms[id(each)], findings) for each in system.consequents)
+    outputs = tuple(
+        _output(consequent, terms[id(consequent)], findings) for consequent in system.consequents
+    )
     blocks = _blocks(list(system.rules), findings)
     if not blocks and not findings.failed:
         findings.error("no-rules", "the control system has no rules")
@@ -239,10 +241,10 @@ def _terms(variable: Any, findings: Findings, *, points: bool) -> tuple[Term, ..
 
 def _degrees(term: Any, count: int) -> list[float]:
     """Return the degrees of a term, one for each point of the universe."""
-    found = [float(y) for y in term.mf]
-    if len(found) != count:
-        raise ValueError(f"it has {len(found)} degrees for {count} points")
-    return found
+    values = [float(y) for y in term.mf]
+    if len(values) != count:
+        raise ValueError(f"it has {len(values)} degrees for {count} points")
+    return values
 
 
 def _note_between(variable: Any, labels: list[str], findings: Findings) -> None:
@@ -284,9 +286,9 @@ def _note_intermediates(rule: Any, findings: Findings) -> None:
 def _norm_name(function: Callable[..., Any]) -> str:
     """Return the norm that a function computes at three points; empty for any other."""
     points = ((0.25, 0.5), (0.75, 0.25), (0.5, 1.0))
-    found = [float(function(a, b)) for a, b in points]
+    values = [float(function(a, b)) for a, b in points]
     for kind in (*map(TNORMS.get, _TNORMS), *map(SNORMS.get, _SNORMS)):
-        if kind is not None and found == [kind.scalar(a, b) for a, b in points]:
+        if kind is not None and values == [kind.scalar(a, b) for a, b in points]:
             return kind.name
     return ""
 

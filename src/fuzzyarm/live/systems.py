@@ -92,12 +92,12 @@ def from_live(
         rulebase = in_tables(rulebase)
         assert library is not None
         diagnostics += compare(rulebase, measured(found, rulebase), library.name, lossy=lossy)
-    diagnostics = [replace(each, path=each.path or name) for each in diagnostics]
-    if rulebase is None or any(each.is_error for each in diagnostics):
+    diagnostics = [replace(diagnostic, path=diagnostic.path or name) for diagnostic in diagnostics]
+    if rulebase is None or any(diagnostic.is_error for diagnostic in diagnostics):
         raise RuleBaseError(diagnostics)
-    for each in diagnostics:
-        if each.severity is Severity.WARNING:
-            warnings.warn(FileWarning(each), stacklevel=2)
+    for diagnostic in diagnostics:
+        if diagnostic.severity is Severity.WARNING:
+            warnings.warn(FileWarning(diagnostic), stacklevel=2)
     return rulebase
 
 
@@ -156,11 +156,13 @@ def _our_numbers(
     from fuzzyarm.inference import infer
 
     outputs = tuple(
-        replace(each, no_rule=math.nan) if isinstance(each.no_rule, str) else each
-        for each in rulebase.outputs
+        replace(output, no_rule=math.nan) if isinstance(output.no_rule, str) else output
+        for output in rulebase.outputs
     )
     asked = replace(rulebase, outputs=outputs, expectations=(), properties=())
-    columns = {each.name: np.array([p[each.name] for p in points]) for each in rulebase.inputs}
+    columns = {
+        variable.name: np.array([p[variable.name] for p in points]) for variable in rulebase.inputs
+    }
     found = infer(asked, columns)
     return {name: np.broadcast_to(values, len(points)).tolist() for name, values in found.items()}
 
@@ -352,12 +354,12 @@ def _about_script(
             "left out"
         )
         findings.warn("failed-script", message, hint="--lossy takes it all the same")
-    found = findings.all()
+    diagnostics = findings.all()
     if findings.failed and not data.get("refused"):
         name = "does not end" if data.get("endless") else "ends with an error"
         hint = _what_to_do(data) if data.get("builders") else ""
-        raise ScriptError(f"{path}: the script {name}; nothing is gathered", hint, found)
-    return found
+        raise ScriptError(f"{path}: the script {name}; nothing is gathered", hint, diagnostics)
+    return diagnostics
 
 
 def _what_to_do(data: Mapping[str, Any]) -> str:
@@ -386,7 +388,7 @@ def _system(found: Mapping[str, Any], *, lossy: bool, strict: bool) -> System:
     if rulebase is not None:
         library = str(found["library"])
         diagnostics += compare(rulebase, found["points"], library, lossy=lossy, strict=strict)
-    if any(each.is_error for each in diagnostics):
+    if any(diagnostic.is_error for diagnostic in diagnostics):
         rulebase = None
     return System(
         found["name"], found["library"], rulebase, text if rulebase else "", tuple(diagnostics)

@@ -92,15 +92,15 @@ def describing_function(
         message = "amplitudes have to be positive numbers, and a frequency zero or more"
         raise AnalysisError(message, name="amplitudes")
     answer = _static(thing)
-    found = _fundamental(answer, sizes, frequency, FEWEST)
+    values = _fundamental(answer, sizes, frequency, FEWEST)
     points = 2 * FEWEST
     while points <= MOST:
         finer = _fundamental(answer, sizes, frequency, points)
-        settled = np.max(np.abs(finer - found)) <= tolerance * np.max(np.abs(finer))
-        found, points = finer, 2 * points
+        settled = np.max(np.abs(finer - values)) <= tolerance * np.max(np.abs(finer))
+        values, points = finer, 2 * points
         if settled:
             break
-    return found.reshape(np.shape(amplitudes))
+    return values.reshape(np.shape(amplitudes))
 
 
 def _fundamental(
@@ -157,13 +157,13 @@ def _of_controller(text: ControllerText) -> Callable[[Vector, Vector], Vector]:
     wanted = dict.fromkeys(run.references, 0.0)
 
     def answer(error: Vector, rate: Vector) -> Vector:
-        found = np.empty(error.shape)
+        values = np.empty(error.shape)
         for place in np.ndindex(error.shape):
             measured[first] = -float(error[place])
             for name in rates:
                 measured[name] = -float(rate[place])
-            found[place] = run.step(measured, wanted)[drive]
-        return found
+            values[place] = run.step(measured, wanted)[drive]
+        return values
 
     return answer
 
@@ -368,7 +368,7 @@ def _on_plant(
             for axes, line in text.model.lines()
             if isinstance(line, SignalLine) and line.source and line.source.kind == "error"
         ]
-        found = [site.find(text.model, "measured", each) for each in errors]
+        found = [site.find(text.model, "measured", error) for error in errors]
         tracked = found[0] if found else next(iter(interface.outputs))
     others = [port for port in interface.outputs if port != tracked]
     rates = [p for p in others if p[0] == tracked[0] and interface.outputs[p].rate_of == tracked[1]]

@@ -285,9 +285,9 @@ def _law_of(home: str, name: str) -> Any:
 
 
 def _controller_of(law: Law, gains: Any, name: str) -> CompiledController:
-    made = CompiledController(law, gains)
-    made.name = name
-    return made
+    controller = CompiledController(law, gains)
+    controller.name = name
+    return controller
 
 
 def _recipe_of_own(thing: Any) -> tuple[Any, ...] | None:

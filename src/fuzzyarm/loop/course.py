@@ -442,8 +442,8 @@ class Course:
         if not is_compiled(self.plant):
             return [0, size, 0, 0]
         finely = self.options.runge_kutta > 0
-        found = dynamics_of(self.plant, self.arithmetic, finely=finely)
-        return [found.address, size, int(found.actuates), int(found.extra > 0)]
+        dynamics = dynamics_of(self.plant, self.arithmetic, finely=finely)
+        return [dynamics.address, size, int(dynamics.actuates), int(dynamics.extra > 0)]
 
     def _blocks(self) -> Any:
         return self._flat(
@@ -473,22 +473,22 @@ class Course:
     def _sensing(self, seed: int) -> tuple[Any, Any]:
         """Write sensors and their noise down; both are empty where all sensors are exact."""
         interface = self.site.interface
-        known = {
+        sensors = {
             port: each
             for name, each in self.options.sensors.items()
             for port in interface.every_port(name)
         }
-        for port in known:
+        for port in sensors:
             if port not in interface.outputs:
                 message = f"'{interface.label(port)}' is an input, which has no sensor"
                 raise PlantError(message, name=interface.label(port))
-        if not known:
+        if not sensors:
             return [], []
         heads: list[float] = []
         ring = SENSOR * (len(interface.outputs) + self.site.extra)
         noisy: list[float] = []
         for port, output in interface.outputs.items():
-            sensor = known.get(port, Sensor())
+            sensor = sensors.get(port, Sensor())
             # Beyond the end of the run it makes no difference, but takes room.
             delay = min(periods_of(sensor.delay, self.motion.period), self.steps)
             source = -1

@@ -381,7 +381,7 @@ class Bench:
             run = self.one(first + at, own)
             if run.diverged is not None:
                 rows[at, 0] = run.diverged
-            found = [vars(each).values() for each in run.metrics.values()]
+            found = [vars(metric).values() for metric in run.metrics.values()]
             rows[at, 1:] = [np.nan if value is None else value for row in found for value in row]
         return rows, time.perf_counter() - begin
 
@@ -450,8 +450,8 @@ def columns_of(runs: Sequence[Changes] | Mapping[str, ArrayLike]) -> tuple[dict[
         found = {name: np.atleast_1d(np.asarray(v, np.float64)) for name, v in runs.items()}
         counts = {name: len(values) for name, values in found.items()}
         if len(set(counts.values())) > 1:
-            told = ", ".join(f"{count} of {name}" for name, count in counts.items())
-            raise SweepError(f"the runs do not match: {told}")
+            text = ", ".join(f"{count} of {name}" for name, count in counts.items())
+            raise SweepError(f"the runs do not match: {text}")
         count = next(iter(counts.values()), 0)
     else:
         count = len(runs)
@@ -610,14 +610,14 @@ def many_of(bench: Bench, changes: Columns, rows: Rows) -> Many:
 
 def seeds_of(bench: Bench, changes: Columns, count: int) -> NDArray[np.int64]:
     """Return the seeds of the first runs."""
-    found = np.arange(count, dtype=np.int64) + bench.experiment.options.seed
+    values = np.arange(count, dtype=np.int64) + bench.experiment.options.seed
     if "seed" in bench.experiment.shared:
-        found[:] = int(bench.experiment.shared["seed"])
+        values[:] = int(bench.experiment.shared["seed"])
     if "seed" in changes:
         given = changes["seed"][:count]
         known = ~np.isnan(given)
-        found[known] = given[known].astype(np.int64)
-    return found
+        values[known] = given[known].astype(np.int64)
+    return values
 
 
 def stream(

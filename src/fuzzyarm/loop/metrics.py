@@ -72,13 +72,13 @@ class Metrics:
 
     def as_dict(self) -> dict[str, float | None]:
         """Return it by name; what is not finite is None."""
-        found: dict[str, float | None] = jsonable(
-            {each.name: getattr(self, each.name) for each in fields(self)}
+        values: dict[str, float | None] = jsonable(
+            {field.name: getattr(self, field.name) for field in fields(self)}
         )
-        return found
+        return values
 
 
-METRICS = tuple(each.name for each in fields(Metrics))
+METRICS = tuple(field.name for field in fields(Metrics))
 """What is measured of every run."""
 
 ERRORS = ("rms", "rms_periods", "rms_path", "max", "final", "overshoot")

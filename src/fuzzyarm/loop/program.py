@@ -127,7 +127,7 @@ class Program:
                 model, written = law.text.model, law.program(self.arithmetic)
                 found += [model.period, model.every, model.axis_names]
                 found += [written.instructions(), len(written.memory())]
-                found += [law.site.driven(model), [each.name for each in model.gains]]
+                found += [law.site.driven(model), [gain.name for gain in model.gains]]
             else:
                 found += [law, block.numbers.tolist(), len(block.memory)]
         return self.compilable, *found

@@ -50,12 +50,12 @@ class Signal:
     path: str = ""
 
     def __post_init__(self) -> None:
-        known = KINDS.get(self.kind)
-        if known is None:
+        kind = KINDS.get(self.kind)
+        if kind is None:
             hint = near_hint(self.kind, KINDS)[0] or f"one of {', '.join(KINDS)}"
             raise PlantError(f"no reference is called '{self.kind}'", name=self.kind, hint=hint)
-        if self.kind != "file" and not known.least <= len(self.numbers) <= len(known.words):
-            hint = f"{self.kind}:{','.join(known.words)}"
+        if self.kind != "file" and not kind.least <= len(self.numbers) <= len(kind.words):
+            hint = f"{self.kind}:{','.join(kind.words)}"
             message = f"a {self.kind} does not take {len(self.numbers)} numbers"
             raise PlantError(message, name=self.kind, hint=hint)
         for number in self.numbers:

@@ -85,7 +85,7 @@ def metric_units(course: Course) -> dict[str, dict[str, str]]:
     found = {}
     for (axis, _), name, unit in zip(tracked, names, shown_units(course), strict=True):
         drives = [port.unit for (home, _), port in interface.inputs.items() if home == axis]
-        found[name] = {each: metric_unit(each, unit, drives) for each in METRICS}
+        found[name] = {metric: metric_unit(metric, unit, drives) for metric in METRICS}
     return found
 
 
@@ -554,9 +554,9 @@ class ClosedLoop:
         seed : int, optional
             In place of that of the options.
         """
-        found = self.open(program, course, seed)
-        found.advance()
-        return self.answer(found)
+        open_run = self.open(program, course, seed)
+        open_run.advance()
+        return self.answer(open_run)
 
     def judged(
         self,
@@ -573,9 +573,9 @@ class ClosedLoop:
         """
         program, course = program or self.program, course or self.course
         taps = self.taps[: 2 * len(course.motion.tracked)]
-        found = OpenRun(self.site, program, course, taps, seed, between=False)
-        found.advance()
-        record = found.record
+        run = OpenRun(self.site, program, course, taps, seed, between=False)
+        run.advance()
+        record = run.record
         stopped = None if course.plant.ended else record.diverged()
         names = list(map(self.site.interface.label, course.motion.tracked))
         labels = judged_names([axis for axis, _ in course.motion.tracked], names)
@@ -646,7 +646,7 @@ class ClosedLoop:
             outputs=outputs,
             drives=drives,
             limits=self._limits(program),
-            drive_units={label(port): each.unit for port, each in inputs.items()},
+            drive_units={label(port): variable.unit for port, variable in inputs.items()},
             driven=self._driven,
             cause="" if over or stopped is None else self._cause(record),
             loaded=tuple((followed.block[taken] != 0).tolist()),
@@ -658,7 +658,7 @@ class ClosedLoop:
             set_point_time=followed.time[taken],
             rms_periods=shown_means(course, record, HELD),
             rms_path=shown_means(course, record, LED),
-            output_units={label(port): each.unit for port, each in interface.outputs.items()},
+            output_units={label(port): output.unit for port, output in interface.outputs.items()},
             along=followed.along,
             notes=self.notes(course) + (() if over or stopped is None else _coarse(course)),
         )

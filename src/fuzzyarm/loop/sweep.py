@@ -110,14 +110,17 @@ def grid(ranges: Sequence[Range]) -> dict[str, Vector]:
         If a name comes twice, or a range does not say how many values it has.
     """
     require_different(ranges)
-    for each in ranges:
-        if not each.count:
-            hint = f"{each.name}={each.low:g}..{each.high:g}:10, or --random N for values drawn"
-            raise SweepError(f"'{each.name}' has no number of values", name=each.name, hint=hint)
+    for interval in ranges:
+        if not interval.count:
+            words = f"{interval.name}={interval.low:g}..{interval.high:g}:10"
+            hint = f"{words}, or --random N for values drawn"
+            raise SweepError(
+                f"'{interval.name}' has no number of values", name=interval.name, hint=hint
+            )
     if not ranges:
         return {}
-    columns = np.meshgrid(*(each.values() for each in ranges), indexing="ij")
-    return {each.name: column.ravel() for each, column in zip(ranges, columns, strict=True)}
+    columns = np.meshgrid(*(interval.values() for interval in ranges), indexing="ij")
+    return {interval.name: column.ravel() for interval, column in zip(ranges, columns, strict=True)}
 
 
 def drawn(ranges: Sequence[Range], count: int, seed: int) -> dict[str, Vector]:
@@ -129,18 +132,18 @@ def drawn(ranges: Sequence[Range], count: int, seed: int) -> dict[str, Vector]:
         If a name comes twice, or a range has a number of values.
     """
     require_different(ranges)
-    for each in ranges:
-        if each.count:
-            message = f"'{each.name}' has a number of values, and values are to be drawn"
-            hint = f"{each.name}={each.low:g}..{each.high:g}"
-            raise SweepError(message, name=each.name, hint=hint)
+    for interval in ranges:
+        if interval.count:
+            message = f"'{interval.name}' has a number of values, and values are to be drawn"
+            hint = f"{interval.name}={interval.low:g}..{interval.high:g}"
+            raise SweepError(message, name=interval.name, hint=hint)
     shares = np.random.default_rng(seed).random((count, len(ranges)))
-    return {each.name: each.at(shares[:, at]) for at, each in enumerate(ranges)}
+    return {interval.name: interval.at(shares[:, at]) for at, interval in enumerate(ranges)}
 
 
 def require_different(ranges: Sequence[Range]) -> None:
     """Raise SweepError if a name comes twice."""
-    names = [each.name for each in ranges]
+    names = [interval.name for interval in ranges]
     for name in names:
         if names.count(name) > 1:
             raise SweepError(f"'{name}' is swept twice", name=name)

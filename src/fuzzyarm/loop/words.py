@@ -70,7 +70,9 @@ class PlantWords:
     def of(cls, said: object) -> PlantWords:
         """Return the words among the attributes of something, as a parsed command line."""
         known = vars(said)
-        return cls(**{each.name: known[each.name] for each in fields(cls) if each.name in known})
+        return cls(
+            **{field.name: known[field.name] for field in fields(cls) if field.name in known}
+        )
 
     def driven(self, plant: Plant) -> Plant:
         """Return a plant with the actuators that are said.
@@ -154,11 +156,11 @@ class PlantWords:
         return plant_motion(controller, plant, references or None, duration, connect)
 
     def _sensors(self, plant: Plant) -> dict[str, Sensor]:
-        found: dict[str, Sensor] = {}
+        sensors: dict[str, Sensor] = {}
 
         def change(values: Mapping[str, float], field: str) -> None:
             for name, value in values.items():
-                found[name] = replace(found.get(name, Sensor()), **{field: value})
+                sensors[name] = replace(sensors.get(name, Sensor()), **{field: value})
 
         def time(option: str) -> Callable[[str], float]:
             return lambda text: read_time(text, option)
@@ -171,7 +173,7 @@ class PlantWords:
         change(steps, "resolution")
         change(read_pairs(self.sensor_delay, "--sensor-delay", time("--sensor-delay")), "delay")
         change(read_pairs(self.difference, "--difference", time("--difference")), "difference")
-        return found
+        return sensors
 
 
 def read_pairs(

@@ -43,11 +43,11 @@ def _completion(
 
 
 def _hover(session: Session, to: Converter, params: types.HoverParams) -> types.Hover | None:
-    found = session.hover(*to.line_and_column(params.position))
-    if found is None:
+    hover = session.hover(*to.line_and_column(params.position))
+    if hover is None:
         return None
-    content = types.MarkupContent(types.MarkupKind.Markdown, found.markdown)
-    return types.Hover(content, to.range(found.span))
+    content = types.MarkupContent(types.MarkupKind.Markdown, hover.markdown)
+    return types.Hover(content, to.range(hover.span))
 
 
 def _definition(
@@ -128,7 +128,7 @@ def _semantic_tokens(
 def _code_actions(
     session: Session, to: Converter, params: types.CodeActionParams
 ) -> list[types.CodeAction]:
-    wanted = to.span(params.range)
+    span = to.span(params.range)
     return [
         types.CodeAction(
             title=fix.title,
@@ -138,7 +138,7 @@ def _code_actions(
             is_preferred=fix.preferred or None,
         )
         for finding in (session.review().diagnostics if session.reviewed else ())
-        if _overlap(finding.span, wanted)
+        if _overlap(finding.span, span)
         for fix in session.kind.fixes(session.reading, finding)
     ]
 

@@ -152,13 +152,13 @@ class Kind:
 
 
 def _name_at(reading: Reading, line: int, column: int) -> tuple[str, Span] | None:
-    found = occurrence_at(reading, line, column)
-    return None if found is None else (found.name, found.span)
+    occurrence = occurrence_at(reading, line, column)
+    return None if occurrence is None else (occurrence.name, occurrence.span)
 
 
 def _occurrences(reading: Reading, line: int, column: int) -> list[tuple[Span, bool]]:
-    found = occurrence_at(reading, line, column)
-    every = [] if found is None else references(reading, found)
+    occurrence = occurrence_at(reading, line, column)
+    every = [] if occurrence is None else references(reading, occurrence)
     return [(each.span, each.is_definition) for each in every]
 
 
@@ -327,8 +327,8 @@ class Session:
         """Return the promises that fail; those found last, if nothing has changed in meaning."""
         if rulebase is None or not (rulebase.expectations or rulebase.properties):
             return None
-        known, spans = self._judged, [each.span for each in rulebase.expectations]
-        spans += [each.span for each in rulebase.properties]
+        known, spans = self._judged, [expectation.span for expectation in rulebase.expectations]
+        spans += [statement.span for statement in rulebase.properties]
         if known is None or known[1] != spans or known[0] != rulebase:
             known = rulebase, spans, judge(rulebase, on_step)
         self._judged = known
@@ -345,8 +345,8 @@ class Session:
         verdict = next((each for each in self.verdicts if each.line == line), None)
         if found is None or verdict is None:
             return found
-        said = "\n\n".join(plain(words) for words in str(verdict).splitlines())
-        return Hover(f"{found.markdown}\n\n{said}", found.span)
+        text = "\n\n".join(plain(words) for words in str(verdict).splitlines())
+        return Hover(f"{found.markdown}\n\n{text}", found.span)
 
     def copy(self) -> Session:
         """Return a session to be checked in another thread; what is quick is read here."""

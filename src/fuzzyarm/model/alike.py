@@ -87,13 +87,13 @@ def alike(shape: Shape, kind: str, low: float, high: float, width: float) -> Sha
         return shape
     profile = _measured(shape, low, high, width)
     if kind in ("trapezoid", "ramp", "s", "z", "sigmoid"):
-        made = _MADE[kind](profile)
+        values = _MADE[kind](profile)
     else:  # these end on both sides
-        made = _MADE[kind](_closed(profile, low, high))
+        values = _MADE[kind](_closed(profile, low, high))
     digits = 4 - math.floor(math.log10(high - low))
-    numbers = [round(x, digits) + 0.0 if math.isfinite(x) else x for x in made]
+    numbers = [round(x, digits) + 0.0 if math.isfinite(x) else x for x in values]
     if kind in _SLOPE:
-        numbers[_SLOPE[kind]] = float(f"{made[_SLOPE[kind]]:.4g}")
+        numbers[_SLOPE[kind]] = float(f"{values[_SLOPE[kind]]:.4g}")
     return Shape(kind, tuple(numbers), 1.0 if kind == "singleton" else shape.height)
 
 

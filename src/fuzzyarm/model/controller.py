@@ -413,7 +413,7 @@ class ControllerModel(OfKind):
     claims: tuple[LoopClaim, ...] = ()
 
     def __repr__(self) -> str:
-        axes, gains = ", ".join(self.axis_names), ", ".join(each.name for each in self.gains)
+        axes, gains = ", ".join(self.axis_names), ", ".join(gain.name for gain in self.gains)
         words = f"every {self.period:g} s, axes {axes}, gains {gains or 'none'}"
         return one_line(self, f"{self.name}: {words}")
 

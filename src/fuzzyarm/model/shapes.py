@@ -216,12 +216,12 @@ def centre(shape: Shape, low: float, high: float) -> float | None:
 
 def corners(variable: Variable) -> list[float]:
     """Return, in increasing order, the ends of the range and where terms start, end or turn."""
-    found = {x for term in variable.terms for x in corner_points(term.shape)}
-    low = variable.low if math.isfinite(variable.low) else min(found, default=0.0) - 1.0
-    high = variable.high if math.isfinite(variable.high) else max(found, default=0.0) + 1.0
+    values = {x for term in variable.terms for x in corner_points(term.shape)}
+    low = variable.low if math.isfinite(variable.low) else min(values, default=0.0) - 1.0
+    high = variable.high if math.isfinite(variable.high) else max(values, default=0.0) + 1.0
     if any(not SHAPES[term.shape.kind].straight for term in variable.terms):
-        found |= {low + (high - low) * i / 64 for i in range(65)}
-    return sorted({low, high} | {x for x in found if low < x < high})
+        values |= {low + (high - low) * i / 64 for i in range(65)}
+    return sorted({low, high} | {x for x in values if low < x < high})
 
 
 CLOSE = 1e-12
@@ -294,5 +294,5 @@ def probe_points(variable: Variable) -> list[float]:
 
     Between two corners no bounded term starts or ends, so the middle stands for the stretch.
     """
-    found = corners(variable)
-    return sorted({*found, *(0.5 * (a + b) for a, b in pairwise(found))})
+    values = corners(variable)
+    return sorted({*values, *(0.5 * (a + b) for a, b in pairwise(values))})

@@ -98,9 +98,11 @@ def roots() -> Iterator[Root]:
 
 
 def _roots() -> Iterator[Root]:
-    yield from (Root(each, "f", over_rows=each is not evaluate) for each in EVALUATORS)
+    yield from (
+        Root(evaluator, "f", over_rows=evaluator is not evaluate) for evaluator in EVALUATORS
+    )
     blocks = (*PROGRAMS, *IN_ROWS)
-    yield from (Root(each.block, "f", each.bindings, over_rows=True) for each in blocks)
+    yield from (Root(block.block, "f", block.bindings, over_rows=True) for block in blocks)
     yield from _rows()
     yield from _plants()
     yield from (Root(*table, over_rows=True) for table in lookup.ROOTS)

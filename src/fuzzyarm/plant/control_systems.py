@@ -191,15 +191,15 @@ def _product(
     first: list[list[float]], x: Sequence[float], second: list[list[float]], u: Sequence[float]
 ) -> list[float]:
     """Return ``first x + second u``, each row from left to right."""
-    found = []
+    values = []
     for a, b in zip(first, second, strict=True):
         total = 0.0
         for i in range(len(x)):
             total += a[i] * x[i]
         for i in range(len(u)):
             total += b[i] * u[i]
-        found.append(total)
-    return found
+        values.append(total)
+    return values
 
 
 def _parameters(system: Any) -> dict[str, Parameter | float]:
@@ -291,12 +291,12 @@ def _system_of_plant(plant: Plant, period: float | None) -> Any:
 
     def felt(x: Any, u: Any) -> Any:
         """Hold the inputs within their limits, and near their last values."""
-        found = np.array([min(max(v, p.low), p.high) for v, p in zip(u, ports, strict=True)])
+        values = np.array([min(max(v, p.low), p.high) for v, p in zip(u, ports, strict=True)])
         for at, index in enumerate(slewed):
             most = ports[index].slew * period
             before = x[states + at]
-            found[index] = min(max(found[index], before - most), before + most)
-        return found
+            values[index] = min(max(values[index], before - most), before + most)
+        return values
 
     def clock(t: float) -> Any:
         made = np.zeros(CLOCK_SIZE)

@@ -118,7 +118,7 @@ class Arm(Plant):
             )
             for joint in JOINTS
         }
-        values = {each.name: getattr(arm, each.name) for each in fields(ArmParameters)}
+        values = {field.name: getattr(arm, field.name) for field in fields(ArmParameters)}
         self.parameters = {name: Parameter(value, UNITS[name]) for name, value in values.items()}
         # What is given of the arm holds with its load, too.
         self.loaded_parameters = {

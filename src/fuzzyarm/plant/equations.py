@@ -230,7 +230,9 @@ def _is_answer(
 
 def _points(plant: Any, start: list[float]) -> Iterator[tuple[Sequence[float], ...]]:
     """Yield times, states, inputs and parameters: at rest, at limits, at whole numbers, drawn."""
-    parameters = [float(getattr(each, "value", each)) for each in plant.parameters.values()]
+    parameters = [
+        float(getattr(parameter, "value", parameter)) for parameter in plant.parameters.values()
+    ]
     ports = plant.inputs.values()
     low = [port.low if math.isfinite(port.low) else -1.0 for port in ports]
     high = [port.high if math.isfinite(port.high) else 1.0 for port in ports]

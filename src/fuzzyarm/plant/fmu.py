@@ -56,21 +56,21 @@ class UnitPlant(Plant):
         self.name = description.modelName or Path(self.path).stem
         self.longest_step = longest_step
         scalars = [each for each in description.modelVariables if each.type in REAL]
-        shaped = next((each for each in scalars if each.dimensions), None)
+        shaped = next((scalar for scalar in scalars if scalar.dimensions), None)
         if shaped is not None:
             message = f"variable '{shaped.name}' of {self.name} is an array, which is not supported"
             raise PlantError(message, name=shaped.name)
-        drives = [each for each in scalars if each.causality == "input"]
-        found = [each for each in scalars if each.causality == "output"]
+        drives = [scalar for scalar in scalars if scalar.causality == "input"]
+        found = [scalar for scalar in scalars if scalar.causality == "output"]
         for what, each in (("inputs", drives), ("outputs", found)):
             if not each:
                 raise PlantError(f"{self.name} has no {what} that are real numbers", name=what)
         self._of_inputs = _References(drives)
         self._of_outputs = _References(found)
         names = [each.name for each in found]
-        self.inputs = {each.name: _port(each) for each in drives}
+        self.inputs = {drive.name: _port(drive) for drive in drives}
         self.outputs = {each.name: _port(each, rate_of(each.name, names)) for each in found}
-        self._tunable = {each.name: each for each in scalars if _is_parameter(each)}
+        self._tunable = {scalar.name: scalar for scalar in scalars if _is_parameter(scalar)}
         self.parameters = {
             name: Parameter(float(each.start), each.unit or "1", each.description or "")
             for name, each in self._tunable.items()
@@ -193,9 +193,9 @@ class _References:
 
     def __init__(self, variables: Sequence[Any]) -> None:
         self._kinds: dict[str, list[int]] = {}
-        for index, each in enumerate(variables):
-            self._kinds.setdefault(each.type, []).append(index)
-        self._references = [each.valueReference for each in variables]
+        for index, variable in enumerate(variables):
+            self._kinds.setdefault(variable.type, []).append(index)
+        self._references = [variable.valueReference for variable in variables]
 
     def write(self, unit: Any, values: Sequence[float]) -> None:
         for kind, places in self._kinds.items():

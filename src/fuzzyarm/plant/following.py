@@ -95,16 +95,16 @@ def _made(
 ) -> Trajectory:
     """Call the function of a trajectory, which may be a user's."""
     try:
-        found: Any = make(**given)
+        trajectory: Any = make(**given)
     except ArmError:
         raise
     except USERS as error:
         message = f"trajectory '{name}' of the {plant.name} failed: {failure_of(plant, error)}"
         raise PlantError(message, name=name) from error
-    if not isinstance(found, Trajectory):
-        message = f"trajectory '{name}' of the {plant.name} is a {type(found).__name__}"
+    if not isinstance(trajectory, Trajectory):
+        message = f"trajectory '{name}' of the {plant.name} is a {type(trajectory).__name__}"
         raise PlantError(message, name=name, hint="return fuzzyarm.plant.through([...])")
-    return found
+    return trajectory
 
 
 def compared_trajectories(plant: Plant, **given: Any) -> tuple[Trajectory, ...]:

@@ -172,9 +172,9 @@ def as_plant(thing: Any) -> Plant:
         return thing
     kind: Any = type(thing)
     joined = plant_class(kind)
-    made = joined.__new__(joined)
-    made.__dict__.update(vars(thing))
-    return made
+    plant = joined.__new__(joined)
+    plant.__dict__.update(vars(thing))
+    return plant
 
 
 @cache

@@ -328,7 +328,7 @@ class Interface:
         PlantError
             If there is no such port.
         """
-        same = [each for each in (*self.outputs, *self.inputs) if each[1] == name]
+        same = [output for output in (*self.outputs, *self.inputs) if output[1] == name]
         return same or [self.port(name)]
 
     def label(self, port: Address) -> str:
@@ -475,9 +475,9 @@ def measure_outputs(
     x: list[float], y: list[float], u: list[float], p: list[float], clock: list[float]
 ) -> None:
     """Measure what the plant says."""
-    found = measure(clock[0], x[0 : len(x) // 4], u, p)
+    values = measure(clock[0], x[0 : len(x) // 4], u, p)
     for i in range(len(y)):
-        y[i] = found[i]
+        y[i] = values[i]
 
 
 @kernel
@@ -556,7 +556,7 @@ def is_compiled(plant: Plant) -> bool:
 
 def _is_of_kernels(plant: Plant) -> bool:
     equations = [each for each in (plant.derivative, plant.measure) if each is not None]
-    return plant.step is None and all(is_kernel(each) for each in equations)
+    return plant.step is None and all(is_kernel(equation) for equation in equations)
 
 
 def is_traced(plant: Plant) -> bool:

@@ -82,9 +82,9 @@ def require_ports(plant: Plant) -> None:
         near = next(
             (each for each in dir(plant) if each.startswith("der") and each != "derivative"), ""
         )
-        said = f", but '{near}'" if near else ""
+        text = f", but '{near}'" if near else ""
         hint = "def derivative(self, t, x, u, p):  returns the rate of each state"
-        raise _fault(plant, near or "states", f"it has no derivative{said}", hint=hint)
+        raise _fault(plant, near or "states", f"it has no derivative{text}", hint=hint)
     _require_no_slip(plant)
     _require_followable(plant)
     for what in ("longest_step", "duration"):
@@ -175,8 +175,8 @@ def try_equations(plant: Plant) -> None:
         return
     plant = apart(plant)
     numbers = [
-        each.value if isinstance(each, Parameter) else float(each)
-        for each in plant.parameters.values()
+        parameter.value if isinstance(parameter, Parameter) else float(parameter)
+        for parameter in plant.parameters.values()
     ]
     drives = [min(max(0.0, port.low), port.high) for port in plant.inputs.values()]
     states = _numbers(plant, "start", lambda: plant.start(np.random.default_rng(0)), plant.states)
@@ -341,7 +341,7 @@ def _line_of(source: str, kind: str, what: str) -> int | None:
                     if isinstance(line, ast.Assign)
                     else [getattr(line, "target", None)]
                 )
-                if any(isinstance(each, ast.Name) and each.id == what for each in targets):
+                if any(isinstance(target, ast.Name) and target.id == what for target in targets):
                     return line.lineno
             return node.lineno
     return None

@@ -187,13 +187,13 @@ class Panels:
 
     def _lines(self, member: Member, pairs: list[tuple[float, float]]) -> Array:
         """Return a straight set at both ends of every panel, from within."""
-        made = np.zeros((len(pairs), 2))
+        values = np.zeros((len(pairs), 2))
         for i, (a, b) in enumerate(pairs):
             middle = 0.5 * (a + b)
             piece = next(p for p in member.pieces if p.x0 <= middle <= p.x1)
             slope = (piece.y1 - piece.y0) / (piece.x1 - piece.x0)
-            made[i] = piece.y0 + slope * (a - piece.x0), piece.y0 + slope * (b - piece.x0)
-        return np.clip(made, 0.0, 1.0)
+            values[i] = piece.y0 + slope * (a - piece.x0), piece.y0 + slope * (b - piece.x0)
+        return np.clip(values, 0.0, 1.0)
 
     def _levels(self, member: Member, pairs: list[tuple[float, float]], stop: Stop) -> Interval:
         """Return bounds of a set over every panel."""

@@ -66,8 +66,8 @@ class Arithmetic(NamedTuple):
         """Return an array of zeros."""
         if not self.exact:
             return np.zeros(shape)
-        made: Array = np.full(shape, self.number(Fraction(0)), dtype=object)
-        return made
+        values: Array = np.full(shape, self.number(Fraction(0)), dtype=object)
+        return values
 
     def ones(self, *shape: int) -> Array:
         """Return an array of ones."""
@@ -104,10 +104,10 @@ def as_fraction(number: Any) -> Fraction:
 
 
 def _folded(rows: Array, operation: Callable[[Array, Array], Array]) -> Array:
-    found = rows[:, 0]
+    values = rows[:, 0]
     for column in range(1, rows.shape[1]):
-        found = operation(found, rows[:, column])
-    return found
+        values = operation(values, rows[:, column])
+    return values
 
 
 def greatest_of_rows(rows: Array) -> Array:

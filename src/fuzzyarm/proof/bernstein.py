@@ -214,14 +214,14 @@ class Quotients:
     def joined(self, *others: Quotients) -> Quotients:
         """Return these simplices and others of the same kind."""
         all_ = (self, *others)
-        errors = [each.error for each in all_ if each.error is not None]
+        errors = [quotients.error for quotients in all_ if quotients.error is not None]
         return Quotients(
-            np.concatenate([each.upper for each in all_]),
-            np.concatenate([each.lower for each in all_]),
+            np.concatenate([quotients.upper for quotients in all_]),
+            np.concatenate([quotients.lower for quotients in all_]),
             np.concatenate(errors) if errors else None,
-            max(each.reach for each in all_),
-            np.concatenate([each.corners for each in all_]),
-            np.concatenate([each.owner for each in all_]),
+            max(quotients.reach for quotients in all_),
+            np.concatenate([quotients.corners for quotients in all_]),
+            np.concatenate([quotients.owner for quotients in all_]),
             self.degree,
         )
 
@@ -276,8 +276,8 @@ class Quotients:
             )
         empty = (upper == 0) & (lower == 0) & (error == 0)
         ratio = np.where(empty, -np.inf, np.where(room > 0, ratio, np.inf))
-        found = float(ratio.max())
-        return float(np.nextafter(found, np.inf)) if np.isfinite(found) else found
+        value = float(ratio.max())
+        return float(np.nextafter(value, np.inf)) if np.isfinite(value) else value
 
     def without(self, pieces: Array) -> Quotients:
         """Return the simplices that are not parts of some pieces."""

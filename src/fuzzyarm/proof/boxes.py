@@ -253,10 +253,10 @@ class Boxes:
                 middles = 0.5 * (low + high)
                 promising = np.argsort(-tops)[: self.tried]
                 points = np.concatenate([middles[promising], low[promising], high[promising]])
-                found = at(points)
-                if np.isfinite(found).any() and np.nanmax(found) > best:
-                    k = int(np.nanargmax(found))
-                    best = float(found[k])
+                values = at(points)
+                if np.isfinite(values).any() and np.nanmax(values) > best:
+                    k = int(np.nanargmax(values))
+                    best = float(values[k])
                     where = dict(zip(self.names, map(float, points[k]), strict=True))
             limit = best + gap
             open_ = ~(tops <= limit)
@@ -284,11 +284,11 @@ class Boxes:
             turns = corners_of_variable(variable) if straight else []
             inner = {float(x) for x in (*extra, *turns) if low < x < high}
             cuts.append(sorted({low, high, *inner}))
-        if math.prod(len(each) for each in cuts) > 100_000:
+        if math.prod(len(cut) for cut in cuts) > 100_000:
             wanted = [sorted({low, high, *(x for x in extra if low < x < high)})
                       for (low, high), extra in zip(self.ends, positions, strict=True)]  # fmt: skip
             cuts = wanted
-        stretches = [list(pairwise(each)) or [(each[0], each[0])] for each in cuts]
+        stretches = [list(pairwise(cut)) or [(cut[0], cut[0])] for cut in cuts]
         boxes = np.array(list(product(*stretches)), dtype=float)
         return boxes[:, :, 0].copy(), boxes[:, :, 1].copy()
 

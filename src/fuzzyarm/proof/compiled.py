@@ -175,7 +175,7 @@ def routines_for(
     elif direct:
         chosen = model
     else:
-        names = (how.output,) if how.output else tuple(each.name for each in model.outputs)
+        names = (how.output,) if how.output else tuple(output.name for output in model.outputs)
         reports = tuple(compiled(model, name, how, progress) for name in names or (None,))
         chosen = [report.table for report in reports]
     # Few PLCs have a double; a C compiler always has; Python has one kind of float.

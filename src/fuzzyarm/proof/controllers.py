@@ -204,19 +204,21 @@ class _Trial:
         assert isinstance(law.around, dict)
         for source, gain in _notable(law.gains).items():
             for name, share, its_unit in self._expanded(source):
-                both = [combine("multiply", each, share) for each in (gain, law.around[source])]
+                both = [
+                    combine("multiply", interval, share) for interval in (gain, law.around[source])
+                ]
                 known = found.get(name)
                 if known is not None:
                     both = [combine("add", a, b) for a, b in zip(known[0], both, strict=True)]
                 found[name] = [both, product(unit, its_unit, -1)]
-        kept = _notable({name: gain for name, ((gain, _), _) in found.items()})
+        intervals = _notable({name: gain for name, ((gain, _), _) in found.items()})
         return tuple(
             DriveGain(
                 name, gain.low, gain.high, around.low, around.high,
                 unit_text(each) if each is not None else "",
             )
             for name, ((gain, around), each) in found.items()
-            if name in kept or largest(around) > 0.0
+            if name in intervals or largest(around) > 0.0
         )  # fmt: skip
 
     def _expanded(self, source: str) -> Iterator[tuple[str, Interval, Unit | None]]:
@@ -275,14 +277,14 @@ class _Trial:
         open_: list[str],
     ) -> Iterator[DriveSector]:
         farthest = sum(abs(weights[name]) * largest(at) for name, at in where.items())
-        found = self._limited(Walk(self.lines, Asked(where, weights)).run().drives[port], farthest)
-        if isinstance(found.along, str):
+        law = self._limited(Walk(self.lines, Asked(where, weights)).run().drives[port], farthest)
+        if isinstance(law.along, str):
             what = " and ".join(weights)
-            open_.append(f"sector along {what}: {found.along}")
+            open_.append(f"sector along {what}: {law.along}")
             return
-        if 0.0 < largest(found.along) < math.inf:
+        if 0.0 < largest(law.along) < math.inf:
             within = {name: (at.low, at.high) for name, at in where.items()}
-            yield DriveSector(dict(weights), *found.along, within, found.slack)
+            yield DriveSector(dict(weights), *law.along, within, law.slack)
 
     # --- limits ---
 
@@ -302,7 +304,10 @@ class _Trial:
         ends = {name: [x for x in at if math.isfinite(x)] or [0.0] for name, at in zones.items()}
         points = [*first.notes.points]
         if len(ends) <= 6:
-            points += [dict(zip(ends, each, strict=True)) for each in combinations(*ends.values())]
+            points += [
+                dict(zip(ends, combination, strict=True))
+                for combination in combinations(*ends.values())
+            ]
         near = LIKE_EXPECT * max(abs(limits.low), abs(limits.high))  # touched is reached
         for point in points:
             value = self.value_at(port, point)
@@ -317,10 +322,10 @@ class _Trial:
             at = {name: Interval(x, x) for name, x in point.items()}
             total = 0.0
             for line, law in Walk(self.lines, Asked(at, {})).run().drives[port]:
-                found = law.at
+                interval = law.at
                 if limited and line.within is not None:
-                    found = clipped(found, Interval(*line.within))
-                total += 0.5 * found.low + 0.5 * found.high
+                    interval = clipped(interval, Interval(*line.within))
+                total += 0.5 * interval.low + 0.5 * interval.high
             return total
         finally:
             self.lines.only_values = False
@@ -430,8 +435,8 @@ def prove_drives(
     """
     site = site_of(plant, connect) if plant is not None else site_by_axes(text.model)
     known: dict[Any, Any] = {}
-    found: list[DriveProof] = []
+    proofs: list[DriveProof] = []
     for name in text.model.axis_names:
         watch = None if tell is None else (lambda count, gap, name=name: tell(name, count, gap))
-        found += _Trial(AxisLines(text, site, name, Stop(budget, watch), known), site).proofs()
-    return found
+        proofs += _Trial(AxisLines(text, site, name, Stop(budget, watch), known), site).proofs()
+    return proofs

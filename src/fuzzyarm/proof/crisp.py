@@ -148,14 +148,14 @@ def value_bounds(record: DefuzzifierKind, figures: Figures) -> Interval:
     if record.rises:  # as the floats do that inference computes: no rounding turns them round
         low, high = (record.array(*(each[side] for each in own)) for side in (0, 1))
         return np.where(nothing, np.nan, low), np.where(nothing, np.nan, high)
-    found = np.full((2, len(nothing)), np.nan)
+    values = np.full((2, len(nothing)), np.nan)
     for box in np.flatnonzero(~nothing).tolist():
         ranges = {
             name: (float(ends[0][box]), float(ends[1][box]))
             for name, ends in zip(record.symbols, own, strict=True)
         }
-        found[:, box] = bounds(record.expression, ranges)
-    return found[0], found[1]
+        values[:, box] = bounds(record.expression, ranges)
+    return values[0], values[1]
 
 
 # ── what an output is made of ────────────────────────────────────────────────────────
@@ -196,7 +196,10 @@ class Crisp:
         own = self.output.sides
         if not own:
             return [strengths]
-        return [[each for each in strengths if own[each[0]] == side] for side in (UPPER, LOWER)]
+        return [
+            [strength for strength in strengths if own[strength[0]] == side]
+            for side in (UPPER, LOWER)
+        ]
 
 
 def crisp(output: OutputPlan, names: Sequence[str], stop: Stop) -> Crisp:
@@ -337,11 +340,11 @@ class _OfNumbers(Crisp):
         if member.formula is not None:
             root = member.formula.with_constants(self.names)
             height = member.term.shape.height
-            found = [
+            intervals = [
                 bounds(root, dict(zip(self.names, zip(a, b, strict=True), strict=True)))
                 for a, b in zip(low.tolist(), high.tolist(), strict=True)
             ]
-            ends = height * np.array(found, dtype=float)
+            ends = height * np.array(intervals, dtype=float)
             return ends[:, 0], ends[:, 1]
         *coefficients, constant_ = member.term.shape.parameters
         least = np.full(len(low), float(constant_))
@@ -362,11 +365,11 @@ class _OfNumbers(Crisp):
         degrees = strength[0] * (1.0 - SLACK), strength[1] * (1.0 + SLACK)
         distinct, back = np.unique(np.stack(degrees), return_inverse=True)
         at = np.array([self._positions(member, each) for each in distinct.tolist()])
-        found = at[back.reshape(2, -1)]
+        values = at[back.reshape(2, -1)]
         output = self.output.output
         sizes = [abs(x) for x in (*member.term.shape.parameters, output.low, output.high)]
-        slack = 1e-13 * (max(sizes) + np.where(np.isfinite(found), np.abs(found), 0.0))
-        return (found - slack).min(axis=(0, 2)), (found + slack).max(axis=(0, 2))
+        slack = 1e-13 * (max(sizes) + np.where(np.isfinite(values), np.abs(values), 0.0))
+        return (values - slack).min(axis=(0, 2)), (values + slack).max(axis=(0, 2))
 
     def _positions(self, member: Member, degree: float) -> tuple[float, float]:
         """Return where a set reaches a degree, and where inference says so: not at infinity."""

@@ -244,17 +244,17 @@ def _values(root: Node, at: Interval) -> Interval:
 
 def _bounds(root: Node, ranges: Mapping[str, Interval]) -> Interval:
     """Return the values of an expression, rounded outward as :func:`combined` does it."""
-    found: dict[Node, Interval] = {}
+    intervals: dict[Node, Interval] = {}
     for node in postorder(root):
         if isinstance(node, Apply):
             operation = OPERATIONS[node.operation]
-            at = operation.bounds(*(found[argument] for argument in node.arguments))
-            found[node] = at if operation.exact else outward(at)
+            at = operation.bounds(*(intervals[argument] for argument in node.arguments))
+            intervals[node] = at if operation.exact else outward(at)
         elif isinstance(node, Constant):
-            found[node] = Interval(node.value, node.value)
+            intervals[node] = Interval(node.value, node.value)
         else:
-            found[node] = ranges[symbols(node)[0]]
-    return found[root]
+            intervals[node] = ranges[symbols(node)[0]]
+    return intervals[root]
 
 
 def _sides(at: Interval) -> Interval:
@@ -277,10 +277,10 @@ def _ratio(root: Node, slope: Node, at: Interval) -> Interval:
             here = Interval(*map(float, ends))
             if not overlap(here, at).low <= overlap(here, at).high:
                 continue
-            found = _bounds(slope, {"x": Interval(min(here.low, 0.0), max(here.high, 0.0))})
+            interval = _bounds(slope, {"x": Interval(min(here.low, 0.0), max(here.high, 0.0))})
             if part:
-                found = overlap(found, combined("divide", _bounds(root, {"x": here}), here))
-            low, high = min(low, found.low), max(high, found.high)
+                interval = overlap(interval, combined("divide", _bounds(root, {"x": here}), here))
+            low, high = min(low, interval.low), max(high, interval.high)
     return overlap(whole, Interval(low, high)) if low <= high else whole
 
 
@@ -320,12 +320,12 @@ def _table_slope(
     if mode != "linear":
         return None if x in axis.thresholds(mode) else NOTHING
     here = float(table.lookup(*rest))
-    found = [0.0] if not axis.levels[0] < x < axis.levels[-1] else []
+    values = [0.0] if not axis.levels[0] < x < axis.levels[-1] else []
     for level in _beside(axis.levels, x):
         moved = [*rest]
         moved[number] = level
-        found.append((float(table.lookup(*moved)) - here) / (level - x))
-    return Interval(min(found), max(found))
+        values.append((float(table.lookup(*moved)) - here) / (level - x))
+    return Interval(min(values), max(values))
 
 
 def _beside(levels: Sequence[float], x: float) -> list[float]:

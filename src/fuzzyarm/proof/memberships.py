@@ -112,9 +112,9 @@ def membership_bounder(shape: Shape) -> Callable[[float, float], tuple[float, fl
 
     def of_stretch(low: float, high: float) -> tuple[float, float]:
         cuts = [low + (high - low) * i / parts for i in range(parts)] + [high]
-        found = [bounds(expression, {"x": pair}) for pair in pairwise(cuts)]
-        least = shape.height * min(part.low for part in found)
-        most = shape.height * max(part.high for part in found)
+        intervals = [bounds(expression, {"x": pair}) for pair in pairwise(cuts)]
+        least = shape.height * min(part.low for part in intervals)
+        most = shape.height * max(part.high for part in intervals)
         if math.isnan(least + most):
             return 0.0, shape.height
         if shape.kind == "formula" and not has_value(expression, {"x": (low, high)}):

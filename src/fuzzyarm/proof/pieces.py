@@ -108,7 +108,7 @@ class Grid:
 
     def __init__(self, model: Straight, what: Cut, arithmetic: Arithmetic) -> None:
         self.arithmetic = arithmetic
-        lines = [(each.input, each.corners) for each in model.propositions]
+        lines = [(proposition.input, proposition.corners) for proposition in model.propositions]
         if what.mirrored:
             lines += [(i, _mirrored(corners)) for i, corners in lines]
         self.inputs = [i for i, _ in lines]
@@ -330,9 +330,9 @@ class Pieces:
             mirrored = self._runs_backwards(axis)[cells[:, axis]]
             which = np.repeat(mirrored, len(orders))
             shape[which, :, axis] = 1 - shape[which, :, axis]
-        made: Array = self.arithmetic.zeros(*shape.shape)
-        made[shape == 1] = self.arithmetic.number(Fraction(1))
-        return made
+        values: Array = self.arithmetic.zeros(*shape.shape)
+        values[shape == 1] = self.arithmetic.number(Fraction(1))
+        return values
 
     def _runs_backwards(self, axis: int) -> Array:
         """Tell the cells whose memberships read the other way round come first in order.
@@ -386,10 +386,10 @@ class Pieces:
                 self.heights[which, :, first + column] += found.values
                 self.slopes[which, :, first + column] += found.slopes
                 continue
-            known = _Affine(
+            affine = _Affine(
                 self.heights[which, :, first + column], self.slopes[which, :, first + column]
             )
-            highest = self._chosen(known, found, which, largest=True)
+            highest = self._chosen(affine, found, which, largest=True)
             self.heights[which, :, first + column] = highest.values
             self.slopes[which, :, first + column] = highest.slopes
 

@@ -77,7 +77,8 @@ class _OfAll(Places):
 
     def humps(self, strengths: Strengths) -> Placed:
         lower, upper = (
-            each if each.ndim == 2 else each[:, :, 0] for each in self.aggregate.bounds(strengths)
+            bound if bound.ndim == 2 else bound[:, :, 0]
+            for bound in self.aggregate.bounds(strengths)
         )
         lead = lower.max(axis=1)
         there = (upper > 0.0) & (upper >= lead[:, None] * (1.0 - TIE))

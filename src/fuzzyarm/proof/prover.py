@@ -130,11 +130,11 @@ class Prover:
         """Whether no value but that for *no rule* can leave the range of the output."""
         if self.output.outside != "extend":
             return True
-        made = plan(self.rulebase).outputs[self.output.name]
-        if not made.discrete or not made.record.is_between:
-            return made.record.is_between
+        output_plan = plan(self.rulebase).outputs[self.output.name]
+        if not output_plan.discrete or not output_plan.record.is_between:
+            return output_plan.record.is_between
         low, high = self.output.low, self.output.high
-        return all(m.value is not None and low <= m.value <= high for m in made.members)
+        return all(m.value is not None and low <= m.value <= high for m in output_plan.members)
 
     # ── the box ──────────────────────────────────────────────────────────────────────
 
@@ -169,14 +169,14 @@ class Prover:
         values = {name: values[name] for name in self.names if name in values}
         if self.model is None or not 0 < len(values) < len(self.names):
             return self
-        made = copy(self)
+        prover = copy(self)
         axes = {self.names.index(name): x for name, x in values.items()}
-        made.model = with_fixed(self.model, axes)
-        made.inputs = tuple(each for each in self.inputs if each.name not in values)
-        made.names = tuple(each.name for each in made.inputs)
-        made.fixed = {**self.fixed, **values}
-        made._surfaces = {}
-        return made
+        prover.model = with_fixed(self.model, axes)
+        prover.inputs = tuple(variable for variable in self.inputs if variable.name not in values)
+        prover.names = tuple(variable.name for variable in prover.inputs)
+        prover.fixed = {**self.fixed, **values}
+        prover._surfaces = {}
+        return prover
 
     @property
     def pieces_cut(self) -> int:
@@ -226,10 +226,10 @@ class Prover:
         question = Question(self.box(region), Surface.gradient_squared, steep=True)
         for axis in range(len(self.names)):
             self._demand_no_jumps(question, axis)
-        found = self.bounds_of(question, both=False, share=2.0 * self.range)
-        low, high = 0.0, math.nextafter(math.sqrt(found.high), math.inf)
-        return found._replace(
-            low=low, high=high, reached_low=low, reached_high=math.sqrt(found.reached_high)
+        bounds = self.bounds_of(question, both=False, share=2.0 * self.range)
+        low, high = 0.0, math.nextafter(math.sqrt(bounds.high), math.inf)
+        return bounds._replace(
+            low=low, high=high, reached_low=low, reached_high=math.sqrt(bounds.reached_high)
         )
 
     def table(
@@ -399,9 +399,9 @@ class Prover:
 
     def in_rationals(self) -> Prover:
         """Return the same prover without floats: strengths may be too small for them."""
-        made = copy(self)
-        made.exact, made._surfaces = True, {}
-        return made
+        prover = copy(self)
+        prover.exact, prover._surfaces = True, {}
+        return prover
 
     def _again(
         self, question: Question, surface: Surface, left: Array
@@ -447,32 +447,32 @@ class Prover:
             least = arithmetic.number(limit) + arithmetic.number(Fraction(margin))
             start = arithmetic.number(limit)
             smallest = SMALLEST if arithmetic.exact else 1 / 16
-            found = maximise(
+            extremum = maximise(
                 chosen, start - start, self.stop,
                 least=start, decide=arithmetic.exact, smallest=smallest,
             )  # fmt: skip
-            seen += found.pieces
-            fails = found.owner >= 0 and found.reached > least
+            seen += extremum.pieces
+            fails = extremum.owner >= 0 and extremum.reached > least
             if arithmetic.exact and strict and not fails:
                 touching = chosen.touches(start)
                 if touching is not None:
                     at = self.named(surface.pieces.position(*touching))
                     return Claim(False, at, seen, True)
             if fails:
-                corner = found.corner
+                corner = extremum.corner
                 assert corner is not None
                 if question.steep:  # a slope has two sides: step inside the piece
-                    inside = surface.pieces.corners[found.owner].sum(axis=0) / (corner.size + 1)
+                    inside = surface.pieces.corners[extremum.owner].sum(axis=0) / (corner.size + 1)
                     corner = corner + (inside - corner) / 2**14
-                at = self.named(surface.pieces.position(found.owner, corner))
+                at = self.named(surface.pieces.position(extremum.owner, corner))
                 return Claim(False, at, seen, arithmetic.exact)
-            left = np.concatenate([found.left.owner, np.flatnonzero(doubtful)])
-            if not left.size and found.owner < 0:
+            left = np.concatenate([extremum.left.owner, np.flatnonzero(doubtful)])
+            if not left.size and extremum.owner < 0:
                 return Claim(True, {}, seen, arithmetic.exact)
             if self.stop.now or arithmetic.exact:
                 break
             owners = left
-            if found.owner >= 0:  # above the bound by less than floats can tell
+            if extremum.owner >= 0:  # above the bound by less than floats can tell
                 above = chosen.excess(start, self.stop) > 0
                 owners = np.concatenate([owners, chosen.owner[above]])
             cells = np.unique(surface.pieces.flat_cells[owners])
@@ -510,7 +510,7 @@ class Prover:
     ) -> Surface:
         """Return the pieces that a question needs; whole cuts are remembered."""
         assert self.model is not None
-        positions = tuple(tuple(each) for each in question.positions)
+        positions = tuple(tuple(position) for position in question.positions)
         key = (question.box, positions, question.mirrored, question.form, arithmetic.exact)
         if cells is None and key in self._surfaces:
             known = self._surfaces[key]
@@ -564,7 +564,7 @@ class Prover:
     def named(self, position: list[Fraction]) -> dict[str, Fraction]:
         """Return inputs by name, those that are fixed included, in the order of the rule base."""
         found = {**self.fixed, **dict(zip(self.names, position, strict=True))}
-        return {each.name: found[each.name] for each in self.rulebase.inputs}
+        return {variable.name: found[variable.name] for variable in self.rulebase.inputs}
 
     # ── what is refused ──────────────────────────────────────────────────────────────
 
@@ -607,8 +607,8 @@ class Prover:
         assert self.model is not None
         if math.isfinite(self.model.low) or self.output.outside == "extend":
             return
-        found = self.bounds_of(Question(self.box({}), Surface.value), shifted=True)
-        if found.low < self.output.low or found.high > self.output.high:
+        bounds = self.bounds_of(Question(self.box({}), Surface.value), shifted=True)
+        if bounds.low < self.output.low or bounds.high > self.output.high:
             raise UnprovableError(f"{what}: '{self.output.name}' leaves its range and is clamped")
 
     def _clamped_or_refused(self, bounds: Bounds) -> Bounds:
@@ -640,10 +640,10 @@ def _including(bounds: Bounds, value: float, at: dict[str, Fraction]) -> Bounds:
 
 def _outward(number: Fraction, sign: int) -> float:
     """Return the nearest float that is not inside."""
-    found = float(number)
-    if sign * (Fraction(found) - number) < 0:
-        found = math.nextafter(found, sign * math.inf)
-    return found
+    value = float(number)
+    if sign * (Fraction(value) - number) < 0:
+        value = math.nextafter(value, sign * math.inf)
+    return value
 
 
 def written(at: Mapping[str, Any]) -> str:

@@ -122,8 +122,8 @@ def sector(
 
     def side(sign: int) -> Bounds:
         def make(surface: Surface) -> Quotients:
-            found = surface.over_form(form, -sign * slack)
-            return found if sign > 0 else found.negated()
+            quotients = surface.over_form(form, -sign * slack)
+            return quotients if sign > 0 else quotients.negated()
 
         return exact.bounds_of(Question(box, make, form=form), both=False, share=share)
 
@@ -193,9 +193,9 @@ def _slack(prover: Prover, question: Question) -> Fraction:
 def _demand_zero(prover: Prover, at: Mapping[str, Fraction]) -> None:
     value = prover.exactly(at)
     if value is None or abs(value) > Fraction(LIKE_EXPECT * prover.range):
-        said = "not 0" if value is None else f"{float(value):.6g}"
+        text = "not 0" if value is None else f"{float(value):.6g}"
         at = prover.named([at[name] for name in prover.names])
-        raise NoSectorError(f"no sector: the output is {said} at {written(at)}")
+        raise NoSectorError(f"no sector: the output is {text} at {written(at)}")
 
 
 def form_text(weights: Form, digits: int = 7) -> str:
@@ -295,13 +295,13 @@ def slopes_at(prover: Prover, point: Mapping[str, float]) -> Slopes:
             continue
         vertex = corners.index(at)
         gradient = []
-        for each in slopes:
-            position = vertices_of(len(at), each.degree)[vertex]
-            row = int(np.flatnonzero(each.owner == owner)[0])
-            below = each.lower[row, position]
+        for slope in slopes:
+            position = vertices_of(len(at), slope.degree)[vertex]
+            row = int(np.flatnonzero(slope.owner == owner)[0])
+            below = slope.lower[row, position]
             if not below > 0:
                 raise UnprovableError(f"no rule fires with any strength at {_words(prover, at)}")
-            gradient.append(as_fraction(each.upper[row, position] / below))
+            gradient.append(as_fraction(slope.upper[row, position] / below))
         edges = np.array(
             [[float(a - b) for a, b in zip(corner, at, strict=True)]
              for k, corner in enumerate(corners) if k != vertex]

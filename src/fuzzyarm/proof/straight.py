@@ -221,7 +221,7 @@ class _Reading:
         no_rule = output.no_rule
         return Straight(
             tuple(self.inputs),
-            tuple((_exact(each.low), _exact(each.high)) for each in inputs),
+            tuple((_exact(variable.low), _exact(variable.high)) for variable in inputs),
             tuple(self.propositions),
             rules,
             count,
@@ -302,9 +302,9 @@ class _Reading:
         kinds = _CONJUNCTIONS if conjunction else _DISJUNCTIONS
         if name not in kinds:
             raise NotStraightError(f"{'and' if conjunction else 'or'} {name} bends straight lines")
-        found, *rest = (self._node(each, planned) for each in expression.operands)
-        for each in rest:
-            found = Node(kinds[name], (found, each))
+        found, *rest = (self._node(operand, planned) for operand in expression.operands)
+        for node in rest:
+            found = Node(kinds[name], (found, node))
         return found
 
     @staticmethod

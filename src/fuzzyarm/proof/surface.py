@@ -121,9 +121,9 @@ class Surface:
         """Return the value above the centre."""
 
         def make(which: Array, points: Array) -> _Parts:
-            found = self._sums(which, points, slopes=False)
-            size = MARGIN * found.size
-            return _Parts(found.moment, found.area, size * self.reach, size)
+            sums = self._sums(which, points, slopes=False)
+            size = MARGIN * sums.size
+            return _Parts(sums.moment, sums.area, size * self.reach, size)
 
         return self._quotients(self.degree, make)
 
@@ -132,13 +132,13 @@ class Surface:
         width = self.pieces.widths(axis)
 
         def make(which: Array, points: Array) -> _Parts:
-            found = self._sums(which, points, slopes=True)
-            upper, lower = self._slope(found, axis), found.area * found.area
+            sums = self._sums(which, points, slopes=True)
+            upper, lower = self._slope(sums, axis), sums.area * sums.area
             wide = width[which]
-            size, steep = MARGIN * found.size, found.steep
+            size, steep = MARGIN * sums.size, sums.steep
             error = 4.0 * size * steep * self.reach
             return _Parts(
-                upper, lower * wide[:, None], error, 2.0 * size * found.size * wide.astype(float)
+                upper, lower * wide[:, None], error, 2.0 * size * sums.size * wide.astype(float)
             )
 
         some = np.flatnonzero(width > 0)
@@ -149,15 +149,15 @@ class Surface:
         widths = [self.pieces.widths(axis) for axis in range(self.dimension)]
 
         def make(which: Array, points: Array) -> _Parts:
-            found = self._sums(which, points, slopes=True)
-            upper, size, steep = None, MARGIN * found.size, 0.0
+            sums = self._sums(which, points, slopes=True)
+            upper, size, steep = None, MARGIN * sums.size, 0.0
             for axis, width in enumerate(widths):
-                part = self._slope(found, axis) / width[which][:, None]
+                part = self._slope(sums, axis) / width[which][:, None]
                 upper = part * part if upper is None else upper + part * part
-                steep = steep + found.steep / width[which].astype(float)
-            square = found.area * found.area
-            error = 16.0 * size * found.size * (steep * self.reach) ** 2
-            return _Parts(upper, square * square, error, 4.0 * size * found.size**3)
+                steep = steep + sums.steep / width[which].astype(float)
+            square = sums.area * sums.area
+            error = 16.0 * size * sums.size * (steep * self.reach) ** 2
+            return _Parts(upper, square * square, error, 4.0 * size * sums.size**3)
 
         some = np.flatnonzero(np.logical_and.reduce([width > 0 for width in widths]))
         degree = 2 * (2 * self.degree - (self.model.form is not None) * 2)
@@ -181,12 +181,12 @@ class Surface:
         """Return the value less that of a table."""
 
         def make(which: Array, points: Array) -> _Parts:
-            found = self._sums(which, points, slopes=False)
+            sums = self._sums(which, points, slopes=False)
             shares = np.matmul(points, self.pieces.corners[which])
             there = table.at(self.pieces.cell[which], shares) - self.centre
-            size = MARGIN * found.size
+            size = MARGIN * sums.size
             far = self.reach + float(np.abs(there).max(initial=0))
-            return _Parts(found.moment - there * found.area, found.area, 4.0 * size * far, size)
+            return _Parts(sums.moment - there * sums.area, sums.area, 4.0 * size * far, size)
 
         return self._quotients(max(self.degree, self.area_degree + table.degree), make)
 
@@ -200,13 +200,13 @@ class Surface:
         one = self.arithmetic.number(Fraction(1))
 
         def make(which: Array, points: Array) -> _Parts:
-            found = self._sums(which, points, slopes=False)
+            sums = self._sums(which, points, slopes=False)
             shares = np.matmul(points, self.pieces.corners[which])
             form = self.pieces.form_at(weights, which, shares)
             sign = np.where(form.sum(axis=1) < 0, -one, one)[:, None]
-            value = found.moment + self.centre * found.area
-            size = MARGIN * found.size
-            return _Parts(sign * value + shift * found.area, sign * form * found.area, size, size)
+            value = sums.moment + self.centre * sums.area
+            size = MARGIN * sums.size
+            return _Parts(sign * value + shift * sums.area, sign * form * sums.area, size, size)
 
         return self._quotients(self.degree + (self.model.form is None), make)
 
@@ -323,12 +323,12 @@ class Surface:
         }
 
         def at(column: int, rows: Array) -> tuple[Array, Array]:
-            found = lattice.get(column)
-            if found is None:
+            values = lattice.get(column)
+            if values is None:
                 return self.arithmetic.zeros(len(rows), len(points)), slopes[
                     rows, :, first + column
                 ]
-            return found[rows], slopes[rows, :, first + column]
+            return values[rows], slopes[rows, :, first + column]
 
         for column, layers in enumerate(form.own):
             rows = np.flatnonzero(positive[column])

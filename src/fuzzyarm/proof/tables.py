@@ -113,7 +113,7 @@ def cell_errors(
 def _covers(table: LookupTable, rulebase: RuleBase, output: str) -> bool:
     # Over fewer inputs there are far fewer pieces; a table may have more axes all the same.
     part = part_for(rulebase, [output])
-    return set(table.names) <= {each.name for each in part.inputs}
+    return set(table.names) <= {variable.name for variable in part.inputs}
 
 
 def _prover(table: LookupTable, rulebase: RuleBase, output: str) -> Prover:

@@ -134,7 +134,7 @@ def read_property(rulebase: RuleBase, text: str) -> Property:
     parsed = parse(f"{head}{statement.strip()}\n", "<statement>")
     if parsed.rulebase is None or not parsed.rulebase.properties:
         last = head.count("\n") + 1
-        mine = [each for each in parsed.diagnostics if each.line >= last]
+        mine = [diagnostic for diagnostic in parsed.diagnostics if diagnostic.line >= last]
         raise RuleBaseError(tuple(mine or parsed.diagnostics))
     assert STATEMENTS
     return parsed.rulebase.properties[-1]
@@ -379,14 +379,14 @@ class _Case:
         from fuzzyarm.inference import prepare
 
         self._note(at)
-        said = f"no rule fires at {written(at)}"
-        outputs = tuple(replace(each, no_rule=math.nan) for each in self.rulebase.outputs)
+        text = f"no rule fires at {written(at)}"
+        outputs = tuple(replace(output, no_rule=math.nan) for output in self.rulebase.outputs)
         prepared = prepare(replace(self.rulebase, outputs=outputs))
-        found = prepared.run({name: float(x) for name, x in at.items()})
-        fires = self.claim.output not in found.silent or (
-            self.claim.kind == "covered" and found.fired[self.claim.output]
+        point = prepared.run({name: float(x) for name, x in at.items()})
+        fires = self.claim.output not in point.silent or (
+            self.claim.kind == "covered" and point.fired[self.claim.output]
         )
-        return f"{said}, {_IN_EXACT_ARITHMETIC}" if fires else said
+        return f"{text}, {_IN_EXACT_ARITHMETIC}" if fires else text
 
     def _note(self, at: Mapping[str, Any]) -> None:
         """Remember a point at which the statement fails, if it is refuted."""
@@ -518,9 +518,9 @@ class _Case:
         low, high = (float(x) for x in prover.box(self.region)[axis])
         corners = [
             float(x)
-            for each in prover.model.propositions
-            if each.input == axis
-            for x, _ in each.corners
+            for proposition in prover.model.propositions
+            if proposition.input == axis
+            for x, _ in proposition.corners
             if low <= x <= high
         ]
         steps = 400
@@ -593,12 +593,12 @@ class _Case:
     def _odd(self) -> Verdict:
         prover = self.prover
         limit = LIKE_EXPECT * prover.range
-        found = prover.odd_within(self.region, limit)
-        facts: dict[str, Any] = {"pieces": found.pieces, "way": _way(found)}
-        if found.holds:
+        claim = prover.odd_within(self.region, limit)
+        facts: dict[str, Any] = {"pieces": claim.pieces, "way": _way(claim)}
+        if claim.holds:
             return self._said(PROVED, **facts)
-        if found.holds is False:
-            at = {name: float(x) for name, x in found.at.items()}
+        if claim.holds is False:
+            at = {name: float(x) for name, x in claim.at.items()}
             opposite = {name: -x for name, x in at.items()}
             both = prover.exactly(at), prover.exactly(opposite)
             if both[0] is not None and both[1] is not None and abs(both[0] + both[1]) > limit:

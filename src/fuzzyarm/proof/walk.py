@@ -78,7 +78,7 @@ class AxisLines:
     ) -> None:
         self.text, self.site, self.name, self.stop = text, site, name, stop
         self.index = text.model.axis_names.index(name)
-        self.lines = next(each.lines for each in text.model.axes if name in each.names)
+        self.lines = next(axes.lines for axes in text.model.axes if name in axes.names)
         self.learned = {line.table: line for line in self.lines if isinstance(line, Learn)}
         reaches = reaches_of(text, site)
         own = {of: reach for (axis, of), reach in reaches.sources.items() if axis == name}
@@ -98,16 +98,18 @@ class AxisLines:
         key = "silent", id(sheet)
         if key not in self._known:
             outputs = tuple(
-                each if isinstance(each.no_rule, int | float) else replace(each, no_rule=math.nan)
-                for each in sheet.outputs
+                output
+                if isinstance(output.no_rule, int | float)
+                else replace(output, no_rule=math.nan)
+                for output in sheet.outputs
             )
             self._known[key] = replace(sheet, outputs=outputs)
-        found: RuleBase = self._known[key]
-        return found
+        rulebase: RuleBase = self._known[key]
+        return rulebase
 
     def gain(self, name: str) -> Law | None:
         """Return a gain of this axis; None where it is not one."""
-        gain = next((each for each in self.text.model.gains if each.name == name), None)
+        gain = next((model for model in self.text.model.gains if model.name == name), None)
         if gain is None:
             return None
         value = gain.values[self.index if len(gain.values) > 1 else 0].value(math.pi)
@@ -208,14 +210,14 @@ class Walk:
 
     def _signal(self, line: Signal) -> None:
         if line.source is None:
-            made = [self._products(line.products)]
+            laws = [self._products(line.products)]
         else:
-            made = self._source(line.source, len(line.names))
+            laws = self._source(line.source, len(line.names))
             factors = line.products[0].factors if line.products else ()
             for factor in factors:
                 by = self._named(factor.value)
-                made = [(over if factor.divides else times)(each, by) for each in made]
-        self.laws.update(zip(line.names, made, strict=False))
+                laws = [(over if factor.divides else times)(law, by) for law in laws]
+        self.laws.update(zip(line.names, laws, strict=False))
 
     def _named(self, value: str | float) -> Law:
         if not isinstance(value, str):
@@ -227,12 +229,12 @@ class Walk:
 
     def _products(self, products: Sequence[Product]) -> Law:
         total = constant(0.0)
-        for each in products:
-            first, *others = each.factors
+        for product in products:
+            first, *others = product.factors
             law = self._named(first.value)
             for factor in others:
                 law = (over if factor.divides else times)(law, self._named(factor.value))
-            total = plus(total, scaled(law, -1.0) if each.negative else law)
+            total = plus(total, scaled(law, -1.0) if product.negative else law)
         return total
 
     # --- sources ---
@@ -296,15 +298,15 @@ class Walk:
         if not isinstance(sheet, RuleBase):
             return [unknown(EVERYTHING, f"'{of.name}' could not be read")] * count
         names = input_names(sheet)
-        given = self._inputs(names, of.inputs)
-        self._note_group(given)
-        return [self._conclusion(sheet, output.name, given) for output in sheet.outputs]
+        laws = self._inputs(names, of.inputs)
+        self._note_group(laws)
+        return [self._conclusion(sheet, output.name, laws) for output in sheet.outputs]
 
     def _inputs(self, names: Sequence[str], asked: Sequence[str]) -> dict[str, Law]:
         """Return the inputs of a rule base or a table by its own names."""
         own = [name for name in names if name != AXIS or AXIS in asked]
-        given = {name: self._named(each) for name, each in zip(own, asked, strict=False)}
-        return {name: given.get(name) or constant(float(self.case.index + 1)) for name in names}
+        laws = {name: self._named(each) for name, each in zip(own, asked, strict=False)}
+        return {name: laws.get(name) or constant(float(self.case.index + 1)) for name in names}
 
     def _note_group(self, given: Mapping[str, Law]) -> None:
         sources: dict[str, None] = {}
@@ -347,8 +349,8 @@ class Walk:
         ((name, weight),) = law.linear.items()
         if weight:
             zone = combine("divide", universe, Interval(weight, weight))
-            known = self.notes.zones.get(name)
-            self.notes.zones[name] = zone if known is None else overlap(known, zone)
+            interval = self.notes.zones.get(name)
+            self.notes.zones[name] = zone if interval is None else overlap(interval, zone)
 
     def _range(
         self, prover: Prover, region: Mapping[str, Any], given: Mapping[str, Law]
@@ -371,15 +373,15 @@ class Walk:
 
     def _note_point(self, point: Mapping[str, float], given: Mapping[str, Law]) -> None:
         """Remember the sources at which a rule base has an extreme."""
-        found: dict[str, float] = {}
+        values: dict[str, float] = {}
         for name, law in given.items():
             if law.linear is None or len(law.linear) != 1 or name not in point:
                 return
             ((source, weight),) = law.linear.items()
             if not weight:
                 return
-            found.setdefault(source, point[name] / weight)
-        self.notes.points.append(found)
+            values.setdefault(source, point[name] / weight)
+        self.notes.points.append(values)
 
     def _along_rules(
         self,
@@ -404,7 +406,9 @@ class Walk:
         except FuzzyarmError as error:
             return str(error), 0.0
         gains = Interval(known.low, known.high)
-        universe = {each.name: Interval(each.low, each.high) for each in prover.inputs}
+        universe = {
+            variable.name: Interval(variable.low, variable.high) for variable in prover.inputs
+        }
         if not all(inside(given[name].at, universe[name]) for name in moving):
             if len(moving) > 1:
                 return "an input leaves its universe", 0.0
@@ -452,14 +456,14 @@ class Walk:
             bound = largest(self._named(learned.bound).at)
             return unknown(hull(at, symmetric(bound)), f"'{of.name}' learns")
         own = replace(sheet, axes=tuple(axes), values=np.asarray(values))
-        given = self._inputs(own.names, of.inputs)
-        self._note_group(given)
+        laws = self._inputs(own.names, of.inputs)
+        self._note_group(laws)
         for axis in axes:
-            self._note_zone(given[axis.name], Interval(axis.low, axis.high))
-        if all(law.at.low == law.at.high for law in given.values()):
-            value = float(own.lookup(*(law.at.low for law in given.values())))
+            self._note_zone(laws[axis.name], Interval(axis.low, axis.high))
+        if all(law.at.low == law.at.high for law in laws.values()):
+            value = float(own.lookup(*(law.at.low for law in laws.values())))
             at = Interval(value, value)
-        return table_law(own, given, at, asked=bool(self.asked.form))
+        return table_law(own, laws, at, asked=bool(self.asked.form))
 
 
 def _chained(slopes: Slopes, given: Mapping[str, Law]) -> tuple[Gains | str, Gains | str]:
@@ -481,13 +485,13 @@ def _chained(slopes: Slopes, given: Mapping[str, Law]) -> tuple[Gains | str, Gai
             total = combine("add", total, slope)
         around[source] = gains[source] = total
         inner = {name: dict(law.gains).get(source, NOTHING) for name, law in given.items()}  # type: ignore[arg-type]
-        if all(each.low == each.high for each in inner.values()):
-            ways = {name: Fraction(each.low) for name, each in inner.items()}
+        if all(interval.low == interval.high for interval in inner.values()):
+            ways = {name: Fraction(interval.low) for name, interval in inner.items()}
             ahead = slopes.along(ways)
-            back = slopes.along({name: -each for name, each in ways.items()})
-            found = [float(x) for x in (ahead, None if back is None else -back) if x is not None]
-            if found:
-                gains[source] = Interval(min(found), max(found))
+            back = slopes.along({name: -way for name, way in ways.items()})
+            values = [float(x) for x in (ahead, None if back is None else -back) if x is not None]
+            if values:
+                gains[source] = Interval(min(values), max(values))
     return gains, around
 
 

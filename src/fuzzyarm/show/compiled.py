@@ -26,12 +26,14 @@ def report_lines(report: CompileReport, out: str) -> list[str]:
     if report.default_levels:
         lines.append("inputs without levels in the file got 13 even ones")
     lines.append("difference to direct inference, in units of the output:")
-    lines += [f"  {fidelity_line(each)}" for each in report.fidelities]
+    lines += [f"  {fidelity_line(fidelity)}" for fidelity in report.fidelities]
     if report.few_points:
         lines.append("only a few points were compared, because direct inference is slow here")
     if report.tolerance is not None:
         known = (
-            "proved" if all(each.proved is not None for each in report.fidelities) else "sampled"
+            "proved"
+            if all(fidelity.proved is not None for fidelity in report.fidelities)
+            else "sampled"
         )
         lines.append(
             f"this is the smallest even grid within {report.tolerance:g} ({known}),"

@@ -48,7 +48,7 @@ def controller_view(controller: ControllerText) -> Group:
     parts: list[RenderableType] = [_heading(model), Text()]
     if model.gains:
         parts += [Text("gains", "bold"), Text("\n".join(gain_lines(model.gains))), Text()]
-    partners = [each.name for each in model.partners]
+    partners = [partner.name for partner in model.partners]
     for axes in model.axes:
         parts += [Text(_axis_words(axes), "bold"), SignalFlow(axes, partners), Text()]
     for title, sheet in _sheets(controller):
@@ -99,7 +99,7 @@ def _sheets(controller: ControllerText) -> Iterator[tuple[str, Sheet]]:
 
 def gain_lines(gains: Sequence[GainModel]) -> list[str]:
     """Return a line for each gain: name, value, range of tune."""
-    rows = [(name_text(each.name), gain_words(each), tune_words(each)) for each in gains]
+    rows = [(name_text(gain.name), gain_words(gain), tune_words(gain)) for gain in gains]
     widths = [max(len(row[column]) for row in rows) for column in (0, 1)]
     return [
         f"  {name:<{widths[0]}}  {value:<{widths[1]}}  {tune}".rstrip()
@@ -157,7 +157,7 @@ def definition_words(line: Signal | Drive, partners: Collection[str] = ()) -> st
         return f"{_sum_words(line.products, word)}{limits}{slew}"
     if line.source is None:
         return _sum_words(line.products, word)
-    factors = "".join(_factor(each, word) for each in line.products[0].factors)
+    factors = "".join(_factor(factor, word) for factor in line.products[0].factors)
     options = "".join(f", {option}" for option in option_words(line.source))
     return f"{_source_words(line.source)}{factors}{options}"
 
@@ -176,7 +176,7 @@ def _sum_words(products: Sequence[Product], word: Callable[[str | float], str]) 
         if not text:
             sign = "-" if product.negative else ""
         first, *others = product.factors
-        text += sign + word(first.value) + "".join(_factor(each, word) for each in others)
+        text += sign + word(first.value) + "".join(_factor(factor, word) for factor in others)
     return text
 
 
@@ -329,4 +329,4 @@ def _reads(line: Line) -> Iterator[str]:
         yield from line.inputs
     else:
         for product in line.products:
-            yield from (each.value for each in product.factors if isinstance(each.value, str))
+            yield from (factor.value for factor in product.factors if isinstance(factor.value, str))

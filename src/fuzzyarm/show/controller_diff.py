@@ -140,7 +140,7 @@ def _settings(model: ControllerModel) -> dict[str, str]:
     for partner in model.partners:
         gains = "".join(f", {name} = {number_text(value)}" for name, value in partner.gains)
         found[f"partner {name_text(partner.name)}"] = f"{partner.law}{gains}"
-    found.update({f"rule base {each.name}": "in the file" for each in model.rulebases})
+    found.update({f"rule base {rulebase.name}": "in the file" for rulebase in model.rulebases})
     return found
 
 
@@ -164,7 +164,7 @@ def _lines(
     for names, old, new in parts:
         home = f"axis {names}: " if len(parts) > 1 else ""
         texts = _definitions(old, before), _definitions(new, after)
-        differing = [replace(each, what=f"{home}{each.what}") for each in changes(*texts)]
+        differing = [replace(change, what=f"{home}{change.what}") for change in changes(*texts)]
         found += differing
         if not differing and list(texts[0]) != list(texts[1]):
             order.append(names)
@@ -185,7 +185,7 @@ def _parts(
 
 def _definitions(axes: Axes | None, model: ControllerModel) -> dict[str, str]:
     """Return what stands behind the name of each signal, drive, zoom and learner."""
-    partners = [each.name for each in model.partners]
+    partners = [partner.name for partner in model.partners]
     found: dict[str, str] = {}
     for line in () if axes is None else axes.lines:
         text = line_words(line, partners)

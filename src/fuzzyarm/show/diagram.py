@@ -175,7 +175,10 @@ def block_diagram(controller: ControllerText | ControllerModel) -> Diagram:
     if isinstance(controller, ControllerText):
         model, sheets = controller.model, controller.sheets
     else:
-        model, sheets = controller, {each.name: (each,) for each in controller.rulebases}
+        model, sheets = (
+            controller,
+            {rulebase.name: (rulebase,) for rulebase in controller.rulebases},
+        )
     counts = {
         name: len(found[0].rules)
         for name, found in sheets.items()
@@ -356,7 +359,7 @@ class _Part:
                 return [pin]
             details = option_words(source)
             return [(self._block(kind, kind, details, [(pin, "")], span=line.span), 0, "")]
-        sources = [(self._read(each), "") for each in source.inputs]
+        sources = [(self._read(variable), "") for variable in source.inputs]
         sources += [(pin, "learn") for pin in self.teachers.get(name, ())]
         outputs = line.names if len(line.names) > 1 else ("",)
         index = self._block(kind, name, self._sheet(name), sources, outputs, line.span)
@@ -384,8 +387,8 @@ class _Part:
         return self._block("constant", name), 0, ""
 
     def _sum(self, products: Sequence[Product], span: Span) -> Pin:
-        pins = [self._product(each.factors, None, span) for each in products]
-        signs = ["-" if each.negative else "+" for each in products]
+        pins = [self._product(product.factors, None, span) for product in products]
+        signs = ["-" if product.negative else "+" for product in products]
         if len(pins) == 1:
             return pins[0] if signs[0] == "+" else self._gain([Factor(-1.0)], pins[0], span)
         sources = list(zip(pins, signs, strict=True))
@@ -486,15 +489,15 @@ def _constant(factors: Sequence[Factor], gains: dict[str, GainModel]) -> tuple[s
 def option_words(source: Source) -> list[str]:
     """Return the options of a source as the language writes them."""
     words = []
-    known = source.record.options
+    kinds = source.record.options
     for word, value in source.options:
         if isinstance(value, tuple):
             words.append(f"{word} {number_text(value[0])} .. {number_text(value[1])}")
         elif value is True:
-            words.append(" ".join((word, *known[word].rest)))
-        elif known[word].takes == "windup" and isinstance(value, float):
+            words.append(" ".join((word, *kinds[word].rest)))
+        elif kinds[word].takes == "windup" and isinstance(value, float):
             words.append(f"{word} back {time_text(value)}")
-        elif known[word].takes == "time" and isinstance(value, float):
+        elif kinds[word].takes == "time" and isinstance(value, float):
             words.append(f"{word} {time_text(value)}")
         else:
             words.append(f"{word} {value if isinstance(value, str) else number_text(value)}")

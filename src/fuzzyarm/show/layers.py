@@ -116,9 +116,9 @@ def lay_out(blocks: Sequence[Pins], links: Sequence[Link]) -> Layout:
     net = _Net(blocks, links, layers)
     rows = net.arranged()
     tracks, paths = _tracks(net, rows)
-    found = [rows[index] for index in range(len(blocks))]
+    values = [rows[index] for index in range(len(blocks))]
     height = max((rows[i] + 0.5 * net.heights[i] + 0.5 for i in range(len(rows))), default=0.0)
-    return Layout(layers, found, paths, tracks, height)
+    return Layout(layers, values, paths, tracks, height)
 
 
 # --- Layers ---

@@ -146,12 +146,12 @@ def find_grids(block: RuleBlock) -> tuple[list[RuleGrid], list[Rule]]:
             grid = grids.setdefault((*names, frozenset(when)), RuleGrid(*names, when))
             grid.cells.setdefault((row[1], column.term), []).append((rule, consequent.term))
     # A grid with very few cells is given up; its rules go to the others.
-    drawn = [grid for grid in grids.values() if len(grid.cells) >= (4 if grid.row else 3)]
+    rule_grids = [grid for grid in grids.values() if len(grid.cells) >= (4 if grid.row else 3)]
     loose = {id(rule) for rule in others}
     for grid in grids.values():
-        if grid not in drawn:
+        if grid not in rule_grids:
             loose |= {id(rule) for cell in grid.cells.values() for rule, _ in cell}
-    return drawn, [rule for rule in block.rules if id(rule) in loose]
+    return rule_grids, [rule for rule in block.rules if id(rule) in loose]
 
 
 def _conjunction(rule: Rule) -> tuple[Is, ...] | None:
@@ -190,8 +190,8 @@ def rules_view(
         grids, others = find_grids(block)
         for grid in grids:
             cell = chosen(grid) if chosen is not None else None
-            drawn = rule_grid(grid, rulebase, strengths or {}, cell)
-            parts += [Text(grid.title, style="bold"), drawn, Text()]
+            heat_grid = rule_grid(grid, rulebase, strengths or {}, cell)
+            parts += [Text(grid.title, style="bold"), heat_grid, Text()]
         if strengths is None:
             parts += [Text(rule_sentence(rule)) for rule in others]
             parts += [Text()] if others else []

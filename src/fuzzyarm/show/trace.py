@@ -126,13 +126,13 @@ def _span(upper: float, lower: float | None) -> str:
 def _rules(trace: Trace, path: str = "", *, all_rules: bool = False) -> Text:
     from rich.text import Text
 
-    shown = trace.fired
+    traces = trace.fired
     if all_rules:
-        shown = (*shown, *(rule for rule in trace.rules if rule.strength <= 0))
+        traces = (*traces, *(rule for rule in trace.rules if rule.strength <= 0))
     text = Text(f"{len(trace.fired)} of {len(trace.rules)} rules fire", "bold")
-    positions = [_position(rule, path) for rule in shown]
+    positions = [_position(rule, path) for rule in traces]
     width = max(map(len, positions), default=0)
-    for rule, position in zip(shown, positions, strict=True):
+    for rule, position in zip(traces, positions, strict=True):
         span = _span(rule.strength, rule.lower)
         text.append(f"\n  {span}  {position:<{width}}  {rule.text}", "not bold")
     return text
@@ -155,22 +155,22 @@ class OutputPlot:
         yield Text(f"{name_text(output.name)} by {output.method}", "bold")
         if not output.fired:
             yield Text("  no rule fires: the value is the stated one", "yellow")
-        names = [each.term for each in output.consequents]
+        names = [consequent.term for consequent in output.consequents]
         left = max(map(len, [*names, "all"]))
         width = min(61, options.max_width - left - 14)
         width -= 1 - width % 2
-        for each in output.consequents:
-            line = Text(f"  {each.term:<{left}}  {each.strength:.4f}  ", no_wrap=True)
-            style = "cyan" if each.lower is None else "dim cyan"
-            if each.curve:
-                line.append(curve_blocks(each.curve, output.low, output.high, width), style)
-            elif each.value is not None:
-                line.append(f"at {_between(each.value, each.lower_value)}")
+        for consequent in output.consequents:
+            line = Text(f"  {consequent.term:<{left}}  {consequent.strength:.4f}  ", no_wrap=True)
+            style = "cyan" if consequent.lower is None else "dim cyan"
+            if consequent.curve:
+                line.append(curve_blocks(consequent.curve, output.low, output.high, width), style)
+            elif consequent.value is not None:
+                line.append(f"at {_between(consequent.value, consequent.lower_value)}")
             yield line
-            if each.lower is not None:
-                line = Text(f"  {OVER:>{left}}  {each.lower:.4f}  ", no_wrap=True)
-                lower = curve_blocks(each.lower_curve, output.low, output.high, width)
-                yield line.append(lower if each.curve else "", "cyan")
+            if consequent.lower is not None:
+                line = Text(f"  {OVER:>{left}}  {consequent.lower:.4f}  ", no_wrap=True)
+                lower = curve_blocks(consequent.lower_curve, output.low, output.high, width)
+                yield line.append(lower if consequent.curve else "", "cyan")
         if output.aggregate:
             indent = " " * (left + 12)
             union = curve_blocks(output.aggregate, output.low, output.high, width)

@@ -152,9 +152,11 @@ def compare(
     """
     home = plant or Arm()
     ways = compared_trajectories(home) if trajectories is None else trajectories
-    named = iter(find_controllers([each for each in controllers if isinstance(each, str)]))
-    for each in controllers:
-        made = each if isinstance(each, Controller) else next(named)
+    named = iter(
+        find_controllers([controller for controller in controllers if isinstance(controller, str)])
+    )
+    for controller in controllers:
+        made = controller if isinstance(controller, Controller) else next(named)
         runs = [
             watched_run(
                 made,
@@ -280,9 +282,11 @@ def cost_of(name: str, *, conventions: Conventions = PLAIN, timed: bool = True) 
     Cost
         Operations of a control step, and its time in s.
     """
-    made = find_controller(name)
-    seconds = measure_time(made, conventions=conventions) if timed else None
-    return Cost(made.name, count_operations(made), exported_operations(made), seconds)
+    controller = find_controller(name)
+    seconds = measure_time(controller, conventions=conventions) if timed else None
+    return Cost(
+        controller.name, count_operations(controller), exported_operations(controller), seconds
+    )
 
 
 def exported_operations(controller: Controller) -> int | None:

@@ -263,13 +263,13 @@ def _functions_of_partners(law: TextLaw) -> int:
     """Return how many sines and cosines the partners of a text ask the arm for."""
     found = 0
     for partner in law.text.model.partners:
-        made = law.find_law(partner.law)
-        block = made.block(Arithmetic())
+        controller = law.find_law(partner.law)
+        block = controller.block(Arithmetic())
         pose: Any = _CountedPose((0.1, 0.2))
         still = State((0.1, 0.2), (0.0, 0.0))
         now = Moment(Reference((0.1, 0.2), (0.0, 0.0), (0.0, 0.0)), still, pose, CLOCK_AT_REST)
         before = _tally.functions
-        made.law.kernel(now, list(block.numbers), list(block.memory), block.links)
+        controller.law.kernel(now, list(block.numbers), list(block.memory), block.links)
         found += _tally.functions - before
         _tally.functions = before
     return found

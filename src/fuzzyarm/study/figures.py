@@ -332,7 +332,7 @@ def draw_cost(compared: Sequence[Compared], costs: Sequence[Cost]) -> Figure:
         "geometric mean of the RMS errors, degrees: from the path, line to that at the set points",
         fontsize=9,
     )
-    _key_of_families(figure, [each.name for each in compared])
+    _key_of_families(figure, [comparison.name for comparison in compared])
     return figure
 
 
@@ -352,15 +352,15 @@ def _draw_points(panel: Axes, compared: Sequence[Compared], values: Sequence[flo
     panel.spines[["top", "right"]].set_visible(False)
     panel.margins(x=0.16, y=0.06)
     points = [
-        (math.log10(x), math.log10(each.path_error))
-        for x, each in zip(values, compared, strict=True)
+        (math.log10(x), math.log10(comparison.path_error))
+        for x, comparison in zip(values, compared, strict=True)
     ]
     scale = [
         size / (math.log10(high) - math.log10(low))
         for size, (low, high) in zip(PANEL, (panel.get_xlim(), panel.get_ylim()), strict=True)
     ]
     spots = [(x * scale[0], y * scale[1]) for x, y in points]
-    offsets = place_labels(spots, [each.name for each in compared])
+    offsets = place_labels(spots, [comparison.name for comparison in compared])
     for each, value, (right, up) in zip(compared, values, offsets, strict=True):
         to_the_left = right < -0.5 * _width(each.name)
         panel.annotate(

@@ -163,8 +163,8 @@ def identify(name: str, *, watch: Callable[[int], None] | None = None) -> Identi
 def _figures(
     row: PublishedRow, unknowns: Sequence[Unknown], values: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    made = row_controller(row)
-    wanted = {name: list(gain.value) for name, gain in made.gains.items()}
+    controller = row_controller(row)
+    wanted = {name: list(gain.value) for name, gain in controller.gains.items()}
     changed: dict[str, Sequence[float]] = {}
     for unknown, value in zip(unknowns, values, strict=True):
         numbers = wanted[unknown.gain]
@@ -172,7 +172,7 @@ def _figures(
             if unknown.joint in {None, index}:
                 numbers[index] = float(value)
         changed[unknown.gain] = numbers
-    return np.array(reproduce_row(row, made=made.with_gains(changed)).figures)
+    return np.array(reproduce_row(row, made=controller.with_gains(changed)).figures)
 
 
 def _residuals(

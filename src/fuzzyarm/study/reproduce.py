@@ -350,7 +350,7 @@ def row_controller(row: PublishedRow, variant: str = "as-printed") -> Controller
 
 def _with_mass(made: Controller, mass: float) -> Controller:
     if isinstance(made, Sum):
-        return Sum([_with_mass(each, mass) for each in made.addends], made.name)
+        return Sum([_with_mass(addend, mass) for addend in made.addends], made.name)
     if isinstance(made, CompiledController) and "model.m_1" in made.gains:
         return made.with_origin(
             **{

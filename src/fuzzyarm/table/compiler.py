@@ -132,8 +132,11 @@ def needed_inputs(rulebase: RuleBase, output: str) -> tuple[Input, ...]:
     """Return the inputs that an output depends on; the first input where it depends on none."""
     from fuzzyarm.inference.plan import part_for
 
-    names = {each.name for each in part_for(rulebase, [output]).inputs}
-    return tuple(each for each in rulebase.inputs if each.name in names) or rulebase.inputs[:1]
+    names = {variable.name for variable in part_for(rulebase, [output]).inputs}
+    return (
+        tuple(variable for variable in rulebase.inputs if variable.name in names)
+        or rulebase.inputs[:1]
+    )
 
 
 def over_inputs(table: LookupTable, inputs: Sequence[Input]) -> LookupTable:
@@ -155,8 +158,9 @@ def over_inputs(table: LookupTable, inputs: Sequence[Input]) -> LookupTable:
     if len(known) == len(inputs):
         return table
     axes = [
-        known.get(each.name) or Axis(each.name, even_levels(each, 2), low=each.low, high=each.high)
-        for each in inputs
+        known.get(variable.name)
+        or Axis(variable.name, even_levels(variable, 2), low=variable.low, high=variable.high)
+        for variable in inputs
     ]
     own = [len(axis.levels) if axis.name in known else 1 for axis in axes]
     order = [table.names.index(axis.name) for axis in axes if axis.name in known]
@@ -249,7 +253,7 @@ def _engine(rulebase: RuleBase, output: str, cells: int) -> Engine:
     if cells < _LARGE:
         return partial(infer, rulebase, outputs=[output])
     part = part_for(rulebase, [output])
-    engine, names = compiled(part), {each.name for each in part.inputs}
+    engine, names = compiled(part), {variable.name for variable in part.inputs}
     return lambda inputs: engine({name: x for name, x in inputs.items() if name in names})
 
 

@@ -84,8 +84,8 @@ def compare_tables(before: LookupTable, after: LookupTable) -> TableDiff:
     )
     changes: tuple[CellChange, ...] = ()
     if comparable:
-        found = np.argwhere(before.values != after.values)
-        changes = tuple(_change(before, after, tuple(map(int, index))) for index in found)
+        values = np.argwhere(before.values != after.values)
+        changes = tuple(_change(before, after, tuple(map(int, index))) for index in values)
     return TableDiff(before, after, _header(before, after), changes, comparable, transposed)
 
 

@@ -483,7 +483,7 @@ class CompileReport:
     few_points: bool = False
 
     def __repr__(self) -> str:
-        known = "; ".join(f"{each.mode}: {each}" for each in self.fidelities)
+        known = "; ".join(f"{fidelity.mode}: {fidelity}" for fidelity in self.fidelities)
         return one_line(self, f"{self.table!r}: {known}")
 
 

@@ -424,11 +424,11 @@ def resolve(header: Header, diagnostics: list[Diagnostic]) -> TableHeader | None
 
 def _check_names(header: Header, diagnostics: list[Diagnostic]) -> None:
     """Report inputs that the index order does not name."""
-    known = list(header.index)
+    words = list(header.index)
     for name in [*(line.name for line in header.inputs.values()), *header.named]:
-        if name not in known:
-            hint, replacement = near_hint(name, known)
-            message = f"'{name}' is not an input of the index order ({', '.join(known)})"
+        if name not in words:
+            hint, replacement = near_hint(name, words)
+            message = f"'{name}' is not an input of the index order ({', '.join(words)})"
             diagnostics.append(
                 Diagnostic(
                     "unknown-variable", message, name.span, hint=hint, replacement=replacement

@@ -117,7 +117,7 @@ class Grid:
         cls, shape: Sequence[int], points: Sequence[Any], values: Any, arithmetic: Arithmetic
     ) -> Grid:
         """Prepare a table with so many levels in each input."""
-        inner = tuple(each[1:-1] for each in points)
+        inner = tuple(point[1:-1] for point in points)
         strides = strides_of(shape)
         offsets = corner_offsets(shape)
         return cls(strides, tuple(points), inner, offsets, values, arithmetic)

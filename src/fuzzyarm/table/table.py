@@ -150,7 +150,7 @@ class LookupTable(TableHeader):
             mode: [axis.thresholds(mode) for axis in self.axes] for mode in ("bins", "nearest")
         }
         points["linear"] = [axis.levels for axis in self.axes]
-        return {mode: Grid.of(self.shape, each, flat, AT_POINT) for mode, each in points.items()}
+        return {mode: Grid.of(self.shape, point, flat, AT_POINT) for mode, point in points.items()}
 
     def _at_point(self, inputs: tuple[float, ...], mode: str) -> float:
         for axis, x in zip(self.axes, inputs, strict=True):

@@ -328,13 +328,13 @@ class _Block:
         )
 
     def _check_levels(self, cells: list[Cell], axis: Axis, number: int, line: str) -> bool:
-        found = [self._number(cell) for cell in cells]
-        if None in found:
+        values = [self._number(cell) for cell in cells]
+        if None in values:
             return False
-        if found == list(axis.levels):
+        if values == list(axis.levels):
             return True
         span = cells[0].span.to(cells[-1].span) if cells else _line_end(number, line)
-        if self.row is not None and found == list(self.row.levels):
+        if self.row is not None and values == list(self.row.levels):
             self._report(
                 "transposed-labels",
                 f"the columns are labelled with the levels of '{self.row.name}', "
@@ -342,18 +342,18 @@ class _Block:
                 span,
                 hint="is the table transposed?",
             )
-        elif len(found) != len(axis.levels):
+        elif len(values) != len(axis.levels):
             self._report(
                 "wrong-cell-count",
-                f"{_counted(len(found), 'column')}, but '{axis.name}' has "
+                f"{_counted(len(values), 'column')}, but '{axis.name}' has "
                 f"{_counted(len(axis.levels), 'level')}",
                 span,
             )
         else:
-            k = next(k for k, x in enumerate(found) if x != axis.levels[k])
+            k = next(k for k, x in enumerate(values) if x != axis.levels[k])
             self._report(
                 "wrong-label",
-                f"column {k + 1} is labelled {found[k]:g}, the level of '{axis.name}' "
+                f"column {k + 1} is labelled {values[k]:g}, the level of '{axis.name}' "
                 f"is {axis.levels[k]:g}",
                 cells[k].span,
             )

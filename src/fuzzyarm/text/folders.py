@@ -129,10 +129,10 @@ def _as_regex(word: str) -> str:
 def _left_out(entry: os.DirEntry[str], patterns: Sequence[_Pattern]) -> bool:
     """Whether the last pattern that fits leaves a file or a folder out."""
     path = os.path.abspath(entry.path)
-    for each in reversed(patterns):
-        if each.folders_only and not entry.is_dir():
+    for pattern in reversed(patterns):
+        if pattern.folders_only and not entry.is_dir():
             continue
-        relative = os.path.relpath(path, each.base).replace(os.sep, "/")
-        if each.pattern.fullmatch(relative):
-            return not each.taken_back
+        relative = os.path.relpath(path, pattern.base).replace(os.sep, "/")
+        if pattern.pattern.fullmatch(relative):
+            return not pattern.taken_back
     return False

@@ -66,10 +66,10 @@ class WrongKindError(FuzzyarmError, AttributeError, ValueError):
 
     def __init__(self, what: str, kind: str, wanted: str, *, hint: str = "") -> None:
         article = "an" if kind[:1] in "aeiou" else "a"
-        said = (
+        text = (
             f"{what} is {article} {kind}, not a {wanted}" if kind else f"{what} is not a {wanted}"
         )
-        super().__init__(said, hint=hint)
+        super().__init__(text, hint=hint)
         self.kind, self.wanted = kind, wanted
 
 
@@ -89,8 +89,8 @@ def wrong_kind(value: object, wanted: str) -> WrongKindError:
         if kind == CONTROLLER and wanted in (MODEL, kind):  # it is the model of one
             other = f"rule base or a {WHOLE}" if wanted == MODEL else WHOLE
         hint = HINTS.get((kind, WHOLE if other.endswith(WHOLE) else other), "")
-        said = "controller without its files" if other == WHOLE else kind
-        return WrongKindError(f"'{value.called()}'", said, other, hint=hint)
+        text = "controller without its files" if other == WHOLE else kind
+        return WrongKindError(f"'{value.called()}'", text, other, hint=hint)
     if isinstance(value, type):
         name = value.__name__
         return WrongKindError(name, "class", wanted, hint=f"{name}() makes one of its values")

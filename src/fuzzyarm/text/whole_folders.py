@@ -47,7 +47,7 @@ def demand_own(folder: str | Path) -> None:
     if not folder.is_dir():
         words = f"{folder} is a file, not a folder"
         raise ForeignFolderError(words, folder, (), hint="name another one")
-    present = sorted(each.name for each in folder.iterdir())
+    present = sorted(path.name for path in folder.iterdir())
     if not present:
         return
     hashes = _hashes(folder)

@@ -149,10 +149,10 @@ def errors_of(rulebase: RuleBase, samples: Samples) -> dict[str, float]:
     """Return the errors of a rule base on samples, by name; infinite where no rule fires."""
     given = dict(zip(samples.names, samples.inputs.T, strict=True))
     try:
-        found = infer_arrays(rulebase, given)[samples.target]
+        values = infer_arrays(rulebase, given)[samples.target]
     except InferenceError:
         return dict.fromkeys(ERRORS, math.inf)
-    return errors_between(np.broadcast_to(found, samples.values.shape), samples.values)
+    return errors_between(np.broadcast_to(values, samples.values.shape), samples.values)
 
 
 def errors_between(predicted: Vector, observed: Vector) -> dict[str, float]:

@@ -155,14 +155,14 @@ class Design:
         for sheet, block in blocks.items():
             parts += _peaks(sheet, self.sheets[sheet], block) if block.peaks else []
         self._parts = tuple(parts)
-        self.parameters = tuple(each for part in parts for each in part.parameters)
+        self.parameters = tuple(parameter for part in parts for parameter in part.parameters)
         if not self.parameters:
             hint = "a tune block in a rule base, or tune LOW .. HIGH behind a gain"
             raise TuneError("nothing may move", hint=hint)
         if len(self.parameters) > MOST_PARAMETERS:
             message = f"{len(self.parameters)} numbers may move, more than {MOST_PARAMETERS}"
             raise TuneError(message)
-        self.start = np.array([each.share for each in self.parameters])
+        self.start = np.array([parameter.share for parameter in self.parameters])
 
     def at(self, point: Sequence[float] | Vector, digits: int | None = None) -> Candidate:
         """Return what the file is at a point, its numbers rounded to so many digits.
@@ -176,14 +176,17 @@ class Design:
         changed: dict[str, dict[str, Variable]] = {}
         for part in self._parts:
             own, waiting = waiting[: len(part.parameters)], waiting[len(part.parameters) :]
-            values = [each.value(share) for each, share in zip(part.parameters, own, strict=True)]
+            values = [
+                parameter.value(share)
+                for parameter, share in zip(part.parameters, own, strict=True)
+            ]
             if part.movement is not None:
                 variable = part.movement.at(values, digits)
                 changed.setdefault(part.sheet, {})[variable.name] = variable
             else:
                 gains[part.gain] = tuple(
-                    value if digits is None else each.rounded(value, digits)
-                    for each, value in zip(part.parameters, values, strict=True)
+                    value if digits is None else parameter.rounded(value, digits)
+                    for parameter, value in zip(part.parameters, values, strict=True)
                 )
         sheets = {name: with_variables(self.sheets[name], own) for name, own in changed.items()}
         return Candidate(gains, sheets)
@@ -204,8 +207,8 @@ class Design:
     def on_a_bound(self, point: Vector) -> list[str]:
         """Return which numbers ended on a bound of their range."""
         return [
-            each.name
-            for each, share in zip(self.parameters, point, strict=True)
+            parameter.name
+            for parameter, share in zip(self.parameters, point, strict=True)
             if min(share, 1.0 - share) < 1e-3
         ]
 
@@ -227,16 +230,16 @@ def blocks_of(subject: ControllerText | RuleBase, given: Tuning | None) -> dict[
     if given is not None:
         return dict(_divided(given, sheets))
     if says_what_moves(subject):
-        return {name: each.tuning for name, each in sheets.items() if each.tuning is not None}
-    return {name: everything(each) for name, each in sheets.items()}
+        return {name: sheet.tuning for name, sheet in sheets.items() if sheet.tuning is not None}
+    return {name: everything(sheet) for name, sheet in sheets.items()}
 
 
 def says_what_moves(subject: ControllerText | RuleBase) -> bool:
     """Whether a file says what may move: a ``tune`` block, or ``tune`` behind a gain."""
-    if any(each.tuning is not None for each in rulebases_of(subject).values()):
+    if any(rulebase.tuning is not None for rulebase in rulebases_of(subject).values()):
         return True
     gains = subject.model.gains if isinstance(subject, ControllerText) else ()
-    return any(each.tune is not None for each in gains)
+    return any(gain.tune is not None for gain in gains)
 
 
 def with_variables(rulebase: RuleBase, variables: Mapping[str, Variable]) -> RuleBase:
@@ -245,8 +248,10 @@ def with_variables(rulebase: RuleBase, variables: Mapping[str, Variable]) -> Rul
     def of(each: Variable) -> tuple[Term, ...]:
         return variables[each.name].terms if each.name in variables else each.terms
 
-    inputs: Iterable[Input] = (replace(each, terms=of(each)) for each in rulebase.inputs)
-    outputs: Iterable[Output] = (replace(each, terms=of(each)) for each in rulebase.outputs)
+    inputs: Iterable[Input] = (
+        replace(variable, terms=of(variable)) for variable in rulebase.inputs
+    )
+    outputs: Iterable[Output] = (replace(output, terms=of(output)) for output in rulebase.outputs)
     return replace(rulebase, inputs=tuple(inputs), outputs=tuple(outputs))
 
 
@@ -266,7 +271,7 @@ def everything(rulebase: RuleBase) -> Tuning:
     alike = groupby(peaks, lambda each: replace(each, variables=()))
     return Tuning(
         tuple(
-            replace(flags, variables=tuple(name for each in group for name in each.variables))
+            replace(flags, variables=tuple(name for tuning in group for name in tuning.variables))
             for flags, group in alike
         )
     )
@@ -280,7 +285,7 @@ def default_ranges(model: ControllerModel) -> dict[str, tuple[float, float]]:
     """Return ranges to begin with for the gains that have none and are above zero."""
     found = {}
     for gain in model.gains:
-        values = [each.value(math.pi) for each in gain.values]
+        values = [value.value(math.pi) for value in gain.values]
         if gain.tune is None and min(values) > 0.0:
             ends = min(values) / WIDE, max(values) * WIDE
             found[gain.name] = significant(ends[0], 2), significant(ends[1], 2)
@@ -299,8 +304,8 @@ def _divided(tuning: Tuning, sheets: Mapping[str, RuleBase]) -> Iterator[tuple[s
     yield "", Tuning((), tuning.gains)
     for sheet, own in names.items():
         peaks = tuple(
-            replace(each, variables=tuple(v for v in each.variables if v in own))
-            for each in tuning.peaks
+            replace(peak, variables=tuple(v for v in peak.variables if v in own))
+            for peak in tuning.peaks
         )
         kept = tuple((v, term) for v, term in tuning.kept if v in own)
         yield sheet, Tuning(peaks, (), kept)
@@ -336,28 +341,28 @@ def gain_ranges(
     TuneError
         If there is no such gain, or it is said twice.
     """
-    said: dict[str, GainTuning] = {}
+    tunings: dict[str, GainTuning] = {}
     for block in blocks:
         for each in block.gains:
             for name in each.names:
-                if name in said and said[name] != each:
+                if name in tunings and tunings[name] != each:
                     message = f"it is said twice, and not alike, how the gain '{name}' moves"
                     raise TuneError(message, name=name)
-                said[name] = each
-    known = {each.name: each for each in model.gains}
-    for name in said:
-        if name not in known:
-            hint = near_hint(name, known)[0] or f"there are {', '.join(known) or 'none'}"
+                tunings[name] = each
+    models = {gain_model.name: gain_model for gain_model in model.gains}
+    for name in tunings:
+        if name not in models:
+            hint = near_hint(name, models)[0] or f"there are {', '.join(models) or 'none'}"
             raise TuneError(f"{model.name} has no gain '{name}'", name=name, hint=hint)
     for gain in model.gains:
         if own and gain.tune is not None:
             ends = gain.tune.low, gain.tune.high
-            said.setdefault(gain.name, GainTuning((gain.name,), *ends, log=gain.tune.log))
-    return said
+            tunings.setdefault(gain.name, GainTuning((gain.name,), *ends, log=gain.tune.log))
+    return tunings
 
 
 def _said(gain: GainModel, tuning: GainTuning, model: ControllerModel) -> Iterator[Parameter]:
-    values = [each.value(math.pi) for each in gain.values]
+    values = [amount.value(math.pi) for amount in gain.values]
     if tuning.per_axis and len(values) == 1:
         values *= len(model.axis_names)
     for name, value in _named(gain.name, values):
@@ -405,12 +410,17 @@ def _peaks(sheet: str, rulebase: RuleBase, tuning: Tuning) -> Iterator[_Part]:
 def controller_at(text: ControllerText, candidate: Candidate) -> ControllerText:
     """Return a controller with the gains and rule bases of a candidate."""
     gains = tuple(
-        replace(each, values=tuple(Amount(((v, False),)) for v in candidate.gains[each.name]))
-        if each.name in candidate.gains
-        else each
-        for each in text.model.gains
+        replace(gain, values=tuple(Amount(((v, False),)) for v in candidate.gains[gain.name]))
+        if gain.name in candidate.gains
+        else gain
+        for gain in text.model.gains
     )
-    inside = tuple(candidate.rulebases.get(each.name, each) for each in text.model.rulebases)
+    inside = tuple(
+        candidate.rulebases.get(rulebase.name, rulebase) for rulebase in text.model.rulebases
+    )
     model = replace(text.model, gains=gains, rulebases=inside)
-    sheets = {**text.sheets, **{name: (each,) for name, each in candidate.rulebases.items()}}
+    sheets = {
+        **text.sheets,
+        **{name: (rulebase,) for name, rulebase in candidate.rulebases.items()},
+    }
     return replace(text, model=model, sheets=sheets)

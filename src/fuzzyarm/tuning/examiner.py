@@ -135,7 +135,7 @@ class Examiner:
             # With as many values for each gain as are tuned, so that new ones fit in.
             gains = Candidate(self.design.as_it_is().gains)
             base = controller_of(controller_at(problem.subject, gains))
-            self.stands = [_Stand(each, base, problem) for each in problem.scenarios]
+            self.stands = [_Stand(scenario, base, problem) for scenario in problem.scenarios]
 
     @property
     def compiled(self) -> bool:
@@ -169,10 +169,10 @@ class Examiner:
         if not candidate.rulebases:
             gains = {name: list(values) for name, values in candidate.gains.items()}
             return loop.program_with(gains)
-        made = controller_of(controller_at(subject, candidate))
+        controller = controller_of(controller_at(subject, candidate))
         from fuzzyarm.controller.on_plant import controller_on
 
-        return Program(controller_on(made, loop.site), loop.arithmetic)
+        return Program(controller_on(controller, loop.site), loop.arithmetic)
 
     def run(self, program: Program | None, at: int) -> Outcome:
         """Run one scenario of a candidate."""
@@ -214,12 +214,12 @@ class Examiner:
         """Make one score of the runs of a candidate, or of its errors on samples."""
         if not self.stands:
             return self._of_samples(candidate)
-        parts = tuple(each.cost for each in outcomes)
-        diverged = sum(each.diverged for each in outcomes)
-        error = float(np.mean([each.error for each in outcomes]))
-        chatter = float(np.mean([each.chatter for each in outcomes]))
+        parts = tuple(outcome.cost for outcome in outcomes)
+        diverged = sum(outcome.diverged for outcome in outcomes)
+        error = float(np.mean([outcome.error for outcome in outcomes]))
+        chatter = float(np.mean([outcome.chatter for outcome in outcomes]))
         if self.own is not None:
-            runs = [each.run for each in outcomes]
+            runs = [outcome.run for outcome in outcomes]
             with self.lock:
                 own = asked(self.own, runs)
             return Score(own + sum(parts), (), error, chatter, diverged)

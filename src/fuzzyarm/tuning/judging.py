@@ -129,14 +129,14 @@ def with_judgement(
     which : pair of Candidate
         The file as it is, and tuned.
     """
-    found, faults = made.found, list(made.faults)
+    search, faults = made.found, list(made.faults)
     rows = [Row(row.name, dict(row.scores)) for row in made.rows]
     linear, line = None, None
-    job = _in_time(job, plan, found)
+    job = _in_time(job, plan, search)
     try:
         for row, candidate in zip(rows, which, strict=True):
             _judge(row, job.judged, candidate, means, faults)
-        if job.linear and not found.interrupted and not found.fault:
+        if job.linear and not search.interrupted and not search.fault:
             with _told(faults, "the linear controller"):
                 linear, line, row = _linear(job.linear["train"], plan, means)
                 rows.append(row)
@@ -144,7 +144,7 @@ def with_judgement(
                 others = {name: job.linear[name] for name in job.judged}
                 _judge(rows[-1], others, line, means, faults)
     except KeyboardInterrupt:  # what was found is kept, judged or not
-        found.interrupted = True
+        search.interrupted = True
     if job.regression:
         assert isinstance(job.problem.cost, Cost)
         scores = {key: Score(job.problem.cost.of(each)) for key, each in job.regression.items()}

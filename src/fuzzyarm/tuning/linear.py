@@ -110,14 +110,14 @@ def straightened(
             else "the controller has no rules that a line could stand for"
         )
         raise TuneError(message, name=model.name, hint=hint)
-    made: ControllerModel = replace(
+    controller: ControllerModel = replace(
         model,
         axes=tuple(axes),
         gains=(*model.gains, *planes.gains.values()),
         name=f"linear {model.name}",
     )
     moving = (*planes.moving, *planes.others())
-    return replace(text, model=made, sheets=planes.sheets, path=""), Tuning((), moving)
+    return replace(text, model=controller, sheets=planes.sheets, path=""), Tuning((), moving)
 
 
 def _is_rules(line: Line) -> bool:
@@ -170,10 +170,12 @@ class _Planes:
             yield Signal((plane,), None, tuple(products), line.span)
             self.sheets[cut] = (cut_off(output),)
             factors = line.products
-            moved = {each for peaks in self._peaks(sheet) for each in peaks.variables}
+            moved = {variable for peaks in self._peaks(sheet) for variable in peaks.variables}
             if output.name in moved and not set(line.reads()) & set(self.ranges):
                 limit = Factor(self._limit(name))
-                factors = tuple(each._replace(factors=(*each.factors, limit)) for each in factors)
+                factors = tuple(
+                    factor._replace(factors=(*factor.factors, limit)) for factor in factors
+                )
             yield Signal((name,), Source("rules", cut, (plane,)), factors, line.span)
 
     def _peaks(self, sheet: str) -> tuple[PeakTuning, ...]:
@@ -224,24 +226,24 @@ class _Planes:
     # --- Gains of the file ---
 
     def _values(self, name: str) -> list[float]:
-        gain = next(each for each in self.model.gains if each.name == name)
-        return [each.value(math.pi) for each in gain.values]
+        gain = next(model for model in self.model.gains if model.name == name)
+        return [value.value(math.pi) for value in gain.values]
 
     def _is_positive(self, name: str) -> bool:
         return self.ranges[name].low > 0.0 and min(self._values(name)) > 0.0
 
     def _multiples(self, name: str) -> tuple[float, float]:
         """Return between which multiples of itself a gain moves."""
-        each, values = self.ranges[name], self._values(name)
-        if each.times:
-            return each.low, each.high
-        return each.low / max(values), each.high / min(values)
+        tuning, values = self.ranges[name], self._values(name)
+        if tuning.times:
+            return tuning.low, tuning.high
+        return tuning.low / max(values), tuning.high / min(values)
 
     def others(self) -> Iterator[GainTuning]:
         """Yield the ranges of the gains that do more than a slope does."""
-        for name, each in self.ranges.items():
+        for name, interval in self.ranges.items():
             if name not in self._spoken_for:
-                yield replace(each, names=(name,))
+                yield replace(interval, names=(name,))
 
 
 def _scaling_gains(model: ControllerModel) -> dict[str, set[str]]:
@@ -266,8 +268,8 @@ def _only_rules_read(signal: Signal, part: Axes) -> bool:
 
 
 def _multipliers(product: Product) -> set[str]:
-    names = [each.value for each in product.factors if isinstance(each.value, str)]
-    divide = {each.value for each in product.factors if each.divides}
+    names = [factor.value for factor in product.factors if isinstance(factor.value, str)]
+    divide = {factor.value for factor in product.factors if factor.divides}
     return {name for name in names if names.count(name) == 1 and name not in divide}
 
 
@@ -297,12 +299,12 @@ GRID = 9
 
 def nearest_plane(rulebase: RuleBase, output: str) -> tuple[list[float], float]:
     """Return the slopes and the constant of the plane nearest to an output, by least squares."""
-    ranges = [(each.low, each.high) for each in rulebase.inputs]
+    ranges = [(variable.low, variable.high) for variable in rulebase.inputs]
     if not all(math.isfinite(end) for ends in ranges for end in ends):
         raise TuneError(f"'{rulebase.name}' has an input without end", name=rulebase.name)
     lines = [np.linspace(low, high, GRID) for low, high in ranges]
     mesh = np.stack([each.ravel() for each in np.meshgrid(*lines, indexing="ij")], axis=1)
-    names = [each.name for each in rulebase.inputs]
+    names = [variable.name for variable in rulebase.inputs]
     try:
         found = infer(rulebase, dict(zip(names, mesh.T, strict=True)), outputs=(output,))[output]
     except InferenceError as error:

@@ -143,20 +143,20 @@ class Stretch:
     def shares(self, gap: float) -> list[float]:
         """Return the shares of the knots as they are in the file."""
         ends = [*(knot.at for knot in self.knots[1:]), self.end]
-        found = []
+        values = []
         for at, (knot, outside) in enumerate(zip(self.knots, ends, strict=True)):
             low, high = self._way(at, outside, gap)
-            found.append(abs(knot.at - low) / abs(high - low) if high != low else 0.5)
-        return [min(max(share, NARROWEST), 1.0 - NARROWEST) for share in found]
+            values.append(abs(knot.at - low) / abs(high - low) if high != low else 0.5)
+        return [min(max(share, NARROWEST), 1.0 - NARROWEST) for share in values]
 
     def positions(self, shares: Sequence[float], gap: float) -> list[float]:
         """Return where the knots are at some shares."""
-        outside, found = self.end, []
+        outside, values = self.end, []
         for at in reversed(range(len(self.knots))):
             low, high = self._way(at, outside, gap)
             outside = low + (high - low) * shares[at]
-            found.append(outside)
-        return found[::-1]
+            values.append(outside)
+        return values[::-1]
 
     def _way(self, at: int, outside: float, gap: float) -> tuple[float, float]:
         """Return between what a knot slides; each of those inside it has its gap, too."""
@@ -271,12 +271,12 @@ class Movement:
     def nails(self) -> frozenset[float]:
         """Positions that stay: the ends of the range, what is kept, and images of these."""
         low, high = self.variable.low, self.variable.high
-        found = {low, high}
-        found |= {edge for name in self.kept for edge in self.cores[name]}
+        values = {low, high}
+        values |= {edge for name in self.kept for edge in self.cores[name]}
         if self.peaks.mirrored:
             # What a term keeps, its image keeps.
-            found |= {0.5 * self.turn, *(self.turn - nail for nail in found)}
-        return frozenset(found)
+            values |= {0.5 * self.turn, *(self.turn - nail for nail in values)}
+        return frozenset(values)
 
     @cached_property
     def stretches(self) -> list[Stretch]:

@@ -90,11 +90,11 @@ def nelder_mead(ask: Ask, start: Vector, seed: int) -> NoReturn:
 
 def simplex(corner: Vector, steps: Vector) -> Vector:
     """Return a corner and, along each axis, one beside it: inwards where there is no room."""
-    found = np.tile(corner, (len(corner) + 1, 1))
+    values = np.tile(corner, (len(corner) + 1, 1))
     for at, step in enumerate(steps):
         beside = corner[at] + step
-        found[at + 1, at] = beside if 0.0 <= beside <= 1.0 else corner[at] - step
-    return found
+        values[at + 1, at] = beside if 0.0 <= beside <= 1.0 else corner[at] - step
+    return values
 
 
 FIRST_DEVIATION = 0.1

@@ -30,13 +30,13 @@ class Promises:
 
     def __init__(self, rulebases: Mapping[str, RuleBase]) -> None:
         self.proved: dict[str, list[bool]] = {}
-        for name, each in rulebases.items():
-            broken = self._expected(each)
+        for name, rulebase in rulebases.items():
+            broken = self._expected(rulebase)
             if broken:
                 hint = "fuzzyarm check shows it; tuning keeps what holds"
                 raise TuneError(f"'{name}' breaks a promise of its own: {broken}", hint=hint)
-            if each.properties:
-                self.proved[name] = self._proved(name, each)
+            if rulebase.properties:
+                self.proved[name] = self._proved(name, rulebase)
 
     def __bool__(self) -> bool:
         return True
@@ -53,8 +53,8 @@ class Promises:
 
     def expected(self, candidate: Candidate) -> str:
         """Return which ``expect`` line a candidate breaks; empty where it keeps all of them."""
-        for each in candidate.rulebases.values():
-            broken = self._expected(each)
+        for rulebase in candidate.rulebases.values():
+            broken = self._expected(rulebase)
             if broken:
                 return broken
         return ""
@@ -64,10 +64,10 @@ class Promises:
         if not rulebase.expectations:
             return ""
         try:
-            found = check_expectations(rulebase)
+            diagnostics = check_expectations(rulebase)
         except FuzzyarmError as error:  # no rule fires there
             return error.message
-        return found[0].message if found else ""
+        return diagnostics[0].message if diagnostics else ""
 
     def proof(self, candidate: Candidate) -> str:
         """Return which ``prove`` line a candidate breaks; one that held must be proved again."""

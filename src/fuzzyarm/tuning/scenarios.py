@@ -99,7 +99,7 @@ class Stage:
     @property
     def along(self) -> bool:
         """Whether scenarios follow trajectories of the plant, and not references."""
-        ways = [each.way for each in self.first]
+        ways = [scenario.way for scenario in self.first]
         return bool(ways) and all(isinstance(way, Way) and way.trajectory for way in ways)
 
     def noisy(self) -> Stage:
@@ -108,10 +108,10 @@ class Stage:
         interface = interface_of(self.plant)
         for port, output in interface.outputs.items():
             label, width = interface.label(port), output.high - output.low
-            known = sensors.get(label, sensors.get(port[1], Sensor()))
-            if known.noise == 0.0 and math.isfinite(width):
+            sensor = sensors.get(label, sensors.get(port[1], Sensor()))
+            if sensor.noise == 0.0 and math.isfinite(width):
                 sensors.pop(port[1], None)
-                sensors[label] = replace(known, noise=NOISE * width)
+                sensors[label] = replace(sensor, noise=NOISE * width)
         return replace(self, options=replace(self.options, sensors=sensors))
 
     @property
@@ -154,17 +154,17 @@ def _drawn(stage: Stage, count: int, controller: Controller, stream: int) -> tup
         return ()
     seed = stage.options.seed
     varied = drawn(stage.vary, count, seed + 1_000_003 * stream)
-    found = []
+    scenarios = []
     for at in range(count):
         generator = np.random.default_rng([seed, stream, at])
         changes = {name: float(values[at]) for name, values in varied.items()}
         # Each run has a seed of its own for its noise; those of the streams never meet.
         changes.setdefault("seed", float(seed + 100_000 * (stream + 1) + at))
         if stage.along:
-            found.append(_move(stage.plant, generator, changes, at))
+            scenarios.append(_move(stage.plant, generator, changes, at))
         else:
-            found.append(_scaled(stage, generator, changes, controller, at))
-    return tuple(found)
+            scenarios.append(_scaled(stage, generator, changes, controller, at))
+    return tuple(scenarios)
 
 
 def _move(
@@ -193,7 +193,7 @@ def _scaled(
         name: scaled(signal, scale, resting.get(interface.port(name), 0.0))
         for name, signal in (stage.references or {}).items()
     }
-    made = plant_motion(
+    motion = plant_motion(
         controller,
         stage.plant,
         references or None,
@@ -201,8 +201,8 @@ def _scaled(
         stage.connect,
         Signal("step", (scale,)),
     )
-    told = ", ".join(f"{name} {value:.4g}" for name, value in changes.items() if name != "seed")
-    return Scenario(f"{at + 1}: {made.name}{', ' if told else ''}{told}", made, changes)
+    text = ", ".join(f"{name} {value:.4g}" for name, value in changes.items() if name != "seed")
+    return Scenario(f"{at + 1}: {motion.name}{', ' if text else ''}{text}", motion, changes)
 
 
 def scaled(signal: Signal, scale: float, resting: float = 0.0) -> Signal:

@@ -152,27 +152,27 @@ class Search:
         ends it, what it has found stays. Only where nothing but the file was examined there is
         nothing to keep.
         """
-        start, found = self.panel.design.start, self.found
+        start, search = self.panel.design.start, self.found
         try:
             self.ask([start])
-            if found.trials[0].score.fault:
+            if search.trials[0].score.fault:
                 self.panel.examiner.score(start)  # raises what it is
-                raise TuneError(found.trials[0].score.fault)
+                raise TuneError(search.trials[0].score.fault)
             OPTIMISERS[method].run(self.ask, start, seed)
         except Over:
             pass
         except (KeyboardInterrupt, CancelledError):
-            if not found.trials:
+            if not search.trials:
                 raise
-            found.interrupted = True
+            search.interrupted = True
         except JournalError:
             raise
         except Exception as error:
-            if len(found.trials) < 2:
+            if len(search.trials) < 2:
                 raise
-            found.fault = sentence_of(error)
-        found.seconds = self.seconds
-        return found
+            search.fault = sentence_of(error)
+        search.seconds = self.seconds
+        return search
 
     @property
     def seconds(self) -> float:
@@ -213,8 +213,8 @@ class Search:
             if not np.array_equal(trial.point, point):
                 raise JournalError("the journal is of another search", hint="remove it")
         fresh = list(points[len(known) :])
-        found = [trial.score for trial in known] + self._examined(fresh)
-        trials = [Trial(point, score) for point, score in zip(points, found, strict=True)]
+        scores = [trial.score for trial in known] + self._examined(fresh)
+        trials = [Trial(point, score) for point, score in zip(points, scores, strict=True)]
         for at, trial in enumerate(trials):
             self._take(trial, known=at < len(known))
         if self.journal is not None and fresh:
@@ -239,21 +239,21 @@ class Search:
 
         Of a known one the journal says what came of that.
         """
-        found = self.found
+        search = self.found
         if trial.score.fault:
-            found.failed += 1
+            search.failed += 1
         elif trial.score.cost >= REFUSED:
-            found.refused += 1
-        elif trial.score.cost < found.best.score.cost:
+            search.refused += 1
+        elif trial.score.cost < search.best.score.cost:
             unproved = ""
             if self.promises and not known:
                 unproved = self.promises.proof(self.panel.design.at(trial.point))
             if unproved:
-                found.refused += 1
+                search.refused += 1
                 trial = trial._replace(score=Score(REFUSED))
             else:
-                found.best = trial
-        found.trials.append(trial)
+                search.best = trial
+        search.trials.append(trial)
 
 
 # --- The journal ---

@@ -85,21 +85,21 @@ def changes_of(
     subject: ControllerText | RuleBase, sheets: Mapping[str, RuleBase], candidate: Candidate
 ) -> list[Change]:
     """Return what differs between a file and a candidate, in the order of the text."""
-    found = []
+    changes = []
     if isinstance(subject, ControllerText):
         for gain in subject.model.gains:
-            old = [each.value(math.pi) for each in gain.values]
+            old = [amount.value(math.pi) for amount in gain.values]
             new = list(candidate.gains.get(gain.name, old))
             if new != old:
                 # What is written as 1080/pi has no shorter digits.
                 shown = ", ".join(f"{value:.6g}" for value in old)
-                found.append(Change(gain.name, shown, _numbers(new)))
+                changes.append(Change(gain.name, shown, _numbers(new)))
     for name, rulebase in candidate.rulebases.items():
         for variable, term, old_shape in _moved(sheets[name], rulebase):
             own = f"{name}." if isinstance(subject, ControllerText) else ""
             label = f"{own}{variable} {term.name}"
-            found.append(Change(label, str(_shape_node(old_shape)), str(_shape_node(term.shape))))
-    return found
+            changes.append(Change(label, str(_shape_node(old_shape)), str(_shape_node(term.shape))))
+    return changes
 
 
 def _numbers(values: Sequence[float]) -> str:
@@ -187,14 +187,14 @@ def rewritten(
         new = candidate.rulebases.get(subject.name, subject)
         return [Rewritten("", path, old, _edited(old, None, {}, (subject, new), notes))]
     model = subject.model
-    inside = {each.name: each for each in model.rulebases}
+    inside = {rulebase.name: rulebase for rulebase in model.rulebases}
     own = next(iter(inside.values()), None)
     moved = None
     if own is not None and own.name in candidate.rulebases:
         moved = own, candidate.rulebases[own.name]
-    found = []
+    files = []
     if old:
-        found.append(Rewritten("", path, old, _edited(old, model, candidate.gains, moved, notes)))
+        files.append(Rewritten("", path, old, _edited(old, model, candidate.gains, moved, notes)))
     for use in model.uses:
         changed = candidate.rulebases.get(use.name)
         before = subject.sheets[use.name][0] if use.name in subject.sheets else None
@@ -202,8 +202,8 @@ def rewritten(
             continue
         place, sheet_text = originals.used[use.name]
         own_text = _edited(sheet_text, None, {}, (before, changed), notes)
-        found.append(Rewritten(use.name, place, sheet_text, own_text))
-    return found
+        files.append(Rewritten(use.name, place, sheet_text, own_text))
+    return files
 
 
 def _place(file: str, path: str) -> str:
@@ -252,7 +252,7 @@ def _is_canonical(text: str) -> bool:
 def _gain_edits(
     document: Document, model: ControllerModel, gains: Mapping[str, Sequence[float]]
 ) -> Iterator[Edit]:
-    known = {each.name: [v.value(math.pi) for v in each.values] for each in model.gains}
+    known = {gain.name: [v.value(math.pi) for v in gain.values] for gain in model.gains}
     for statement in document.statements:
         node = statement.node
         if not isinstance(node, GainModel) or node.name not in gains:

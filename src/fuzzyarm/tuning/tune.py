@@ -234,8 +234,8 @@ def read_tuning(lines: Sequence[str]) -> Tuning:
         words = item.words
         if item.key == "peaks":
             flags = ("mirrored" in words, "keep order" in words, "partition" in words)
-            made = PeakTuning(names, *flags)
-            peaks.append(made if item.gap is None else replace(made, gap=item.gap / 100.0))
+            tuning = PeakTuning(names, *flags)
+            peaks.append(tuning if item.gap is None else replace(tuning, gap=item.gap / 100.0))
         elif item.key == "gain":
             assert item.low is not None
             assert item.high is not None
@@ -359,7 +359,7 @@ def _in_loop(
         else:
             sets = {"train": problem, **judged}
             linear = {key: replace(p, subject=other, tuning=moving) for key, p in sets.items()}
-    unseen_names = tuple(each.name for each in judged["unseen"].scenarios) if judged else ()
+    unseen_names = tuple(scenario.name for scenario in judged["unseen"].scenarios) if judged else ()
     names = {"train": tuple(each.name for each in train), "unseen": unseen_names}
     return Job(problem, judged, linear, _cost_name(said), names, {}, alone)
 
@@ -383,9 +383,9 @@ def _on_samples(
     test: Samples | None,
     seed: int,
 ) -> Job:
-    said = cost if cost is not None else DEFAULT_DATA_COST
-    asked = read_cost(said, tuple(ERRORS)) if isinstance(said, str) else said
-    name = _cost_name(said)
+    text = cost if cost is not None else DEFAULT_DATA_COST
+    asked = read_cost(text, tuple(ERRORS)) if isinstance(text, str) else text
+    name = _cost_name(text)
     if data is None:
         nothing: dict[str, tuple[str, ...]] = {"train": (), "unseen": ()}
         return Job(Problem(rulebase, tuning, asked), {}, {}, name, nothing, {})
@@ -405,11 +405,11 @@ def _on_samples(
     sets = {"train": data, "unseen": test, "noisy": noisy}
     judged = {key: replace(problem, samples=sets[key]) for key in ("unseen", "noisy")}
     regression = {
-        key: errors_between(linear_outputs(data, each)[:, 0], each.values)
-        for key, each in sets.items()
+        key: errors_between(linear_outputs(data, samples)[:, 0], samples.values)
+        for key, samples in sets.items()
     }
     shown: dict[str, tuple[str, ...]] = {
-        key: (f"{len(each)} samples",) for key, each in sets.items()
+        key: (f"{len(samples)} samples",) for key, samples in sets.items()
     }
     return Job(problem, judged, {}, name, shown, regression)
 
@@ -418,9 +418,9 @@ def _fitting(samples: Samples, rulebase: RuleBase) -> Samples:
     """Return samples in the words of a rule base."""
     if samples.classes:
         raise TuneError("a target of words is learned by fuzzyarm fit, not tuned")
-    inputs = [each.name for each in rulebase.inputs]
+    inputs = [variable.name for variable in rulebase.inputs]
     missing = [name for name in inputs if name not in samples.names]
-    outputs = [each.name for each in rulebase.outputs]
+    outputs = [output.name for output in rulebase.outputs]
     if missing:
         hint = f"there are {', '.join(samples.names)}"
         raise TuneError(f"the samples have no column '{missing[0]}'", name=missing[0], hint=hint)
@@ -457,7 +457,7 @@ def _done(job: Job, plan: Plan, means: Means, originals: Originals) -> Tuned:
         Row("as in the file", {"train": found.trials[0].score}),
         Row("tuned", {"train": score}),
     ]
-    made = Tuned(
+    tuning = Tuned(
         job.problem.subject,
         candidate,
         design.parameters,
@@ -476,9 +476,9 @@ def _done(job: Job, plan: Plan, means: Means, originals: Originals) -> Tuned:
         (),
         (found.fault,) if found.fault else (),
     )
-    made = _written(made, originals)
-    means.take(made)
-    after = with_judgement(job, plan, means, made, (design.as_it_is(), candidate))
+    tuning = _written(tuning, originals)
+    means.take(tuning)
+    after = with_judgement(job, plan, means, tuning, (design.as_it_is(), candidate))
     return _written(after, originals)
 
 

@@ -194,7 +194,7 @@ class Tuned:
 
     def diff(self) -> str:
         """Return the lines of all files that differ."""
-        return "\n".join(each.diff() for each in self.files if each.changed)
+        return "\n".join(file.diff() for file in self.files if file.changed)
 
     def claim(self) -> str:
         """Return what can be said of it: no more than the unseen scenarios show."""
@@ -310,7 +310,7 @@ def comparisons_of(tuned: Tuned) -> list[Comparison]:
 def _claim(tuned: Tuned) -> str:
     # Beside itself a file is as good as itself.
     others = [x for x in tuned.comparisons if tuned.changes or x.other != "as in the file"]
-    said = [each.words(tuned.over) for each in others]
+    said = [comparison.words(tuned.over) for comparison in others]
     if not tuned.changes:
         found = math.isfinite(tuned.found.best.score.cost)
         none = "nothing better was found" if found else "no candidate has a cost that is a number"
@@ -325,17 +325,21 @@ def _claim(tuned: Tuned) -> str:
 
 
 def _remarks(tuned: Tuned) -> Iterator[str]:
-    found, plan = tuned.found, tuned.plan
+    search, plan = tuned.found, tuned.plan
     if tuned.on_a_bound:
         yield f"on a bound of its range: {', '.join(tuned.on_a_bound)}"
-    outside = [each.name for each in tuned.parameters if not each.low <= each.start <= each.high]
+    outside = [
+        parameter.name
+        for parameter in tuned.parameters
+        if not parameter.low <= parameter.start <= parameter.high
+    ]
     if outside:
         yield f"outside its range in the file: {', '.join(outside)}"
-    if found.refused:
-        yield f"{_trials(found.refused)} broke an expect or prove line"
-    if found.failed:
-        yield f"{_trials(found.failed)} failed, the first so: {found.failure}"
-    if tuned.linear is not None and len(tuned.linear.trials) != len(found.trials):
+    if search.refused:
+        yield f"{_trials(search.refused)} broke an expect or prove line"
+    if search.failed:
+        yield f"{_trials(search.failed)} failed, the first so: {search.failure}"
+    if tuned.linear is not None and len(tuned.linear.trials) != len(search.trials):
         yield f"the linear opponent had {_trials(len(tuned.linear.trials))} in the same time"
     if tuned.alone:
         yield f"no linear opponent: {tuned.alone}"
@@ -376,17 +380,17 @@ def notes_of(tuned: Tuned) -> list[str]:
 
 
 def _as_data(tuned: Tuned) -> dict[str, Any]:
-    found = tuned.found
+    search = tuned.found
     return {
         "cost": tuned.cost,
         "over": tuned.over,
         "method": tuned.plan.method,
         "seed": tuned.plan.seed,
-        "trials": len(found.trials),
+        "trials": len(search.trials),
         "linear_trials": None if tuned.linear is None else len(tuned.linear.trials),
-        "refused": found.refused,
-        "seconds": round(found.seconds, 3),
-        "interrupted": found.interrupted,
+        "refused": search.refused,
+        "seconds": round(search.seconds, 3),
+        "interrupted": search.interrupted,
         "digits": tuned.digits,
         "scenarios": list(tuned.scenarios),
         "unseen": list(tuned.unseen),
@@ -397,24 +401,31 @@ def _as_data(tuned: Tuned) -> dict[str, Any]:
         "claim": tuned.claim(),
         "comparisons": [
             {
-                "with": each.other,
-                "better_on": each.better,
-                "of": each.of,
-                "dearer_by": _finite(each.share),
+                "with": comparison.other,
+                "better_on": comparison.better,
+                "of": comparison.of,
+                "dearer_by": _finite(comparison.share),
             }
-            for each in tuned.comparisons
+            for comparison in tuned.comparisons
         ],
         "remarks": list(tuned.remarks()),
         "faults": list(tuned.faults),
         "line": None if tuned.line is None else dict(tuned.line.gains),
-        "failed": found.failed,
+        "failed": search.failed,
         "parameters": [
-            {"name": each.name, "low": each.low, "high": each.high, "start": each.start}
-            for each in tuned.parameters
+            {
+                "name": parameter.name,
+                "low": parameter.low,
+                "high": parameter.high,
+                "start": parameter.start,
+            }
+            for parameter in tuned.parameters
         ],
         "on_a_bound": list(tuned.on_a_bound),
-        "changes": [dict(zip(("what", "old", "new"), each, strict=True)) for each in tuned.changes],
-        "curve": [_finite(value) for value in found.curve],
+        "changes": [
+            dict(zip(("what", "old", "new"), change, strict=True)) for change in tuned.changes
+        ],
+        "curve": [_finite(value) for value in search.curve],
         "front": [{"rms": error, "chatter": chatter} for error, chatter in tuned.front],
     }
 
@@ -443,19 +454,19 @@ def _write(tuned: Tuned, out: Path) -> list[Path]:
     first, *others = tuned.files
     origin = Path(first.path) if first.path else None
     over = origin is not None and out.exists() and out.resolve() == origin.resolve()
-    written, names = [], {}
-    for each in others:
-        beside = each.path and Path(each.path).resolve().parent == out.resolve().parent
-        name = Path(each.path).name if over and beside else f"{out.stem}-{each.name}.frb"
-        names[each.name] = name
-        write_atomically(out.parent / name, each.new)
-        written.append(out.parent / name)
+    paths, names = [], {}
+    for file in others:
+        beside = file.path and Path(file.path).resolve().parent == out.resolve().parent
+        name = Path(file.path).name if over and beside else f"{out.stem}-{file.name}.frb"
+        names[file.name] = name
+        write_atomically(out.parent / name, file.new)
+        paths.append(out.parent / name)
     text = first.new
     if isinstance(tuned.subject, ControllerText):
         kept = {} if over else _files_elsewhere(tuned.subject, origin, out)
         text = with_files(text, {**kept, **names})
     write_atomically(out, text)
-    return [out, *written]
+    return [out, *paths]
 
 
 def _files_elsewhere(text: ControllerText, origin: Path | None, out: Path) -> dict[str, str]:

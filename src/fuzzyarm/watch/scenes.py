@@ -153,8 +153,8 @@ class Scene(ABC):
             )
             for point in self._failing()
         )
-        shown = SurfaceMap(values, scale, down, across, mark, fails)
-        return Group(title, shown, ScaleBar(scale, len(values[0]) + 9))
+        surface_map = SurfaceMap(values, scale, down, across, mark, fails)
+        return Group(title, surface_map, ScaleBar(scale, len(values[0]) + 9))
 
     def _failing(self) -> list[Mapping[str, float]]:
         """Return points on what is drawn at which a property fails."""
@@ -228,7 +228,7 @@ class RulebaseScene(Scene):
             part = part_for(self.rulebase, [self.output])
         except FuzzyarmError:  # drawing it will say why
             return
-        needed = [each.name for each in part.inputs]
+        needed = [variable.name for variable in part.inputs]
         if not needed:
             return
         if self.across not in needed:
@@ -240,9 +240,9 @@ class RulebaseScene(Scene):
         free = {self.across, self.down}
         return [
             point
-            for each in self.verdicts
-            if each.output == self.output
-            for point in each.points
+            for verdict in self.verdicts
+            if verdict.output == self.output
+            for point in verdict.points
             if all(x == self.point[name] for name, x in point.items() if name not in free)
         ]
 

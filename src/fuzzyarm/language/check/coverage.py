@@ -277,7 +277,7 @@ def _alternatives(expression: Expression, block: RuleBlock) -> list[tuple[Is, ..
 def _holding(probes: list[Cell], wanted: set[Literal], by_degree: bool) -> list[Cell]:
     """Return the cells with those of the `wanted` literals that hold, hedges included."""
     hedged = [literal for literal in wanted if literal[1]]
-    found = []
+    cells = []
     for x, terms in probes:
         degrees = {
             literal: degree for literal, degree in terms.items() if by_degree or literal in wanted
@@ -286,5 +286,5 @@ def _holding(probes: list[Cell], wanted: set[Literal], by_degree: bool) -> list[
             degree = apply_hedges(hedges, terms.get((term, ()), 0.0))
             if degree >= FAINT:
                 degrees[term, hedges] = degree
-        found.append(Cell(x, degrees))
-    return found
+        cells.append(Cell(x, degrees))
+    return cells

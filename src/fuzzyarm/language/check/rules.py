@@ -42,17 +42,17 @@ def conflicting_rules(subject: Subject) -> Iterator[Diagnostic]:
 
 
 def _conflict(rule: Rule, consequent: Consequent, other: Rule, earlier: Consequent) -> Diagnostic:
-    said, before = (f"{each.variable} is {each.term}" for each in (consequent, earlier))
+    text, before = (f"{each.variable} is {each.term}" for each in (consequent, earlier))
     same = (consequent.term, consequent.hedges) == (earlier.term, earlier.hedges)
     span, line = rule.span, other.span.line
     related = Related(f"the other rule, on line {line}", other.span)
     if rule is other:
-        message = f"says {said} twice" if same else f"says both {before} and {said}"
+        message = f"says {text} twice" if same else f"says both {before} and {text}"
         span, related = consequent.span, Related("said first here", earlier.span)
     elif same:
         message = f"already stands on line {line}"
     else:
-        message = f"says {said}, but line {line} says {earlier.term}"
+        message = f"says {text}, but line {line} says {earlier.term}"
     name = "duplicate-rule" if same else "contradictory-rules"
     return Diagnostic(name, f"the rule {_words(rule)} {message}", span, related=(related,))
 
@@ -123,9 +123,9 @@ def _pairs_that_fold(output: Output, subject: Subject) -> Iterator[tuple[Rule, R
     by_conclusion: dict[tuple[str, Hashable], list[Rule]] = {}
     rules = [rule for _, rule in subject.rules_for(output) if rule.weight > 0.0]
     for rule in rules:
-        for each in rule.consequents:
-            if each.variable == output.name:
-                by_conclusion.setdefault((each.term, each.hedges), []).append(rule)
+        for consequent in rule.consequents:
+            if consequent.variable == output.name:
+                by_conclusion.setdefault((consequent.term, consequent.hedges), []).append(rule)
     if len(by_conclusion) < 2 and output.defuzzifier.record.of == "average":
         return  # the average of one value is that value
     pairs = (
@@ -251,7 +251,7 @@ def _breaks(pairs: list[_Pair], opposites: Mapping[str, tuple[str, ...]]) -> Ite
 
 def _families(subject: Subject) -> Iterator[_Family]:
     """Yield the grids over two inputs, those with different conditions on the same variables."""
-    found: dict[tuple[object, ...], _Family] = {}
+    families: dict[tuple[object, ...], _Family] = {}
     for grid in subject.grids:
         cells = _cells_by_rank(grid, subject)
         condition = _ranks_of_condition(grid, subject)
@@ -264,11 +264,11 @@ def _families(subject: Subject) -> Iterator[_Family]:
         else:
             key = (grid.output, *variables, frozenset(name for name, _ in condition))
         names = frozenset(name for name, _ in condition)
-        family = found.setdefault(key, _Family(grid.output, {}, names))
+        family = families.setdefault(key, _Family(grid.output, {}, names))
         for (row, column), cell in cells.items():
             position = ((grid.row, row), (grid.column, column), *condition)
             family.cells.setdefault(position, cell)
-    yield from found.values()
+    yield from families.values()
 
 
 def _ranks_of_condition(grid: GridNode, subject: Subject) -> _Position | None:
@@ -312,7 +312,7 @@ def _pairs(family: _Family, subject: Subject, fixed: frozenset[str]) -> list[_Pa
         other = family.cells.get(mirror)
         if other is None or mirror < position:
             continue
-        if not all(each.term and each.term == common for each in (cell, other)):
+        if not all(node.term and node.term == common for node in (cell, other)):
             pairs.append((cell, other))
     return pairs
 

@@ -161,7 +161,7 @@ def smallest(cells: Sequence[Cell]) -> list[Cell]:
     for literals in sorted(first, key=len):
         if not literals:
             return [first[literals]]
-        if any(known <= literals for each in literals for known in by_literal.get(each, ())):
+        if any(known <= literals for literal in literals for known in by_literal.get(literal, ())):
             continue
         by_literal.setdefault(next(iter(literals)), []).append(literals)
         found.append(first[literals])

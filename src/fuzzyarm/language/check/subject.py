@@ -64,7 +64,7 @@ class Subject:
         found: dict[str, list[tuple[RuleBlock, Rule]]] = {}
         for block in self.rulebase.blocks:
             for rule in block.rules:
-                for name in dict.fromkeys(each.variable for each in rule.consequents):
+                for name in dict.fromkeys(consequent.variable for consequent in rule.consequents):
                     found.setdefault(name, []).append((block, rule))
         return found
 
@@ -96,10 +96,10 @@ class Subject:
         """Return the middle of each term of a variable in increasing order; None for values."""
         if name not in self._middles:
             variable = self.rulebase.variable(name)
-            found = {t.name: centre(t.shape, variable.low, variable.high) for t in variable.terms}
-            known = [(middle, term) for term, middle in found.items() if middle is not None]
+            values = {t.name: centre(t.shape, variable.low, variable.high) for t in variable.terms}
+            known = [(middle, term) for term, middle in values.items() if middle is not None]
             known.sort(key=lambda each: each[0])
-            complete = len(known) == len(found)
+            complete = len(known) == len(values)
             self._middles[name] = {term: x for x, term in known} if complete else None
         return self._middles[name]
 
@@ -135,5 +135,5 @@ def plain_propositions(rule: Rule) -> tuple[Is, ...]:
     """Return the propositions of a rule that is a conjunction without hedges; else none."""
     antecedent = rule.antecedent
     parts = antecedent.operands if isinstance(antecedent, And) else (antecedent,)
-    found = tuple(part for part in parts if isinstance(part, Is) and not part.hedges)
-    return found if len(found) == len(parts) else ()
+    propositions = tuple(part for part in parts if isinstance(part, Is) and not part.hedges)
+    return propositions if len(propositions) == len(parts) else ()

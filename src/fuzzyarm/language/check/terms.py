@@ -308,7 +308,9 @@ def crossed_terms(subject: Subject) -> Iterator[Diagnostic]:
             continue
         name, *neighbours = found
         places = cores(variable) or {}
-        beside = " and ".join(f"'{each}' ({places[each].middle:g})" for each in neighbours if each)
+        beside = " and ".join(
+            f"'{neighbour}' ({places[neighbour].middle:g})" for neighbour in neighbours if neighbour
+        )
         between = "between" if all(neighbours) else "beside"
         yield Diagnostic(
             "crossed-terms",
@@ -325,9 +327,9 @@ def uneven_terms(subject: Subject) -> Iterator[Diagnostic]:
     for variable in (*subject.rulebase.inputs, *subject.rulebase.outputs):
         if crossing(variable) is not None:  # one slip, one finding
             continue
-        asked = [peaks for peaks in tuning.peaks if variable.name in peaks.variables]
-        yield from _broken_partition(variable, asked=any(peaks.partition for peaks in asked))
-        yield from _uneven_mirror(variable, asked=any(peaks.mirrored for peaks in asked))
+        tunings = [peaks for peaks in tuning.peaks if variable.name in peaks.variables]
+        yield from _broken_partition(variable, asked=any(peaks.partition for peaks in tunings))
+        yield from _uneven_mirror(variable, asked=any(peaks.mirrored for peaks in tunings))
 
 
 def _broken_partition(variable: Variable, *, asked: bool) -> Iterator[Diagnostic]:

@@ -75,7 +75,7 @@ def add_variable(
     if role not in ("input", "output"):
         raise ReshapeError(f"a variable is an input or an output, not '{role}'")
     name = name_text(variable)
-    said = f"{role:<6} {name}  {number_text(ends[0])} .. {number_text(ends[1])}"
+    text = f"{role:<6} {name}  {number_text(ends[0])} .. {number_text(ends[1])}"
     family = [f"terms {name}: triangles {' '.join(map(name_text, terms))}"] if terms else []
     line, gap = _line_of_new(reading, role)
     last = max(line, last_line(reading, VariableNode))
@@ -85,12 +85,12 @@ def add_variable(
     else:
         behind, space = last, [""]
     if not family:
-        edits = [lines_behind(reading, line, [*gap, said])]
+        edits = [lines_behind(reading, line, [*gap, text])]
     elif behind == line:
-        edits = [lines_behind(reading, line, [*gap, said, *space, *family])]
+        edits = [lines_behind(reading, line, [*gap, text, *space, *family])]
     else:
         edits = [
-            lines_behind(reading, line, [*gap, said]),
+            lines_behind(reading, line, [*gap, text]),
             lines_behind(reading, behind, [*space, *family]),
         ]
     return demand_sound(reading, edits)
@@ -138,8 +138,8 @@ def remove_variable(reading: Reading, variable: str) -> list[Edit]:
 def _names(node: StatementNode, variable: str) -> bool:
     """Whether a statement declares a variable, or names it or a term of it."""
     return any(
-        (each.kind is Kind.VARIABLE and each.name == variable) or variable in each.owners
-        for each in mentions(node)
+        (mention.kind is Kind.VARIABLE and mention.name == variable) or variable in mention.owners
+        for mention in mentions(node)
     )
 
 
@@ -161,8 +161,8 @@ def _without(node: StatementNode, variable: str) -> tuple[list[tuple[int, int]],
             hint="change that first",
         )
     if isinstance(node, LookupNode):
-        found = [each for each in node.items if each.variable == variable]
-        lines = [(each.span.line, each.span.line) for each in found]
+        items = [item for item in node.items if item.variable == variable]
+        lines = [(lookup_item.span.line, lookup_item.span.line) for lookup_item in items]
         return lines if len(lines) < len(node.items) else [], []
     if isinstance(node, TuneNode):
         return _without_tuning(node, variable)
@@ -175,8 +175,8 @@ def _concludes(grid: GridNode, variable: str) -> bool:
 
 def _other_consequents(node: RuleNode, variable: str) -> list[Edit]:
     """Return the edit that keeps what a rule concludes of others, where nothing else names it."""
-    others = tuple(each for each in node.consequents if each.variable != variable)
-    asks = any(each.name == variable for each in node.antecedent.mentions())
+    others = tuple(consequent for consequent in node.consequents if consequent.variable != variable)
+    asks = any(mention.name == variable for mention in node.antecedent.mentions())
     if asks or not others:
         return []
     return [Edit(node.span, text_of(node._replace(consequents=others)))]
@@ -236,9 +236,14 @@ def set_setting(reading: Reading, key: str, value: str, target: str = "") -> lis
         if isinstance(node, InferenceNode)
         and (node.target if node.target is not None else "") == target
     ]
-    having = [node for node in lines if any(each.key == key for each in node.settings)]
+    having = [
+        node for node in lines if any(setting_node.key == key for setting_node in node.settings)
+    ]
     if having:  # the last one counts
-        settings = [setting if each.key == key else each for each in having[-1].settings]
+        settings = [
+            setting if setting_node.key == key else setting_node
+            for setting_node in having[-1].settings
+        ]
         edits = [Edit(having[-1].span, text_of(having[-1]._replace(settings=tuple(settings))))]
     elif lines:
         settings = [*lines[0].settings, setting]
@@ -291,11 +296,11 @@ def add_rule(
     """
     if not antecedent or not consequents:
         raise ReshapeError("a rule reads: if … then …")
-    asked, concluded = (
+    nodes, proposition_nodes = (
         tuple(PropositionNode(Word(name), (), Word(term)) for name, term in part)
         for part in (antecedent, consequents)
     )
     condition = (
-        asked[0] if len(asked) == 1 else JunctionNode("or" if join == "or" else "and", asked)
+        nodes[0] if len(nodes) == 1 else JunctionNode("or" if join == "or" else "and", nodes)
     )
-    return set_rule(reading, None, sentence(RuleNode(condition, concluded, None)))
+    return set_rule(reading, None, sentence(RuleNode(condition, proposition_nodes, None)))

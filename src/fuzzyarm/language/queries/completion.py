@@ -98,8 +98,8 @@ def term_detail(variable: Variable, name: str) -> str:
     if term.lower is None:
         return _numbers_of(term.shape)
     return " over ".join(
-        _numbers_of(each) + ("" if each.height == 1.0 else f" height {number_text(each.height)}")
-        for each in (term.shape, term.lower)
+        _numbers_of(shape) + ("" if shape.height == 1.0 else f" height {number_text(shape.height)}")
+        for shape in (term.shape, term.lower)
     )
 
 
@@ -328,11 +328,11 @@ class _AskingCursor(Cursor):
         return [Candidate("\\", "keyword", "\\ ", "then the variable across")]
 
     def _suggest_columns(self, column: Word, named: Sequence[Word] = ()) -> NoReturn:
-        found = _terms(self.variable_called(column), without=list(named))
-        if len(found) > 1:
-            rest = "  ".join(candidate.insert for candidate in found)
-            found.insert(0, Candidate(rest, "row", rest, "the header row"))
-        self._last(found)
+        candidates = _terms(self.variable_called(column), without=list(named))
+        if len(candidates) > 1:
+            rest = "  ".join(candidate.insert for candidate in candidates)
+            candidates.insert(0, Candidate(rest, "row", rest, "the header row"))
+        self._last(candidates)
 
     def _suggest_terms(self, variable: Word, named: Sequence[Word]) -> NoReturn:
         found = self.variable_called(variable)
@@ -348,8 +348,8 @@ class _AskingCursor(Cursor):
     def _suggest_cells(self, grid: GridNode, count: int = 0) -> NoReturn:
         if count >= len(grid.columns):
             raise _Nothing
-        found = _terms(self.variable_called(grid.output))
-        self._last([*found, Candidate(".", "value", ".", "no rule for this cell")])
+        candidates = _terms(self.variable_called(grid.output))
+        self._last([*candidates, Candidate(".", "value", ".", "no rule for this cell")])
 
 
 _MOST_HEADERS = 12
@@ -408,9 +408,9 @@ def complete(reading: Reading, line: int, column: int, facts: Facts = NOTHING) -
     comment = _in_comment(text, line, column)
     if comment is not None:
         return comment
-    found: list[Diagnostic] = []
-    tokenize_line(line, text, found)
-    if any(d.name == "unterminated-string" and text[d.column - 1] == '"' for d in found):
+    diagnostics: list[Diagnostic] = []
+    tokenize_line(line, text, diagnostics)
+    if any(d.name == "unterminated-string" and text[d.column - 1] == '"' for d in diagnostics):
         return []
     match = _PARTIAL.search(text)
     # A letter behind a digit belongs to no name: `1e` is on its way to a number.
@@ -475,10 +475,10 @@ def _in_controller(
     for (kind, name), words in facts.items():
         if kind in OF_PLANTS:
             names.setdefault(kind, {})[name] = words
-    for each in reading.occurrences:
-        above = each.span.line < line and each.is_definition
-        if above or (each.kind in OF_PLANTS and each.span.line != line):
-            names.setdefault(each.kind, {}).setdefault(each.name, each.kind)
+    for occurrence in reading.occurrences:
+        above = occurrence.span.line < line and occurrence.is_definition
+        if above or (occurrence.kind in OF_PLANTS and occurrence.span.line != line):
+            names.setdefault(occurrence.kind, {}).setdefault(occurrence.name, occurrence.kind)
     record = records.get(tokens[0].text) or CONTROLLER_STATEMENTS[SIGNAL]
     return _asked(record.row.read, tokens, reading.model, names=names)
 

@@ -181,21 +181,21 @@ def add_column(reading: Reading, line: int, term: str, shape: Shape | None = Non
     word = name_text(term)
     width = max(display_width(word), 1)
     spans = [
-        [each.span for each in grid.columns],
+        [column.span for column in grid.columns],
         *(_cells(grid, i) for i in range(len(grid.rows))),
     ]
     if place < len(labels):
         for number, line_spans in enumerate(spans):
             at = line_spans[place]
-            said = "." if number else word
-            edits.append(Edit(Span(at.line, at.column, at.line, at.column), f"{said:<{width}}  "))
+            text = "." if number else word
+            edits.append(Edit(Span(at.line, at.column, at.line, at.column), f"{text:<{width}}  "))
         return demand_sound(reading, edits)
-    ends = [each[-1].end_column for each in spans]
+    ends = [span[-1].end_column for span in spans]
     for number, (line_spans, end) in enumerate(zip(spans, ends, strict=True)):
         at = line_spans[-1]
         space = " " * (max(ends) - end + 2)
-        said = "." if number else word
-        edits.append(Edit(Span(at.line, end, at.line, end), f"{space}{said}"))
+        text = "." if number else word
+        edits.append(Edit(Span(at.line, end, at.line, end), f"{space}{text}"))
     return demand_sound(reading, edits)
 
 

@@ -188,15 +188,17 @@ def _of_occurrence(reading: Reading, occurrence: Occurrence) -> str:
 
 def _of_line(reading: Reading, occurrence: Occurrence) -> str:
     """Return the lines of a controller that define a name, and how often it is used."""
-    found = references(reading, occurrence)
+    occurrences = references(reading, occurrence)
     lines = [
-        " ".join(reading.raw_line(each.span.line).split()) for each in found if each.is_definition
+        " ".join(reading.raw_line(each.span.line).split())
+        for each in occurrences
+        if each.is_definition
     ]
     if occurrence.kind is Kind.PLANT:
         return f"the plant {code(occurrence.name)}"
     if occurrence.kind in (Kind.PORT, Kind.STATE, Kind.PARAMETER):
         return f"{occurrence.kind} {code(occurrence.name)} of the plant"
-    uses = sum(not each.is_definition for each in found)
+    uses = sum(not each.is_definition for each in occurrences)
     return "\n\n".join([*map(code, lines), f"used {uses} time{'s' if uses != 1 else ''}"])
 
 

@@ -45,8 +45,8 @@ def declaration_of(reading: Reading, variable: str) -> VariableNode:
 def names_term(node: StatementNode, variable: str, term: str) -> bool:
     """Whether a statement names a term of a variable."""
     return any(
-        each.kind is Kind.TERM and each.name == term and variable in each.owners
-        for each in mentions(node)
+        mention.kind is Kind.TERM and mention.name == term and variable in mention.owners
+        for mention in mentions(node)
     )
 
 
@@ -143,13 +143,13 @@ def demand_sound(reading: Reading, edits: Sequence[Edit], what: str = "") -> lis
     ReshapeError
         With the first mistake that they make.
     """
-    before = [_said(each) for each in reading.parsed.diagnostics if each.is_error]
-    for each in read(apply_edits(reading.text, edits), reading.path).parsed.diagnostics:
-        if not each.is_error or each.name in INCOMPLETE:
+    before = [_said(diagnostic) for diagnostic in reading.parsed.diagnostics if diagnostic.is_error]
+    for diagnostic in read(apply_edits(reading.text, edits), reading.path).parsed.diagnostics:
+        if not diagnostic.is_error or diagnostic.name in INCOMPLETE:
             continue
-        if _said(each) not in before:
-            raise ReshapeError(f"{what}{each.message}", hint=each.hint)
-        before.remove(_said(each))
+        if _said(diagnostic) not in before:
+            raise ReshapeError(f"{what}{diagnostic.message}", hint=diagnostic.hint)
+        before.remove(_said(diagnostic))
     return list(edits)
 
 

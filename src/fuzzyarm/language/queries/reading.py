@@ -31,12 +31,12 @@ def _find_occurrences(document: Document, lines: Sequence[Line]) -> tuple[Occurr
     the words behind their ``is``.
     """
     nodes = [statement.node for statement in document.statements]
-    found = [each for node in nodes for each in mentions(node)]
-    declared = {o.name for o in found if o.kind is Kind.VARIABLE and o.is_definition}
+    occurrences = [mention for node in nodes for mention in mentions(node)]
+    declared = {o.name for o in occurrences if o.kind is Kind.VARIABLE and o.is_definition}
     for node in nodes:
         if isinstance(node, Broken):
-            found += _of_broken(node, lines, declared)
-    return tuple(sorted(found, key=lambda o: o.span))
+            occurrences += _of_broken(node, lines, declared)
+    return tuple(sorted(occurrences, key=lambda o: o.span))
 
 
 def _of_broken(node: Broken, lines: Sequence[Line], declared: set[str]) -> Iterator[Occurrence]:

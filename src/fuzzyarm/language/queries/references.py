@@ -35,16 +35,16 @@ def family(reading: Reading, occurrence: Occurrence) -> list[Occurrence]:
     """
     owners = set(occurrence.owners)
     while True:
-        found = [
+        occurrences = [
             o
             for o in reading.occurrences
             if o.kind is occurrence.kind
             and o.name == occurrence.name
             and (o.kind is not Kind.TERM or not owners.isdisjoint(o.owners))
         ]
-        wider = owners.union(*(o.owners for o in found)) if found else owners
+        wider = owners.union(*(o.owners for o in occurrences)) if occurrences else owners
         if wider == owners:
-            return found
+            return occurrences
         owners = wider
 
 

@@ -116,16 +116,18 @@ def set_kind(reading: Reading, variable: str, term: str, kind: str) -> list[Edit
     width = (high - low) / (len(model.terms) + 1)
     sides = [found.shape] if found.lower is None else [found.shape, found.lower]
     try:
-        made = [alike(each, kind, low, high, width) for each in sides]
+        shapes = [alike(side, kind, low, high, width) for side in sides]
     except UnlikeError as error:
         raise ReshapeError(error.message, hint=error.hint) from error
-    edits = set_shapes(reading, [Reshaped(variable, term, made[0], made[1] if made[1:] else None)])
+    edits = set_shapes(
+        reading, [Reshaped(variable, term, shapes[0], shapes[1] if shapes[1:] else None)]
+    )
     return demand_sound(reading, edits, f"as '{kind}': ")
 
 
 def _shape_text(reading: Reading, shape: Shape, lower: Shape | None = None) -> str:
     """Return a shape, or one over another, as a line of the text has it."""
-    names = [each.name for each in reading.model.inputs]
+    names = [variable.name for variable in reading.model.inputs]
     nodes = []
     for each in (shape, lower):
         if each is None:
@@ -174,7 +176,7 @@ def _line_behind_family(reading: Reading, variable: str, term: str) -> int:
     if node is None:
         raise ReshapeError(f"the text declares no term '{term}' of '{variable}'")
     last = last_lines(reading)
-    lines = {each.span.line for each in _terms(reading, variable)}
+    lines = {term_node.span.line for term_node in _terms(reading, variable)}
     line = last[node.span.line]
     while line + 1 in lines:
         line = last[line + 1]
@@ -259,7 +261,7 @@ def remove_term(reading: Reading, variable: str, term: str) -> list[Edit]:
 
 def _without_family(reading: Reading, node: EvenTermsNode, variable: str, term: str) -> list[Edit]:
     """Take a variable out of a family; the other terms get lines of their own."""
-    own = {each.name for each in _terms(reading, variable)}
+    own = {term_node.name for term_node in _terms(reading, variable)}
     lines = [
         _term_text(reading, variable, word, reading.model.variable(variable).term(word).shape)
         for word in node.names
@@ -275,8 +277,8 @@ def _without_family(reading: Reading, node: EvenTermsNode, variable: str, term: 
 def _without_parts(reading: Reading, node: GridNode, variable: str, term: str) -> list[Edit]:
     """Take a term out of a grid: what it heads goes, and what concludes it becomes a dot."""
     if node.condition is not None and any(
-        each.kind is Kind.TERM and each.name == term and variable in each.owners
-        for each in node.condition.mentions()
+        mention.kind is Kind.TERM and mention.name == term and variable in mention.owners
+        for mention in node.condition.mentions()
     ):
         raise ReshapeError(f"a grid holds when '{variable} is {term}', on line {node.span.line}")
     heads = [i for i, word in enumerate(node.columns) if word == term]
@@ -311,9 +313,13 @@ def rename_term(reading: Reading, variable: str, term: str, name: str) -> list[E
     RenameError
         If the name cannot be given.
     """
-    for each in reading.occurrences:
-        if each.kind is Kind.TERM and each.name == term and variable in each.owners:
-            return rename(reading, each.span.line, each.span.column, name)
+    for occurrence in reading.occurrences:
+        if (
+            occurrence.kind is Kind.TERM
+            and occurrence.name == term
+            and variable in occurrence.owners
+        ):
+            return rename(reading, occurrence.span.line, occurrence.span.column, name)
     raise ReshapeError(f"the text declares no term '{term}' of '{variable}'")
 
 
@@ -413,9 +419,9 @@ def set_rule(reading: Reading, line: int | None, sentence: str) -> list[Edit]:
 def _understood(reading: Reading, edits: list[Edit], line: int) -> list[Edit]:
     """Return the edits where the line that they write has no mistake."""
     parsed = read(apply_edits(reading.text, edits), reading.path).parsed
-    for each in parsed.diagnostics:
-        if each.is_error and each.span.line == line:
-            raise ReshapeError(each.message)
+    for diagnostic in parsed.diagnostics:
+        if diagnostic.is_error and diagnostic.span.line == line:
+            raise ReshapeError(diagnostic.message)
     return edits
 
 
@@ -440,11 +446,11 @@ def add_tuning(reading: Reading, tuning: Tuning) -> list[Edit]:
     last = _end_of_rulebase(reading)
     if last is None:
         raise ReshapeError("the text has no rule base")
-    if any(isinstance(each.node, TuneNode) for each in reading.document.statements):
+    if any(isinstance(statement.node, TuneNode) for statement in reading.document.statements):
         raise ReshapeError("the text has a tune block already")
     node = tuning_node(tuning)
     usual = 100.0 * PeakTuning(()).gap
-    short = [each._replace(gap=None) if _gap(each) == usual else each for each in node.items]
+    short = [item._replace(gap=None) if _gap(item) == usual else item for item in node.items]
     node = node._replace(items=tuple(short))
     lines = [text_of(node), *(line for line, _ in lines_below(node) or ())]
     end = len(reading.raw_line(last)) + 1

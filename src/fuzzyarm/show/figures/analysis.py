@@ -53,10 +53,10 @@ def describing_figure(
     figure = new_figure(6.4, 5.0)
     gain, phase = figure.subplots(2, 1, sharex=True)
     for index, frequency in enumerate(frequencies):
-        found = describing_function(thing, amplitudes, frequency)
+        values = describing_function(thing, amplitudes, frequency)
         words = {"label": f"{frequency:g} rad/s", **line_style(index)}
-        gain.semilogx(amplitudes, np.abs(found), linewidth=1.6, **words)
-        phase.semilogx(amplitudes, np.degrees(np.angle(found)), linewidth=1.6, **words)
+        gain.semilogx(amplitudes, np.abs(values), linewidth=1.6, **words)
+        phase.semilogx(amplitudes, np.degrees(np.angle(values)), linewidth=1.6, **words)
     for axes in (gain, phase):
         tidy(axes)
     label_axes(gain, "", "|N|")

@@ -65,7 +65,7 @@ class Training:
     @property
     def passes(self) -> list[Snapshot]:
         """The ends of the passes."""
-        return [each for each in self.snapshots if each.complete]
+        return [snapshot for snapshot in self.snapshots if snapshot.complete]
 
     def tables(self, learned: Learned) -> list[tuple[NDArray[Any], NDArray[Any]]]:
         """Return values and visits of each axis as rows and columns.
@@ -154,8 +154,8 @@ def _stage(training: Training) -> tuple[Figure, Callable[[int], None]]:
             images[0].set_data(np.ma.masked_where(never, values))
             images[1].set_data(np.ma.masked_where(never, np.log10(1.0 + visits)))
             left.set_title(safe(f"{name}, {_moment(snapshot)}"), fontsize=LABEL)
-            told = f"{int((~never).sum())} of {never.size} cells visited; hatched: never"
-            right.set_title(told, fontsize=LABEL)
+            text = f"{int((~never).sum())} of {never.size} cells visited; hatched: never"
+            right.set_title(text, fontsize=LABEL)
         _draw_errors(errors, training, index)
 
     return figure, show
@@ -171,7 +171,7 @@ def _draw_cells(axes: Axes, training: Training, limits: dict[str, Any]) -> Any:
     """Draw the frame of a table, hatched, and return the image of what was visited."""
     learned = training.snapshots[0].learned.axes
     down, across = (None, *learned)[-2:]
-    levels = [[""] if each is None else list(map(_level, each.levels)) for each in (down, across)]
+    levels = [[""] if axis is None else list(map(_level, axis.levels)) for axis in (down, across)]
     shape = (len(levels[0]), len(levels[1]))
     from matplotlib.patches import Rectangle
 
@@ -181,7 +181,7 @@ def _draw_cells(axes: Axes, training: Training, limits: dict[str, Any]) -> Any:
     thin_ticks(axes.xaxis, levels[1], _ROOM[0], 8)
     axes.tick_params(labelsize=8, length=0)
     axes.spines[:].set_visible(False)
-    words = ["" if each is None else wrapped(each.name, LABEL, 2.5, 1) for each in (across, down)]
+    words = ["" if axis is None else wrapped(axis.name, LABEL, 2.5, 1) for axis in (across, down)]
     label_axes(axes, safe(words[0]), safe(words[1]))
     return image
 
@@ -194,7 +194,7 @@ def _draw_errors(axes: Axes, training: Training, index: int) -> None:
     """Draw the RMS error of the passes that are over at a snapshot, one line for each output."""
     axes.clear()
     tidy(axes)
-    over = [each for each in training.snapshots[: index + 1] if each.complete]
+    over = [snapshot for snapshot in training.snapshots[: index + 1] if snapshot.complete]
     errors = np.array([each.rms for each in training.passes])
     number = [each.passage for each in over]
     for column, unit in enumerate(training.snapshots[-1].units):

@@ -43,7 +43,7 @@ def tube_figure(way: Tube, title: str, claim: LoopClaim | None = None) -> Figure
     runs = sampled_runs(way.problem, way.duration, RUNS)
     port = claimed_port(way.problem, claim) if claim is not None and claim.output else ""
     for axes, name, unit in zip(
-        rows, outputs, (each.unit for each in interface.outputs.values()), strict=True
+        rows, outputs, (output.unit for output in interface.outputs.values()), strict=True
     ):
         _draw(axes, way, name)
         for k, run in enumerate(runs):

@@ -318,7 +318,7 @@ def _room(scene: Scene) -> Drawing:
     wanted = scene.wanted("temperature")
     # Of all samples that there are: the scale of a run that is over never changes.
     curves = (scene.run.outputs, scene.run.wanted)
-    seen = np.concatenate([each["temperature"] for each in curves if "temperature" in each])
+    seen = np.concatenate([curve["temperature"] for curve in curves if "temperature" in curve])
     low = SCALE * math.floor(float(np.min(seen)) / SCALE - 0.4)
     high = SCALE * math.ceil(float(np.max(seen)) / SCALE + 0.4)
     temperature, power = scene.output("temperature"), float(scene.run.drives["power"][scene.index])

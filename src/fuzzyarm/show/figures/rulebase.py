@@ -67,7 +67,7 @@ def memberships_figure(rulebase: AnyRuleBase) -> Figure:
     variables: tuple[Variable, ...] = (*rulebase.inputs, *rulebase.outputs)
     width = 7.0
     plans = [_Panel.of(variable, rulebase, width - _EDGE) for variable in variables]
-    heights = [1.9 + each.more for each in plans]
+    heights = [1.9 + panel.more for panel in plans]
     figure = new_figure(width, 0.6 + sum(heights))
     panels = figure.subplots(
         len(variables), 1, squeeze=False, gridspec_kw={"height_ratios": heights}
@@ -427,7 +427,7 @@ def _reach_of(variable: Output, output: OutputTrace) -> tuple[float, float]:
     """Return what is drawn of an output: its range, or where it has none, what came out too."""
     low, high = visible_range(variable)
     if not math.isfinite(output.high - output.low):
-        places = [output.value, *(each.value for each in output.consequents)]
+        places = [output.value, *(consequent.value for consequent in output.consequents)]
         known = [x for x in places if x is not None and math.isfinite(x)]
         low, high = min([low, *known]), max([high, *known])
     return low, high

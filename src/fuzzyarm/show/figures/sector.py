@@ -59,20 +59,20 @@ def rulebase_sectors(
     from fuzzyarm.inference import infer
 
     pictures = []
-    for each in found:
-        count = _LINE if len(each.weights) == 1 else _PLANE
-        free = [rulebase.variable(name) for name in list(each.weights)[:3]]
+    for sector in found:
+        count = _LINE if len(sector.weights) == 1 else _PLANE
+        free = [rulebase.variable(name) for name in list(sector.weights)[:3]]
         if len(free) > 2:
             count = 41
         grid = np.meshgrid(*(np.linspace(v.low, v.high, count) for v in free), indexing="ij")
         inputs: dict[str, Any] = {variable.name: 0.0 for variable in rulebase.inputs}
         inputs.update({v.name: values.ravel() for v, values in zip(free, grid, strict=True)})
         values = np.asarray(infer(rulebase, inputs)[output], dtype=float)
-        form = sum(float(w) * inputs[name] for name, w in each.weights.items())
+        form = sum(float(w) * inputs[name] for name, w in sector.weights.items())
         pictures.append(
             SectorPicture(
-                form_text(each.weights, 4), output, form, values, each.low, each.high,
-                len(each.weights) == 1,
+                form_text(sector.weights, 4), output, form, values, sector.low, sector.high,
+                len(sector.weights) == 1,
             )
         )  # fmt: skip
     return pictures
@@ -90,11 +90,11 @@ def controller_sectors(
     """
     from fuzzyarm.proof.controllers import sampled_drive
 
-    drive = next((each for each in found if each.sectors), None)
+    drive = next((proof for proof in found if proof.sectors), None)
     if drive is None:
         return []
     pictures = []
-    inner = {tuple(each.weights): each for each in reversed(drive.sectors)}
+    inner = {tuple(sector.weights): sector for sector in reversed(drive.sectors)}
     for each in reversed(inner.values()):
         form, values = sampled_drive(text, drive, each, plant, points=points)
         up = f"{drive.port}, {drive.unit}" if drive.unit else drive.port
@@ -110,7 +110,10 @@ def controller_sectors(
 def _form_words(drive: DriveProof, sector: DriveSector) -> str:
     """Return σ, with its unit where it is one source: that of the drive over that of its gain."""
     words = form_text(sector.weights, 4)
-    gain = next((each for each in drive.gains if [each.source] == list(sector.weights)), None)
+    gain = next(
+        (drive_gain for drive_gain in drive.gains if [drive_gain.source] == list(sector.weights)),
+        None,
+    )
     unit = product(read_unit(drive.unit), read_unit(gain.unit) if gain else None, -1)
     return words if unit is None else f"{words}, {unit_text(unit)}"
 

@@ -126,7 +126,9 @@ class Response:
 
         inputs = part_for(rulebase, [output.name]).inputs or rulebase.inputs
         self._rulebase, self._output = rulebase, output
-        self._fails = [each for each in fails if each.output == output.name and each.points]
+        self._fails = [
+            verdict for verdict in fails if verdict.output == output.name and verdict.points
+        ]
         hidden = [variable.name for variable in inputs[2:]]
         if self._fails and hidden and not at:  # the slice that has the first of them
             at = {name: self._fails[0].points[0][name] for name in hidden}
@@ -160,7 +162,7 @@ class Response:
             **{side.name: values for side, values in zip(sides, grid, strict=True)},
         }
         found = with_gaps(self._rulebase, self._output, inputs)
-        values = np.broadcast_to(found, [each.size for each in points])
+        values = np.broadcast_to(found, [point.size for point in points])
         notes = [_fixed_words(self._fixed), "blank: no rule fires" if _has_gaps(values) else ""]
         title = "\n".join(wrapped(note, LABEL, 0.42 * self.width) for note in notes if note)
         if line:
@@ -194,8 +196,8 @@ class Response:
         """Return where properties fail on what is drawn, the output there, and which property."""
         import numpy as np
 
-        names, found = [each.name for each in self._free], []
-        every = [(point, k) for k, each in enumerate(self._fails, 1) for point in each.points]
+        names, found = [variable.name for variable in self._free], []
+        every = [(point, k) for k, verdict in enumerate(self._fails, 1) for point in verdict.points]
         for point, number in every:
             if any(point[name] != x for name, x in self._fixed.items()):
                 continue
@@ -231,7 +233,8 @@ def _mark(axes: Axes, x: float, y: float, number: int) -> None:
 def _name_failures(axes: Axes, fails: Sequence[Verdict]) -> None:
     if fails:
         words = "\n".join(
-            f"{number} refuted: {each.statement}" for number, each in enumerate(fails, start=1)
+            f"{number} refuted: {verdict.statement}"
+            for number, verdict in enumerate(fails, start=1)
         )
         axes.annotate(
             safe(words), (0.0, -0.2), xycoords="axes fraction", fontsize=8, va="top",

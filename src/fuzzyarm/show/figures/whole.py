@@ -71,4 +71,4 @@ def _refuted(rulebase: RuleBase) -> list[Verdict]:
         return []
     from fuzzyarm.api import judge
 
-    return [each for each in judge(rulebase).verdicts if each.verdict == "refuted"]
+    return [verdict for verdict in judge(rulebase).verdicts if verdict.verdict == "refuted"]
