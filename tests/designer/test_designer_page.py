@@ -587,7 +587,7 @@ def test_files_are_dropped_exported_made_and_compared(served, window):
     exported = files_of(Session(str(path), path.read_text()), ".fis", {}, lambda _: None)[0][0]
     text = exported.content.decode().replace("[-2 0 2]", "[-3 0 2]")
     page.evaluate(DROP, ["imported.fis", text])
-    page.get_by_text("read with the defaults of fuzzylite").wait_for()
+    page.get_by_text("read with the defaults of MATLAB").wait_for()
     page.get_by_role("button", name="Close").click()
     turned(page, "imported.frb")
     dropped = served.folder / "imported.frb"
