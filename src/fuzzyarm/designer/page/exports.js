@@ -101,8 +101,9 @@ function fieldsOf(suffix, kinds, store) {
         ["table", S.byTable],
       ]
     : [
-        ["table", S.byTable],
+        ["", S.asInFile], // the rules, unless the file has settings of a table
         ["direct", S.direct],
+        ["table", S.byTable],
       ];
   const way = { name: "way", options: ways };
   const name = { name: "name", hint: S.nameHint };
