@@ -495,6 +495,25 @@ def test_the_kernel_needs_no_help_where_rules_fire(
         assert found["u"] == pytest.approx(wanted[i], rel=1e-12)
 
 
+def test_terms_that_ignore_their_numbers_do_not_share_a_program_with_more_of_them() -> None:
+    def under(hedges: str) -> RuleBase:
+        text = (
+            "rulebase r\ninput e -5 .. 5\noutput u -2 .. 2\nterm e A: s -5 -4.5\n"
+            "term u N: triangle -2 -1 0\nterm u P: triangle 0 1 2\n"
+            "inference implication product, aggregation sum\n"
+            f"rule if e is {hedges} A then u is P\nrule if e is A then u is N\n"
+        )
+        rulebase = parse(text).rulebase
+        assert rulebase is not None
+        return rulebase
+
+    for hedges in ("any power(0.5)", "power(0.5) any", "any", "any power(0.5)", "any"):
+        rulebase = under(hedges)
+        fast, one = compiled(rulebase), prepare(rulebase)
+        for x in (-4.75, -4.6, 0.0, 3.0):
+            assert fast(e=x) == one.evaluate({"e": x}), (hedges, x)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", [*STRAIGHT, *SMOOTH])
 @settings(deadline=None, max_examples=6)

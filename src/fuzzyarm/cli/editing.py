@@ -56,8 +56,8 @@ def _watch(arguments: argparse.Namespace) -> int:
     seen = stamp_of(arguments.file)
     document = WatchedFile(arguments.file)
     console = make_console()
-    _redraw(console, document, arguments)
     if arguments.once:
+        _redraw(console, document, arguments)
         if document.broken:
             print_error(f"{arguments.file}: {document.summary}")
         return int(document.broken)
@@ -65,7 +65,9 @@ def _watch(arguments: argparse.Namespace) -> int:
     from fuzzyarm.watch.keys import keys_of_terminal
 
     try:
+        # Before anything is drawn: a key that answers the first picture is not lost.
         with keys_of_terminal() as read_key:
+            _redraw(console, document, arguments)
             _follow(console, document, arguments, seen, read_key)
     except KeyboardInterrupt:
         if console.is_terminal:

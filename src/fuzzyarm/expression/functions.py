@@ -98,7 +98,10 @@ def row_source(root: Node, rows: Sequence[str], numbers: Sequence[str], name: st
     head = [f"{number} = numbers[{i}]" for i, number in enumerate(numbers) if number in used]
     each = [*(f"{row} = {row}_row[i]" for row in rows), *lines, f"into[i] = {result}"]
     arguments = ", ".join([*(f"{row}_row" for row in rows), "numbers", "into"])
-    text = [f"def {name}({arguments}):", *(f"    {line}" for line in head)]
+    # How many numbers there are, used or not, belongs to what the function is: its program of
+    # operations counts them all, and functions of one text are taken for one.
+    text = [f"def {name}({arguments}):  # numbers: {len(numbers)}"]
+    text += [f"    {line}" for line in head]
     text += ["    for i in range(into.shape[0]):", *(f"        {line}" for line in each)]
     return "\n".join(text) + "\n"
 
