@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.util
 import inspect
 import os
+import signal
 import subprocess
 import sys
 from collections.abc import Callable
@@ -18,6 +19,10 @@ from hypothesis import settings
 
 from fuzzyarm.kernels import digest_of_sources
 from fuzzyarm.model.rulebase import RuleBase
+
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    # What is run in the background ignores Ctrl-C, and each process that a test starts would, too.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 sys.modules["tests.budget"] = budget  # one module under both names, so that --thorough reaches all
 

@@ -89,6 +89,7 @@ def test_from_a_heading_to_a_rule_base_and_all_the_way_back(open_page):
     until(lambda: "term e PB: triangle " in text_of(page), "the new term")
     labels = [line.split()[0] for line in text_of(page).splitlines() if line.startswith("  ")]
     assert labels == ["e", "N", "Z", "PB", "P"]
+    until(lambda: page.locator(".rules td select").count() == 8, "its cells, drawn")
     page.locator(".rules th button", has_text="N").first.click()
     page.get_by_role("button", name="Remove the column N").click()
     until(lambda: re.search(r"e \\ 'the rate' +P\n", text_of(page)), "the column has gone")

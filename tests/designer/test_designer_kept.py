@@ -243,9 +243,12 @@ def test_a_grid_is_edited_by_the_keyboard_alone(page, server):
     page.keyboard.press("Escape")
     assert head.evaluate("button => button === document.activeElement")
     page.get_by_role("tab", name="Files").click()
-    duplicate = page.get_by_label("Duplicate endless.frb")
+    duplicate = page.get_by_role("button", name="Duplicate endless.frb")
     duplicate.press("Enter")
+    dialog = page.get_by_role("dialog", name="Duplicate endless.frb")
+    dialog.wait_for()
     page.keyboard.press("Escape")
+    dialog.wait_for(state="hidden")
     assert duplicate.evaluate("button => button === document.activeElement")
 
 
