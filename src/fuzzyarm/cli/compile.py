@@ -2,8 +2,9 @@
 
 The suffix of OUT tells the format. Tables: .lut (text), .csv, .npz or .json,
 and .tex (LaTeX, to be printed). Source text: .h (a C99 header on its own), .c (with a .h
-beside it), .st (IEC 61131-3 Structured Text), .xml (the same as PLCopen XML) or .py (a module
-for MicroPython);
+beside it), .st (IEC 61131-3 Structured Text), .xml (the same as PLCopen XML, or with --format
+iec61131-10 as the XML of that standard), .scl (SCL for the TIA Portal) or .py (a module for
+MicroPython);
 .mjs or .js is a module of JavaScript that infers the rules themselves.
 FILE may be a table already; it is then rewritten in the other format.
 
@@ -68,7 +69,7 @@ if TYPE_CHECKING:
     from fuzzyarm.table.compiler import Levels
 
 
-_EXPORTS = (".h", ".c", ".st", ".xml", ".py")
+_EXPORTS = (".h", ".c", ".st", ".xml", ".scl", ".py")
 _UNIT = ".fmu"
 _MODULES = (".mjs", ".js")
 
@@ -92,6 +93,8 @@ def _run(arguments: argparse.Namespace) -> int:
         return 0
     _forbid(arguments, ("board",), "without --for nothing is made for a board")
     suffix = require_suffix(arguments.out, (*tables, *_EXPORTS, _UNIT, *_MODULES))
+    if suffix != ".xml":
+        _forbid(arguments, ("format",), f"{Path(arguments.out).name} is not an .xml")
     if suffix in _MODULES:
         _write_module(arguments)
         return 0
@@ -121,7 +124,7 @@ def _write_for_board(arguments: argparse.Namespace, place: str) -> None:
 
     _forbid(
         arguments,
-        ("ends", "fmi", "platforms", "certificate"),
+        ("ends", "fmi", "platforms", "certificate", "format"),
         f"--for {place} makes a folder for a board",
     )
     if arguments.table and arguments.direct:
@@ -235,6 +238,7 @@ def _making(arguments: argparse.Namespace) -> Making:
         name=arguments.name,
         fmi=arguments.fmi or 2,
         platforms=arguments.platforms,
+        xml=arguments.format or "plcopen",
     )
 
 
@@ -451,7 +455,7 @@ COMMANDS = (
         flag("--date", "put today's date into the table"),
         json_of("the report"),
         *group(
-            "source text (.h, .c, .st) and units (.fmu)",
+            "source text (.h, .c, .st, .xml, .scl) and units (.fmu)",
             flag(
                 "--direct", "infer the rules, without a table: the default without lookup settings"
             ),
@@ -467,6 +471,9 @@ COMMANDS = (
                 choices=("mixed", "float32", "float64"),
             ),
             argument("--name IDENT", "begins every identifier"),
+            argument(
+                "--format", "of an .xml: plcopen by default", choices=("plcopen", "iec61131-10")
+            ),
             argument("--for", "a folder for an IDE", choices=("arduino", "platformio")),
             argument("--board NAME", "of --for: uno (default), nano, mega, due, pico, esp32"),
             argument("--certificate CERT", "of a controller: what it proves goes into the head"),

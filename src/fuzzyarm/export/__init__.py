@@ -18,6 +18,7 @@ from fuzzyarm.export.table_numbers import FixedTable, FloatTable
 from fuzzyarm.export.write import (
     CONTROLLER_EXPORTS,
     EXPORTS,
+    XML_FORMATS,
     Exported,
     ExportedController,
     export_controller,
@@ -30,6 +31,7 @@ from fuzzyarm.lazy import lazily
 __all__ = [
     "CONTROLLER_EXPORTS",
     "EXPORTS",
+    "XML_FORMATS",
     "ControllerProgram",
     "DirectRoutine",
     "ExportError",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
@@ -12,12 +12,15 @@ from fuzzyarm.export.controller_c import controller_c
 from fuzzyarm.export.controller_st import controller_st
 from fuzzyarm.export.controllers import ControllerProgram
 from fuzzyarm.export.fmu import controller_fmu, platforms_named
+from fuzzyarm.export.iec61131_10 import iec61131_10_xml
 from fuzzyarm.export.micropython import python_module
 from fuzzyarm.export.names import C_RESERVED, ST_RESERVED, identifier
 from fuzzyarm.export.numbers import ExportError
-from fuzzyarm.export.plcopen import controller_xml, routines_xml
+from fuzzyarm.export.plc_project import Project, controller_project, routines_project
+from fuzzyarm.export.plcopen import plcopen_xml
 from fuzzyarm.export.routine import Routine
 from fuzzyarm.export.rulebase import direct_routine
+from fuzzyarm.export.scl import scl_source
 from fuzzyarm.export.structured_text import structured_text
 from fuzzyarm.export.table import MOST_CELLS, TableRoutine
 from fuzzyarm.export.table_numbers import fixed_table, float_table
@@ -25,16 +28,19 @@ from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.table import LookupTable
 from fuzzyarm.text.files import write_atomically
 
-EXPORTS = (".h", ".c", ".st", ".xml", ".py")
-"""Suffixes of exported files: a header on its own, a pair of .c and .h, Structured Text, PLCopen
-XML, a module for MicroPython."""
+EXPORTS = (".h", ".c", ".st", ".xml", ".scl", ".py")
+"""Suffixes of exported files: a header on its own, a pair of .c and .h, Structured Text, the same
+as XML, SCL, a module for MicroPython."""
 
-CONTROLLER_EXPORTS = (".h", ".c", ".st", ".xml", ".fmu")
+CONTROLLER_EXPORTS = (".h", ".c", ".st", ".xml", ".scl", ".fmu")
 """Suffixes of an exported controller."""
 
+XML_FORMATS: Mapping[str, Callable[[Project], str]] = MappingProxyType(
+    {"plcopen": plcopen_xml, "iec61131-10": iec61131_10_xml}
+)
+"""What an ``.xml`` may be: PLCopen's TC6 or its successor in the standard."""
 
-_STRUCTURED = {".st": structured_text, ".xml": routines_xml}
-_CONTROLLERS = {".st": controller_st, ".xml": controller_xml}
+_STRUCTURED = (".st", ".xml", ".scl")
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,7 +129,11 @@ def routines_of(
 
 
 def export_files(
-    routines: Sequence[Routine], path: str | Path, name: str | None = None
+    routines: Sequence[Routine],
+    path: str | Path,
+    name: str | None = None,
+    *,
+    xml: str = "plcopen",
 ) -> Exported:
     """Return the files for a path, by its suffix.
 
@@ -132,9 +142,11 @@ def export_files(
     routines : sequence of Routine
         What to export.
     path : str or Path
-        ``.h``: a header on its own; ``.c``: a ``.c`` and a ``.h`` beside it; ``.st``.
+        Its suffix is one of `EXPORTS`; with ``.c`` goes a ``.h`` beside it.
     name : str, optional
         Begins every identifier; the name of the file by default.
+    xml : str
+        What an ``.xml`` is, of `XML_FORMATS`.
 
     Raises
     ------
@@ -147,9 +159,12 @@ def export_files(
     if suffix == ".py":
         text, calls = python_module(chosen, path.stem)
         return Exported(chosen, ((path, text),), tuple(calls))
-    if suffix in _STRUCTURED:
-        text, blocks = _STRUCTURED[suffix](chosen, prefix)
+    if suffix == ".st":
+        text, blocks = structured_text(chosen, prefix)
         return Exported(chosen, ((path, text),), tuple(blocks))
+    if suffix in _STRUCTURED:
+        project = routines_project(chosen, prefix)
+        return Exported(chosen, ((path, _project_text(project, suffix, xml)),), project.blocks)
     if suffix == ".h":
         header, prototypes = c_header(chosen, prefix, path.name)
         return Exported(chosen, ((path, header),), tuple(map(str, prototypes)))
@@ -183,6 +198,15 @@ def write_export(
     for where, text in exported.files:
         write_atomically(where, text)
     return exported
+
+
+def _project_text(project: Project, suffix: str, xml: str) -> str:
+    """Return a project for a PLC as the text of a file."""
+    if suffix == ".scl":
+        return scl_source(project)
+    if xml not in XML_FORMATS:
+        raise ExportError(f"no format '{xml}' of XML", hint=f"there are {', '.join(XML_FORMATS)}")
+    return XML_FORMATS[xml](project)
 
 
 def _suffix_and_prefix(path: Path, name: str | None, known: Sequence[str]) -> tuple[str, str]:
@@ -236,6 +260,7 @@ def export_controller(
     *,
     fmi: int = 2,
     platforms: str | None = None,
+    xml: str = "plcopen",
 ) -> ExportedController:
     """Return the files of a controller for a path, by its suffix.
 
@@ -244,7 +269,7 @@ def export_controller(
     program : ControllerProgram
         The controller.
     path : str or Path
-        ``.h``, ``.c`` (with a ``.h`` beside it), ``.st`` or ``.fmu``.
+        Its suffix is one of `CONTROLLER_EXPORTS`; with ``.c`` goes a ``.h`` beside it.
     name : str, optional
         Begins every identifier; the name of the file by default.
     fmi : int
@@ -252,6 +277,8 @@ def export_controller(
     platforms : str, optional
         Of an FMU, as in ``linux64,win64``: see :data:`fuzzyarm.export.fmu.PLATFORMS`. By default
         the machine at hand.
+    xml : str
+        What an ``.xml`` is, of `XML_FORMATS`.
 
     Raises
     ------
@@ -260,9 +287,13 @@ def export_controller(
     """
     path = Path(path)
     suffix, prefix = _suffix_and_prefix(path, name, CONTROLLER_EXPORTS)
-    if suffix in _STRUCTURED:
-        content, block = _CONTROLLERS[suffix](program, prefix)
+    if suffix == ".st":
+        content, block = controller_st(program, prefix)
         return ExportedController(program, ((path, content),), (block,))
+    if suffix in _STRUCTURED:
+        project = controller_project(program, prefix)
+        content = _project_text(project, suffix, xml)
+        return ExportedController(program, ((path, content),), project.blocks)
     if suffix == ".fmu":
         chosen = platforms_named(platforms, fmi) if platforms is not None else ()
         unit = controller_fmu(program, prefix, fmi, chosen)

@@ -32,6 +32,9 @@ __all__ = [
     "source_of",
 ]
 
+_FOR_PLCS = dict.fromkeys((".st", ".xml", ".scl"), "float32")
+"""The precision of source text for PLCs: few of them have a double."""
+
 Tell = Callable[[str], None]
 """Called with a word on what is going on."""
 
@@ -70,6 +73,8 @@ class Making:
         Version of FMI.
     platforms : str or None
         Of an FMU: which machines it runs on, as in ``linux64,win64``.
+    xml : str
+        What an ``.xml`` is: ``plcopen`` or ``iec61131-10``.
     proofs : tuple of str
         Of a controller: what is proved of it in its loop, for the head.
     """
@@ -88,6 +93,7 @@ class Making:
     name: str | None = None
     fmi: int = 2
     platforms: str | None = None
+    xml: str = "plcopen"
     proofs: tuple[str, ...] = ()
 
 
@@ -137,7 +143,7 @@ def source_of(
     model : RuleBase or LookupTable
         Of a rule base every output is compiled, or inferred where `infers` says so.
     path : str or Path
-        Its suffix is the language: ``.h``, ``.c`` or ``.st``.
+        Its suffix is the language, one of `fuzzyarm.export.EXPORTS`.
     how : Making
         The wishes.
     progress : callable, optional
@@ -158,7 +164,7 @@ def source_of(
             raise
         hint = error.hint if "--table" in error.hint else f"{error.hint}, or {TABLE_HINT}"
         raise error.in_file("", hint) from error
-    return export_files(routines, path, how.name), reports
+    return export_files(routines, path, how.name, xml=how.xml), reports
 
 
 def routines_for(
@@ -178,9 +184,9 @@ def routines_for(
         names = (how.output,) if how.output else tuple(output.name for output in model.outputs)
         reports = tuple(compiled(model, name, how, progress) for name in names or (None,))
         chosen = [report.table for report in reports]
-    # Few PLCs have a double; a C compiler always has; Python has one kind of float.
+    # A C compiler has a double; Python has one kind of float.
     suffix = Path(path).suffix.lower()
-    default = {".st": "float32", ".xml": "float32", ".py": "float64"}.get(suffix, "mixed")
+    default = {**_FOR_PLCS, ".py": "float64"}.get(suffix, "mixed")
     if suffix == ".py" and how.precision not in (None, default):
         raise FuzzyarmError(
             f"--precision {how.precision} does not apply: a module for MicroPython computes in the"
@@ -215,7 +221,7 @@ def program_of(
     controller : ControllerText
         The controller with the files that it uses.
     path : str or Path
-        Its suffix is the language: ``.h``, ``.c``, ``.st`` or ``.fmu``.
+        Its suffix is the language, one of `fuzzyarm.export.CONTROLLER_EXPORTS`.
     how, progress
         As for :func:`source_of`.
 
@@ -227,11 +233,13 @@ def program_of(
     from fuzzyarm.export import export_controller
 
     suffix = Path(path).suffix.lower()
-    default = {".st": "float32", ".xml": "float32", ".fmu": "float64"}.get(suffix, "mixed")
+    default = {**_FOR_PLCS, ".fmu": "float64"}.get(suffix, "mixed")
     program, reports = controller_program(controller, how, default, progress)
     if progress is not None:
         progress("exporting")
-    exported = export_controller(program, path, how.name, fmi=how.fmi, platforms=how.platforms)
+    exported = export_controller(
+        program, path, how.name, fmi=how.fmi, platforms=how.platforms, xml=how.xml
+    )
     return exported, reports
 
 

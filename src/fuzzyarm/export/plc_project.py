@@ -1,0 +1,248 @@
+"""A project for a PLC: the units of its Structured Text, and the program that tests them.
+
+Formats that import Structured Text want its declarations apart from its statements. They all begin
+here, with the text of a ``.st`` read back, so that none of them has a printer of its own.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fuzzyarm.export.controller_st import controller_st
+from fuzzyarm.export.controllers import ControllerProgram
+from fuzzyarm.export.names import Names
+from fuzzyarm.export.numbers import ST_TYPES, Kind, st_number
+from fuzzyarm.export.routine import Routine, number_lines
+from fuzzyarm.export.structured_text import structured_text
+
+__all__ = [
+    "ELEMENTARY",
+    "TIME",
+    "Declaration",
+    "Project",
+    "Section",
+    "Unit",
+    "controller_project",
+    "routines_project",
+]
+
+ELEMENTARY = frozenset({*ST_TYPES.values(), "BOOL"})
+"""Types of the language; any other type is a function block of the project."""
+
+TIME = "1980-01-01T00:00:00"
+"""The time in the head of a file: the same source gives the same bytes."""
+
+_UNIT = re.compile(
+    r"(?:\(\*(?P<head>(?:(?!\*\)).)*)\*\)\n)?"
+    r"(?P<sort>FUNCTION_BLOCK|FUNCTION|PROGRAM) (?P<name>\w+)(?: : (?P<type>\w+))?\n"
+    r"(?P<body>.*?)^END_(?P=sort)$",
+    re.DOTALL | re.MULTILINE,
+)
+_SECTION = re.compile(
+    r"^(?P<title>VAR(?:_INPUT|_OUTPUT|_IN_OUT| CONSTANT| RETAIN|))\n(?P<lines>.*?)^END_VAR$\n?",
+    re.DOTALL | re.MULTILINE,
+)
+_DECLARATION = re.compile(
+    r"(?P<name>\w+) : (?:ARRAY \[0\.\.(?P<last>\d+)\] OF )?(?P<type>\w+)"
+    r"(?: := (?P<start>\[.*?\]|[^;]*))?;(?: \(\* (?P<remark>.*?) \*\))?",
+    re.DOTALL,
+)
+
+
+@dataclass(frozen=True)
+class Declaration:
+    """A variable: its type or that of its elements, the last index of an array, where it starts.
+
+    `start` is the text of the number, or of all elements; `remark` mostly is a unit.
+    """
+
+    name: str
+    type: str
+    last: int | None
+    start: str
+    remark: str
+
+    @property
+    def elements(self) -> list[str]:
+        """The numbers that an array starts with."""
+        return [text.strip() for text in self.start.strip("[]").split(",")]
+
+
+@dataclass(frozen=True)
+class Section:
+    """Declarations under one title, as in ``VAR_INPUT``."""
+
+    title: str
+    declarations: tuple[Declaration, ...]
+
+
+@dataclass(frozen=True)
+class Unit:
+    """A function, a function block or a program; `returned` is the type of a function."""
+
+    head: str
+    sort: str
+    name: str
+    returned: str
+    sections: tuple[Section, ...]
+    statements: str
+
+    def ports(self, title: str) -> list[str]:
+        """Return the variables under a title."""
+        return [
+            declaration.name
+            for section in self.sections
+            if section.title == title
+            for declaration in section.declarations
+        ]
+
+
+@dataclass(frozen=True)
+class Project:
+    """All units, each behind those that it calls; the program that tests is the last one.
+
+    `blocks` are the names of the blocks that a program calls.
+    """
+
+    name: str
+    units: tuple[Unit, ...]
+    blocks: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class _Trial:
+    """A block, and what it has to give, call by call."""
+
+    block: str
+    given: Sequence[Sequence[float]]
+    expected: Sequence[Sequence[float]]
+    tolerance: float
+    kind: Kind
+
+
+def routines_project(routines: Sequence[Routine], prefix: str) -> Project:
+    """Return a project with a function block for every routine.
+
+    Raises
+    ------
+    ExportError
+        As for Structured Text.
+    """
+    text, blocks = structured_text(routines, prefix)
+    trials = []
+    for routine, block in zip(routines, blocks, strict=True):
+        vectors = routine.vectors()
+        points = zip(*(column.tolist() for column in vectors.inputs), strict=True)
+        rows = [
+            (point, [value])
+            for point, value in zip(points, vectors.expected.tolist(), strict=True)
+            if not _has_subnormal(point, routine.kind)
+        ]
+        given, expected = [row[0] for row in rows], [row[1] for row in rows]
+        trials.append(_Trial(block, given, expected, vectors.tolerance, routine.kind))
+    return _project(text, prefix, trials)
+
+
+def controller_project(program: ControllerProgram, prefix: str) -> Project:
+    """Return a project with a controller as a function block.
+
+    Raises
+    ------
+    ExportError
+        As for Structured Text.
+    """
+    text, block = controller_st(program, prefix)
+    vectors, kind = program.tried.vectors, program.steps.precision.outside
+    trial = _Trial(block, vectors.given, vectors.expected, vectors.tolerance, kind)
+    return _project(text, prefix, [trial])
+
+
+def _has_subnormal(point: Sequence[float], kind: Kind) -> bool:
+    """Whether a number is smaller than a PLC's literals may be; most of them take it for zero."""
+    if np.issubdtype(kind, np.integer):
+        return False
+    smallest = float(np.finfo(kind).tiny)
+    return any(0.0 < abs(x) < smallest for x in point)
+
+
+def _project(text: str, prefix: str, trials: Sequence[_Trial]) -> Project:
+    units = list(_units(text))
+    test = _test_program({unit.name: unit for unit in units}, prefix, trials)
+    blocks = tuple(trial.block for trial in trials)
+    return Project(prefix, (*units, *_units(test)), blocks)
+
+
+def _units(text: str) -> Iterator[Unit]:
+    """Yield the units of a text, and be sure that nothing lies between them."""
+    end = 0
+    for match in _UNIT.finditer(text):
+        assert not text[end : match.start()].strip(), text[end : match.start()]
+        end = match.end()
+        yield _unit(match)
+    assert not text[end:].strip(), text[end:]
+
+
+def _unit(match: re.Match[str]) -> Unit:
+    sections, last = [], 0
+    for section in _SECTION.finditer(match["body"]):
+        last = section.end()
+        declarations = tuple(
+            Declaration(
+                each["name"],
+                each["type"],
+                None if each["last"] is None else int(each["last"]),
+                (each["start"] or "").strip(),
+                each["remark"] or "",
+            )
+            for each in _DECLARATION.finditer(section["lines"])
+        )
+        sections.append(Section(section["title"], declarations))
+    lines = (match["head"] or "").strip("\n").split("\n")
+    head = "\n".join(re.sub(r"^ \* ?", "", line) for line in lines).strip()
+    statements = match["body"][last:].strip("\n") + "\n"
+    return Unit(
+        head, match["sort"], match["name"], match["type"] or "", tuple(sections), statements
+    )
+
+
+def _test_program(units: dict[str, Unit], prefix: str, trials: Sequence[_Trial]) -> str:
+    """Return a program whose variable `passed` is TRUE after one cycle if all is well."""
+    names = Names("st", set(units))
+    declared, lines = ["    passed : BOOL;", "    k : DINT;"], ["passed := TRUE;"]
+    for number, trial in enumerate(trials):
+        if not trial.expected:
+            continue
+        unit = units[trial.block]
+        given = unit.ports("VAR_INPUT")[: len(trial.given[0])]
+        drives = unit.ports("VAR_OUTPUT")[: len(trial.expected[0])]
+        block, points = f"tested_{number}", f"points_{number}"
+        width = len(given) + len(drives)
+        rows = [
+            x
+            for pair in zip(trial.given, trial.expected, strict=True)
+            for x in (*pair[0], *pair[1])
+        ]
+        literals = [st_number(x, trial.kind) for x in rows]
+        body = "\n".join(number_lines(literals, width, indent="        "))
+        of = f"ARRAY [0..{len(literals) - 1}] OF {ST_TYPES[trial.kind]}"
+        declared += [f"    {block} : {trial.block};", f"    {points} : {of} := [\n{body}\n    ];"]
+        passed = ", ".join(f"{name} := {points}[k * {width} + {i}]" for i, name in enumerate(given))
+        lines.append(f"FOR k := 0 TO {len(trial.expected) - 1} DO")
+        lines.append(f"    {block}({passed});")
+        for i, name in enumerate(drives):
+            place = f"{points}[k * {width} + {len(given) + i}]"
+            condition = f"{block}.{name} <> {place}"
+            if not np.issubdtype(trial.kind, np.integer):
+                tolerance = st_number(trial.tolerance, trial.kind)
+                condition = f"ABS({block}.{name} - {place}) > {tolerance}"
+            lines += [f"    IF {condition} THEN", "        passed := FALSE;", "    END_IF;"]
+        lines.append("END_FOR;")
+    name = names.new(f"{prefix}_test")
+    head = "(* passed is TRUE after one cycle if the blocks give what the model gives *)"
+    return "\n".join(
+        [head, f"PROGRAM {name}", "VAR", *declared, "END_VAR", "", *lines, "END_PROGRAM", ""]
+    )
