@@ -8,7 +8,7 @@ A kind of shape, norm or hedge has its names in its own record (`names` of
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 from itertools import chain
 from typing import NamedTuple
@@ -89,6 +89,36 @@ class Dialect:
         Whether the number after those of a shape is its height (fuzzylite).
     unordered : bool
         Whether the program computes with corners that are not in order rather than refuse them.
+    case : str
+        How words of norms and methods are compared: as they stand, in ``lower`` or in ``upper``
+        case.
+    norms : tuple of str
+        Keys of the names of norms that are read; that of `kinds` by default.
+    no_norm : tuple of str
+        Words that stand for none.
+    repeated_term : str
+        Which of two terms with one name counts: ``first`` or ``last``.
+    method : str
+        The defuzzifier of an output for which the file names none.
+    methods_of_others : dict of str
+        Words of other programs for defuzzifiers, and by which they are read.
+    samplings : dict of str
+        Methods that have a sampling of their own.
+    silent : str
+        What an output is where no rule fires, unless the file says: ``nan``, the ``middle`` of
+        its range, the ``maximum`` of nothing, or that whatever the file says (``nothing``).
+    has_ties : bool
+        Whether the last bit decides among samples that are all the highest.
+    inverts : bool
+        Whether values that can be inverted are taken by Tsukamoto's method.
+    sums_values : bool
+        Whether every rule of a weighted output counts for itself, whatever the aggregation.
+    estimates : bool
+        Whether a range that the file does not name is that of the terms.
+    needs_range : bool
+        Whether an output that is integrated is at fault without a range.
+    values_hint : str
+        What to write instead where values are integrated.
     """
 
     suffix: str
@@ -114,6 +144,24 @@ class Dialect:
     ties: str = "last"
     heights: bool = False
     unordered: bool = False
+    case: str = ""
+    norms: tuple[str, ...] = ()
+    no_norm: tuple[str, ...] = ()
+    repeated_term: str = "first"
+    method: str = ""
+    methods_of_others: Mapping[str, str] = field(default_factory=dict)
+    samplings: Mapping[str, str] = field(default_factory=dict)
+    silent: str = "nan"
+    has_ties: bool = False
+    inverts: bool = False
+    sums_values: bool = False
+    estimates: bool = False
+    needs_range: bool = False
+    values_hint: str = ""
+
+    def folded(self, word: str) -> str:
+        """Return a word in the case in which the names of norms and methods stand."""
+        return {"": word, "lower": word.lower(), "upper": word.upper()}[self.case]
 
     @property
     def integral(self) -> dict[str, str]:
@@ -139,8 +187,11 @@ FLL = Dialect(
     suffix=".fll", producer="fuzzylite", program="fuzzylite", kinds="fll",
     samples=(1000, "midpoints"),  # of fuzzylite 7 and 8; version 6 took 100 and always wrote it
     activates=True, chains=True, thresholds=True, clamps=("inputs", "outputs"), heights=True,
-    unordered=True,
+    unordered=True, no_norm=("", "none"), repeated_term="last", has_ties=True, inverts=True,
 )  # fmt: skip
+
+_OF_OTHERS = {"MOM": "MM", "SOM": "LM", "LOM": "RM"}
+"""Words of other programs for the methods of FCL."""
 
 FCL = {
     "jfuzzylogic": Dialect(
@@ -151,6 +202,9 @@ FCL = {
         assumed="read as jFuzzyLogic does: 1000 left samples, ACCU is SUM unless given",
         negates=False, equal_precedence=True, any_case=True, separators=(",", "and"),
         ties="first",
+        case="upper", norms=("fcl", "jfl"), no_norm=("NONE",), repeated_term="last", method="COG",
+        methods_of_others=_OF_OTHERS, estimates=True,
+        values_hint="METHOD : COGS is for singletons",
     ),
     "fuzzylite": Dialect(
         suffix=".fcl", producer="fuzzylite", program="fuzzylite", kinds="fcl",
@@ -158,6 +212,8 @@ FCL = {
         threshold=MACHINE_EPSILON, activates=True, chains=True, clamps=("outputs",),
         assumed="read as fuzzylite does: 1000 midpoints, nan where no rule fires",
         any_case=True, separators=("and", ","), heights=True, unordered=True,
+        case="upper", norms=("fcl", "jfl"), no_norm=("NONE",), method="COG",
+        methods_of_others=_OF_OTHERS, silent="nothing", has_ties=True, inverts=True, estimates=True,
     ),
     "scikit-fuzzy": Dialect(
         suffix=".fcl", producer="scikit-fuzzy", program="fcl-for-scikit-fuzzy", kinds="fcl",
@@ -166,8 +222,15 @@ FCL = {
         assumed="read as fcl-for-scikit-fuzzy does: straight lines between the points of each "
         "RANGE, clamped inputs, min and max beneath the rules",
         commas=True, any_case=True, separators=("and", ","),
+        case="upper", norms=("fcl", "jfl"), no_norm=("NONE",), repeated_term="last", method="COG",
+        values_hint="METHOD : COGS is for singletons",
     ),
 }  # fmt: skip
+
+_FIS_NORMS = ("fis", "octave", "matlab")
+"""Keys of norms: the words of all programs are read in each."""
+
+_FIS_SAMPLINGS = {"centroid_integral": "trapezoid"}
 
 FIS = {
     "matlab": Dialect(
@@ -175,6 +238,8 @@ FIS = {
         samples=(101, "endpoints"),
         assumed="read with the defaults of MATLAB: sums over 101 points, the middle of the "
         "range where no rule fires",
+        case="lower", norms=_FIS_NORMS, no_norm=("",), method="centroid", silent="middle",
+        inverts=True, samplings=_FIS_SAMPLINGS, sums_values=True, needs_range=True,
     ),
     "octave": Dialect(
         suffix=".fis", producer="octave", program="Octave's toolkit", kinds="octave",
@@ -182,6 +247,8 @@ FIS = {
         outside="error",
         assumed="read with the defaults of Octave's toolkit: sums over 101 points, nan "
         "where no rule fires, no values outside a range",
+        case="lower", norms=_FIS_NORMS, no_norm=("",), method="centroid", silent="maximum",
+        inverts=True, samplings=_FIS_SAMPLINGS, needs_range=True,
     ),
     "fuzzylite": Dialect(
         suffix=".fis", producer="fuzzylite", program="fuzzylite", kinds="fis",
@@ -190,6 +257,8 @@ FIS = {
         unordered=True,
         assumed="read with the defaults of fuzzylite: 1000 midpoints, nan where no rule "
         "fires",
+        case="lower", norms=_FIS_NORMS, no_norm=("",), method="centroid", silent="nothing",
+        has_ties=True, inverts=True, samplings=_FIS_SAMPLINGS, needs_range=True,
     ),
 }  # fmt: skip
 
@@ -198,6 +267,7 @@ FML = Dialect(
     samples=(0, "endpoints"), unordered=True,
     assumed="read as IEEE 1855 defines it: exact integrals (JFML takes sums over about 2000 "
     "points)",
+    case="upper", method="COG",
 )  # fmt: skip
 
 

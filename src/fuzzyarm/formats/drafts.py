@@ -10,7 +10,7 @@ from itertools import groupby
 from operator import itemgetter
 
 from fuzzyarm.expression.formulas import read_formula
-from fuzzyarm.expression.kinds import DEFUZZIFIERS, SHAPES
+from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.formats.dialects import Dialect
 from fuzzyarm.formats.findings import (
     MAX_CHARACTERS,
@@ -30,12 +30,14 @@ from fuzzyarm.model.rulebase import (
     Rule,
     RuleBase,
     RuleBlock,
-    Shape,
     Term,
     last_conclusions,
     propositions,
 )
-from fuzzyarm.text.diagnostic import MAX_MAGNITUDE, MAX_TERMS, Span
+from fuzzyarm.text.diagnostic import MAX_MAGNITUDE, Span
+
+INFERENCES = ("Automatic", "TakagiSugeno", "Tsukamoto")
+"""What fuzzylite may make of a weighted output; by default the terms tell."""
 
 VALUES = frozenset({"singleton", "linear", "formula"})
 """Kinds of shape that are a number rather than a set."""
@@ -150,16 +152,6 @@ def lines_of(text: str, without_comment: Callable[[str], str]) -> Iterator[Word]
             yield Word(line, Span(row, start, row, start + len(line)))
 
 
-def rulebase_of(
-    name: str, drafts: Iterable[Draft], blocks: tuple[RuleBlock, ...], description: str = ""
-) -> RuleBase:
-    """Return the rule base of finished variables and blocks."""
-    drafts = tuple(drafts)
-    inputs = tuple(draft.input() for draft in drafts if not draft.is_output)
-    outputs = tuple(draft.output() for draft in drafts if draft.is_output)
-    return RuleBase(name, inputs, outputs, blocks, description)
-
-
 def blocks_by_norms(
     rules: Iterable[tuple[tuple[str, str], Rule]],
 ) -> tuple[RuleBlock, ...]:
@@ -207,6 +199,10 @@ class Draft:
     defuzzifier: Defuzzifier = field(default_factory=Defuzzifier)
     no_rule: float | str = math.nan
     step: float | None = None  # between the points of its range, to scikit-fuzzy
+    method: Word | None = None  # the word for the defuzzifier
+    inference: Word | None = None  # what fuzzylite makes of values: one of INFERENCES
+    resolution: int | None = None  # samples, where the file says how many
+    settled: bool = False  # whether the range is what the program makes of the file's
     _index: dict[str, Term] = field(default_factory=dict)
     refused: set[str] = field(default_factory=set)  # names of terms that have findings
 
@@ -269,7 +265,10 @@ class Draft:
         self.low, self.high = values[0], values[1]
 
     def settle_range(self, findings: Findings) -> None:
-        """Widen a range without width, turn one that is the wrong way round."""
+        """Widen a range without width, turn one that is the wrong way round; once."""
+        if self.settled:
+            return
+        self.settled = True
         if math.isnan(self.low) or math.isnan(self.high):
             findings.error("bad-range", f"the range of '{self.name}' has a nan", self.word)
             self.low, self.high = -math.inf, math.inf
@@ -288,22 +287,6 @@ class Draft:
             self.high = math.nextafter(self.low, math.inf)
 
 
-def add_term(draft: Draft, word: Word, shape: Shape, findings: Findings, *, keep: str) -> None:
-    """Add a term; of two with one name keep the ``first`` or the ``last``, and say so."""
-    term = Term(word.text, shape, word.span)
-    earlier = draft.term(word.text)
-    if earlier is None:
-        if findings.room(len(draft.terms), MAX_TERMS, "terms of a variable", word):
-            draft.add(term)
-        else:
-            draft.refused.add(term.name)
-        return
-    message = f"'{draft.name}' has two terms called '{word.text}'; the {keep} counts"
-    findings.duplicate("duplicate-term-name", message, word, earlier.span)
-    if keep == "last":
-        draft.put(draft.terms.index(earlier), term)
-
-
 def same_value(consequent: Consequent, variables: dict[str, Draft]) -> Consequent:
     """Name the first term with the same value, for programs that aggregate by value."""
     draft = variables.get(consequent.variable)
@@ -314,65 +297,11 @@ def same_value(consequent: Consequent, variables: dict[str, Draft]) -> Consequen
     return replace(consequent, term=first.name)
 
 
-# --- The defuzzifier of an output ---
-
-
-def settle_weighted(draft: Draft, method: str, kind: str, at: Word, findings: Findings) -> None:
-    """Set fuzzylite's weighted defuzzifier; an ``Automatic`` `kind` is told from the terms."""
-    if kind == "Automatic":
-        monotonic = draft.kinds and all_invertible(draft.kinds)
-        kind = "Tsukamoto" if monotonic else "TakagiSugeno"
-    if kind == "Tsukamoto":
-        if DEFUZZIFIERS[method].of == "sum":
-            message = "a weighted sum of Tsukamoto terms cannot be carried"
-            findings.loss("weighted-sum-of-tsukamoto", message, at)
-        draft.defuzzifier = Defuzzifier("tsukamoto")
-        return
-    if not draft.kinds <= VALUES:
-        message = (
-            f"'{draft.name}' has sets where values are needed; fuzzylite takes the membership "
-            "of the firing strength, which cannot be carried"
-        )
-        findings.loss("set-as-value", message, at)
-    draft.defuzzifier = Defuzzifier(method)
-
-
-def settle_maximum(draft: Draft, at: Word, findings: Findings) -> None:
-    """Set what the C++ program of fuzzylite takes for an output that no rule concludes.
-
-    A maximum is then that of nothing, which is a number, so that neither a default nor the
-    value before ever counts.
-    """
-    if draft.defuzzifier.record.of != "top":
-        return
-    note_ties(draft, at, findings)
-    if not draft.bounded:
-        return
-    value = maximum_of_nothing(draft)
-    if draft.no_rule == "hold" or not math.isnan(float(draft.no_rule)):
-        what = "holds" if draft.no_rule == "hold" else "has a default"
-        message = (
-            f"'{draft.name}' {what}, but the maximum of nothing is {value:g} to fuzzylite 7, "
-            "which takes that; version 6 does as the file says"
-        )
-        findings.loss("maximum-of-nothing", message, at, slight=True)
-    draft.no_rule = value
-
-
 def same_number(value: float | str, other: float) -> bool:
     """Whether a value where no rule fires is a number, a NaN being equal to a NaN."""
     if isinstance(value, str):
         return False
     return value == other or (math.isnan(value) and math.isnan(other))
-
-
-def note_ties(draft: Draft, at: Word, findings: Findings) -> None:
-    """Say that the last bit of a product may decide among samples that are all the highest."""
-    message = (
-        f"'{draft.name}' takes a maximum: of samples that are equally high the last bit decides, "
-        "so that single points may fall on another one"
-    )
-    findings.loss("ties-of-maxima", message, at, slight=True)
 
 
 def maximum_of_nothing(output: Draft | Output) -> float:

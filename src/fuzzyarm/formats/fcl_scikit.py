@@ -13,7 +13,7 @@ from dataclasses import replace
 from fuzzyarm.expression.kinds import SNORMS, TNORMS
 from fuzzyarm.formats.dialects import Dialect, words
 from fuzzyarm.formats.drafts import Draft
-from fuzzyarm.formats.fcl_blocks import BlockText, Reader
+from fuzzyarm.formats.fcl_blocks import BlockText, FunctionBlock
 from fuzzyarm.formats.fcl_scikit_terms import (
     MORE_HEDGES,
     closed,
@@ -39,7 +39,7 @@ from fuzzyarm.model.rulebase import (
 from fuzzyarm.model.shapes import membership_function
 from fuzzyarm.text.diagnostic import MAX_TERMS
 
-__all__ = ["ScikitReader", "universe"]
+__all__ = ["ScikitBlock", "universe"]
 
 MEAN_OF_POINTS = (
     "scikit-fuzzy takes the mean of the points that are greatest, and of the cuts between them; "
@@ -79,23 +79,25 @@ def universe(low: float, high: float, step: float | None) -> list[float]:
     return [low + step * index for index in range(count)]
 
 
-class ScikitReader(Reader):
-    """Reads a function block as fcl-for-scikit-fuzzy does."""
+class ScikitBlock(FunctionBlock):
+    """A function block as fcl-for-scikit-fuzzy takes it."""
 
-    def __init__(self, text: str, dialect: Dialect, findings: Findings) -> None:
-        super().__init__(text, dialect, findings)
-        self._universes: dict[str, list[float]] = {}  # of the block that is settled
+    def __init__(self, word: Word, dialect: Dialect, findings: Findings) -> None:
+        super().__init__(word, dialect, findings)
+        self._universes: dict[str, list[float]] = {}
         self._hedged_terms: dict[tuple[str, str, tuple[Hedge, ...]], str] = {}
 
-    def _note_range(self, draft: Draft) -> None:
-        """Take the range of an input where it stands."""
-
-    def _step(self, draft: Draft, word: Word) -> None:
-        step = self.cursor.number()
-        if 0.0 < step < math.inf:
-            draft.step = step
+    def step(self, draft: Draft, word: Word, value: float) -> None:
+        """Take the distance of the points of a universe."""
+        if 0.0 < value < math.inf:
+            draft.step = value
         else:
             self.findings.error("bad-range", "the step of a range must be positive", word)
+
+    def note_default(self, draft: Draft, word: Word) -> None:
+        """Say that scikit-fuzzy has no value where no rule fires."""
+        message = f"the DEFAULT of '{draft.name}' is left out: no rule is an error to scikit-fuzzy"
+        self.findings.info("dropped-options", message, word)
 
     def _norms(self, text: BlockText) -> dict[str, str]:
         """Return the norms of a block; of a pair of which one is named the other is its dual."""
@@ -122,25 +124,14 @@ class ScikitReader(Reader):
     def _accumulate(self, rules: list[RuleText], accumulation: str | None) -> None:
         """Leave the aggregation to the outputs."""
 
-    def _default(self, draft: Draft) -> None:
-        word = self.cursor.word
-        super()._default(draft)
-        message = f"the DEFAULT of '{draft.name}' is left out: no rule is an error to scikit-fuzzy"
-        self.findings.info("dropped-options", message, word)
-
-    def _method_name(self, draft: Draft, name: str, at: Word) -> str:
-        return name
-
-    def _settle(self, draft: Draft) -> None:
+    def settle_variable(self, draft: Draft) -> None:
+        """Put the terms of a variable on the points of its universe."""
         if draft.is_output:
             draft.no_rule = "error"
-            norm = self.block.accumulations.get(draft.name, "max")
-            if norm != "max":
+            if self.accumulations.setdefault(draft.name, "max") != "max":
                 message = f"'{draft.name}' accumulates by something other than the maximum"
                 self.findings.loss("unsupported-norm", message, draft.word)
-            draft.aggregation = "max"
-        else:
-            draft.outside = "clamp"
+                self.accumulations[draft.name] = "max"
         if not draft.low < draft.high or not math.isfinite(draft.high - draft.low):
             message = f"'{draft.name}' needs a RANGE of two numbers, the first below the second"
             self.findings.error("bad-range", message, draft.word)
@@ -158,21 +149,26 @@ class ScikitReader(Reader):
             shape = self._on_points(draft, replace(term, shape=closed(term.shape, xs)), xs)
             draft.put(index, Term(term.name, shape, term.span))
         if draft.is_output:
-            self._finish_output(draft, self.block.methods.get(draft.name))
+            self.finish_output(draft, self.method_name(draft))
             method = draft.defuzzifier.method
             draft.defuzzifier = Defuzzifier(method)
             if draft.defuzzifier.record.joins:
                 draft.defuzzifier = Defuzzifier(method, len(xs), "joined")
 
-    def _note_habits(self, draft: Draft, name: str, at: Word) -> None:
+    def method_name(self, draft: Draft) -> str:
+        """Return the method as it stands: values and words of others are refused."""
+        return "COG" if draft.method is None else draft.method.text.upper()
+
+    def note_method(self, draft: Draft, name: str, at: Word) -> None:
+        """Say what is the mean of maxima to scikit-fuzzy."""
         if self.dialect.integral[name] == "mean-of-maximum":
             self.findings.loss("mean-of-maximum", MEAN_OF_POINTS, at, slight=True)
 
     # --- Hedges ---
 
-    def _sentences(self, rules: list[list[Word]]) -> list[RuleText]:
+    def sentences(self, rules: list[list[Word]]) -> list[RuleText]:
         """Read rules; hedged terms become terms where the points do not show the hedge itself."""
-        variables = self.block.variables
+        variables = self.variables
         texts = read_sentences(rules, variables, self.findings, self.dialect, MORE_HEDGES)
         return [
             replace(
@@ -204,7 +200,7 @@ class ScikitReader(Reader):
 
         scikit-fuzzy has the hedges of a term at the points only, and straight lines between them.
         """
-        draft = self.block.variables.get(variable)
+        draft = self.variables.get(variable)
         term = draft.term(name) if draft is not None else None
         xs = self._universes.get(variable)
         if draft is None or term is None or not xs or set(hedges) <= {NOT}:

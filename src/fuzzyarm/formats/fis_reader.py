@@ -7,18 +7,11 @@ import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
-from fuzzyarm.expression.kinds import SNORMS, TNORMS
-from fuzzyarm.formats.dialects import FIS, Dialect, words
+from fuzzyarm.formats.dialects import FIS, Dialect
 from fuzzyarm.formats.drafts import (
-    VALUES,
     Draft,
-    all_invertible,
     imported,
-    maximum_of_nothing,
     note_rounding,
-    rulebase_of,
-    settle_maximum,
-    settle_weighted,
 )
 from fuzzyarm.formats.findings import (
     MAX_RULES,
@@ -31,7 +24,6 @@ from fuzzyarm.formats.findings import (
     unique_name,
 )
 from fuzzyarm.formats.fis_text import (
-    ALL_NAMES,
     BRACKETED,
     Section,
     by_magnitude,
@@ -52,9 +44,9 @@ from fuzzyarm.formats.fis_type2 import (
     note_toolbox,
     reductions,
 )
-from fuzzyarm.formats.meaning import Block, blocks_in_model
+from fuzzyarm.formats.meaning import Block
 from fuzzyarm.formats.sentences import NOT, RuleText
-from fuzzyarm.formats.values import formulas_of_input, values_as_sets
+from fuzzyarm.formats.system_reader import SystemReader
 from fuzzyarm.model.rulebase import (
     And,
     Consequent,
@@ -64,11 +56,10 @@ from fuzzyarm.model.rulebase import (
     Is,
     Or,
     RuleBase,
-    RuleBlock,
     Term,
 )
 from fuzzyarm.model.shapes import first_above
-from fuzzyarm.text.diagnostic import MAX_TERMS, NOWHERE, Span
+from fuzzyarm.text.diagnostic import MAX_TERMS, Span
 
 # --- Rules: a term index for each variable, weight, and 1 for and or 2 for or ---
 
@@ -128,18 +119,18 @@ def parse_fis(
     return imported(text, path, read, lossy=lossy, strict=strict)
 
 
-class _Reader:
+class _Reader(SystemReader):
+    """Goes from section to section, in the order of their numbers."""
+
     def __init__(self, text: str, dialect: Dialect, findings: Findings) -> None:
+        super().__init__(dialect, findings)
         self.text = text
-        self.dialect = dialect
-        self.findings = findings
         self.settings: dict[str, Word] = {}  # of [System], by keys in small letters
-        self.inputs: list[Draft] = []
-        self.outputs: list[Draft] = []
         self.terms: dict[str, dict[int, str]] = {}
         self.rules: list[Word] = []
         self.seen: dict[tuple[str, int], Span] = {}
         self.unequal: list[Word] = []  # rules with too many or too few numbers
+        self.aggregation: str | None = None  # of all outputs
         self.is_type2 = False
         self.is_toolbox = is_of_toolbox(text)
 
@@ -156,19 +147,13 @@ class _Reader:
             if section.kind != "system":
                 self._section(section, inputs)
         self._check_whole(systems)
-        for draft in (*self.inputs, *self.outputs):
-            draft.settle_range(self.findings)
-        for draft in self.inputs:
-            formulas_of_input(draft, self.findings)
-        for draft in self.outputs:
-            if self.is_type2:
-                self._reduce_output(draft)
-            else:
-                self._finish_output(draft)
-        blocks = self._blocks()
+        block = self._block()
+        self.settle()
+        self._read_rules(block)
+        blocks = self.in_model([block])
         if self.dialect.producer == "fuzzylite":
             note_rounding(self.text, self.findings)
-        return rulebase_of(self.text_of("name"), (*self.inputs, *self.outputs), blocks)
+        return self.rulebase(self.text_of("name"), blocks)
 
     def _section(self, section: Section, inputs: int) -> None:
         key = (section.kind, section.number)
@@ -224,69 +209,36 @@ class _Reader:
         word = self.settings.get(key)
         return word.text.strip() if word is not None else ""
 
-    def tnorm(self, key: str) -> str:
-        return self._norm(key, words(TNORMS, *ALL_NAMES), "min")
-
-    def snorm(self, key: str) -> str:
-        return self._norm(key, words(SNORMS, *ALL_NAMES), "max")
-
-    def _norm(self, key: str, table: Mapping[str, str], default: str) -> str:
-        name = self.text_of(key)
-        if not name:
-            return default
-        return self.findings.norm(f"the {key}", self.settings[key], table, name.lower()) or default
-
-    def _named_norm(self, key: str, norm: Callable[[str], str]) -> str | None:
-        """Return a norm; None where the file names none and the program has none of its own."""
-        if self.dialect.producer == "fuzzylite" and not self.text_of(key):
+    def _norm_of(self, key: str, norm: Callable[[Word, str], str | None], usual: str) -> str | None:
+        """Return the norm of a setting; None where the file names none."""
+        word = self.settings.get(key)
+        if word is None or not word.text.strip():
             return None
-        return norm(key)
+        return norm(word, f"the {key}") or usual  # where it is misspelt
 
-    def _finish_output(self, draft: Draft) -> None:
-        """Set aggregation, defuzzifier and the value without rules of an output."""
+    def implication(self) -> str:
+        """Return the implication, which is the minimum where the file names none."""
+        return super().implication() or "min"
+
+    def method_name(self, draft: Draft) -> str:
+        """Return the method of the whole file, which a Sugeno system need not name."""
+        draft.method = self.settings.get("defuzzmethod")
         name = self.text_of("defuzzmethod").lower()
-        is_sugeno = self.text_of("type").lower() == "sugeno"
         if not name:
-            name = "wtaver" if is_sugeno else "centroid"
-        at = self.settings.get("defuzzmethod", draft.word)
-        dialect = self.dialect
-        producer = dialect.producer
-        draft.aggregation = self.snorm("aggmethod")
-        draft.aggregates = self._named_norm("aggmethod", self.snorm) is not None
-        if producer == "matlab" and _is_nan(draft.no_rule) and draft.bounded:
-            draft.no_rule = 0.5 * (draft.low + draft.high)
-        if name in dialect.weighted:
-            if producer == "fuzzylite":
-                settle_weighted(draft, dialect.weighted[name], "Automatic", at, self.findings)
-            else:
-                self._weighted(draft, dialect.weighted[name], at)
-        elif name in dialect.integral:
-            self._integrated(draft, name, at)
-        else:
-            word = self.settings["defuzzmethod"]
-            methods = (*dialect.integral, *dialect.weighted)
-            self.findings.unknown("unknown-defuzzifier", "the method", word, methods)
+            return "wtaver" if self.text_of("type").lower() == "sugeno" else self.dialect.method
+        return name
 
-    def _integrated(self, draft: Draft, name: str, at: Word) -> None:
-        """Set a defuzzifier of sets."""
-        resolution, sampling = self.dialect.samples
-        if name == "centroid_integral":
-            sampling = "trapezoid"
+    def finish_output(self, draft: Draft, name: str) -> None:
+        draft.aggregation, draft.aggregates = self.aggregation or "max", bool(self.aggregation)
+        if self.is_type2:
+            self._reduce_output(draft)
+            return
         if self.dialect.producer == "matlab":
-            name = self._by_magnitude(draft, name, at)
-        draft.defuzzifier = Defuzzifier(self.dialect.integral[name], resolution, sampling)
-        if self.dialect.producer == "fuzzylite":
-            settle_maximum(draft, at, self.findings)
-        elif _is_nan(draft.no_rule):
-            draft.no_rule = maximum_of_nothing(draft)
-        self._values_as_sets(draft, at)
-        if not draft.bounded:
-            message = f"the output '{draft.name}' needs a range to be integrated over"
-            self.findings.error("bad-range", message, draft.word)
+            name = self._by_magnitude(draft, name)
+        super().finish_output(draft, name)
 
     def _reduce_output(self, draft: Draft) -> None:
         """Set the type reduction of an output, over 101 samples where it has sets."""
-        draft.aggregation = self.snorm("aggmethod")
         is_sugeno = self.text_of("type").lower().startswith("sug")
         is_weighted = is_sugeno or self.text_of("defuzzmethod").lower() in self.dialect.weighted
         keys = ("typeredmethod", "typereductionmethod")
@@ -309,7 +261,7 @@ class _Reader:
         else:
             draft.defuzzifier = Defuzzifier(method, *self.dialect.samples)
 
-    def _by_magnitude(self, draft: Draft, name: str, at: Word) -> str:
+    def _by_magnitude(self, draft: Draft, name: str) -> str:
         """Return the word of an output for which MATLAB compares the magnitudes of maxima."""
         found = by_magnitude(name, draft.low, draft.high)
         if found is None:
@@ -317,35 +269,14 @@ class _Reader:
                 f"MATLAB takes the maximum of '{draft.name}' that is nearest to 0 for som and the "
                 "farthest for lom; here the lowest and the highest are taken"
             )
+            at = draft.method or draft.word
             self.findings.loss("maximum-by-magnitude", message, at, slight=True)
         return found or name
-
-    def _weighted(self, draft: Draft, method: str, at: Word) -> None:
-        if self.dialect.producer == "matlab":
-            draft.aggregation = "sum"  # every rule counts for itself, whatever AggMethod says
-        if draft.kinds and all_invertible(draft.kinds):
-            draft.defuzzifier = Defuzzifier("tsukamoto")
-            return
-        if not draft.kinds <= VALUES:
-            message = f"'{draft.name}' has sets where a weighted defuzzifier needs values"
-            self.findings.error("set-as-value", message, at)
-        draft.defuzzifier = Defuzzifier(method)
-
-    def _values_as_sets(self, draft: Draft, at: Word) -> None:
-        """Express values that are integrated: to fuzzylite they are sets."""
-        if self.dialect.producer == "fuzzylite":
-            values_as_sets(draft, self.tnorm("impmethod"), at, self.findings)
-            return
-        for term in draft.terms:
-            if term.shape.kind in VALUES:
-                message = f"'{term.name}' of '{draft.name}' is a value, which cannot be integrated"
-                self.findings.loss("value-as-set", message, at)
 
     # --- Variables and terms ---
 
     def _variable(self, section: Section, inputs: int) -> None:
-        count = len(self.inputs) + len(self.outputs)
-        if not self.findings.room(count, MAX_VARIABLES, "variables", section.span):
+        if not self.findings.room(len(self.variables), MAX_VARIABLES, "variables", section.span):
             return
         is_output = section.kind == "output"
         draft = Draft(Word("", section.span), is_output)
@@ -378,7 +309,7 @@ class _Reader:
         for word in declared[-1:]:
             self._check_count(word, len(memberships), "terms")
         self.terms[draft.name] = taken
-        (self.outputs if is_output else self.inputs).append(draft)
+        self.variables[draft.name] = draft
 
     def _numbered(
         self, draft: Draft, memberships: list[tuple[int, Word]], lower: Mapping[int, Word]
@@ -398,8 +329,7 @@ class _Reader:
 
     def _name(self, draft: Draft, section: Section) -> None:
         name = draft.name or f"{section.kind}{section.number or ''}"
-        used = {d.name for d in (*self.inputs, *self.outputs)}
-        unique = unique_name(name, used)
+        unique = unique_name(name, set(self.variables))
         if unique != draft.name:
             what = "has no name" if not draft.name else f"shares the name '{name}'"
             message = f"the {section.kind} {what}; it is called '{unique}'"
@@ -421,7 +351,7 @@ class _Reader:
             case "enabled":
                 draft.enabled = number(value.text) == 1.0
             case "default" if draft.is_output:
-                self._default(draft, value)
+                self.default(draft, value)
             case "lockprevious" if draft.is_output:
                 if number(value.text) == 1.0:
                     draft.no_rule = "hold"
@@ -433,13 +363,6 @@ class _Reader:
                 memberships.append((int(membership.group(1)), value))
             case _:
                 self.findings.ignored_key(key, _VARIABLE_KEYS)
-
-    def _default(self, draft: Draft, value: Word) -> None:
-        default = number(value.text)
-        if default is None:
-            self.findings.error("not-a-number", f"'{value.text[:40]}' is not a number", value)
-        elif draft.no_rule != "hold":
-            draft.no_rule = default
 
     def _term(
         self,
@@ -503,24 +426,28 @@ class _Reader:
 
     # --- Rules ---
 
-    def _blocks(self) -> tuple[RuleBlock, ...]:
+    def _block(self) -> Block:
+        """Return the one block of the file, with its norms."""
+        block = Block("", threshold=self.dialect.threshold)
+        block.conjunction = self._norm_of("andmethod", self.tnorm, "min")
+        block.disjunction = self._norm_of("ormethod", self.snorm, "max")
+        block.implication = self._norm_of("impmethod", self.tnorm, "min")
+        self.aggregation = self._norm_of("aggmethod", self.snorm, "max")
+        self.blocks = [block]
+        return block
+
+    def _read_rules(self, block: Block) -> None:
         if len(self.rules) > MAX_RULES:
             self.findings.room(len(self.rules), MAX_RULES, "rules", self.rules[MAX_RULES])
         rules = self.rules[:MAX_RULES]
-        texts = [text for line in rules if (text := self._rule(line)) is not None]
+        block.rules = [text for line in rules if (text := self._rule(line)) is not None]
         if self.unequal:
             counts = f"{len(self.inputs)} inputs and {len(self.outputs)} outputs"
             more = f" (and {len(self.unequal) - 1} other rules)" if len(self.unequal) > 1 else ""
             message = f"the rule does not have a number for each of {counts}{more}"
             self.findings.error("wrong-count", message, self.unequal[0])
-        block = Block("", NOWHERE, threshold=self.dialect.threshold, rules=texts)
-        block.conjunction = self._named_norm("andmethod", self.tnorm)
-        block.disjunction = self._named_norm("ormethod", self.snorm)
-        block.implication = self._named_norm("impmethod", self.tnorm)
         if self.is_toolbox and self.is_type2:
             note_toolbox(block, self.settings, self.findings)
-        drafts = {draft.name: draft for draft in (*self.inputs, *self.outputs)}
-        return blocks_in_model([block], drafts, self.dialect, self.findings)
 
     def _rule(self, line: Word) -> RuleText | None:
         match = _RULE.match(line.text)

@@ -4,24 +4,14 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 
-from fuzzyarm.expression.kinds import SHAPES, SNORMS, TNORMS
+from fuzzyarm.expression.kinds import SHAPES, TNORMS
 from fuzzyarm.formats.dialects import FLL, Dialect, all_spellings, words
-from fuzzyarm.formats.drafts import (
-    Draft,
-    add_term,
-    imported,
-    lines_of,
-    note_rounding,
-    note_ties,
-    rulebase_of,
-    settle_weighted,
-)
+from fuzzyarm.formats.drafts import Draft, imported, lines_of, note_rounding
 from fuzzyarm.formats.findings import (
     MAX_RULES,
-    MAX_VARIABLES,
     Exported,
     Findings,
     Imported,
@@ -30,20 +20,13 @@ from fuzzyarm.formats.findings import (
     numbers,
     written,
 )
-from fuzzyarm.formats.meaning import Block, blocks_in_model, is_on
+from fuzzyarm.formats.meaning import Block
 from fuzzyarm.formats.recovery import straight_shape
 from fuzzyarm.formats.sentences import read_sentences
 from fuzzyarm.formats.shapes import formula_shape, spelled_shape
-from fuzzyarm.formats.values import formulas_of_input, values_as_sets
+from fuzzyarm.formats.system_reader import SystemReader
 from fuzzyarm.formats.writing import FUZZYLITE_WORDS, HEADER, Writer, identifiers, written_sentences
-from fuzzyarm.model.rulebase import (
-    Defuzzifier,
-    Input,
-    Output,
-    RuleBase,
-    RuleBlock,
-    Shape,
-)
+from fuzzyarm.model.rulebase import Input, Output, RuleBase, RuleBlock, Shape
 from fuzzyarm.text.diagnostic import MAX_TERMS
 
 # --- FLL text, line by line: `key: value` with `#` comments ---
@@ -81,7 +64,6 @@ _BLOCK_KEYS = (
 )  # fmt: skip
 _INPUT_KEYS = ("description", "enabled", "range", "lock-range", "term")
 _OUTPUT_KEYS = (*_INPUT_KEYS, "aggregation", "defuzzifier", "default", "lock-previous")
-_TYPES = ("Automatic", "TakagiSugeno", "Tsukamoto")
 MAX_RESOLUTION = 10_000_000
 
 
@@ -111,33 +93,6 @@ def _threshold(words: list[Word]) -> float | None:
         return None
     below = limit if values[0] == ">" else math.nextafter(limit, -math.inf)
     return max(below, 0.0)
-
-
-def _settle_defuzzifier(
-    draft: Draft, line: _Line | None, implication: str | None, findings: Findings
-) -> None:
-    words = line.words() if line is not None else []
-    if line is None or not words or words[0].text == "none":
-        message = f"the output '{draft.name}' has no defuzzifier"
-        at = line.key if line is not None else draft.word
-        findings.error("no-defuzzifier", message, at)
-        return
-    method = words[0].text
-    if method in FLL.integral:
-        resolution = _resolution(words, findings)
-        draft.defuzzifier = Defuzzifier(FLL.integral[method], resolution, "midpoints")
-        if draft.defuzzifier.record.of == "top":
-            note_ties(draft, line.value, findings)
-        values_as_sets(draft, implication, line.value, findings)
-    elif method in FLL.weighted:
-        kind = words[1].text if len(words) > 1 else "Automatic"
-        if kind not in _TYPES:
-            findings.unknown("unknown-defuzzifier", "the type", words[1], _TYPES)
-            return
-        settle_weighted(draft, FLL.weighted[method], kind, line.value, findings)
-    else:
-        methods = (*FLL.integral, *FLL.weighted)
-        findings.unknown("unknown-defuzzifier", "the method", words[0], methods)
 
 
 def _resolution(words: list[Word], findings: Findings) -> int:
@@ -200,17 +155,16 @@ def parse_fll(
     return imported(text, path, read, lossy=lossy, strict=strict)
 
 
-class _Reader:
+class _Reader(SystemReader):
+    """Goes from line to line; terms wait until all inputs are known, rules until all terms are."""
+
     def __init__(self, text: str, findings: Findings) -> None:
+        super().__init__(FLL, findings)
         self.text = text
-        self.findings = findings
         self.name = ""
         self.description = ""
-        self.variables: dict[str, Draft] = {}
         self.terms: list[tuple[Draft, _Line]] = []
-        self.defuzzifiers: dict[str, _Line] = {}
-        self.blocks: list[Block] = []
-        self.rules: list[list[_Line]] = []
+        self.rules: list[list[_Line]] = []  # of each block
         self.draft: Draft | None = None
         self.section = ""
 
@@ -220,13 +174,14 @@ class _Reader:
                 self._open(line)
             else:
                 self._setting(line)
-        has_output = any(draft.is_output for draft in self.variables.values())
-        if not has_output and not self.findings.failed:
+        if not self.outputs and not self.findings.failed:
             self.findings.error("no-engine", "there is no output in this file")
-        self._finish_variables()
-        blocks = self._finish_blocks()
+        for draft, line in self.terms:
+            self._term(draft, line)
+        self.settle()
+        blocks = self.in_model(self._blocks())
         note_rounding(self.text, self.findings)
-        return rulebase_of(self.name, self.variables.values(), blocks, self.description)
+        return self.rulebase(self.name, blocks, self.description)
 
     def _open(self, line: _Line) -> None:
         self.section = line.key.text
@@ -237,23 +192,19 @@ class _Reader:
             self.blocks.append(Block(line.value.text, line.key.span, always_concludes=True))
             self.rules.append([])
         else:
-            self._open_variable(line)
+            word = self._identifier(
+                "variable", line.value, line.value if line.value.text else line.key
+            )
+            self.draft = self.variable(word, is_output=self.section == "OutputVariable")
+            self.draft.aggregates = False  # until a line says so
 
-    def _open_variable(self, line: _Line) -> None:
-        word = line.value if line.value.text else line.key
-        name = _identifier(line.value.text)
-        if name != line.value.text:
-            message = f"fuzzylite calls the variable '{line.value.text[:60]}' {name}"
-            self.findings.info("renamed", message, word)
-        self.draft = Draft(Word(name, word.span), self.section == "OutputVariable")
-        self.draft.aggregates = False  # until a line says so
-        earlier = self.variables.get(name)
-        if earlier is not None:
-            message = f"there are two variables called '{name}'"
-            self.findings.error("duplicate-variable", message, word)
-            return
-        if self.findings.room(len(self.variables), MAX_VARIABLES, "variables", word):
-            self.variables[name] = self.draft
+    def _identifier(self, what: str, word: Word, at: Word) -> Word:
+        """Return a name as fuzzylite spells it; say where that is another one."""
+        name = _identifier(word.text)
+        if name != word.text:
+            message = f"fuzzylite calls the {what} '{word.text[:60]}' {name}"
+            self.findings.info("renamed", message, at)
+        return Word(name, at.span)
 
     def _setting(self, line: _Line) -> None:
         key = line.key.text
@@ -290,19 +241,15 @@ class _Reader:
     def _output_setting(self, draft: Draft, line: _Line) -> None:
         match line.key.text:
             case "aggregation" | "accumulation":
-                norm = self._snorm(line.value)
+                norm = self.snorm(line.value)
                 draft.aggregation, draft.aggregates = norm or "sum", norm is not None
             case "defuzzifier":
-                self.defuzzifiers[draft.name] = line
+                self._defuzzifier(draft, line)
             case "default":
                 value = number(line.value.text)
-                if value is None:
-                    message = f"'{line.value.text[:40]}' is not a number"
-                    self.findings.error("not-a-number", message, line.value)
-                elif draft.no_rule != "hold":
-                    draft.no_rule = value
-                elif not math.isnan(value):
+                if draft.no_rule == "hold" and value is not None and not math.isnan(value):
                     self._held_default(line.key)
+                self.default(draft, line.value)
             case "lock-previous" | "lock-valid" | "lock-defuzz":
                 if _flag(line, self.findings):
                     if isinstance(draft.no_rule, float) and not math.isnan(draft.no_rule):
@@ -316,25 +263,20 @@ class _Reader:
         hint = "pass it as the held value"
         self.findings.loss("default-with-hold", message, at, hint, slight=True)
 
-    def _finish_variables(self) -> None:
-        inputs = sum(not d.is_output for d in self.variables.values())
-        for draft, line in self.terms:
-            self._term(draft, line, inputs)
-        for draft in self.variables.values():
-            draft.settle_range(self.findings)
-            if not draft.is_output:
-                formulas_of_input(draft, self.findings)
-                continue
-            _settle_defuzzifier(
-                draft, self.defuzzifiers.get(draft.name), self._implication(), self.findings
-            )
+    def _defuzzifier(self, draft: Draft, line: _Line) -> None:
+        """Take method and resolution, or method and what becomes of values."""
+        words = line.words()
+        if not words or words[0].text == "none":
+            draft.method = Word("", line.key.span)
+            return
+        # A finding stands at the whole value, a misspelt method at its word.
+        is_known = words[0].text in (*FLL.integral, *FLL.weighted)
+        draft.method = Word(words[0].text, line.value.span if is_known else words[0].span)
+        if words[0].text in FLL.integral:
+            draft.resolution = _resolution(words, self.findings)
+        draft.inference = words[1] if len(words) > 1 else None
 
-    def _implication(self) -> str | None:
-        """Return the implication of all blocks that are on, if it is the same."""
-        named = {block.implication for block in self.blocks if block.enabled}
-        return named.pop() if len(named) == 1 else None
-
-    def _term(self, draft: Draft, line: _Line, inputs: int) -> None:
+    def _term(self, draft: Draft, line: _Line) -> None:
         words = line.words()
         if len(words) < 2:
             message = "a term is 'name Class numbers'"
@@ -344,15 +286,8 @@ class _Reader:
         offset = kind.span.end_column - line.value.span.column
         rest = line.value.text[offset:].strip()
         formula = Word(rest, parameters[0].span.to(line.value.span) if parameters else kind.span)
-        cleaned = _identifier(name.text)
-        if cleaned != name.text:
-            message = f"fuzzylite calls the term '{name.text[:60]}' {cleaned}"
-            self.findings.info("renamed", message, name)
-        shape = _shape(kind, parameters, formula, inputs, self.findings)
-        if shape is None:
-            draft.refused.add(cleaned)
-        else:
-            add_term(draft, Word(cleaned, name.span), shape, self.findings, keep="last")
+        word = self._identifier("term", name, name)
+        self.term(draft, word, _shape(kind, parameters, formula, len(self.inputs), self.findings))
 
     # --- Rule blocks ---
 
@@ -365,11 +300,11 @@ class _Reader:
             case "enabled":
                 block.enabled = _flag(line, self.findings, default=True)
             case "conjunction":
-                block.conjunction = self._tnorm(line.value)
+                block.conjunction = self.tnorm(line.value)
             case "disjunction":
-                block.disjunction = self._snorm(line.value)
+                block.disjunction = self.snorm(line.value)
             case "implication":
-                block.implication = self._tnorm(line.value)
+                block.implication = self.tnorm(line.value)
             case "activation":
                 self._activation(block, line)
             case "rule":
@@ -378,15 +313,6 @@ class _Reader:
                     self.rules[-1].append(line)
             case _:
                 self.findings.unknown("unknown-key", "the key", line.key, _BLOCK_KEYS)
-
-    def _tnorm(self, word: Word) -> str | None:
-        return self._norm("the T-norm", word, words(TNORMS, FLL.kinds))
-
-    def _snorm(self, word: Word) -> str | None:
-        return self._norm("the S-norm", word, words(SNORMS, FLL.kinds))
-
-    def _norm(self, what: str, word: Word, table: Mapping[str, str]) -> str | None:
-        return None if word.text in ("", "none") else self.findings.norm(what, word, table)
 
     def _activation(self, block: Block, line: _Line) -> None:
         parts = line.words()
@@ -405,18 +331,17 @@ class _Reader:
         elif method != "none":
             self.findings.unknown("unknown-activation", "the method", parts[0], _ACTIVATIONS)
 
-    def _finish_blocks(self) -> tuple[RuleBlock, ...]:
-        blocks = []
+    def _blocks(self) -> Iterator[Block]:
+        """Yield the blocks that are on, with their rules."""
         for block, lines in zip(self.blocks, self.rules, strict=True):
-            if not is_on(block, self.findings):
+            if not self.is_on(block):
                 continue
             rules = [line.value.parts(_WORD) for line in lines]
             for line, rule in zip(lines, rules, strict=True):
                 if not rule:
                     self.findings.error("syntax", "the rule is empty", line.key)
             block.rules = read_sentences(filter(None, rules), self.variables, self.findings, FLL)
-            blocks.append(block)
-        return blocks_in_model(blocks, self.variables, FLL, self.findings)
+            yield block
 
 
 def _identifier(name: str) -> str:

@@ -14,22 +14,22 @@ from dataclasses import dataclass, field
 from graphlib import CycleError, TopologicalSorter
 from xml.parsers import expat
 
-from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
+from fuzzyarm.expression.kinds import HEDGES, SHAPES
 from fuzzyarm.formats.composed import POINTS, Degree, composed, norm_of
 from fuzzyarm.formats.dialects import FML, Dialect, all_spellings, words
-from fuzzyarm.formats.drafts import Draft, add_term, all_invertible, imported, rulebase_of
+from fuzzyarm.formats.drafts import Draft, all_invertible, imported
 from fuzzyarm.formats.findings import (
     MAX_RULES,
-    MAX_VARIABLES,
     FaultError,
     Findings,
     Imported,
     Word,
     number,
 )
-from fuzzyarm.formats.meaning import Block, around, blocks_in_model, hedged_weight
+from fuzzyarm.formats.meaning import Block, around, hedged_weight
 from fuzzyarm.formats.sentences import NOT, RuleText
 from fuzzyarm.formats.shapes import make_shape, range_of_values, spelled_shape
+from fuzzyarm.formats.system_reader import SystemReader
 from fuzzyarm.model.rulebase import (
     And,
     Consequent,
@@ -195,11 +195,11 @@ def parse_fml(
     return imported(text, path, read, lossy=lossy, strict=strict)
 
 
-class _Reader:
+class _Reader(SystemReader):
     def __init__(self, root: _Element, findings: Findings) -> None:
+        super().__init__(FML, findings)
         self.root = root
-        self.findings = findings
-        self.variables: dict[str, Draft] = {}
+        self.elements: dict[str, _Element] = {}  # of outputs, by their names
         self.complements: set[tuple[str, str]] = set()  # variables and terms
         self.refused: set[str] = set()  # tags that are not supported, names of such variables
 
@@ -216,27 +216,26 @@ class _Reader:
         inputs = len(named - {""})
         for element in elements:
             self._variable(element, inputs)
+        self.settle()
         self._estimate_ranges()
         blocks = [
             block
             for element in self.root.all(*RULE_BASES)
             for block in self._blocks(element, RULE_BASES[element.tag.text])
         ]
-        if not any(draft.is_output for draft in self.variables.values()):
+        if not self.outputs:
             self.findings.error("no-engine", "there is no output in this file", self.root.tag)
         elif not blocks and not self.findings.failed:
             self.findings.error("no-rules", "there is no rule base in this file", self.root.tag)
-        rule_blocks = blocks_in_model(blocks, self.variables, FML, self.findings)
-        name = self.root.get("name").text
-        return rulebase_of(name, self.variables.values(), rule_blocks)
+        return self.rulebase(self.root.get("name").text, self.in_model(blocks))
 
     def _estimate_ranges(self) -> None:
         """Give an output of values, which has no domain, the range that they span."""
         if self.findings.failed:
             return
-        ends = {d.name: (d.low, d.high) for d in self.variables.values() if not d.is_output}
-        for draft in self.variables.values():
-            if not draft.is_output or draft.bounded or draft.integrates:
+        ends = {draft.name: (draft.low, draft.high) for draft in self.inputs}
+        for draft in self.outputs:
+            if draft.bounded or draft.integrates:
                 continue
             values = range_of_values((term.shape for term in draft.terms), ends)
             if values is None:
@@ -266,14 +265,10 @@ class _Reader:
         if not word.text:
             self.findings.error("missing-name", "the variable has no name", word)
             return
-        if word.text in self.variables:
-            message = f"there are two variables called '{word.text}'"
-            self.findings.error("duplicate-variable", message, word)
+        draft = self.variable(word, is_output=_is_output(element))
+        if draft is not self.variables.get(word.text):
             return
-        if not self.findings.room(len(self.variables), MAX_VARIABLES, "variables", word):
-            return
-        draft = Draft(word, _is_output(element))
-        self.variables[word.text] = draft
+        self.elements[word.text] = element
         if element.tag.text != "tskVariable":
             ends = [element.get("domainleft"), element.get("domainright")]
             text = Word(" ".join(end.text for end in ends), element.tag.span)
@@ -282,14 +277,9 @@ class _Reader:
         for term in self._by_dependence(list(element.all(VARIABLES[element.tag.text]))):
             name = term.get("name")
             shape = self._shape(term, draft, inputs)
-            if shape is None:
-                draft.refused.add(name.text)
-                continue
-            add_term(draft, name, shape, self.findings, keep="first")
-            if term.get("complement").text.lower() == "true":
+            self.term(draft, name, shape)
+            if shape is not None and term.get("complement").text.lower() == "true":
                 self.complements.add((draft.name, name.text))
-        if draft.is_output:
-            self._finish(draft, element)
 
     def _by_dependence(self, terms: list[_Element]) -> list[_Element]:
         """Return the terms of a variable, one that is made of others after them.
@@ -347,9 +337,9 @@ class _Reader:
     ) -> Degree | None:
         """Return the degree of the terms below an *and* or an *or*; None where one is at fault."""
         if element.tag.text == "and":
-            norm = f"t:{self._tnorm(element.get('t-norm', 'MIN'))}"
+            norm = f"t:{self.tnorm(element.get('t-norm', 'MIN')) or 'min'}"
         else:
-            norm = f"s:{self._snorm(element.get('t-conorm', 'MAX'))}"
+            norm = f"s:{self.snorm(element.get('t-conorm', 'MAX')) or 'max'}"
         norms.append(norm)
         found: list[Degree | None] = []
         for child in element.all("termName", "and", "or"):
@@ -458,37 +448,41 @@ class _Reader:
             values.append(value)
         return values
 
-    def _finish(self, draft: Draft, element: _Element) -> None:
-        """Set aggregation, defuzzifier and the value without rules of an output."""
+    def method_name(self, draft: Draft) -> str:
+        """Return the method of an output, in the letters in which the standard has it."""
+        element = self.elements[draft.name]
+        is_set = element.tag.text == "fuzzyVariable"
+        key, usual = ("defuzzifier", "COG") if is_set else ("combination", "WA")
+        draft.method = element.get(key, usual)
+        return draft.method.text
+
+    def finish_output(self, draft: Draft, name: str) -> None:
+        """Set the value without rules, and the defuzzifier that the kind of variable has."""
+        element = self.elements[draft.name]
         default = number(element.get("defaultValue", "0").text)
         if default is None:
             message = "the defaultValue is not a number"
             self.findings.error("not-a-number", message, element.tag)
         draft.no_rule = math.nan if default is None else default
-        if element.tag.text != "fuzzyVariable":
-            method = element.get("combination", "WA")
-            self._known_method(method, FML.weighted)
-            draft.aggregation = "sum"  # every rule counts for itself
-            is_tsk = element.tag.text == "tskVariable"
-            draft.defuzzifier = Defuzzifier("weighted-average" if is_tsk else "tsukamoto")
-            if not is_tsk and not all_invertible(draft.kinds):
-                message = f"'{draft.name}' has terms that cannot be inverted"
-                self.findings.error("not-monotonic", message, element.tag)
+        assert draft.method is not None
+        if element.tag.text == "fuzzyVariable":
+            draft.aggregation = self.snorm(element.get("accumulation", "MAX")) or "max"
+            if draft.kinds == {"singleton"} and name in FML.integral:
+                self._finish_singletons(draft, draft.method)
+            elif self._is_known(draft.method, FML.integral):
+                super().finish_output(draft, name)
             return
-        accumulation = element.get("accumulation", "MAX")
-        draft.aggregation = self._snorm(accumulation)
-        method = element.get("defuzzifier", "COG")
-        if not self._known_method(method, FML.integral):
-            return
-        draft.defuzzifier = Defuzzifier(FML.integral[method.text])
-        if draft.kinds == {"singleton"}:
-            self._finish_singletons(draft, method)
-        elif "singleton" in draft.kinds:
-            message = f"'{draft.name}' has singletons beside sets, which cannot be integrated"
-            self.findings.loss("value-as-set", message, element.tag)
+        self._is_known(draft.method, FML.weighted)
+        draft.aggregation = "sum"  # every rule counts for itself
+        is_tsk = element.tag.text == "tskVariable"
+        draft.defuzzifier = Defuzzifier("weighted-average" if is_tsk else "tsukamoto")
+        if not is_tsk and not all_invertible(draft.kinds):
+            message = f"'{draft.name}' has terms that cannot be inverted"
+            self.findings.error("not-monotonic", message, element.tag)
 
     def _finish_singletons(self, draft: Draft, method: Word) -> None:
         """Let the average of singletons be their centre of gravity, the highest one the winner."""
+        draft.defuzzifier = Defuzzifier(FML.integral[method.text])
         if draft.defuzzifier.record.of == "top":
             return
         draft.defuzzifier = Defuzzifier("weighted-average")
@@ -496,7 +490,7 @@ class _Reader:
             message = f"{method.text} of singletons is not supported; their average is taken"
             self.findings.loss("unsupported-defuzzifier", message, method)
 
-    def _known_method(self, method: Word, table: Mapping[str, str]) -> bool:
+    def _is_known(self, method: Word, table: Mapping[str, str]) -> bool:
         if method.text not in table:
             self.findings.unknown("unknown-defuzzifier", "the method", method, table)
         return method.text in table
@@ -506,7 +500,7 @@ class _Reader:
     def _blocks(self, element: _Element, tags: tuple[str, ...]) -> list[Block]:
         """Return a block for each pair of norms that the rules of a rule base name."""
         implication = element.get("activationMethod", "MIN")
-        tnorm = "min" if tags[0] == "tskRule" else self._tnorm(implication)
+        tnorm = "min" if tags[0] == "tskRule" else self.tnorm(implication)
         blocks: dict[tuple[str, str], Block] = {}
         for index, rule in enumerate(element.all(tags[0])):
             if not self.findings.room(index, MAX_RULES, "rules", rule.tag):
@@ -515,8 +509,8 @@ class _Reader:
             disjunction = rule.get("orMethod", element.get("orMethod", "MAX").text)
             is_or = rule.get("connector", "and").text.lower() == "or"
             norms = (
-                self._tnorm(conjunction if not is_or else element.get("andMethod", "MIN")),
-                self._snorm(disjunction if is_or else element.get("orMethod", "MAX")),
+                self.tnorm(conjunction if not is_or else element.get("andMethod", "MIN")) or "min",
+                self.snorm(disjunction if is_or else element.get("orMethod", "MAX")) or "max",
             )
             if norms not in blocks:
                 name = element.get("name").text if not blocks else ""
@@ -527,13 +521,9 @@ class _Reader:
                 self.findings.fault(fault)
         return list(blocks.values())
 
-    def _tnorm(self, word: Word) -> str:
-        table = words(TNORMS, FML.kinds) | _TNORMS_OF_SCHEMA
-        return self.findings.norm("the T-norm", word, table, word.text.upper()) or "min"
-
-    def _snorm(self, word: Word) -> str:
-        key = word.text if word.text.startswith("custom") else word.text.upper()
-        return self.findings.norm("the S-norm", word, words(SNORMS, FML.kinds), key) or "max"
+    def tnorm(self, word: Word, what: str = "the T-norm") -> str | None:
+        """Return the T-norm of a word, which the schema of the standard may misspell."""
+        return _TNORMS_OF_SCHEMA.get(word.text.upper()) or super().tnorm(word, what)
 
     def _rules(self, rule: _Element, tags: tuple[str, ...], *, is_or: bool) -> Iterator[RuleText]:
         """Yield a rule, and a second one for its *else*, which has the complement."""

@@ -77,14 +77,6 @@ class Block:
         )
 
 
-def is_on(block: Block, findings: Findings) -> bool:
-    """Whether a block is not switched off; say so where it is."""
-    if not block.enabled:
-        message = f"the block '{block.name}' is switched off; its rules are left out"
-        findings.warn("disabled-block", message, block.span)
-    return block.enabled
-
-
 def blocks_in_model(
     blocks: list[Block], variables: dict[str, Draft], dialect: Dialect, findings: Findings
 ) -> tuple[RuleBlock, ...]:
