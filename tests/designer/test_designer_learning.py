@@ -13,9 +13,10 @@ from crane import write_crane
 from fuzzyarm.cli import main
 from fuzzyarm.designer import requests
 from fuzzyarm.designer.changes import applied
+from fuzzyarm.designer.folder import Workspace
 from fuzzyarm.designer.jobs import Job
+from fuzzyarm.designer.open_files import WORKS
 from fuzzyarm.designer.records import read_record
-from fuzzyarm.designer.server import WORKS, Workspace
 from fuzzyarm.designer.shared import SharedText
 from fuzzyarm.designer.stage import Plants
 from fuzzyarm.language.queries import ReshapeError, add_tuning, apply_edits, read, set_ranges

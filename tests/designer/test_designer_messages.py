@@ -77,14 +77,14 @@ QUESTIONED = [
 
 
 def test_each_question_and_each_work_has_its_record_and_its_handler():
-    from fuzzyarm.designer import folder, server, shared
+    from fuzzyarm.designer import folder, open_files, shared
 
     assert set(shared._QUESTIONS) == set(requests.TEXT_QUESTIONS)
     apart = {"findings", "import", "convert"}  # the server does these beside the answering
     assert set(folder._ACTS) == set(requests.FOLDER_QUESTIONS) - apart
-    assert set(server._COMMANDS) == set(requests.COMMANDS)
+    assert set(open_files._COMMANDS) == set(requests.COMMANDS)
     of_plants = {"run", "plants"}
-    assert set(server.WORKS) == set(requests.WORKS) - of_plants
+    assert set(open_files.WORKS) == set(requests.WORKS) - of_plants
 
 
 @pytest.mark.faults

@@ -16,7 +16,7 @@ from budget import cases
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from fuzzyarm.designer import requests
+from fuzzyarm.designer import open_files, requests
 from fuzzyarm.designer.assets import PAGE, asset
 from fuzzyarm.designer.changes import ChangeError, applied, difference, merged
 from fuzzyarm.designer.shared import ConflictError, SharedText
@@ -427,10 +427,9 @@ def count(session, asked, job):
 @pytest.fixture
 def work(monkeypatch):
     """Put work beside that of the server."""
-    from fuzzyarm.designer import server
 
     def put(name, record, act):
-        monkeypatch.setitem(server.WORKS, name, act)
+        monkeypatch.setitem(open_files.WORKS, name, act)
         monkeypatch.setitem(requests.WORKS, name, record)
 
     return put

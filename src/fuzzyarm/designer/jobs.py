@@ -9,13 +9,9 @@ a slow window slows the work and not the server.
 from __future__ import annotations
 
 import asyncio
-import contextlib
-import queue
 import secrets
-import threading
 from collections import OrderedDict
 from collections.abc import Awaitable, Callable
-from concurrent.futures import Future
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar
@@ -24,6 +20,7 @@ from urllib.parse import quote
 from fuzzyarm.designer.faults import internal_words
 from fuzzyarm.designer.names import in_words
 from fuzzyarm.designer.records import read_record
+from fuzzyarm.designer.threads import Mailbox, run_to_its_end, wait_for
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.lsp.session import Session
 
@@ -120,7 +117,7 @@ class Job:
         self._downloads = downloads or Downloads()
         self._tell = tell
         self._loop = asyncio.get_running_loop()
-        self._said: queue.SimpleQueue[dict[str, Any]] = queue.SimpleQueue()
+        self._said: Mailbox[dict[str, Any]] = Mailbox()
         self.stopped = False
 
     @cached_property
@@ -140,13 +137,7 @@ class Job:
 
     async def run(self, work: Work, session: Session, asked: Any) -> None:
         """Do the work, and tell how it ended: done, stopped, or failed with a sentence."""
-        ended: Future[dict[str, Any]] = Future()
-
-        def run() -> None:
-            ended.set_result(self._end(work, session, asked))
-
-        threading.Thread(target=run, name="fuzzyarm-job", daemon=True).start()
-        await self._send(await asyncio.wrap_future(ended))
+        await self._send(await run_to_its_end(lambda: self._end(work, session, asked)))
 
     def _end(self, work: Work, session: Session, asked: Any) -> dict[str, Any]:
         try:
@@ -180,8 +171,7 @@ class Job:
             If the page wants no more.
         """
         self.check()
-        sent: Future[None] = asyncio.run_coroutine_threadsafe(self._send(news), self._loop)
-        sent.result()
+        wait_for(self._send(news), self._loop)
         self.check()
 
     def heard(self, kind: type[Word], wait: float = 0.0) -> list[Word]:
@@ -194,13 +184,10 @@ class Job:
         wait : float, optional
             How long to wait for a word where there is none, s.
         """
-        found = []
-        if wait > 0.0:
-            with contextlib.suppress(queue.Empty):
-                found.append(self._said.get(timeout=wait))
-        while not self._said.empty():
-            found.append(self._said.get())
-        return [read_record(kind, said) for said in found]
+        found: list[Word] = []
+        while (said := self._said.take(0.0 if found else wait)) is not None:
+            found.append(read_record(kind, said))
+        return found
 
     def word(self, kind: type[Word]) -> Word:
         """Wait for what the page says next; as `heard`.
@@ -214,10 +201,9 @@ class Job:
         """
         while True:
             self.check()
-            try:
-                return read_record(kind, self._said.get(timeout=LOOK_EVERY))
-            except queue.Empty:
-                continue
+            said = self._said.take(LOOK_EVERY)
+            if said is not None:
+                return read_record(kind, said)
 
     def check(self) -> None:
         """Raise `StoppedError` if the page wants no more."""

@@ -59,7 +59,7 @@ class Compiler(NamedTuple):
     machine : str
         What it compiles for: ``x86_64``, ``aarch64`` …
     system : str
-        ``linux``, ``macos`` or ``windows``.
+        ``linux``, ``macos``, ``windows``; ``emscripten`` is a page's Python (Pyodide).
     """
 
     words: tuple[str, ...]
@@ -91,6 +91,9 @@ class Compiler(NamedTuple):
 
     def link(self, objects: Sequence[Path], result: Path) -> None:
         """Make an extension module of object files, and of libraries among them."""
+        if self.system == "emscripten":
+            self._link_for_a_page(objects, result)
+            return
         more = {
             "linux": ["-shared", "-lm"],
             "macos": ["-shared", "-undefined", "dynamic_lookup"],
@@ -99,6 +102,14 @@ class Compiler(NamedTuple):
         if self.is_zig and self.system == "linux":
             more.append("-s")  # three quarters would be what debuggers ask for
         self.run(*map(str, objects), "-o", str(result), *more)
+
+    def _link_for_a_page(self, objects: Sequence[Path], result: Path) -> None:
+        """Make a module of WebAssembly that the Python of a page (Pyodide) loads."""
+        # What it does not define, functions of C and of Python, are those of that Python.
+        flags = ("-shared", "--experimental-pic", "--import-memory", "--strip-all",
+                 "--unresolved-symbols=import-dynamic", "--export=PyInit__kernels")  # fmt: skip
+        linker = Compiler((*self.words[:3], "wasm-ld"), self.machine, self.system)
+        linker.run(*flags, *map(str, objects), "-o", str(result))
 
     @property
     def is_for_here(self) -> bool:
@@ -154,10 +165,18 @@ def find_compiler() -> Compiler:
 
 def zig(machine: str, system: str) -> Compiler:
     """Return the compiler of the ``ziglang`` wheel for a machine and a system, this or another."""
-    # By name, or it would compile for the processor at hand; with an old glibc, an old macOS.
-    target = {"linux": "linux-gnu.2.28", "macos": "macos.11.0", "windows": "windows-gnu"}[system]
-    words = (sys.executable, "-m", "ziglang", "cc", "-target", f"{machine}-{target}")
-    return Compiler(words, machine, system)
+    # By name, or it would compile for the processor at hand; with an old glibc, an old macOS. The
+    # wheel has no headers of Emscripten: those of WASI declare the same functions of mathematics.
+    target = {
+        "linux": "linux-gnu.2.28",
+        "macos": "macos.11.0",
+        "windows": "windows-gnu",
+        "emscripten": "wasi",
+    }[system]
+    words = [sys.executable, "-m", "ziglang", "cc", "-target", f"{machine}-{target}"]
+    if system == "emscripten":  # what every browser has that Pyodide runs in
+        words.append("-mcpu=mvp+bulk_memory+mutable_globals+nontrapping_fptoint+sign_ext+simd128")
+    return Compiler(tuple(words), machine, system)
 
 
 def _own_machine() -> str:
@@ -246,7 +265,7 @@ def _python3(work: Path, compiler: Compiler) -> Path:
     return library
 
 
-SUFFIXES = {"linux": ".abi3.so", "macos": ".abi3.so", "windows": ".pyd"}
+SUFFIXES = {"linux": ".abi3.so", "macos": ".abi3.so", "windows": ".pyd", "emscripten": ".so"}
 """Of a module with the stable ABI."""
 
 

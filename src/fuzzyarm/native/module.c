@@ -70,6 +70,17 @@ static PyObject *levels(PyObject *module, PyObject *unused) {
   return Py_BuildValue("(s)", "baseline");
 }
 
+/* The address of an entry, an even number. In WebAssembly code has a place in a table of functions,
+   odd or even: code_at of fuzzyarm/translation/targets.py reads this back. */
+static unsigned long long address_of(const table_row *row) {
+  const unsigned long long place = (uintptr_t)(void *)row->entry;
+#ifdef __wasm__
+  return 2 * place;
+#else
+  return place;
+#endif
+}
+
 static PyObject *addresses(PyObject *module, PyObject *level) {
   (void)module;
   const char *name = PyUnicode_AsUTF8AndSize(level, NULL);
@@ -77,7 +88,7 @@ static PyObject *addresses(PyObject *module, PyObject *level) {
   for (const table *part = tables; found != NULL && part->level != NULL; part++) {
     if (strcmp(part->level, name) != 0) continue;
     for (const table_row *row = part->rows; found != NULL && row->key != NULL; row++) {
-      PyObject *address = PyLong_FromVoidPtr((void *)row->entry);
+      PyObject *address = PyLong_FromUnsignedLongLong(address_of(row));
       if (address == NULL || PyDict_SetItemString(found, row->key, address) < 0) Py_CLEAR(found);
       Py_XDECREF(address);
     }
@@ -156,10 +167,9 @@ static int take(PyObject *array, char letter, int written, Py_buffer *buffer) {
 
 /* The row of an entry; NULL for an address that is in no table. */
 static const table_row *row_of(unsigned long long address) {
-  void *entry = (void *)(uintptr_t)address;
   for (const table *part = tables; part->level != NULL; part++)
     for (const table_row *row = part->rows; row->key != NULL; row++)
-      if ((void *)row->entry == entry) return row;
+      if (address_of(row) == address) return row;
   return NULL;
 }
 

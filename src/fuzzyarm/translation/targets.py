@@ -149,7 +149,7 @@ POINTERS = {Array.REALS: "double", Array.WHOLES: "int64_t", Array.SHORTS: "int32
 def _c_call(address: str, arrays: Sequence[Value]) -> str:
     kinds = ", ".join(f"{POINTERS[Array(array.type)]} *, int64_t" for array in arrays)
     passed = ", ".join(f"{array.text}.at, {array.text}.length" for array in arrays)
-    called = f"((void (*)({kinds})){address})({passed})"
+    called = f"((void (*)({kinds}))code_at({address}))({passed})"
     if len(arrays) == 1 or {array.type for array in arrays} != {Array.REALS}:
         return called
     # At an odd address stands a program of operations; machine code never begins there.
@@ -236,6 +236,16 @@ HEAD_OF_C = """\
 typedef struct { double *at; int64_t length; } reals;
 typedef struct { int64_t *at; int64_t length; } wholes;
 typedef struct { int32_t *at; int64_t length; } shorts;
+
+/* Where the code of an address stands. In WebAssembly that is a place in a table of functions, odd
+   or even: twice the place is the address. */
+static inline intptr_t code_at(int64_t address) {
+#ifdef __wasm__
+  return (intptr_t)(address / 2);
+#else
+  return (intptr_t)address;
+#endif
+}
 
 /* Of two equal numbers the first, also where one is not a number: as in Python. */
 static inline double real_min(double a, double b) { return b < a ? b : a; }

@@ -1,0 +1,105 @@
+"""Where a page is answered: threads beside the answering, or one that waits for its turn.
+
+A server answers in the loop of asyncio and lets what takes long run in threads. The Python of a
+page (Pyodide) has no threads: there long work and the answering take turns, which the browser lets
+them do where it can suspend a function of WebAssembly (JSPI, the JavaScript Promise Integration).
+"""
+
+from __future__ import annotations
+
+import asyncio
+import queue
+import sys
+import threading
+from collections.abc import Callable, Coroutine
+from concurrent.futures import Future
+from typing import Any, Generic, ParamSpec, TypeVar
+
+__all__ = ["Mailbox", "aside", "can_take_turns", "run_to_its_end", "wait_for"]
+
+IN_A_PAGE = sys.platform == "emscripten"
+
+TURN = 0.004
+"""Seconds between two looks of work that waits, where there are no threads."""
+
+Result = TypeVar("Result")
+Letter = TypeVar("Letter")
+Arguments = ParamSpec("Arguments")
+
+
+async def aside(
+    function: Callable[Arguments, Result], *args: Arguments.args, **named: Arguments.kwargs
+) -> Result:
+    """Call a function beside the answering of questions; in a page, when those before it are."""
+    if IN_A_PAGE:
+        await asyncio.sleep(0.0)
+        return function(*args, **named)
+    return await asyncio.to_thread(function, *args, **named)
+
+
+def can_take_turns() -> bool:
+    """Whether work may wait while others are answered."""
+    if not IN_A_PAGE:
+        return True
+    from pyodide.ffi import can_run_sync
+
+    return bool(can_run_sync())
+
+
+async def run_to_its_end(function: Callable[[], Result]) -> Result:
+    """Run work that may wait for a hand as long as it likes."""
+    if IN_A_PAGE:
+        await asyncio.sleep(0.0)
+        return function()
+    ended: Future[Result] = Future()
+    threading.Thread(
+        target=lambda: ended.set_result(function()), name="fuzzyarm-job", daemon=True
+    ).start()
+    return await asyncio.wrap_future(ended)
+
+
+def wait_for(told: Coroutine[Any, Any, None], loop: asyncio.AbstractEventLoop) -> None:
+    """Have the answering do something for work, and wait until it has."""
+    if not IN_A_PAGE:
+        asyncio.run_coroutine_threadsafe(told, loop).result()
+    elif can_take_turns():
+        from pyodide.ffi import run_sync
+
+        run_sync(told)
+        run_sync(asyncio.sleep(0.0))  # what has been said meanwhile is heard
+    else:
+        loop.create_task(told)
+
+
+class Mailbox(Generic[Letter]):
+    """What one thread says to another, in order."""
+
+    def __init__(self) -> None:
+        self._letters: queue.SimpleQueue[Letter] = queue.SimpleQueue()
+
+    def put(self, letter: Letter) -> None:
+        """Say something."""
+        self._letters.put(letter)
+
+    def take(self, wait: float = 0.0) -> Letter | None:
+        """Return the oldest letter; None where none comes for a while, in seconds."""
+        if IN_A_PAGE:
+            self._let_others(wait)
+        try:
+            return self._letters.get(timeout=wait) if wait and not IN_A_PAGE else self._now()
+        except queue.Empty:
+            return None
+
+    def _now(self) -> Letter:
+        return self._letters.get_nowait()
+
+    def _let_others(self, wait: float) -> None:
+        """Let what else there is to do be done, until there is a letter or the time is up."""
+        if not can_take_turns():
+            return
+        from pyodide.ffi import run_sync
+
+        passed = 0.0
+        while self._letters.empty() and passed < wait:
+            run_sync(asyncio.sleep(min(TURN, wait - passed)))
+            passed += TURN
