@@ -193,8 +193,8 @@ PURPOSES = {
         "fuzzyarm.inference", "fuzzyarm.table", "fuzzyarm.proof", "fuzzyarm.closed_loop",
     ),
     "Controllers, plants, runs": (
-        "fuzzyarm.controller", "fuzzyarm.plant", "fuzzyarm.loop", "fuzzyarm.tuning",
-        "fuzzyarm.study", "fuzzyarm.control",
+        "fuzzyarm.controller", "fuzzyarm.plant", "fuzzyarm.picture", "fuzzyarm.loop",
+        "fuzzyarm.tuning", "fuzzyarm.study", "fuzzyarm.control",
     ),
     "From data": ("fuzzyarm.learning", "fuzzyarm.sklearn"),
     "Show and export": (

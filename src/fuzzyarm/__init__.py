@@ -81,6 +81,8 @@ Packages with public names of their own
     loop                The closed loop: one run, or many at once, of a controller on a plant.
     model               What a rule base means, free of text: its data, its shapes, its
                         formulas.
+    picture             Pictures as data: what stands in one, in the coordinates of what it
+                        shows.
     plant               Plants: the protocol, the two-link arm of the study and its
                         trajectories, shipped ones.
     proof               What holds of a rule base at every point: bounds, slopes, symmetry,
@@ -199,6 +201,7 @@ PACKAGES = (
     "live",
     "loop",
     "model",
+    "picture",
     "plant",
     "proof",
     "show",

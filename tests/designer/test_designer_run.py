@@ -21,6 +21,7 @@ FILES = ("servo", "tanks", "pd7", "ball-and-beam", "heater")
 SERVO = shipped("servo.frb").read_text()
 
 MINE = """\
+from fuzzyarm.picture import Drawing, Line
 from fuzzyarm.plant import Plant, Port
 
 class Kiln(Plant):
@@ -32,10 +33,9 @@ class Kiln(Plant):
     def derivative(self, t, x, u, p):
         return [0.2 * u[0] - 0.01 * x[0]]
 
-    def draw(self, axes, x):
-        axes.set_xlim(0, 1)
-        axes.set_ylim(0, 1)
-        axes.plot([0, 1], [0, x[0] / 1200], color="#ff0000")
+    def draw(self, scene):
+        hot = scene.output("temperature") / 1200
+        return Drawing((0, 1, 0, 1), [Line((0, 1), (0, hot), "#ff0000", 1.5)])
 
 class Fails(Kiln):
     def derivative(self, t, x, u, p):
@@ -426,18 +426,18 @@ def test_the_plants_of_the_command_line_are_judged_before_it_serves(tmp_path, ca
 def test_a_pull_in_the_wind_is_no_load():
     from fuzzyarm.designer.stage import loads_of
     from fuzzyarm.loop.run import SoFar
+    from fuzzyarm.plant.drawings import Scene
     from fuzzyarm.plant.plant import interface_of
-    from fuzzyarm.show.figures.plants import Scene
 
     plant = find_plant("arm")
     at = {f"joint{k}.position": np.zeros(1) for k in (1, 2)}
-    scene = Scene(SoFar("arm", {}, at, {}, ()), plant, 0)
+    scene = Scene(SoFar("arm", {}, at, {}, ()), 0)
     port = interface_of(plant)
-    assert loads_of(scene, port, float("nan"), 0.0) == {}
+    assert loads_of(plant, scene, port, float("nan"), 0.0) == {}
     # A force along the stretched arm makes no torque; one across it the lengths times itself.
-    along = loads_of(scene, port, 1.0, 0.0)
+    along = loads_of(plant, scene, port, 1.0, 0.0)
     assert list(along.values()) == [0.0, 0.0]
-    across = loads_of(scene, port, 0.0, 1.0)
+    across = loads_of(plant, scene, port, 0.0, 1.0)
     assert across["joint1", "torque"] == pytest.approx(60.0 * (0.26 + 0.28))
     assert across["joint2", "torque"] == pytest.approx(60.0 * 0.28)
 

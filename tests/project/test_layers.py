@@ -24,6 +24,7 @@ ORDER = (
     "shipped_files",
     "inference",
     "table",
+    "picture",
     "plant",
     "controller",
     "export",
@@ -278,7 +279,6 @@ OF_THE_ARM = {
     "controller/law.py": "laws of the study have models of the arm",
     "controller/on_plant.py": "laws of the study ask for its ports and its pose",
     "cli/study.py": "rows of the study are on its trajectories",
-    "show/figures/plants.py": "a table of how each shipped plant is drawn",
     "designer/stage.py": "a table of how a hand pushes each shipped plant",
 }
 """Modules above the plants that name the arm, and why; all others ask a plant what it has."""

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import io
 import math
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -11,11 +13,13 @@ import pytest
 from fuzzyarm import load, shipped
 from fuzzyarm.cli import main
 from fuzzyarm.loop import Signal, simulate
-from fuzzyarm.plant import find_plant
+from fuzzyarm.picture import Drawing, Line, Words
+from fuzzyarm.plant import PLANTS, PlantError, find_plant
+from fuzzyarm.plant.drawings import Scene, is_drawn
+from fuzzyarm.show import live
+from fuzzyarm.show.canvas import Canvas
 from fuzzyarm.show.drawing import make_console, plain_text
-from fuzzyarm.show.figures import live
-from fuzzyarm.show.figures.live import Canvas, LiveView, frames_of, play
-from fuzzyarm.show.figures.plants import DRAWN, Scene, Words
+from fuzzyarm.show.live import LiveView, frames_of, play
 
 STEPS = {
     "motor": ("servo.frb", "position", 0.1),
@@ -39,7 +43,7 @@ def cartpole():
 
 
 def test_there_is_a_run_for_each_plant_that_is_drawn():
-    assert set(STEPS) | {"arm"} == set(DRAWN)
+    assert set(STEPS) | {"arm"} == {name for name in PLANTS if is_drawn(find_plant(name))}
 
 
 @pytest.mark.parametrize("name", list(STEPS))
@@ -70,12 +74,10 @@ def test_lengths_are_the_same_across_and_up():
 
 def test_the_pole_stands_where_it_is(cartpole):
     run, plant = cartpole
-    view = LiveView(run, plant)
     index = int(np.argmax(np.abs(run.outputs["theta"])))
-    view._axes.clear()
-    view._picture.draw(view._axes, live.Scene(run, plant, index))
-    canvas = Canvas(60, 24, *view._axes.get_xlim(), *view._axes.get_ylim())
-    live.read_axes(view._axes, canvas)
+    drawing = plant.draw(Scene(run, index))
+    canvas = Canvas(60, 24, *drawing.stage)
+    canvas.draw(drawing.parts)
     from fuzzyarm.plant.plant import parameter
 
     length = 2.0 * parameter(plant, "l").value
@@ -92,18 +94,68 @@ def test_a_plant_of_a_user_draws_itself_or_shows_its_curves(cartpole):
     run, _ = cartpole
 
     class Own:
-        def draw(self, axes, x):
-            axes.set_xlim(-1, 1)
-            axes.set_ylim(-1, 1)
-            axes.plot([-1, 1], [x[0], x[0]])
-            axes.text(0, 0.5, "here")
+        def draw(self, scene):
+            x = scene.output("x")
+            return Drawing((-1, 1, -1, 1), [Line((-1, 1), (x, x)), Words(0, 0.5, "here")])
 
-    from dataclasses import replace
-
-    own = replace(run, plant="own")
-    assert "here" in plain_text(LiveView(own, Own()).at(3, 60, 12), 60)
-    curves = plain_text(LiveView(own, object()).at(run.samples - 1, 60, 12), 60)
+    assert "here" in plain_text(LiveView(run, Own()).at(3, 60, 12), 60)
+    curves = plain_text(LiveView(run, object()).at(run.samples - 1, 60, 12), 60)
     assert curves.splitlines()[1].startswith("error of x")
+
+
+def test_a_drawing_that_fails_is_a_sentence(cartpole):
+    run, _ = cartpole
+
+    class OfBefore:
+        name = "kiln"
+
+        def draw(self, axes, x):
+            axes.plot(x, x)
+
+    class Nothing:
+        name = "kiln"
+
+        def draw(self, scene):
+            return None
+
+    for plant, words in ((OfBefore(), "drawing of kiln failed: "), (Nothing(), "is a NoneType")):
+        with pytest.raises(PlantError, match=words) as caught:
+            LiveView(run, plant).at(3, 60, 12)
+        assert "draw(self, scene)" in caught.value.hint
+
+
+def test_a_run_is_watched_where_matplotlib_is_not_installed():
+    """Every shipped plant, in a process that cannot import it."""
+    code = """
+import io, sys
+sys.modules["matplotlib"] = None  # an import of it fails
+from fuzzyarm import shipped
+from fuzzyarm.cli import main
+from fuzzyarm.show import drawing, live
+
+class Terminal(io.StringIO):
+    encoding = "utf-8"
+    def isatty(self):
+        return True
+
+live.time.sleep = lambda seconds: None
+sys.stdout = terminal = Terminal()
+status = [
+    main(["simulate", str(shipped(name)), *words.split(), "--watch"])
+    for name, words in (
+        ("servo.frb", "--plant motor --step 1 --for 20ms"),
+        ("stfc.frb", "--trajectory reach --angles 1 1 --segment 0.1 --hold 0.1"),
+        ("cartpole.frb", "--plant cartpole --step 0.1 --for 100ms"),
+        ("tanks.frb", "--plant tanks --step 0.1 --for 5s"),
+        ("heater.frb", "--plant room --for 10min"),
+        ("ball-and-beam.frb", "--plant ball-and-beam --step 0.1 --for 200ms"),
+    )
+]
+sys.stdout = sys.__stdout__
+print(status, sum("\u2800" < letter < "\u2900" for letter in terminal.getvalue()) > 1000)
+"""
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert run.stdout == "[0, 0, 0, 0, 0, 0] True\n", run.stderr
 
 
 def test_it_plays_as_long_as_the_run_and_stops_when_asked(cartpole, monkeypatch):
@@ -136,7 +188,7 @@ def test_watching_needs_a_terminal(capsys, words):
 
 def test_the_scale_of_a_thermometer_stays_while_a_run_that_is_over_is_shown():
     run, plant = run_on("room")
-    ends = [DRAWN["room"](Scene(run, plant, index)).parts for index in (0, run.samples - 1)]
+    ends = [plant.draw(Scene(run, index)).parts for index in (0, run.samples - 1)]
     scales = [[each.text for each in parts if isinstance(each, Words)][1:3] for parts in ends]
     assert scales[0] == scales[1]
     values = [*run.outputs["temperature"], *run.wanted["temperature"]]

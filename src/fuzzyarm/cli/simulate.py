@@ -156,7 +156,7 @@ def _require_pictures(arguments: argparse.Namespace) -> None:
 def _watch(results: list[Run], plant: Plant) -> None:
     """Show runs in the terminal, one after the other; Ctrl-C ends the showing."""
     from fuzzyarm.show.drawing import make_console
-    from fuzzyarm.show.figures.live import play
+    from fuzzyarm.show.live import play
 
     hush()
     console = make_console()

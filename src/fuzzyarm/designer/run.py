@@ -36,7 +36,7 @@ from fuzzyarm.designer.jobs import Job
 from fuzzyarm.designer.names import in_words
 from fuzzyarm.designer.records import Absent, MessageError
 from fuzzyarm.designer.requests import PlantsWork, RunWord, RunWork
-from fuzzyarm.designer.stage import Painter, Plants, loads_of, short
+from fuzzyarm.designer.stage import Plants, loads_of
 from fuzzyarm.errors import FuzzyarmError, WordError
 from fuzzyarm.language import parse
 from fuzzyarm.loop.along import equipped
@@ -47,9 +47,10 @@ from fuzzyarm.loop.reference import read_time
 from fuzzyarm.loop.run import ClosedLoop, metric_units, text_of
 from fuzzyarm.loop.words import PlantWords
 from fuzzyarm.lsp.session import Session
+from fuzzyarm.picture import drawing_data, short
+from fuzzyarm.plant.drawings import Scene, drawing_of, is_drawn
 from fuzzyarm.plant.plant import Plant, PlantError
 from fuzzyarm.plant.setting import PLAIN
-from fuzzyarm.show.figures.plants import Scene
 from fuzzyarm.text.diagnostic import RuleBaseError
 from fuzzyarm.text.names import printable
 
@@ -57,9 +58,6 @@ PICTURES = 30.0
 """In a second; a page that asks for calm gets fewer."""
 
 CALM = 4.0
-DEAR = 10.0
-"""Pictures of a plant that draws itself, in a second."""
-
 BUDGET = 0.02
 """Of a picture's time so much may go into the loop, s."""
 
@@ -203,7 +201,7 @@ class LiveRun:
         self.loop = ClosedLoop(chosen, motion, PLAIN, options, words.connections())
         self.run: OpenRun = self.loop.open(loaded=True)
         self.plant, self.motion = self.loop.course.plant, motion
-        self.painter = Painter(self.plant)
+        self.drawn = is_drawn(self.plant)
         self.sent = 0
         self.told_over = self.reached = self.told_reached = False
         self.measured, self.measuring = -math.inf, 0.0
@@ -250,7 +248,7 @@ class LiveRun:
             started = time.perf_counter()
             self._advance(started)
             self._show()
-            every = 1.0 / min(self.rate, DEAR if self.painter.dear else self.rate)
+            every = 1.0 / self.rate
             idle = self.paused or self.run.over
             # A run that stands still waits for a word, and looks after the files it uses.
             pause = 0.2 if idle else max(0.001, every - (time.perf_counter() - started))
@@ -291,11 +289,11 @@ class LiveRun:
         """Have the hand's pull act: where the plant is now."""
         loads = {}
         if any(self.pull) and len(self.run.record.rows):
-            loads = loads_of(self._scene(), self.loop.site.interface, *self.pull)
+            loads = loads_of(self.plant, self._scene(), self.loop.site.interface, *self.pull)
         self.run.push(loads)
 
     def _scene(self) -> Scene:
-        return Scene(self.loop.so_far(self.run), self.plant, len(self.run.record.rows) - 1)
+        return Scene(self.loop.so_far(self.run), len(self.run.record.rows) - 1)
 
     # --- What the page says ---
 
@@ -435,7 +433,7 @@ class LiveRun:
                 "news": "ready",
                 "controller": self.controller.name,
                 "plant": name,
-                "drawn": self.painter.draws,
+                "drawn": self.drawn,
                 "window": window,
                 "duration": whole if ends else None,
                 "period": period,
@@ -491,12 +489,16 @@ class LiveRun:
         return samples * self.motion.period * self.motion.every
 
     def _drawing(self) -> dict[str, Any] | None:
+        """Return the drawing of the plant; one that fails is not asked for again."""
+        if not self.drawn:
+            return None
         try:
-            return self.painter(self._scene())
+            drawing = drawing_of(self.plant, self._scene())
         except PlantError as error:
-            self.painter.give_up()
+            self.drawn = False
             self.job.tell({"news": "note", "text": str(error)})
             return None
+        return None if drawing is None else drawing_data(drawing)
 
     def _curves(self, rows: NDArray[np.float64], first: int) -> dict[str, Any]:
         """Return wanted, output and error of what is tracked, then drives.

@@ -10,11 +10,10 @@ from fuzzyarm.controller.controller import Controller
 from fuzzyarm.controller.on_plant import controller_on, site_of
 from fuzzyarm.controller.program import SourceError
 from fuzzyarm.loop.run import first_error, text_of
+from fuzzyarm.plant.drawings import Scene, drawing_of
 from fuzzyarm.plant.following import carries, shortest_trajectory
 from fuzzyarm.plant.own import PLANTS, find_plant
 from fuzzyarm.plant.plant import Address, Interface, Plant, PlantError, parameter
-from fuzzyarm.show.figures.plants import DRAWN, Area, Drawing, Line, Mark, Scene, Words
-from fuzzyarm.text.jsonable import jsonable
 
 Loads = dict[Address, float]
 
@@ -112,120 +111,6 @@ def _fit(controller: Controller, name: str, plant: Plant) -> dict[str, Any]:
     return {"why": "", **followable(name, plant, label(followed)), "ports": ports}
 
 
-# --- Drawings as data ---
-
-
-def as_data(drawing: Drawing) -> dict[str, Any]:
-    """Return a drawing fit for JSON."""
-    return {
-        "stage": drawing.stage,
-        "parts": [part for part in map(_part, drawing.parts) if part is not None],
-        "grip": list(map(short, drawing.grip)),
-    }
-
-
-def _part(part: Line | Area | Mark | Words) -> dict[str, Any] | None:
-    if isinstance(part, Line | Area):
-        points = [[short(x), short(y)] for x, y in part.points]
-        if any(None in point for point in points):
-            return None
-        if isinstance(part, Area):
-            return {"is": "area", "points": points, "colour": part.colour}
-        return {"is": "line", "points": points, "colour": part.colour, "width": part.width}
-    at = {"x": short(part.x), "y": short(part.y), "size": part.size}
-    if None in at.values():
-        return None
-    if isinstance(part, Words):
-        return {"is": "words", **at, "text": part.text}
-    return {"is": "mark", **at, "sign": part.sign, "colour": part.colour}
-
-
-def short(value: float, digits: int = 6) -> float | None:
-    """Return a number as a page needs it; None where it is not finite."""
-    shortened: float | None = jsonable(float(f"{value:.{digits}g}"))
-    return shortened
-
-
-class Painter:
-    """What draws the plant of a run.
-
-    Parameters
-    ----------
-    plant : Plant
-        A shipped one; or one that has ``draw(axes, x)``, or is not drawn.
-    """
-
-    def __init__(self, plant: Plant) -> None:
-        self._shipped = DRAWN.get(plant.name)
-        self._own: Any = getattr(plant, "draw", None)
-        self._axes: Any = None
-
-    @property
-    def draws(self) -> bool:
-        """Whether there is a way to draw it."""
-        return self._shipped is not None or self._own is not None
-
-    def give_up(self) -> None:
-        """Draw nothing any more: its drawing fails."""
-        self._own = None
-
-    @property
-    def dear(self) -> bool:
-        """Whether a drawing takes a while: it goes through axes of matplotlib."""
-        return self._shipped is None and self._own is not None
-
-    def __call__(self, scene: Scene) -> dict[str, Any] | None:
-        """Return the drawing of a sample; None where there is no way to draw it.
-
-        Raises
-        ------
-        PlantError
-            If the drawing of a user's plant fails.
-        """
-        if self._shipped is not None:
-            return as_data(self._shipped(scene))
-        if self._own is None:
-            return None
-        return self._drawn_by_itself(scene)
-
-    def _drawn_by_itself(self, scene: Scene) -> dict[str, Any]:
-        from matplotlib.figure import Figure
-
-        from fuzzyarm.show.figures.live import read_axes
-
-        if self._axes is None:
-            self._axes = Figure().subplots()
-        self._axes.clear()
-        try:
-            self._own(self._axes, [float(x[scene.index]) for x in scene.run.outputs.values()])
-            found = _Gathered()
-            read_axes(self._axes, found)
-        except Exception as error:
-            raise PlantError(f"the drawing of {scene.plant.name} failed: {error}") from error
-        (left, right), (bottom, top) = self._axes.get_xlim(), self._axes.get_ylim()
-        middle = (0.5 * (left + right), 0.5 * (bottom + top))
-        return as_data(Drawing((left, right, bottom, top), tuple(found.parts), middle))
-
-
-class _Gathered:
-    """Takes what stands in axes as parts of a drawing, as a canvas of the terminal does."""
-
-    def __init__(self) -> None:
-        self.parts: list[Line | Area | Mark | Words] = []
-
-    def line(self, points: Any, colour: str, width: float = 1.0) -> None:
-        self.parts.append(Line(points, colour, width))
-
-    def area(self, points: Any, colour: str) -> None:
-        self.parts.append(Area(points, colour))
-
-    def blob(self, x: float, y: float, size: float, colour: str) -> None:
-        self.parts.append(Mark(x, y, "o", size, colour))
-
-    def words(self, x: float, y: float, text: str) -> None:
-        self.parts.append(Words(x, y, text, 8))
-
-
 # --- What a hand does ---
 #
 # A pull is an arrow of a length between -1 and 1 each way. It becomes loads of inputs, which the
@@ -235,11 +120,13 @@ TIP_FORCE = 60.0
 """With which the tip of the arm is pulled at most, N: some times its weight."""
 
 
-def loads_of(scene: Scene, interface: Interface, x: float, y: float) -> Loads:
+def loads_of(plant: Plant, scene: Scene, interface: Interface, x: float, y: float) -> Loads:
     """Return what a pull adds to the inputs of a plant.
 
     Parameters
     ----------
+    plant : Plant
+        What the hand pulls.
     scene : Scene
         What the hand sees.
     interface : Interface
@@ -250,9 +137,11 @@ def loads_of(scene: Scene, interface: Interface, x: float, y: float) -> Loads:
     if not (math.isfinite(x) and math.isfinite(y)):
         return {}
     x, y = (min(1.0, max(-1.0, each)) for each in (x, y))
-    pulled = PULLS.get(scene.run.plant)
+    if plant.name == "arm":
+        return _pull_arm(plant, scene, x, y)
+    pulled = PULLS.get(plant.name)
     if pulled is not None:
-        return pulled(scene, interface, x, y)
+        return _first(interface, pulled(scene, x, y))
     # Of any other plant: sideways the first input, up the second.
     shares = zip(interface.inputs, (x, y), strict=False)
     return {port: share * _strength(interface, port) for port, share in shares}
@@ -269,10 +158,12 @@ def _first(interface: Interface, share: float) -> Loads:
     return {port: share * _strength(interface, port)}
 
 
-def _pull_arm(scene: Scene, _interface: Interface, x: float, y: float) -> Loads:
+def _pull_arm(plant: Plant, scene: Scene, x: float, y: float) -> Loads:
     """Pull at the tip: the torques are those of a force there (the transposed Jacobian)."""
-    (tip_x, tip_y), elbow = DRAWN["arm"](scene).grip, scene.output("joint1.position")
-    first = parameter(scene.plant, "l_1").value
+    drawing, elbow = drawing_of(plant, scene), scene.output("joint1.position")
+    assert drawing is not None
+    tip_x, tip_y = drawing.held_at
+    first = parameter(plant, "l_1").value
     far_x, far_y = tip_x - first * math.cos(elbow), tip_y - first * math.sin(elbow)
     return {
         ("joint1", "torque"): TIP_FORCE * (tip_x * y - tip_y * x),
@@ -280,17 +171,16 @@ def _pull_arm(scene: Scene, _interface: Interface, x: float, y: float) -> Loads:
     }
 
 
-def _pull_motor(scene: Scene, interface: Interface, x: float, y: float) -> Loads:
+def _pull_motor(scene: Scene, x: float, y: float) -> float:
     angle = scene.output("position")
-    return _first(interface, math.cos(angle) * y - math.sin(angle) * x)
+    return math.cos(angle) * y - math.sin(angle) * x
 
 
-PULLS: Mapping[str, Callable[[Scene, Interface, float, float], Loads]] = {
-    "arm": _pull_arm,
+PULLS: Mapping[str, Callable[[Scene, float, float], float]] = {
     "motor": _pull_motor,
-    "cartpole": lambda _scene, interface, x, _y: _first(interface, x),
-    "tanks": lambda _scene, interface, _x, y: _first(interface, y),
-    "ball-and-beam": lambda _scene, interface, x, _y: _first(interface, x),
-    "room": lambda _scene, interface, _x, y: _first(interface, y),
+    "cartpole": lambda _scene, x, _y: x,
+    "tanks": lambda _scene, _x, y: y,
+    "ball-and-beam": lambda _scene, x, _y: x,
+    "room": lambda _scene, _x, y: y,
 }
-"""What a pull does to each shipped plant."""
+"""How hard a pull pushes the first input of a shipped plant with one input."""

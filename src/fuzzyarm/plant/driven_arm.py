@@ -26,6 +26,7 @@ from fuzzyarm.plant.arm import (
     runge_kutta,
     semi_implicit,
 )
+from fuzzyarm.plant.drawings import draw_arm
 from fuzzyarm.plant.plant import (
     ACTUATE,
     ADVANCE,
@@ -100,6 +101,7 @@ class Arm(Plant):
     summary = "the study's two-link arm: torque or motor voltage to joint positions"
     trajectories = TRAJECTORIES
     compared_along = ("reach-return", "pick-and-place")
+    draw = draw_arm
 
     def __init__(
         self,

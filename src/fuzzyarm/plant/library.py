@@ -12,6 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fuzzyarm.kernels import kernel
+from fuzzyarm.plant.drawings import draw_beam, draw_cartpole, draw_motor, draw_room, draw_tanks
 from fuzzyarm.plant.plant import Parameter, Plant, Port, parameter
 
 
@@ -41,6 +42,7 @@ class Motor(Plant):
     }
     duration = 2.0
     longest_step = 0.001  # half of the electrical time constant L/R
+    draw = draw_motor
 
     @staticmethod
     @kernel
@@ -79,6 +81,7 @@ class CartPole(Plant):
     }
     duration = 10.0
     longest_step = 0.005
+    draw = draw_cartpole
 
     def start(self, rng: np.random.Generator) -> Sequence[float]:
         """Lean a little."""
@@ -122,6 +125,7 @@ class Tanks(Plant):
     }
     duration = 600.0
     longest_step = 0.5
+    draw = draw_tanks
 
     @staticmethod
     @kernel
@@ -158,6 +162,7 @@ class BallAndBeam(Plant):
     }
     duration = 20.0
     longest_step = 0.01
+    draw = draw_beam
 
     @staticmethod
     @kernel
@@ -192,6 +197,7 @@ class Room(Plant):
     }
     duration = 14400.0
     longest_step = 60.0
+    draw = draw_room
 
     def start(self, rng: np.random.Generator) -> Sequence[float]:
         """Begin with air and walls at one temperature."""

@@ -27,6 +27,7 @@ from fuzzyarm.text.names import near_hint
 from fuzzyarm.text.shown import one_line
 
 if TYPE_CHECKING:
+    from fuzzyarm.picture import Drawing
     from fuzzyarm.plant.trajectory import Trajectory
 
 
@@ -222,6 +223,10 @@ class Plant:
 
     random_trajectory: Callable[[np.random.Generator], Trajectory] | None = None
     """``random_trajectory(rng)``: a move to tune on; by default one to compare along, scaled."""
+
+    draw: Callable[..., Drawing] | None = None
+    """``draw(scene)``: what it looks like at a sample of a run, see
+    :class:`fuzzyarm.plant.drawings.Scene`; by default it has curves alone."""
 
     dynamics: Callable[..., Dynamics] | None = None
     """Of a plant that brings its own kernels, see :func:`dynamics_of`."""

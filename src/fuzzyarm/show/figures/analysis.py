@@ -9,8 +9,8 @@ import numpy as np
 
 from fuzzyarm.loop.analysis import Portrait, describing_function
 from fuzzyarm.model.rulebase import AnyRuleBase, RuleBase
+from fuzzyarm.picture import COLOURS
 from fuzzyarm.show.figures.style import (
-    COLOURS,
     head,
     label_axes,
     line_style,

@@ -11,11 +11,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.picture import COLOURS, TONES
+from fuzzyarm.plant.drawings import Scene, drawing_of, is_drawn
 from fuzzyarm.show.drawing import run_words, time_words
 from fuzzyarm.show.figures.labels import columns_that_fit
-from fuzzyarm.show.figures.plants import METAL, Scene, picture_of
+from fuzzyarm.show.figures.parts import draw_thing
 from fuzzyarm.show.figures.run import draw_runs
-from fuzzyarm.show.figures.style import COLOURS, new_figure, safe
+from fuzzyarm.show.figures.style import new_figure, safe
 from fuzzyarm.text.files import write_atomically
 
 if TYPE_CHECKING:
@@ -52,8 +54,7 @@ def animate(
     run : Run
         With samples.
     plant : Plant
-        On which it ran. One of a user's own is drawn by its ``draw(axes, x)``, where `x` are its
-        outputs, and otherwise as curves alone.
+        On which it ran. One without ``draw(scene)`` has curves alone.
     path : path-like
         ``.gif``, ``.html`` (one file, with buttons) or ``.mp4`` (with ffmpeg).
     frames : int, optional
@@ -214,8 +215,7 @@ _KEY, _CURVES = 7, 4.0
 
 def _scene(run: Run, plant: Plant) -> tuple[Figure, Callable[[int], list[Any]]]:
     """Return a figure, and what draws a sample of the run into it."""
-    picture = picture_of(run, plant)
-    if picture is None:
+    if not is_drawn(plant):
         curves = draw_runs([run])
         return curves, _cursors(curves, run)
     figure: Any = new_figure(8.0, 4.0)
@@ -227,7 +227,9 @@ def _scene(run: Run, plant: Plant) -> tuple[Figure, Callable[[int], list[Any]]]:
     def draw(index: int) -> list[Any]:
         axes.clear()
         axes.set_title(safe(f"{name}, {time_words(float(run.time[index]), end)} s"), fontsize=9)
-        picture.draw(axes, Scene(run, plant, index))
+        drawing = drawing_of(plant, Scene(run, index))
+        if drawing is not None:
+            draw_thing(axes, drawing)
         move(index)
         return []
 
@@ -265,7 +267,7 @@ def _redraw(run: Run, home: Any) -> Callable[[int], None]:
             fontsize=_KEY, frameon=False, loc="lower left", bbox_to_anchor=(0.0, 0.98),
             ncols=columns, borderaxespad=0.0, columnspacing=1.0, handlelength=1.4,
         )  # fmt: skip
-        cursors.append(panel.axvline(run.time[0], color=METAL, linewidth=0.8))
+        cursors.append(panel.axvline(run.time[0], color=TONES["metal"], linewidth=0.8))
 
     def move(index: int) -> None:
         for cursor in cursors:
@@ -276,7 +278,7 @@ def _redraw(run: Run, home: Any) -> Callable[[int], None]:
 
 def _cursors(figure: Figure, run: Run) -> Callable[[int], list[Any]]:
     """Return what moves a cursor over the curves of a run."""
-    lines = [axes.axvline(run.time[0], color=METAL, linewidth=0.8) for axes in figure.axes]
+    lines = [axes.axvline(run.time[0], color=TONES["metal"], linewidth=0.8) for axes in figure.axes]
 
     def draw(index: int) -> list[Any]:
         for line in lines:

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any
 from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.model.controller import ControllerModel
 from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.picture import COLOURS
 from fuzzyarm.show.diagram import Diagram, block_diagram
 from fuzzyarm.show.figures.labels import text_width
-from fuzzyarm.show.figures.style import COLOURS, head, new_figure, safe
+from fuzzyarm.show.figures.style import head, new_figure, safe
 from fuzzyarm.show.figures.surface import Response, TablePicture
 from fuzzyarm.show.placement import ROUND, Pen, Picture, PlacedBlock, place
 

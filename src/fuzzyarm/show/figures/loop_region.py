@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from fuzzyarm.show.figures.style import COLOURS, head, label_axes, new_figure, safe, tidy
+from fuzzyarm.picture import COLOURS
+from fuzzyarm.show.figures.style import head, label_axes, new_figure, safe, tidy
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

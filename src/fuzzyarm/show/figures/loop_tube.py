@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fuzzyarm.show.figures.style import COLOURS, head, label_axes, new_figure, safe, tidy
+from fuzzyarm.picture import COLOURS
+from fuzzyarm.show.figures.style import head, label_axes, new_figure, safe, tidy
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

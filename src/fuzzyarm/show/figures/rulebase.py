@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.model.rulebase import AnyRuleBase, Output, RuleBase, Shape, Term, Variable
 from fuzzyarm.model.shapes import centre, corner_points, membership
+from fuzzyarm.picture import COLOURS
 from fuzzyarm.show.drawing import number_words
 from fuzzyarm.show.figures.labels import (
     GAP,
@@ -21,7 +22,6 @@ from fuzzyarm.show.figures.labels import (
     wrapped,
 )
 from fuzzyarm.show.figures.style import (
-    COLOURS,
     LABEL,
     axis_label,
     head,

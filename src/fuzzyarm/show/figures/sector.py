@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fuzzyarm.model.units import product, read_unit, unit_text
+from fuzzyarm.picture import COLOURS
 from fuzzyarm.proof.sector import form_text
 from fuzzyarm.show.drawing import number_words
 from fuzzyarm.show.figures.labels import wrapped
-from fuzzyarm.show.figures.style import COLOURS, LABEL, label_axes, new_figure, safe, tidy
+from fuzzyarm.show.figures.style import LABEL, label_axes, new_figure, safe, tidy
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -1,7 +1,4 @@
-"""The look that all figures share, and writing them whole or not at all.
-
-Colours by Okabe and Ito, safe for colour-blind eyes.
-"""
+"""The look that all figures share, and writing them whole or not at all."""
 
 from __future__ import annotations
 
@@ -13,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.picture import COLOURS
 from fuzzyarm.show.drawing import Scale
 from fuzzyarm.show.figures.labels import wrapped
 from fuzzyarm.text.files import write_atomically
@@ -23,7 +21,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-COLOURS = ("#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9", "#7A6A00", "#333333")
 DASHES = ("-", "--", "-.")
 
 

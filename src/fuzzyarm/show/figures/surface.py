@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.model.rulebase import AnyRuleBase, Output, RuleBase, Variable
 from fuzzyarm.model.shapes import corner_points
+from fuzzyarm.picture import COLOURS
 from fuzzyarm.show.drawing import number_words, scale_of
 from fuzzyarm.show.figures.labels import shortened, text_width, thin_ticks, wrapped
 from fuzzyarm.show.figures.style import (
-    COLOURS,
     LABEL,
     axis_label,
     colour_bar,

@@ -10,8 +10,8 @@ import numpy as np
 from fuzzyarm.loop.many import Many, Vector
 from fuzzyarm.loop.metrics import ERRORS
 from fuzzyarm.loop.sweep import Range
+from fuzzyarm.picture import COLOURS
 from fuzzyarm.show.figures.style import (
-    COLOURS,
     colour_bar,
     head,
     label_axes,

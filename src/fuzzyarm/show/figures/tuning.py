@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fuzzyarm.show.figures.style import COLOURS, label_axes, new_figure, safe, tidy
+from fuzzyarm.picture import COLOURS
+from fuzzyarm.show.figures.style import label_axes, new_figure, safe, tidy
 from fuzzyarm.tuning.tuned import front_of
 
 if TYPE_CHECKING:

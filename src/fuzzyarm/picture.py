@@ -1,0 +1,226 @@
+"""Pictures as data: what stands in one, in the coordinates of what it shows.
+
+A picture is made once and drawn by whoever shows it: :mod:`fuzzyarm.show` in a terminal,
+:mod:`fuzzyarm.show.figures` with matplotlib, the page of the designer by :func:`part_data`.
+Nothing here knows how wide a screen is, and nothing imports numpy; the numbers of a part may be
+arrays.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from fuzzyarm.text.jsonable import jsonable
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+__all__ = ["Area", "Drawing", "Line", "Mark", "Words", "frame", "rectangle"]
+
+Numbers: TypeAlias = "Sequence[float] | NDArray[np.float64]"
+
+# --- Colours by what they stand for ---
+
+COLOURS = ("#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9", "#7A6A00", "#333333")
+"""Those of Okabe and Ito, safe for colour-blind eyes."""
+
+TONES = {
+    "first": COLOURS[0],
+    "second": COLOURS[1],
+    "wanted": "#999999",
+    "mark": COLOURS[3],
+    "metal": "#444444",
+    "water": COLOURS[5],
+}
+"""Colours by name; a page has its own, for light and dark. Any other colour is ``#rrggbb``."""
+
+
+def colour_of(tone: str) -> str:
+    """Return the colour of a tone, which is a name of :data:`TONES` or a colour itself."""
+    return TONES.get(tone, tone)
+
+
+# --- What a picture consists of ---
+
+
+@dataclass(frozen=True)
+class Line:
+    """Straight lines through points.
+
+    Parameters
+    ----------
+    x, y : sequence of float
+        The points.
+    tone : str
+        Its colour: ``#rrggbb`` or a name of ``TONES``.
+    width : float
+        Points of print.
+    """
+
+    x: Numbers
+    y: Numbers
+    tone: str = "metal"
+    width: float = 1.0
+
+
+@dataclass(frozen=True)
+class Area:
+    """A filled polygon.
+
+    Parameters
+    ----------
+    x, y : sequence of float
+        Its corners.
+    tone : str
+        Its colour.
+    """
+
+    x: Numbers
+    y: Numbers
+    tone: str = "first"
+
+
+@dataclass(frozen=True)
+class Mark:
+    """A sign of a fixed size.
+
+    Parameters
+    ----------
+    x, y : float
+        Its middle.
+    sign : str
+        ``o`` round, ``s`` square, ``^`` triangle.
+    size : float
+        Points of print.
+    tone : str
+        Its colour.
+    """
+
+    x: float
+    y: float
+    sign: str = "o"
+    size: float = 6.0
+    tone: str = "metal"
+
+
+@dataclass(frozen=True)
+class Words:
+    """A line of text.
+
+    Parameters
+    ----------
+    x, y : float
+        Where it begins.
+    text : str
+        Anybody's; a renderer shows it as it is.
+    size : float
+        Points of print.
+    """
+
+    x: float
+    y: float
+    text: str
+    size: float = 8.0
+
+
+Part: TypeAlias = Line | Area | Mark | Words
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """A thing to scale: a length is the same across and up.
+
+    Parameters
+    ----------
+    stage : tuple of float
+        Left, right, bottom and top of what is shown.
+    parts : sequence of Line, Area, Mark or Words
+        From the back to the front.
+    grip : tuple of float, optional
+        Where a hand takes hold of it; by default in the middle.
+    """
+
+    stage: tuple[float, float, float, float]
+    parts: Sequence[Part]
+    grip: tuple[float, float] | None = None
+
+    @property
+    def held_at(self) -> tuple[float, float]:
+        """Where a hand takes hold of it."""
+        left, right, bottom, top = self.stage
+        return self.grip or (0.5 * (left + right), 0.5 * (bottom + top))
+
+
+# --- Shapes that many pictures have ---
+
+
+def rectangle(left: float, bottom: float, width: float, height: float, tone: str) -> Area:
+    """Return a filled rectangle.
+
+    Parameters
+    ----------
+    left, bottom : float
+        Its lower left corner.
+    width, height : float
+        Its size.
+    tone : str
+        Its colour.
+    """
+    right, top = left + width, bottom + height
+    return Area((left, right, right, left), (bottom, bottom, top, top), tone)
+
+
+def frame(left: float, bottom: float, width: float, height: float, tone: str = "metal") -> Line:
+    """Return the outline of a rectangle.
+
+    Parameters
+    ----------
+    left, bottom : float
+        Its lower left corner.
+    width, height : float
+        Its size.
+    tone : str
+        Its colour.
+    """
+    area = rectangle(left, bottom, width, height, tone)
+    return Line((*area.x, left), (*area.y, bottom), tone)
+
+
+# --- As JSON, for a page ---
+
+
+def drawing_data(drawing: Drawing) -> dict[str, Any]:
+    """Return a drawing fit for JSON; parts with a number that is not finite are left out."""
+    parts = map(part_data, drawing.parts)
+    return {
+        "stage": list(drawing.stage),
+        "parts": [part for part in parts if part is not None],
+        "grip": [short(x) for x in drawing.held_at],
+    }
+
+
+def part_data(part: Part) -> dict[str, Any] | None:
+    """Return a part fit for JSON; None where a number of it is not finite."""
+    if isinstance(part, Line | Area):
+        points = [[short(x), short(y)] for x, y in zip(part.x, part.y, strict=True)]
+        if any(None in point for point in points):
+            return None
+        data: dict[str, Any] = {"points": points, "colour": part.tone}
+        return {"is": "area", **data} if isinstance(part, Area) else {
+            "is": "line", **data, "width": part.width,
+        }  # fmt: skip
+    at = {"x": short(part.x), "y": short(part.y), "size": part.size}
+    if None in at.values():
+        return None
+    if isinstance(part, Words):
+        return {"is": "words", **at, "text": part.text}
+    return {"is": "mark", **at, "sign": part.sign, "colour": part.tone}
+
+
+def short(value: float, digits: int = 6) -> float | None:
+    """Return a number as a page needs it; None where it is not finite."""
+    shortened: float | None = jsonable(float(f"{value:.{digits}g}"))
+    return shortened

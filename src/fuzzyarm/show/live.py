@@ -1,0 +1,167 @@
+"""A run in the terminal: the plant to scale in dots of braille, errors and drives beside it."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fuzzyarm.plant.drawings import Scene, drawing_of
+from fuzzyarm.show.canvas import Canvas, drawing_lines
+from fuzzyarm.show.drawing import fitted, number_words, run_words, time_words
+
+if TYPE_CHECKING:
+    from rich.console import Console, RenderableType
+    from rich.text import Text
+
+    from fuzzyarm.loop import Run
+    from fuzzyarm.plant import Plant
+
+RATE = 12
+"""Pictures in a second."""
+
+LONGEST = 8.0
+"""Longer runs are shown faster, in this many seconds."""
+
+
+# --- A picture of a run ---
+
+
+class LiveView:
+    """What is seen of a run at one sample after the other.
+
+    Parameters
+    ----------
+    run : Run
+        With samples.
+    plant : Plant
+        On which it ran.
+    unicode : bool, optional
+        Whether the terminal has braille.
+    """
+
+    def __init__(self, run: Run, plant: Plant, *, unicode: bool = True) -> None:
+        self.run, self.plant, self.unicode = run, plant, unicode
+
+    def at(self, index: int, width: int, height: int) -> RenderableType:
+        """Return the picture of a sample in a given room, in characters."""
+        from rich.console import Group
+        from rich.table import Table
+        from rich.text import Text
+
+        run = self.run
+        title = Text(run_words(run.controller, run.plant), "bold", no_wrap=True)
+        end = float(run.time[-1])
+        now = time_words(float(run.time[index]), end)
+        title.append(f"  {now} of {time_words(end, end)} s", "not bold")
+        rows = max(4, height - 1)
+        left = max(12, min(2 * rows, width // 2))
+        plant = self._plant(index, left, rows)
+        if not plant:
+            return Group(title, *self._curves(index, width, rows))
+        table = Table.grid(padding=(0, 2, 0, 0))
+        table.add_column(width=left, no_wrap=True)
+        table.add_column(width=max(10, width - left - 2), no_wrap=True)
+        table.add_row(Group(*plant), Group(*self._curves(index, width - left - 2, rows)))
+        return Group(title, table)
+
+    def _plant(self, index: int, columns: int, rows: int) -> list[Text]:
+        """Return the lines of the drawing of the plant, if it has one."""
+        drawing = drawing_of(self.plant, Scene(self.run, index))
+        if drawing is None:
+            return []
+        return drawing_lines(drawing, columns, rows, unicode=self.unicode)
+
+    def _curves(self, index: int, width: int, rows: int) -> list[Text]:
+        """Return errors and drives until a sample, each below the line that names it."""
+        run = self.run
+        curves = [
+            (f"error of {label}", unit, run.errors[:, column])
+            for column, (label, unit) in enumerate(zip(run.labels, run.units, strict=True))
+        ]
+        used = [name for name in run.drives if np.any(run.drives[name])] or list(run.drives)[:1]
+        curves += [(name, run.drive_units[name], np.asarray(run.drives[name])) for name in used]
+        curves = curves[: max(1, rows // 3)]
+        each = max(1, rows // len(curves) - 1)
+        found: list[Text] = []
+        for name, unit, values in curves:
+            found += self._curve(name, unit, values, index, (width, each))
+        return found
+
+    def _curve(
+        self, name: str, unit: str, values: Any, index: int, size: tuple[int, int]
+    ) -> Iterator[Text]:
+        from rich.text import Text
+
+        width, height = size
+        low, high = float(np.min(values)), float(np.max(values))
+        if high - low < 1e-12 * max(1.0, abs(high)):
+            low, high = low - 1.0, high + 1.0
+        words = f" {number_words(float(values[index]), 3)} {unit if unit != '1' else ''}"
+        line = Text(no_wrap=True, overflow="crop")
+        line.append(fitted(name, max(4, width - len(words))), "bold")
+        line.append(words)
+        yield line
+        canvas = Canvas(width, height, 0.0, 1.0, 0.0, 1.0, self.unicode)
+        # Across and up have scales of their own.
+        last = max(1, len(values) - 1)
+        across, up = 2 * width - 1, 4 * height - 1
+        before: tuple[float, float] | None = None
+        for column in range(2 * width):
+            k = round(column * last / across)
+            if k > index:
+                break
+            row = (high - float(values[min(k, last)])) / (high - low) * up
+            start, end = sorted((row, row if before is None else before[1]))
+            for i in range(round(start), round(end) + 1):
+                canvas.dot(column, i, "cyan")
+            before = column, row
+        if low < 0.0 < high:
+            for column in range(0, 2 * width, 4):
+                canvas.dot(column, high / (high - low) * up, "cyan")
+        yield from canvas.lines()
+
+
+def frames_of(run: Run) -> list[int]:
+    """Return the samples that are shown: the run as long as it is, longer ones faster."""
+    seconds = min(LONGEST, max(1.0, float(run.time[-1])))
+    count = min(run.samples, max(2, round(RATE * seconds)))
+    return sorted({round(k * (run.samples - 1) / max(1, count - 1)) for k in range(count)})
+
+
+def play(run: Run, plant: Plant, console: Console) -> bool:
+    """Show a run in a terminal as it goes on; the last picture stays.
+
+    Parameters
+    ----------
+    run : Run
+        With samples.
+    plant : Plant
+        On which it ran.
+    console : Console
+        Of a terminal.
+
+    Returns
+    -------
+    bool
+        False if Ctrl-C ended it before its time.
+    """
+    from rich.live import Live
+
+    has_braille = "utf" in (console.encoding or "").lower()
+    view = LiveView(run, plant, unicode=has_braille)
+    frames = frames_of(run)
+    width, height = min(console.width, 110), max(8, min(console.height - 2, 26))
+    pause = min(LONGEST, max(1.0, float(run.time[-1]))) / len(frames)
+    try:
+        with Live(console=console, auto_refresh=False) as live:
+            due = time.monotonic()
+            for index in frames:
+                live.update(view.at(index, width, height), refresh=True)
+                due = max(due + pause, time.monotonic() - 1.0)
+                time.sleep(max(0.0, due - time.monotonic()))
+    except KeyboardInterrupt:
+        return False
+    return True
