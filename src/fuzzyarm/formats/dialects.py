@@ -109,6 +109,16 @@ class Dialect:
         its range, the ``maximum`` of nothing, or that whatever the file says (``nothing``).
     has_ties : bool
         Whether the last bit decides among samples that are all the highest.
+    holds : bool
+        Whether the file can say that an output holds its value where no rule fires.
+    defaults : bool
+        Whether the file can say another value for that.
+    instead_of_error : str
+        What a message says of an output that is an error there.
+    resolutions : bool
+        Whether the file can say any number of samples.
+    says_inference : bool
+        Whether the file says if values are taken by Tsukamoto's method.
     inverts : bool
         Whether values that can be inverted are taken by Tsukamoto's method.
     sums_values : bool
@@ -153,6 +163,11 @@ class Dialect:
     samplings: Mapping[str, str] = field(default_factory=dict)
     silent: str = "nan"
     has_ties: bool = False
+    holds: bool = False
+    defaults: bool = False
+    instead_of_error: str = ""
+    resolutions: bool = False
+    says_inference: bool = False
     inverts: bool = False
     sums_values: bool = False
     estimates: bool = False
@@ -188,6 +203,8 @@ FLL = Dialect(
     samples=(1000, "midpoints"),  # of fuzzylite 7 and 8; version 6 took 100 and always wrote it
     activates=True, chains=True, thresholds=True, clamps=("inputs", "outputs"), heights=True,
     unordered=True, no_norm=("", "none"), repeated_term="last", has_ties=True, inverts=True,
+    holds=True, defaults=True, instead_of_error="fuzzylite gives nan", resolutions=True,
+    says_inference=True,
 )  # fmt: skip
 
 _OF_OTHERS = {"MOM": "MM", "SOM": "LM", "LOM": "RM"}
@@ -203,7 +220,7 @@ FCL = {
         negates=False, equal_precedence=True, any_case=True, separators=(",", "and"),
         ties="first",
         case="upper", norms=("fcl", "jfl"), no_norm=("NONE",), repeated_term="last", method="COG",
-        methods_of_others=_OF_OTHERS, estimates=True,
+        methods_of_others=_OF_OTHERS, estimates=True, holds=True, defaults=True,
         values_hint="METHOD : COGS is for singletons",
     ),
     "fuzzylite": Dialect(
@@ -214,6 +231,7 @@ FCL = {
         any_case=True, separators=("and", ","), heights=True, unordered=True,
         case="upper", norms=("fcl", "jfl"), no_norm=("NONE",), method="COG",
         methods_of_others=_OF_OTHERS, silent="nothing", has_ties=True, inverts=True, estimates=True,
+        holds=True, defaults=True,
     ),
     "scikit-fuzzy": Dialect(
         suffix=".fcl", producer="scikit-fuzzy", program="fcl-for-scikit-fuzzy", kinds="fcl",
@@ -258,7 +276,8 @@ FIS = {
         assumed="read with the defaults of fuzzylite: 1000 midpoints, nan where no rule "
         "fires",
         case="lower", norms=_FIS_NORMS, no_norm=("",), method="centroid", silent="nothing",
-        has_ties=True, inverts=True, samplings=_FIS_SAMPLINGS, needs_range=True,
+        holds=True, defaults=True, has_ties=True, inverts=True, samplings=_FIS_SAMPLINGS,
+        needs_range=True,
     ),
 }  # fmt: skip
 
@@ -267,7 +286,7 @@ FML = Dialect(
     samples=(0, "endpoints"), unordered=True,
     assumed="read as IEEE 1855 defines it: exact integrals (JFML takes sums over about 2000 "
     "points)",
-    case="upper", method="COG",
+    case="upper", method="COG", defaults=True, says_inference=True,
 )  # fmt: skip
 
 

@@ -18,15 +18,13 @@ from fuzzyarm.formats.dialects import (
     Dialect,
     word_of,
 )
-from fuzzyarm.formats.drafts import VALUES, all_invertible
+from fuzzyarm.formats.drafts import VALUES
 from fuzzyarm.formats.fcl_text import KEYWORDS, MEAN_OF_MAXIMUM, is_cut
 from fuzzyarm.formats.findings import Exported, all_written, demand_program, written
 from fuzzyarm.formats.shapes import larger_wins, word_and_numbers
+from fuzzyarm.formats.system_writer import HEADER, SystemWriter, best
 from fuzzyarm.formats.writing import (
     FUZZYLITE_WORDS,
-    HEADER,
-    Writer,
-    best,
     identifier,
     identifiers,
     written_sentences,
@@ -66,23 +64,25 @@ def write_fcl(
     return best([_Writer(rulebase, each, lossy=lossy, strict=strict).export() for each in dialects])
 
 
-class _Writer(Writer):
+class _Writer(SystemWriter):
     file = "FCL"
 
-    def lines(self) -> list[str]:
-        rulebase = self.rulebase
-        self.names = identifiers(rulebase, self.findings, _RESERVED, ignore_case=True)
-        name = self._title(rulebase.name)
+    def settle_names(self) -> None:
+        self.names = identifiers(self.rulebase, self.findings, _RESERVED, ignore_case=True)
+
+    def head(self) -> list[str]:
+        name = self._title(self.rulebase.name)
         lines = [f"// {HEADER} for {self.program}.", "", f"FUNCTION_BLOCK {name}".rstrip()]
-        lines += self._declared("VAR_INPUT", rulebase.inputs)
-        lines += self._declared("VAR_OUTPUT", rulebase.outputs)
-        for variable in rulebase.inputs:
-            lines += ["", *self._fuzzify(variable)]
-        for output in rulebase.outputs:
-            lines += ["", *self._defuzzify(output)]
-        for block in rulebase.blocks:
-            lines += ["", *self._block(block)]
-        return [*lines, "", "END_FUNCTION_BLOCK"]
+        lines += self._declared("VAR_INPUT", self.rulebase.inputs)
+        return [*lines, *self._declared("VAR_OUTPUT", self.rulebase.outputs)]
+
+    def variable(self, variable: Input | Output, index: int) -> list[str]:
+        if isinstance(variable, Output):
+            return ["", *self._defuzzify(variable)]
+        return ["", *self._fuzzify(variable)]
+
+    def foot(self) -> list[str]:
+        return ["", "END_FUNCTION_BLOCK"]
 
     @property
     def own(self) -> bool:
@@ -142,40 +142,19 @@ class _Writer(Writer):
         return [*lines, "END_DEFUZZIFY"]
 
     def _default(self, output: Output) -> list[str]:
-        if self.own and self.takes_maximum_of_nothing(output):
-            return ["  DEFAULT := nan;"]
-        if output.no_rule == "hold":
+        no_rule = self.no_rule(output)
+        if no_rule == "hold":
             return ["  LOCK : PREVIOUS;"] if self.own else ["  DEFAULT := NC;"]
-        self.warn_of_error(output)
-        value = output.no_rule if isinstance(output.no_rule, float | int) else math.nan
+        value = no_rule if isinstance(no_rule, float | int) else math.nan
         return [f"  DEFAULT := {written(value)};"] if self.own or math.isfinite(value) else []
 
     def _method(self, output: Output) -> str:
-        if output.defuzzifier.record.weighs:
-            return self._weighted(output) if self.own else self._plain_weighted(output)
-        self.need_sets(output)
-        word = self.method(output)
+        if output.defuzzifier.record.weighs and not self.own:
+            return self._plain_weighted(output)
+        word = self.defuzzifier(output)
         if word == "MM" and not self.own:
             self.findings.loss("mean-of-maximum", MEAN_OF_MAXIMUM, slight=True)
-        resolution, sampling = self.dialect.samples
-        if (output.defuzzifier.resolution, output.defuzzifier.sampling) != self.dialect.samples:
-            message = (
-                f"'{output.name}' is not defuzzified over {resolution} {sampling} samples, as "
-                f"{self.program} does"
-            )
-            self.findings.loss("sampling", message, slight=True)
         return word
-
-    def _weighted(self, output: Output) -> str:
-        if not output.defuzzifier.record.inverts:
-            self.need_values(output)
-        elif not all_invertible({term.shape.kind for term in output.terms}):
-            message = (
-                f"to fuzzylite '{output.name}' is Tsukamoto's if all of its terms have an inverse, "
-                "which some have not"
-            )
-            self.findings.loss("unsupported-defuzzifier", message)
-        return self.method(output)
 
     def _plain_weighted(self, output: Output) -> str:
         """Return the method of jFuzzyLogic that takes the terms as they are."""
@@ -189,8 +168,8 @@ class _Writer(Writer):
         self.need_values(output, refused=bool(kinds & VALUES))
         return "COG"
 
-    def _block(self, block: RuleBlock) -> list[str]:
-        lines = [f"RULEBLOCK {self._title(block.name)}".rstrip()]
+    def block(self, block: RuleBlock, index: int) -> list[str]:
+        lines = ["", f"RULEBLOCK {self._title(block.name)}".rstrip()]
         if self.own:
             lines += [
                 f"  AND : {self.tnorm(block.conjunction)};",

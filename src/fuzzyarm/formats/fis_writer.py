@@ -4,20 +4,14 @@ from __future__ import annotations
 
 from fuzzyarm.expression.formulas import FormulaError, read_formula
 from fuzzyarm.formats.dialects import FIS, Dialect
-from fuzzyarm.formats.drafts import VALUES, all_invertible, maximum_of_nothing, same_number
+from fuzzyarm.formats.drafts import VALUES
 from fuzzyarm.formats.findings import Exported, all_written, written
 from fuzzyarm.formats.fis_text import by_magnitude, fractions, hedges_of
 from fuzzyarm.formats.meaning import POWERS, root
 from fuzzyarm.formats.sentences import NOT, hedged
 from fuzzyarm.formats.shapes import fuzzylite_formula, fuzzylite_shape, word_and_numbers
-from fuzzyarm.formats.writing import (
-    HEADER,
-    Sentence,
-    Writer,
-    as_sentences,
-    likeliest,
-    weight_before,
-)
+from fuzzyarm.formats.system_writer import HEADER, SystemWriter, likeliest
+from fuzzyarm.formats.writing import Sentence, as_sentences, weight_before
 from fuzzyarm.model.rulebase import (
     And,
     Consequent,
@@ -30,6 +24,7 @@ from fuzzyarm.model.rulebase import (
     Output,
     Rule,
     RuleBase,
+    RuleBlock,
     Term,
 )
 
@@ -63,10 +58,10 @@ def write_fis(
     )
 
 
-class _Writer(Writer):
+class _Writer(SystemWriter):
     file = "a FIS"
 
-    def lines(self) -> list[str]:
+    def settle_names(self) -> None:
         rulebase = self.rulebase
         self.is_own = self.dialect.producer == "fuzzylite"
         self.inputs = [variable.name for variable in rulebase.inputs]
@@ -76,13 +71,19 @@ class _Writer(Writer):
             for variable in (*rulebase.inputs, *rulebase.outputs)
             for index, term in enumerate(variable.terms, 1)
         }
-        rules = self._rules()
-        lines = [f"% {HEADER} for {self.program}.", *self._system(len(rules))]
-        for index, variable in enumerate(rulebase.inputs, 1):
-            lines += ["", f"[Input{index}]", *self._variable(variable)]
-        for index, output in enumerate(rulebase.outputs, 1):
-            lines += ["", f"[Output{index}]", *self._variable(output)]
-        return [*lines, "", "[Rules]", *rules]
+        if sum(bool(block.rules) for block in rulebase.blocks) > 1:
+            self.findings.info("dropped-blocks", "the rules of all blocks stand in one list")
+        self.rules = [self._rules(block) for block in rulebase.blocks]
+
+    def head(self) -> list[str]:
+        rules = sum(map(len, self.rules))
+        return [f"% {HEADER} for {self.program}.", *self._system(rules)]
+
+    def between(self) -> list[str]:
+        return ["", "[Rules]"]
+
+    def block(self, block: RuleBlock, index: int) -> list[str]:
+        return self.rules[index - 1]
 
     def _system(self, rules: int) -> list[str]:
         rulebase = self.rulebase
@@ -128,22 +129,22 @@ class _Writer(Writer):
 
     def _defuzzifier(self, output: Output) -> str:
         record = output.defuzzifier.record
-        kinds = {term.shape.kind for term in output.terms}
-        if record.inverts:
-            if not self.is_own or not all_invertible(kinds):
-                message = f"{self.program} has no Tsukamoto inference for '{output.name}'"
-                self.findings.loss("unsupported-defuzzifier", message)
-                return "wtaver"
-            return self.method(output)
-        if record.weighs:
-            self.need_values(output, refused=not self.is_own)
-            if self.dialect.producer == "matlab" and output.aggregation != "sum":
+        if record.inverts and not self.is_own:
+            message = f"{self.program} has no Tsukamoto inference for '{output.name}'"
+            self.findings.loss("unsupported-defuzzifier", message)
+            return "wtaver"
+        if record.weighs and not record.inverts:
+            if self.dialect.sums_values and output.aggregation != "sum":
                 message = f"MATLAB adds up the rules of '{output.name}' whatever the aggregation"
                 self.findings.loss("unsupported-norm", message)
             self._check_equal_values(output)
-            return self.method(output)
-        self.need_sets(output)
-        return self._sampled(output)
+        defuzzifier = output.defuzzifier
+        found = (defuzzifier.method, defuzzifier.resolution, defuzzifier.sampling)
+        of_integral = ("centroid", self.dialect.samples[0], "trapezoid")
+        if self.dialect.producer == "octave" and found == of_integral:
+            self.need_sets(output)
+            return "centroid_integral"
+        return self._by_magnitude(output, self.defuzzifier(output))
 
     def _check_equal_values(self, output: Output) -> None:
         shapes = [term.shape for term in output.terms]
@@ -152,42 +153,32 @@ class _Writer(Writer):
             message = f"Octave's toolkit makes one of equal terms of '{output.name}'"
             self.findings.loss("equal-values", message)
 
-    def _sampled(self, output: Output) -> str:
-        defuzzifier = output.defuzzifier
-        resolution, sampling = self.dialect.samples
-        found = (defuzzifier.resolution, defuzzifier.sampling)
-        of_integral = ("centroid", resolution, "trapezoid")
-        if self.dialect.producer == "octave" and (defuzzifier.method, *found) == of_integral:
-            return "centroid_integral"
-        if found != (resolution, sampling):
-            message = (
-                f"'{output.name}' is not defuzzified over {resolution} {sampling}, as "
-                f"{self.program} does"
-            )
-            self.findings.loss("sampling", message, slight=True)
-        word = self.method(output)
-        of_range: str | None = word
-        if self.dialect.producer == "matlab":
-            of_range = by_magnitude(word, output.low, output.high)
+    def _by_magnitude(self, output: Output, word: str) -> str:
+        """Return the word for a maximum to MATLAB, which compares magnitudes."""
+        if self.dialect.producer != "matlab":
+            return word
+        of_range = by_magnitude(word, output.low, output.high)
         if of_range is None:
             message = (
                 f"MATLAB takes the maximum of '{output.name}' that is nearest to 0 for som and "
                 "the farthest for lom, not the lowest and the highest"
             )
             self.findings.loss("maximum-by-magnitude", message, slight=True)
-        return word if of_range is None else of_range
+        return of_range or word
 
-    def _variable(self, variable: Input | Output) -> list[str]:
+    def variable(self, variable: Input | Output, index: int) -> list[str]:
         lines = [
+            "",
+            f"[{'Output' if isinstance(variable, Output) else 'Input'}{index}]",
             f"Name='{self.one_line(variable.name, chr(39))}'",
             f"Range=[{written(variable.low)} {written(variable.high)}]",
         ]
         if isinstance(variable, Output):
             lines += self._no_rule(variable)
         lines.append(f"NumMFs={len(variable.terms)}")
-        for index, term in enumerate(variable.terms, 1):
+        for number, term in enumerate(variable.terms, 1):
             name = self.one_line(term.name, "'")
-            lines.append(f"MF{index}='{name}':{self._term(variable, term)}")
+            lines.append(f"MF{number}='{name}':{self._term(variable, term)}")
         return lines
 
     def _term(self, variable: Input | Output, term: Term) -> str:
@@ -217,47 +208,22 @@ class _Writer(Writer):
         return f"'{word}',[{text}]"
 
     def _no_rule(self, output: Output) -> list[str]:
-        self.warn_of_error(output)
-        if output.no_rule == "error":
-            return []
-        usual = self._usual(output)
-        if self.is_own:
-            lines = ["LockRange=1"] if output.outside == "clamp" else []
-            if self.takes_maximum_of_nothing(output):
-                return lines
-            if output.no_rule == "hold":
-                return [*lines, "LockPrevious=1"]
-            if not same_number(output.no_rule, usual):
-                lines.append(f"Default={written(float(output.no_rule))}")
-            return lines
-        if not same_number(output.no_rule, usual):
-            message = (
-                f"'{output.name}' is {output.no_rule} where no rule fires, to {self.program} "
-                f"{usual}"
-            )
-            self.findings.loss("no-rule", message)
-        return []
-
-    def _usual(self, output: Output) -> float:
-        if self.dialect.producer == "matlab":
-            return 0.5 * (output.low + output.high)
-        return maximum_of_nothing(output)
+        lines = ["LockRange=1"] if self.is_own and output.outside == "clamp" else []
+        no_rule = self.no_rule(output)
+        if no_rule == "hold":
+            lines.append("LockPrevious=1")
+        elif no_rule is not None:
+            lines.append(f"Default={written(float(no_rule))}")
+        return lines
 
     # --- Rules: a term index for each variable, weight, and connective ---
 
-    def _rules(self) -> list[str]:
-        blocks = self.rulebase.blocks
-        if sum(bool(block.rules) for block in blocks) > 1:
-            self.findings.info("dropped-blocks", "the rules of all blocks stand in one list")
+    def _rules(self, block: RuleBlock) -> list[str]:
         if self.is_own:
             order = {name: index for index, name in enumerate(self.outputs)}
-            sentences = [
-                sentence
-                for block in blocks
-                for sentence in as_sentences(block, self.dialect, self.findings, order)
-            ]
+            sentences = as_sentences(block, self.dialect, self.findings, order)
         else:
-            sentences = [self._sentence(rule) for rule in self.rulebase.rules]
+            sentences = [self._sentence(rule) for rule in block.rules]
         return [line for sentence in sentences for line in self._rule_lines(sentence)]
 
     def _sentence(self, rule: Rule) -> Sentence:

@@ -25,7 +25,8 @@ from fuzzyarm.formats.recovery import straight_shape
 from fuzzyarm.formats.sentences import read_sentences
 from fuzzyarm.formats.shapes import formula_shape, spelled_shape
 from fuzzyarm.formats.system_reader import SystemReader
-from fuzzyarm.formats.writing import FUZZYLITE_WORDS, HEADER, Writer, identifiers, written_sentences
+from fuzzyarm.formats.system_writer import HEADER, SystemWriter
+from fuzzyarm.formats.writing import FUZZYLITE_WORDS, identifiers, written_sentences
 from fuzzyarm.model.rulebase import Input, Output, RuleBase, RuleBlock, Shape
 from fuzzyarm.text.diagnostic import MAX_TERMS
 
@@ -369,25 +370,21 @@ def write_fll(rulebase: RuleBase, *, lossy: bool = False, strict: bool = False) 
     return _Writer(rulebase, FLL, lossy=lossy, strict=strict).export()
 
 
-class _Writer(Writer):
+class _Writer(SystemWriter):
     file = "fuzzylite"
     descriptions = True
 
-    def lines(self) -> list[str]:
+    def settle_names(self) -> None:
+        self.names = identifiers(self.rulebase, self.findings, FUZZYLITE_WORDS)
+
+    def head(self) -> list[str]:
         rulebase = self.rulebase
-        self.names = identifiers(rulebase, self.findings, FUZZYLITE_WORDS)
         lines = [f"# {HEADER}.", f"Engine: {self.one_line(rulebase.name, '#')}"]
         if rulebase.description:
             lines.append(f"description: {self.one_line(rulebase.description, '#')}")
-        for variable in rulebase.inputs:
-            lines += self._variable(variable)
-        for output in rulebase.outputs:
-            lines += self._variable(output)
-        for block in rulebase.blocks:
-            lines += self._block(block)
         return lines
 
-    def _variable(self, variable: Input | Output) -> list[str]:
+    def variable(self, variable: Input | Output, index: int) -> list[str]:
         kind = "OutputVariable" if isinstance(variable, Output) else "InputVariable"
         lines = [f"{kind}: {self.names.variable(variable.name)}"]
         if variable.description:
@@ -407,29 +404,23 @@ class _Writer(Writer):
     def _output(self, output: Output) -> list[str]:
         plain = output.defuzzifier.record.weighs and output.aggregation == "sum"
         aggregation = "none" if plain else self.snorm(output.aggregation)
-        self.warn_of_error(output, "fuzzylite gives nan")
-        no_rule = output.no_rule if isinstance(output.no_rule, float | int) else math.nan
+        no_rule = self.no_rule(output)
+        default = no_rule if isinstance(no_rule, float | int) else math.nan
         return [
             f"  aggregation: {aggregation}",
-            f"  defuzzifier: {self._defuzzifier(output)}",
-            f"  default: {written(no_rule)}",
-            f"  lock-previous: {'true' if output.no_rule == 'hold' else 'false'}",
+            f"  defuzzifier: {self.defuzzifier(output)} {self._kind(output)}",
+            f"  default: {written(default)}",
+            f"  lock-previous: {'true' if no_rule == 'hold' else 'false'}",
         ]
 
-    def _defuzzifier(self, output: Output) -> str:
-        defuzzifier = output.defuzzifier
-        if defuzzifier.record.inverts:
-            return f"{self.method(output)} Tsukamoto"
-        if defuzzifier.record.weighs:
-            self.need_values(output)
-            return f"{self.method(output)} TakagiSugeno"
-        self.need_sets(output, "which fuzzylite takes for sets")
-        if defuzzifier.resolution is None or defuzzifier.sampling != "midpoints":
-            message = f"'{output.name}' is not defuzzified at midpoints, as fuzzylite does"
-            self.findings.loss("sampling", message, slight=True)
-        return f"{self.method(output)} {defuzzifier.resolution or FLL.samples[0]}"
+    def _kind(self, output: Output) -> str:
+        """Return what stands behind the method: what becomes of values, or the samples of sets."""
+        record = output.defuzzifier.record
+        if record.weighs:
+            return "Tsukamoto" if record.inverts else "TakagiSugeno"
+        return str(output.defuzzifier.resolution or FLL.samples[0])
 
-    def _block(self, block: RuleBlock) -> list[str]:
+    def block(self, block: RuleBlock, index: int) -> list[str]:
         above = block.threshold
         activation = "General" if above == 0.0 else f"Threshold > {written(above)}"
         rules = written_sentences(block, FLL, self.names, self.findings)

@@ -18,7 +18,7 @@ from fuzzyarm.formats.drafts import all_invertible
 from fuzzyarm.formats.findings import Exported, unique_name, written
 from fuzzyarm.formats.fml import MODIFIERS, RULE_BASES, VARIABLES
 from fuzzyarm.formats.shapes import word_and_numbers
-from fuzzyarm.formats.writing import HEADER, Writer
+from fuzzyarm.formats.system_writer import HEADER, SystemWriter
 from fuzzyarm.model.rulebase import (
     And,
     Consequent,
@@ -61,33 +61,30 @@ def write_fml(rulebase: RuleBase, *, lossy: bool = False, strict: bool = False) 
     return _Writer(rulebase, FML, lossy=lossy, strict=strict).export()
 
 
-class _Writer(Writer):
+class _Writer(SystemWriter):
     file = "an FML file"
 
-    def lines(self) -> list[str]:
-        rulebase = self.rulebase
-        self._settle_names()
-        self.kinds = {output.name: self._kind(output) for output in rulebase.outputs}
-        self.modifiers = {
-            hedges: word
-            for word, hedges in (
-                *MODIFIERS.items(),
-                *((word, (Hedge(name),)) for word, name in words(HEDGES, FML.kinds).items()),
-            )
-        }
-        root = _attributes(xmlns=NAMESPACE, name=self._text(rulebase.name))
+    def head(self) -> list[str]:
+        root = _attributes(xmlns=NAMESPACE, name=self._text(self.rulebase.name))
         lines = ['<?xml version="1.0" encoding="UTF-8"?>', f"<!-- {HEADER} -->"]
-        lines += [f"<fuzzySystem{root}>", "  <knowledgeBase>"]
-        variables: list[Input | Output] = [*rulebase.inputs, *rulebase.outputs]
-        for variable in variables:
-            lines += [f"    {line}" for line in self._variable(variable)]
-        lines.append("  </knowledgeBase>")
-        for block in rulebase.blocks:
-            for kind in _OF_VARIABLES:
-                lines += [f"  {line}" for line in self._rule_base(block, kind)]
-        return [*lines, "</fuzzySystem>"]
+        return [*lines, f"<fuzzySystem{root}>", "  <knowledgeBase>"]
 
-    def _settle_names(self) -> None:
+    def variable(self, variable: Input | Output, index: int) -> list[str]:
+        return [f"    {line}" for line in self._variable(variable)]
+
+    def between(self) -> list[str]:
+        return ["  </knowledgeBase>"]
+
+    def block(self, block: RuleBlock, index: int) -> list[str]:
+        return [f"  {line}" for kind in _OF_VARIABLES for line in self._rule_base(block, kind)]
+
+    def foot(self) -> list[str]:
+        return ["</fuzzySystem>"]
+
+    def settle_names(self) -> None:
+        self.kinds = {output.name: self._kind(output) for output in self.rulebase.outputs}
+        named = {word: (Hedge(name),) for word, name in words(HEDGES, FML.kinds).items()}
+        self.modifiers = {hedges: word for word, hedges in (*MODIFIERS.items(), *named.items())}
         variables: set[str] = set()
         for variable in (*self.rulebase.inputs, *self.rulebase.outputs):
             name = unique_name(self._text(variable.name), variables)
@@ -158,23 +155,14 @@ class _Writer(Writer):
             }
         else:
             found = {"combination": "WA"}
-        self.warn_of_error(output)
-        if output.no_rule == "hold":
-            message = f"'{output.name}' holds its value where no rule fires; the file cannot say so"
-            self.findings.loss("no-rule", message)
-        default = output.no_rule if isinstance(output.no_rule, float) else float("nan")
+        no_rule = self.no_rule(output)
+        default = no_rule if isinstance(no_rule, float) else math.nan
         return found | {"defaultValue": written(default)}
 
     def _method(self, output: Output) -> str:
-        defuzzifier = output.defuzzifier
-        if defuzzifier.record.weighs:
+        if output.defuzzifier.record.weighs:
             return "COG"
-        if defuzzifier.resolution is not None:
-            message = (
-                f"'{output.name}' is defuzzified over {defuzzifier.resolution} samples, by"
-                f" {self.program} exactly"
-            )
-            self.findings.loss("sampling", message, slight=True)
+        self.note_sampling(output)
         return self.method(output)
 
     def _term(self, variable: Input | Output, term: Term, tag: str) -> Iterator[str]:

@@ -25,7 +25,7 @@ from fuzzyarm.formats.fll import parse_fll, write_fll
 from fuzzyarm.formats.fml import parse_fml
 from fuzzyarm.formats.fml_writer import write_fml
 from fuzzyarm.formats.not_texts import called, started
-from fuzzyarm.formats.writing import note_threshold
+from fuzzyarm.formats.system_writer import note_threshold
 from fuzzyarm.model.rulebase import AnyRuleBase, RuleBase
 from fuzzyarm.text.diagnostic import MAX_CHARACTERS as MAX_OWN_CHARACTERS
 from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Span

@@ -34,7 +34,7 @@ from fuzzyarm.formats.recovery import (
     recovered,
 )
 from fuzzyarm.formats.sentences import NOT, hedged
-from fuzzyarm.formats.writing import (
+from fuzzyarm.formats.system_writer import (
     note_chaining,
     note_left_out,
     note_threshold,
