@@ -580,6 +580,250 @@ EVALUATED = by_name(
     "values; of interval type 2 with both ends; null where there is none",
 )
 
+# --- Models, as `show` prints them ---
+
+_AMOUNT = {"type": ["number", "string"], "description": "infinite ends are the text inf or -inf"}
+_NOTHING = {"type": ["object", "null"]}
+_SHAPE = record(
+    "a shape",
+    kind=text("its name"),
+    parameters=rows(_AMOUNT, "its numbers"),
+    height=number("of its top"),
+    formula=text("of a formula; else empty"),
+)
+_TERM = record(
+    "a term",
+    name=text("its name"),
+    shape=_SHAPE,
+    lower=_NOTHING | {"description": "of type 2: the lower function, a shape; else null"},
+)
+_VARIABLE = {
+    "name": text("its name"),
+    "low": _AMOUNT | {"description": "lower end of its range; infinite as text"},
+    "high": _AMOUNT | {"description": "upper end; infinite as text"},
+    "terms": rows(_TERM, "in the order of the file"),
+    "description": text("in the words of the file"),
+    "outside": text("what holds beyond its range"),
+}
+_RULE_OF_BLOCK = record(
+    "a rule",
+    antecedent={
+        "type": "object",
+        "description": "variable, term and hedges; or operands of one operation",
+    },
+    consequents=rows({"type": "object"}, "variable, term and hedges"),
+    weight=number("of the rule"),
+    in_grid=truth("whether it stands in a grid"),
+)
+RULE_BASE = record(
+    "a rule base; several files give a list of models",
+    kind=text("rulebase", "rulebase"),
+    name=text("its name"),
+    description=text("in the words of the file"),
+    inputs=rows(record("an input", **_VARIABLE), "in the order of the file"),
+    outputs=rows(
+        record(
+            "an output",
+            **_VARIABLE,
+            aggregation=text("S-norm that joins its sets"),
+            defuzzifier={"type": "object", "description": "method, resolution, sampling"},
+            no_rule={
+                "type": ["number", "string"],
+                "description": "the value where no rule fires; or error, hold, …",
+            },
+        ),
+        "in the order of the file",
+    ),
+    blocks=rows(
+        record(
+            "a block of rules",
+            name=text("empty without one"),
+            rules=rows(_RULE_OF_BLOCK, "its rules"),
+            conjunction=text("T-norm of and"),
+            disjunction=text("S-norm of or"),
+            implication=text("T-norm of then"),
+            threshold=number("rules that fire less do not count"),
+        ),
+        "in the order of the file",
+    ),
+    lookup=_NOTHING | {"description": "settings of its table: axes and round"},
+    expectations=rows({"type": "object"}, "its expect lines: inputs and outcomes"),
+    properties=rows({"type": "object"}, "its prove lines"),
+    tuning=_NOTHING | {"description": "what may be tuned: peaks, gains, kept"},
+)
+TABLE = record(
+    "a table; several files give a list of models",
+    kind=text("table", "table"),
+    format=text("of its file"),
+    version=whole("of the format"),
+    output=record(
+        "what it gives",
+        name=text("its name"),
+        low=number("lower end of its range", null="where it has none"),
+        high=number("upper end", null="where it has none"),
+        bounded=truth("whether values lie in this range"),
+        description=text("in the words of the file"),
+    ),
+    index=names("its inputs, in the order of its indices"),
+    axes=rows(
+        record(
+            "an input",
+            name=text("its name"),
+            low=number("lower end of its range", null="where it has none"),
+            high=number("upper end", null="where it has none"),
+            description=text("in the words of the file"),
+            levels=numbers("at which it has values"),
+            bins={"type": ["array", "null"], "description": "thresholds between its cells"},
+        ),
+        "in the order of `index`",
+    ),
+    round={"type": ["number", "null"], "description": "values are multiples of it"},
+    mode={"type": ["string", "null"], "description": "how it is looked up, where the file says so"},
+    provenance=rows({"type": "array", "items": {"type": "string"}}, "key and words, line by line"),
+    values={"type": "array", "description": "lists in lists, one level for each input"},
+)
+_PLACED_BLOCK = record(
+    "a block",
+    kind=text("what it does"),
+    label=text("what stands in it"),
+    details=names("lines below"),
+    axes=names("for which axes it is there"),
+    inputs=names("a word for each pin, from the top"),
+    outputs=names("likewise"),
+    layer=whole("its column, from the left"),
+    row=number("its middle, downwards"),
+    line=whole("of the text that it comes from"),
+)
+CONTROLLER = record(
+    "a controller; several files give a list of models",
+    kind=text("controller", "controller"),
+    name=text("its name"),
+    description=text("in the words of the file"),
+    period=number("s"),
+    every=whole("a set point stands for so many periods"),
+    axes=rows(
+        record(
+            "axes that share lines",
+            names=names("of axes"), lines=rows({"type": "object"}, "a line each"),
+        ),
+        "in the order of the file",
+    ),
+    gains=rows(
+        record(
+            "a gain",
+            name=text("its name"),
+            values=rows({"type": "object"}, "one, or one for each axis: its factors"),
+            unit=text("may be empty"),
+            tune={"type": ["array", "null"], "description": "low, high, whether in the logarithm"},
+        ),
+        "in the order of the file",
+    ),
+    uses=rows({"type": "object"}, "names and files that it looks up"),
+    partners=rows({"type": "object"}, "laws of the catalogue that it uses"),
+    rulebases=rows({"type": "object"}, "rule bases in the same file"),
+    claims=rows({"type": "object"}, "its prove lines"),
+    diagram=record(
+        "its block diagram",
+        name=text("of the controller"),
+        description=text("its words"),
+        period=text("in words"),
+        blocks=rows(_PLACED_BLOCK, "of all axes"),
+        wires=rows(
+            record(
+                "a wire",
+                source=whole("the block where it begins"),
+                output=whole("which of its outputs"),
+                target=whole("the block where it ends"),
+                input=whole("which of its inputs"),
+                signal=text("its name, or empty"),
+                path={"type": "array", "description": "where it changes its row: gap, track, row"},
+            ),
+            "between the blocks",
+        ),
+        groups={"type": "array", "description": "axes, first row, last row of each part"},
+        tracks=rows({"type": "integer"}, "how many wires may change their row behind each layer"),
+        height=number("rows"),
+    ),
+)  # fmt: skip
+
+# --- One inference, step by step ---
+
+_DEGREES = rows({"type": "array"}, "term and degree")
+TRACE = record(
+    "one inference; `lower`, `left` and `right` are there with interval type 2 only",
+    rulebase=text("its name"),
+    inputs=rows(
+        record(
+            "an input", "lower",
+            name=text("its name"),
+            given=number("what was given"),
+            value=number("as it is used: within the range, say"),
+            degrees=_DEGREES,
+            lower=_DEGREES,
+        ),
+        "in the order of the file",
+    ),
+    rules=rows(
+        record(
+            "a rule", "lower",
+            number=whole("from 1"),
+            block=text("empty without one"),
+            line=whole("of the file"),
+            column=whole("of the file"),
+            text=text("as a sentence"),
+            weight=number("of the rule"),
+            strength=number("how strongly it fires"),
+            consequents=rows({"type": "array"}, "variable and term"),
+            lower=number("the lower strength"),
+        ),
+        "all of them",
+    ),
+    outputs=rows(
+        record(
+            "an output", "lower_aggregate left right",
+            name=text("its name"),
+            low=number("lower end of its range", null="where it has none"),
+            high=number("upper end", null="where it has none"),
+            method=text("how it is defuzzified"),
+            fired=truth("whether any rule fires for it"),
+            consequents=rows(
+                record(
+                    "an asserted term", "lower lower_value lower_curve",
+                    term=text("with its hedges"),
+                    strength=number("of its rules together"),
+                    value=number("of a term that is no set", null="of a set"),
+                    curve=rows({"type": "array"}, "corners of the clipped set"),
+                    lower=number("the lower strength"),
+                    lower_value=number("the other end of its value"),
+                    lower_curve=rows({"type": "array"}, "corners of the lower set"),
+                ),
+                "in the order of the terms",
+            ),
+            aggregate=rows({"type": "array"}, "corners of the union"),
+            value=number("what comes out", null="where there is none"),
+            lower_aggregate=rows({"type": "array"}, "corners of the lower union"),
+            left=number("the left end"),
+            right=number("the right end"),
+        ),
+        "in the order of the file",
+    ),
+)  # fmt: skip
+_CHANGE = record(
+    "a change",
+    kind=text("what happened", "added", "removed", "changed"),
+    what=text("to what"),
+    before=text("as it was"),
+    after=text("as it is"),
+)
+_SYSTEM = record(
+    "a system of a script",
+    name=text("its name"),
+    producer=text("the library"),
+    target=text("the file"),
+    written=truth("whether it was"),
+    diagnostics=rows(SHORT_FINDING, "what differs"),
+)
+
 
 class Output(NamedTuple):
     """What a command prints with ``--json``."""
@@ -595,6 +839,10 @@ OUTPUTS = (
         "check", "check FILE…", "findings of all files", rows(FINDING, "in the order of the files")
     ),
     Output("eval", "eval FILE NAME=VALUE…", "every output by its name", EVALUATED),
+    Output("eval-explain", "eval FILE NAME=VALUE… --explain", "one inference, step by step", TRACE),
+    Output("show", "show FILE.frb", "a rule base", RULE_BASE),
+    Output("show-table", "show FILE.lut", "a table", TABLE),
+    Output("show-controller", "show CONTROLLER", "a controller", CONTROLLER),
     Output(
         "prove",
         "prove FILE…",
@@ -650,6 +898,38 @@ OUTPUTS = (
         ),
     ),
     Output(
+        "compile-javascript",
+        "compile FILE -o OUT.js",
+        "a module of JavaScript",
+        record("a module", file=text("what was written"), bytes=whole("of source")),
+    ),
+    Output(
+        "compile-board",
+        "compile FILE --for arduino -o DIR",
+        "a folder for a board",
+        record(
+            "a folder",
+            folder=text("what was written"),
+            files=names("in it"),
+            functions=names("prototypes"),
+            board=text("for which it is"),
+            constants=whole("bytes of tables"),
+            state=whole("bytes that it remembers"),
+            measured=_NOTHING | {"description": "flash, ram, stack, cycles where avr-gcc is there"},
+        ),
+    ),
+    Output(
+        "convert-script",
+        "convert SCRIPT.py",
+        "the systems that a script makes",
+        record(
+            "a conversion",
+            source=text("the script"),
+            diagnostics=rows(SHORT_FINDING, "of the script as a whole"),
+            systems=rows(_SYSTEM, "in the order in which they were made"),
+        ),
+    ),
+    Output(
         "diff-tables",
         "diff A.lut B.lut",
         "what differs between two tables",
@@ -670,22 +950,52 @@ OUTPUTS = (
             "a difference",
             same=truth("whether nothing differs"),
             **{
-                word: rows(
-                    record(
-                        "a change",
-                        kind=text("what happened", "added", "removed", "changed"),
-                        what=text("to what"),
-                        before=text("as it was"),
-                        after=text("as it is"),
-                    ),
-                    f"changes of {word}",
-                )
-                for word in ("rules", "terms", "settings")
+                word: rows(_CHANGE, f"changes of {word}") for word in ("rules", "terms", "settings")
             },
         ),
     ),
     Output(
+        "diff-controllers",
+        "diff A.frb B.frb (controllers)",
+        "what differs between two controllers",
+        record(
+            "a difference",
+            same=truth("whether nothing differs"),
+            **{
+                word: rows(_CHANGE, f"changes of {word}") for word in ("settings", "gains", "lines")
+            },
+            order=names("axes whose lines stand in another order"),
+            rulebases=by_name({"type": "object"}, "as of two rule bases, by their name here"),
+            tables=by_name({"type": "object"}, "as of two tables"),
+        ),
+    ),
+    Output(
         "simulate", "simulate CONTROLLER", "a run; several controllers give a list of them", RUN
+    ),
+    Output(
+        "simulate-list",
+        "simulate --list",
+        "the controllers of the catalogue",
+        by_name({"type": "string"}, "what each is, by name"),
+    ),
+    Output(
+        "simulate-gains",
+        "simulate CONTROLLER --show-gains",
+        "the gains of a controller",
+        record(
+            "gains",
+            controller=text("its name"),
+            gains=by_name(
+                record(
+                    "a gain",
+                    value=numbers("one, or one for each axis"),
+                    unit=text("may be empty"),
+                    origin=text("where its value comes from"),
+                    meaning=text("may be empty"),
+                ),
+                "by name",
+            ),
+        ),
     ),
     Output("sweep", "sweep CONTROLLER --sweep NAME=A..B:N", "many runs", SWEEP),
     Output(
@@ -693,6 +1003,12 @@ OUTPUTS = (
         "compare CONTROLLER…",
         "controllers on the arm",
         rows(COMPARED, "in the order in which they were named"),
+    ),
+    Output(
+        "compare-runs",
+        "compare CONTROLLER… --reference …",
+        "runs of controllers along the same references",
+        rows(RUN, "in the order in which they were named"),
     ),
     Output("tune", "tune FILE -o OUT.frb", "what tuning came to", TUNED),
     Output("learn", "learn CONTROLLER", "tables that a controller learned", LEARNED),
@@ -703,6 +1019,39 @@ OUTPUTS = (
         "reproduce ROW…",
         "published rows, run again",
         rows(REPRODUCED, "in the order of the study"),
+    ),
+    Output(
+        "reproduce-list",
+        "reproduce --list",
+        "the published rows",
+        rows(
+            record(
+                "a row",
+                identifier=text("its name"),
+                row=text("the controller, as the table has it"),
+                condition=text("with a load or without"),
+            ),
+            "in the order of the study",
+        ),
+    ),
+    Output(
+        "identify",
+        "identify",
+        "gains fitted to published errors",
+        rows(
+            record(
+                "a controller",
+                name=text("its name"),
+                labels=names("its gains"),
+                fitted=numbers("what fits best"),
+                spread=numbers("relative uncertainty"),
+                shipped=numbers("the shipped values"),
+                fitted_rms=numbers("RMS errors with the fitted gains"),
+                shipped_rms=numbers("with the shipped ones"),
+                evaluations=whole("runs that it took"),
+            ),
+            "in the order in which they were named",
+        ),
     ),
     Output(
         "shipped",

@@ -11,11 +11,14 @@ from typing import Any
 import pytest
 from jsonschema import Draft202012Validator
 
+from fuzzyarm import shipped
 from fuzzyarm.cli import main
 
 ROOT = Path(__file__).parents[2]
 PD7 = str(ROOT / "rulebases" / "pd7.frb")
 THERMOSTAT = str(ROOT / "rulebases" / "thermostat.frb")
+TIPPER2 = str(ROOT / "rulebases" / "tipper2.frb")
+TANKS = str(ROOT / "rulebases" / "tanks.frb")
 SERVO = str(ROOT / "rulebases" / "servo.frb")
 
 
@@ -51,12 +54,28 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (folder / "flowers.csv").write_text(
         "\n".join(["w,kind", *(f"{x / 40},{'rose' if x < 20 else 'lily'}" for x in range(40)), ""])
     )
+    (folder / "script.py").write_text(
+        "from simpful import *\nFS = FuzzySystem()\n"
+        "FS.add_linguistic_variable('a', LinguisticVariable([\n"
+        "    TriangleFuzzySet(0, 0, 1, term='L'), TriangleFuzzySet(0, 1, 1, term='H')]))\n"
+        "FS.add_linguistic_variable('y', LinguisticVariable([\n"
+        "    TriangleFuzzySet(0, 0, 1, term='L'), TriangleFuzzySet(0, 1, 1, term='H')]))\n"
+        "FS.add_rules(['IF (a IS L) THEN (y IS H)', 'IF (a IS H) THEN (y IS L)'])\n"
+    )
     return folder
 
 
 CALLS = {
     "check": [["check", "faulty.frb"], ["check", PD7]],
     "eval": [["eval", PD7, "e=1", "ce=2"]],
+    "eval-explain": [
+        ["eval", PD7, "e=1", "ce=2", "--explain"],
+        ["eval", TIPPER2, "service=2", "food=3", "--explain"],
+        ["eval", THERMOSTAT, "error=1", "rate=0", "presence=1", "--explain"],
+    ],
+    "show": [["show", PD7], ["show", THERMOSTAT], ["show", TIPPER2]],
+    "show-table": [["show", str(shipped("thesis-6.1.lut"))]],
+    "show-controller": [["show", SERVO], ["show", TANKS]],
     "prove": [["prove", "claims.frb"], ["prove", "claims.frb", PD7]],
     "prove-range": [["prove", PD7, "--range"]],
     "prove-slope": [["prove", PD7, "--slope"]],
@@ -80,11 +99,18 @@ CALLS = {
         ["convert", PD7, "a.fll"],
         ["convert", "a.lut", "c.frb", "--terms", "5", "--lossy"],
     ],
+    "compile-javascript": [["compile", PD7, "-o", "a.js"]],
+    "compile-board": [["compile", PD7, "--for", "arduino", "-o", "board"]],
+    "convert-script": [["convert", "script.py", "-o", "systems", "--run"]],
     "diff-tables": [["diff", "a.lut", "b.lut"], ["diff", "a.lut", "a.lut"]],
     "diff-rules": [["diff", PD7, THERMOSTAT]],
+    "diff-controllers": [["diff", SERVO, TANKS]],
     "simulate": [["simulate", "pd"], ["simulate", SERVO, "--plant", "motor"]],
+    "simulate-list": [["simulate", "--list"]],
+    "simulate-gains": [["simulate", SERVO, "--show-gains"]],
     "sweep": [["sweep", SERVO, "--plant", "motor", "--sweep", "J=0.01..0.02:2"]],
     "compare": [["compare", "pd", "fuzzy-lut", "--operations"]],
+    "compare-runs": [["compare", SERVO, "--plant", "motor", "--step", "1", "--for", "50ms"]],
     "tune": [
         ["tune", SERVO, "--plant", "motor", "--evals", "3", "--unseen", "2", "-o", "t.frb"],
         ["tune", PD7, "--data", "pairs.csv", "--evals", "3", "--no-linear"],
@@ -93,11 +119,14 @@ CALLS = {
     "fit": [["fit", "samples.csv", "-o", "f.frb"], ["fit", "flowers.csv", "-o", "g.frb"]],
     "validate": [["validate", "f.frb", "samples.csv"], ["validate", "g.frb", "flowers.csv"]],
     "reproduce": [["reproduce", "7.1.1/pd"]],
+    "reproduce-list": [["reproduce", "--list"]],
+    "identify": [["identify", "mrac"]],
     "shipped": [["shipped"]],
 }
 """Calls of each output, in this order: later ones read what earlier ones have written."""
 
 RARE = {
+    "eval-explain": {"lower_value"},  # of values of interval type 2
     "prove-loop": {"file"},
     "compare": {"seconds"},  # with --time, which measures for seconds
     "fit": {"fidelity", "test"},

@@ -587,6 +587,66 @@ def progress_bar(title: str, total: int, *, shown: bool = True) -> Iterator[Call
         yield lambda count: display.advance(task, count)
 
 
+@contextmanager
+def steps_bar(title: str, total: int, done: int = 0) -> Iterator[Callable[[int], None]]:
+    """Show how many of equal steps are done, their rate and the time left; give what hears it."""
+    pace = Pace(total)
+
+    def state(now: int) -> str:
+        counted_steps = f"{now} of {total} {title}"
+        rate = pace.rate(now)
+        if rate is None:
+            return counted_steps
+        return f"{counted_steps}, {rate:.3g} {title}/s, {duration_words(pace.left(now))} left"
+
+    if not sys.stderr.isatty():
+        tell = _told_now_and_then()
+        yield lambda now: tell(state(now)) if now < total else None
+        return
+    with _long_work() as display:
+        task = display.add_task(state(done), total=total, completed=done)
+        yield lambda now: display.update(task, completed=now, description=state(now))
+
+
+class Pace:
+    """How fast equal steps go by, and how long the others take.
+
+    Parameters
+    ----------
+    total : int
+        How many there are.
+    seconds : float, optional
+        After which they end in any case.
+    """
+
+    def __init__(self, total: int, seconds: float = math.inf) -> None:
+        self.total, self.until = total, time.monotonic() + seconds
+        self.first: tuple[int, float] | None = None
+
+    def rate(self, done: int) -> float | None:
+        """Return steps in a second; None at first, with what had to be loaded."""
+        now = time.monotonic()
+        if self.first is None:
+            self.first = done, now
+        count, begin = self.first
+        return (done - count) / max(now - begin, 1e-9) if done > count else None
+
+    def left(self, done: int) -> float:
+        """Return how many seconds the other steps take; infinite where nobody knows."""
+        rate = self.rate(done)
+        left = math.inf if rate is None else (self.total - done) / rate
+        return max(0.0, min(left, self.until - time.monotonic()))
+
+
+def duration_words(seconds: float) -> str:
+    """Return a time as one says it."""
+    minutes, rest = divmod(round(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    if hours:
+        return f"{hours} h {minutes} min"
+    return f"{minutes} min {rest} s" if minutes else f"{rest} s"
+
+
 def _told_now_and_then() -> Callable[[str], None]:
     """Return what says words on the standard error, once in `TOLD_EVERY` seconds."""
     told = time.monotonic()

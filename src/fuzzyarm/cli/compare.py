@@ -31,6 +31,7 @@ from fuzzyarm.cli.plants import (
     plant_of,
 )
 from fuzzyarm.cli.simulate import run_as_json
+from fuzzyarm.text.columns import in_columns
 
 if TYPE_CHECKING:
     from fuzzyarm.controller import Controller
@@ -322,9 +323,8 @@ def _cost_cells(cost: Cost) -> list[str]:
 
 def _columns(name: str, sense: str, cells: Sequence[str], errors: int) -> str:
     """Return a line of the table, in which so many cells are errors."""
-    widths = [10] * errors + [12] * (len(cells) - errors)
-    numbers = "".join(f"{cell:>{width}}" for cell, width in zip(cells, widths, strict=True))
-    return f"{name:<18}{sense:<12}{numbers}".rstrip()
+    least = [18, 12, *[10] * errors, 12]
+    return in_columns([(name, sense, *cells)], "<<>", gap="", least=least)[0]
 
 
 # --- Along references ---
@@ -383,11 +383,7 @@ def _rows(runs: Sequence[Run]) -> Iterator[list[str]]:
 
 def _lines(runs: Sequence[Run]) -> Iterator[str]:
     yield f"{runs[0].plant}, {runs[0].trajectory}"
-    rows = list(_rows(runs))
-    widths = [max(len(row[column]) for row in rows) for column in range(2)]
-    for row in rows:
-        first = [f"{cell:<{width}}" for cell, width in zip(row, widths, strict=False)]
-        yield "  ".join([*first, *(f"{cell:>10}" for cell in row[2:])]).rstrip()
+    yield from in_columns(list(_rows(runs)), "<<>", least=(0, 0, 10))
 
 
 def _markdown(runs: Sequence[Run]) -> Iterator[str]:

@@ -48,6 +48,7 @@ from fuzzyarm.cli.command import (
     say,
 )
 from fuzzyarm.cli.plants import time_of
+from fuzzyarm.text.columns import in_columns
 from fuzzyarm.text.folders import READABLE
 
 if TYPE_CHECKING:
@@ -248,10 +249,9 @@ def _lines(samples: Samples, made: Fit, report: dict[str, Any], options: Options
                 *_pair(tested["error"], tested["linear"]),
             )
         )
-    width = max(len(row[0]) for row in rows)
     lines = [
         f"{report['file']}: {counted(report['rules'], 'rule')}, {made.structure}",
-        *(f"  {a:<{width}}  {b:>10}  {c:>17}" for a, b, c in rows),
+        *in_columns(rows, "<>", indent="  ", least=(0, 10, 17)),
     ]
     if made.judged == "by the choice":
         lines.append("  its structure was chosen on the same parts: on others it may be more")

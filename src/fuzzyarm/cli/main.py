@@ -25,6 +25,7 @@ from fuzzyarm.cli.command import (
     print_os_error,
 )
 from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.text.columns import in_columns
 from fuzzyarm.text.diagnostic import RuleBaseError
 
 COMMANDS: dict[str, tuple[str, str]] = {
@@ -285,12 +286,12 @@ def _print_completion(shells: list[str]) -> int:
 
 
 def _help_page() -> str:
-    width = max(map(len, COMMANDS))
+    table = in_columns([(name, summary) for name, (_, summary) in COMMANDS.items()], indent="  ")
     lines = []
-    for name, (_, summary) in COMMANDS.items():
+    for name, line in zip(COMMANDS, table, strict=True):
         if name in HEADINGS:
             lines += ["", HEADINGS[name]]
-        lines.append(f"  {name:<{width}}  {summary}")
+        lines.append(line)
     return "\n".join(
         [
             "usage: fuzzyarm COMMAND [...]",

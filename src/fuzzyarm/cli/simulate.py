@@ -62,6 +62,7 @@ from fuzzyarm.cli.plants import (
     plant_of,
 )
 from fuzzyarm.cli.sweep import SWEEP, sweep
+from fuzzyarm.text.columns import in_columns
 
 if TYPE_CHECKING:
     from fuzzyarm.controller import Controller
@@ -269,20 +270,15 @@ def _error_lines(result: Run) -> list[str]:
     if result.every > 1:
         rows |= {"  all periods": result.rms_periods, "  path": result.rms_path}
     rows |= {"max": result.maximum, "final": result.final}
-    widths = [max(12, len(name) + 2) for name in names]
-    lines = [head.ljust(16) + "".join(map(str.rjust, names, widths))]
-    for row, errors in rows.items():
-        cells = [f"{error:.4f}" for error in errors]
-        lines.append(row.ljust(16) + "".join(map(str.rjust, cells, widths)))
-    return lines
+    lines = [(label, *(f"{error:.4f}" for error in errors)) for label, errors in rows.items()]
+    return in_columns([(head, *names), *lines], "<>", least=(16, 10))
 
 
 def _metric_lines(result: Run) -> list[str]:
     """Return a table with a column for each tracked output."""
     names = [f"{label}, {unit}" for label, unit in zip(result.labels, result.units, strict=True)]
     columns = [metrics.as_dict() for metrics in result.metrics.values()]
-    widths = [max(14, len(name) + 2) for name in names]
-    lines = ["error of".ljust(16) + "".join(map(str.rjust, names, widths))]
+    lines = [("error of", *names)]
     # Where every control period has a set point of its own all three are the same.
     between = {"rms_periods": "  all periods", "rms_path": "  path"}
     shown = [name for name in columns[0] if name not in between]
@@ -290,9 +286,8 @@ def _metric_lines(result: Run) -> list[str]:
         shown[1:1] = between
     for metric in shown:
         cells = ["-" if column[metric] is None else f"{column[metric]:.4g}" for column in columns]
-        label = between.get(metric, metric)
-        lines.append(label.ljust(16) + "".join(map(str.rjust, cells, widths)))
-    return lines
+        lines.append((between.get(metric, metric), *cells))
+    return in_columns(lines, "<>", least=(16, 12))
 
 
 def _plot(results: list[Run], path: str) -> None:
@@ -367,10 +362,7 @@ def _show_gains(controller: Controller, as_json: bool) -> None:
         (name, _numbers(gain.value), gain.unit, gain.origin, gain.meaning)
         for name, gain in gains.items()
     ]
-    widths = [max(len(row[column]) for row in table) for column in range(4)]
-    for row in table:
-        cells = [f"{cell:<{width}}" for cell, width in zip(row, widths, strict=False)]
-        print("  ".join([*cells, row[4]]))
+    print("\n".join(in_columns(table)))
 
 
 def _numbers(values: tuple[float, ...]) -> str:
@@ -384,11 +376,11 @@ def _list(as_json: bool) -> None:
     if as_json:
         print_json({entry.name: entry.summary for entry in CATALOGUE.values()})
         return
-    width = max(map(len, CATALOGUE))
+    rows = []
     for entry in CATALOGUE.values():
-        print(f"{entry.name:<{width}}  {entry.summary}")
-        if entry.note:
-            print(f"{'':<{width}}  note: {entry.note}")
+        rows.append((entry.name, entry.summary))
+        rows += [("", f"note: {entry.note}")] if entry.note else []
+    print("\n".join(in_columns(rows)))
 
 
 COMMANDS = (

@@ -32,6 +32,7 @@ from fuzzyarm.cli.command import (
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language import load_rulebase
 from fuzzyarm.shipped_files import NotShippedError, shipped, shipped_names, what_it_is
+from fuzzyarm.text.columns import in_columns
 from fuzzyarm.text.files import write_atomically
 from fuzzyarm.text.names import typed
 
@@ -121,8 +122,7 @@ def _list_shipped(arguments: argparse.Namespace) -> int:
                 [dict(zip(("name", "kind", "description"), row, strict=True)) for row in rows]
             )
             return 0
-        widths = [max(len(row[column]) for row in rows) for column in (0, 1)]
-        say(*(f"{row[0]:<{widths[0]}}  {row[1]:<{widths[1]}}  {row[2]}".rstrip() for row in rows))
+        say(*in_columns(rows))
         return 0
     paths = [shipped(name) for name in arguments.names]
     if arguments.out:

@@ -22,9 +22,7 @@ from __future__ import annotations
 
 import argparse
 import math
-import sys
-import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import closing, contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -33,7 +31,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from fuzzyarm.cli.command import (
     EXIT_INTERRUPTED,
     JSON,
-    TOLD_EVERY,
     WordError,
     announced,
     argument,
@@ -46,6 +43,7 @@ from fuzzyarm.cli.command import (
     print_error,
     print_json,
     say,
+    steps_bar,
 )
 from fuzzyarm.cli.experiment import (
     DIVERGED,
@@ -292,7 +290,7 @@ def _answered(asked: Asked, file: SweepFile | None, arguments: argparse.Namespac
         with (
             announced(f"sweeping {arguments.controller}: {counted(asked.count - done, 'run')}"),
             cluster(arguments) as (executor, workers),
-            _progress(asked.count, done) as moved,
+            steps_bar("runs", asked.count, done) as moved,
             closing(
                 stream(
                     asked.bench,
@@ -340,49 +338,6 @@ def cluster(arguments: argparse.Namespace) -> Iterator[tuple[Executor | None, in
 
     with Client(arguments.dask, timeout="20s", set_as_default=False) as client:
         yield client.get_executor(), arguments.workers or sum(client.ncores().values()) or 1
-
-
-@contextmanager
-def _progress(total: int, done: int) -> Iterator[Callable[[int], None]]:
-    """Show runs, rate and time left on stderr; give what is told how many are done."""
-    told = time.monotonic()
-    first: tuple[int, float] | None = None
-
-    def state(now: int) -> str:
-        nonlocal first
-        if first is None:  # with what had to be loaded or compiled: no rate to go by
-            first = now, time.monotonic()
-            return ""
-        rate = (now - first[0]) / max(time.monotonic() - first[1], 1e-9)
-        return f"{rate:.3g} runs/s, {duration_words((total - now) / rate)} left"
-
-    if not sys.stderr.isatty():
-
-        def tell(now: int) -> None:
-            nonlocal told
-            shown = state(now)
-            if time.monotonic() - told >= TOLD_EVERY and now < total:
-                told = time.monotonic()
-                print_error(", ".join(filter(None, [f"{now} of {total} runs", shown])))
-
-        yield tell
-        return
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
-
-    columns = BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[state]}")
-    with Progress(*columns, console=Console(stderr=True), transient=True) as shown:
-        task = shown.add_task("runs", total=total, completed=done, state="")
-        yield lambda now: shown.update(task, completed=now, state=state(now))
-
-
-def duration_words(seconds: float) -> str:
-    """Return a time as one says it."""
-    minutes, rest = divmod(round(seconds), 60)
-    hours, minutes = divmod(minutes, 60)
-    if hours:
-        return f"{hours} h {minutes} min"
-    return f"{minutes} min {rest} s" if minutes else f"{rest} s"
 
 
 # --- What came of it ---

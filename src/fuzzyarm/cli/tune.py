@@ -43,6 +43,7 @@ from fuzzyarm.cli.command import (
     EXIT_INTERRUPTED,
     TOLD_EVERY,
     Argument,
+    Pace,
     WordError,
     announced,
     argument,
@@ -50,6 +51,7 @@ from fuzzyarm.cli.command import (
     command,
     counted,
     demand_places,
+    duration_words,
     flag,
     group,
     json_of,
@@ -77,7 +79,7 @@ from fuzzyarm.cli.plants import (
     option_given,
     plant_of,
 )
-from fuzzyarm.cli.sweep import cluster, duration_words
+from fuzzyarm.cli.sweep import cluster
 from fuzzyarm.errors import sentence_of
 from fuzzyarm.text.files import stamp_of
 
@@ -418,17 +420,15 @@ class _Progress:
         seconds: float = math.inf,
     ) -> None:
         self.evals, self.say, self.every = evals, say, every
-        self.until = time.monotonic() + seconds
+        self.pace = Pace(evals, seconds)
         self.told = time.monotonic()
-        self.first: tuple[int, float] | None = None
 
     def search(self, found: Found) -> None:
         """Hear of the search."""
-        done = len(found.trials)
-        if self.first is None:  # with what had to be loaded or compiled: no rate to go by
-            self.first = done, time.monotonic()
+        known = self.pace.rate(len(found.trials)) is not None
         if self._is_time():
-            self.say(found, ", ".join([*self._state(found), *self._left(done)]))
+            left = [f"{duration_words(self.pace.left(len(found.trials)))} left"] if known else []
+            self.say(found, ", ".join([*self._state(found), *left]))
 
     def linear(self, found: Found) -> None:
         """Hear of the search of the linear opponent."""
@@ -455,14 +455,6 @@ class _Progress:
         if found.failed:
             yield f"{found.failed} failed"
         yield f"best {found.best.score.cost:.5g}"
-
-    def _left(self, done: int) -> Iterator[str]:
-        assert self.first is not None
-        count, begin = self.first
-        if done > count:
-            rate = (done - count) / max(time.monotonic() - begin, 1e-9)
-            left = min((self.evals - done) / rate, self.until - time.monotonic())
-            yield f"{duration_words(max(left, 0.0))} left"
 
 
 @contextmanager

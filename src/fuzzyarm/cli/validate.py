@@ -16,7 +16,6 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from fuzzyarm.cli.command import (
@@ -30,6 +29,7 @@ from fuzzyarm.cli.command import (
     print_json,
     say,
 )
+from fuzzyarm.text.columns import in_columns
 
 if TYPE_CHECKING:
     from fuzzyarm.learning.data import Samples
@@ -102,18 +102,18 @@ def _lines(found: Validation, samples: Samples, *, every: bool) -> list[str]:
     lines = [*_summary(found, samples), ""]
     if found.calibration:
         lines += ["calibration: means of samples with predictions next to each other"]
-        lines += _columns(
-            ("samples", "predicted", "observed"),
-            [
-                (str(each.samples), f"{each.predicted:.4g}", f"{each.observed:.4g}")
-                for each in found.calibration
-            ],
-        )
+        heads = ("samples", "predicted", "observed")
+        means = [
+            (str(each.samples), f"{each.predicted:.4g}", f"{each.observed:.4g}")
+            for each in found.calibration
+        ]
+        lines += in_columns([heads, *means], ">", indent="  ")
         lines.append("")
     if found.confusion:
         lines.append("answers: a row for each true class, a column for each predicted one")
         rows = zip(found.classes, found.confusion, strict=True)
-        lines += _columns(("", *found.classes), [(name, *map(str, row)) for name, row in rows])
+        counts = [(name, *map(str, row)) for name, row in rows]
+        lines += in_columns([("", *found.classes), *counts], ">", indent="  ")
         lines.append("")
     lines += [*_regions(found.regions), "", *_rules(found, every=every)]
     return lines
@@ -152,14 +152,16 @@ def _regions(regions: tuple[Region, ...]) -> list[str]:
         for region in regions
     ]
     header = ("input", "region", "samples", "error", "bias")
-    return ["error by region: where a term holds most", *_columns(header, rows, words=2)]
+    table = in_columns([header, *rows], "<<>", indent="  ")
+    return ["error by region: where a term holds most", *table]
 
 
 def _rules(found: Validation, *, every: bool) -> list[str]:
     firing = [rule for rule in found.rules if not rule.never_fires]
     rules = sorted(firing, key=lambda rule: (-rule.mean, rule.number))
     uses = rules if every else rules[:_FEW]
-    lines = ["rules by how much they fire", *_columns(_RULE, [_row(rule) for rule in uses])]
+    table = in_columns([_RULE, *map(_row, uses)], ">>>>>>.", indent="  ")
+    lines = ["rules by how much they fire", *table]
     if len(uses) < len(rules):
         lines.append(f"  and {len(rules) - len(uses)} more: --all lists them")
     never = found.never_fired
@@ -184,27 +186,12 @@ def _row(rule: RuleUse) -> tuple[str, ...]:
         f"{rule.strongest:.3f}",
         str(rule.leads),
         _figure(rule.error),
-        f" {rule.text}",
+        rule.text,
     )
 
 
 def _figure(value: float) -> str:
     return "-" if math.isnan(value) else f"{value:.3g}"
-
-
-def _columns(header: tuple[str, ...], rows: Sequence[tuple[str, ...]], words: int = 0) -> list[str]:
-    """Return a table; the first `words` columns and the last one of texts go to the left."""
-    table = [header, *rows]
-    widths = [max(len(row[k]) for row in table) for k in range(len(header))]
-    last = len(header) - 1 if header[-1] == "rule" else -1
-    return [
-        "  "
-        + "  ".join(
-            cell.strip() if k == last else f"{cell:<{w}}" if k < words else f"{cell:>{w}}"
-            for k, (cell, w) in enumerate(zip(row, widths, strict=True))
-        ).rstrip()
-        for row in table
-    ]
 
 
 COMMANDS = (

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +15,7 @@ from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.show.diagram import block_diagram
 from fuzzyarm.show.placement import ROUND, Pen, PlacedBlock, place
 from fuzzyarm.text.diagnostic import NOWHERE
+from fuzzyarm.text.jsonable import jsonable
 from fuzzyarm.text.names import printable
 
 if TYPE_CHECKING:
@@ -157,5 +157,5 @@ def _plane(sheet: RuleBase | LookupTable, output: str, surface_of: Any) -> dict[
     if y:
         at[y] = ys[:, None]
     values = np.broadcast_to(surface.at(at), (ys.size, xs.size))
-    z = [value if math.isfinite(value) else None for value in values.ravel().tolist()]
+    z = jsonable(values.ravel())
     return {"x": x, "y": y, "xs": xs.tolist(), "ys": ys.tolist(), "z": z}

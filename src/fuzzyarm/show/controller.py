@@ -25,6 +25,7 @@ from fuzzyarm.model.controller import (
 )
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.show.diagram import gain_words, option_words, time_text
+from fuzzyarm.text.columns import in_columns
 from fuzzyarm.text.numbers import number_text
 
 if TYPE_CHECKING:
@@ -100,11 +101,7 @@ def _sheets(controller: ControllerText) -> Iterator[tuple[str, Sheet]]:
 def gain_lines(gains: Sequence[GainModel]) -> list[str]:
     """Return a line for each gain: name, value, range of tune."""
     rows = [(name_text(gain.name), gain_words(gain), tune_words(gain)) for gain in gains]
-    widths = [max(len(row[column]) for row in rows) for column in (0, 1)]
-    return [
-        f"  {name:<{widths[0]}}  {value:<{widths[1]}}  {tune}".rstrip()
-        for name, value, tune in rows
-    ]
+    return in_columns(rows, indent="  ")
 
 
 def tune_words(gain: GainModel) -> str:

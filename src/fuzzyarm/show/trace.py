@@ -103,8 +103,7 @@ def _memberships(value: FuzzyValue) -> Text:
     text = Text(f"{name_text(value.name)} = {number_text(value.given)}", "bold")
     if value.value != value.given:
         text.append(f", taken as {number_text(value.value)}", "not bold")
-    names = [name for name, _ in value.degrees]
-    width = max(map(len, names), default=0)
+    width = max((len(name) for name, _ in value.degrees), default=0)
     lower = dict(value.lower)
     for name, degree in value.degrees:
         if degree > 0:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from fuzzyarm.show.drawing import number_words
 from fuzzyarm.show.surface import LinePlot
+from fuzzyarm.text.columns import in_columns
 
 if TYPE_CHECKING:
     from rich.console import Group
@@ -67,13 +68,7 @@ def table_lines(tuned: Tuned) -> Iterator[str]:
             score = row.scores.get(last, row.scores["train"])
             cells += [_number(score.error), _number(score.chatter)]
         lines.append([row.name, *cells])
-    widths = [max(len(line[at]) for line in lines) for at in range(len(heads))]
-    for line in lines:
-        first, *others = (
-            f"{text:<{widths[at]}}" if at == 0 else f"{text:>{widths[at]}}"
-            for at, text in enumerate(line)
-        )
-        yield "  ".join([first, *others]).rstrip()
+    yield from in_columns(lines, "<>")
 
 
 def _cost(row: Row, name: str) -> str:
@@ -89,11 +84,8 @@ def _number(value: float) -> str:
 
 def change_lines(tuned: Tuned) -> Iterator[str]:
     """Yield what differs, old → new, aligned."""
-    rows = [tuple(change) for change in tuned.changes]
-    left = max((len(what) for what, _, _ in rows), default=0)
-    middle = max((len(old) for _, old, _ in rows), default=0)
-    for what, old, new in rows:
-        yield f"{what:<{left}}  {old:>{middle}} → {new}"
+    table = in_columns([(what, f"{old} →") for what, old, _ in tuned.changes], "<>")
+    yield from (f"{line} {change.new}" for line, change in zip(table, tuned.changes, strict=True))
 
 
 MOST_FRONT = 8
@@ -106,5 +98,6 @@ def front_lines(tuned: Tuned) -> Iterator[str]:
         return
     count = min(MOST_FRONT, len(front))
     picked = [front[at * (len(front) - 1) // (count - 1)] for at in range(count)]
-    yield "rms    " + "  ".join(f"{number_words(error, 3):>8}" for error, _ in picked)
-    yield "chatter" + "  ".join(f"{number_words(chatter, 3):>8}" for _, chatter in picked)
+    names = ("rms", "chatter")
+    rows = [(name, *(number_words(pair[k], 3) for pair in picked)) for k, name in enumerate(names)]
+    yield from in_columns(rows, "<>", least=(0, 6, 8))

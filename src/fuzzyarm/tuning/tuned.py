@@ -13,6 +13,7 @@ from typing import Any, Literal, NamedTuple
 from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.text.files import write_atomically
+from fuzzyarm.text.jsonable import jsonable
 from fuzzyarm.tuning.design import Candidate, Parameter, controller_at
 from fuzzyarm.tuning.examiner import Score
 from fuzzyarm.tuning.linear import NAME as LINEAR
@@ -206,7 +207,8 @@ class Tuned:
 
     def as_data(self) -> dict[str, Any]:
         """Return the report as JSON takes it; what has no value is None."""
-        return _as_data(self)
+        data: dict[str, Any] = jsonable(_as_data(self))
+        return data
 
     def write(self, path: str | os.PathLike[str]) -> list[Path]:
         """Write the texts; rule bases of their own files go beside, as ``STEM-NAME.frb``.
@@ -404,7 +406,7 @@ def _as_data(tuned: Tuned) -> dict[str, Any]:
                 "with": comparison.other,
                 "better_on": comparison.better,
                 "of": comparison.of,
-                "dearer_by": _finite(comparison.share),
+                "dearer_by": comparison.share,
             }
             for comparison in tuned.comparisons
         ],
@@ -425,23 +427,19 @@ def _as_data(tuned: Tuned) -> dict[str, Any]:
         "changes": [
             dict(zip(("what", "old", "new"), change, strict=True)) for change in tuned.changes
         ],
-        "curve": [_finite(value) for value in search.curve],
+        "curve": list(search.curve),
         "front": [{"rms": error, "chatter": chatter} for error, chatter in tuned.front],
     }
 
 
 def _score_data(score: Score) -> dict[str, Any]:
     return {
-        "cost": _finite(score.cost),
-        "rms": _finite(score.error),
-        "chatter": _finite(score.chatter),
+        "cost": score.cost,
+        "rms": score.error,
+        "chatter": score.chatter,
         "diverged": score.diverged,
-        "each": [_finite(part) for part in score.parts],
+        "each": list(score.parts),
     }
-
-
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None
 
 
 # --- Writing ---
