@@ -1,6 +1,7 @@
 // Builds what the page takes from a bundle, into files that are committed: after `pip install` there is no node.
 //
 //   page/vendor/codemirror.js   the editor, from the packages pinned here
+//   page/vendor/uplot.js, .css  charts over time, likewise
 //   page/built/mailed.js        the page without a server (exported.js), as one script
 //
 // `node build.js --check` writes nothing and fails where a file is not what its sources say. The modules of the
@@ -31,6 +32,13 @@ const BUILDS = [
     banner: { js: "// @ts-nocheck" },
     minify: true,
   },
+  {
+    entryPoints: [at("uplot.js")],
+    outfile: at(`${PAGE}/vendor/uplot.js`),
+    banner: { js: "// @ts-nocheck" },
+    minify: true,
+  },
+  { entryPoints: [at("node_modules/uplot/dist/uPlot.min.css")], outfile: at(`${PAGE}/vendor/uplot.css`), minify: true },
   {
     entryPoints: [at(`${PAGE}/exported.js`)],
     outfile: at(`${PAGE}/built/mailed.js`),

@@ -15,7 +15,7 @@ declare namespace Messages {
     saved?: string;
   }
 
-  /** What is said of a file: `close`, and `ask` and `start` before their own fields. */
+  /** What is said of a file: `close`, `write`, and `ask` and `start` before their own fields. */
   interface OfFile {
     file: string;
   }
@@ -40,10 +40,10 @@ declare namespace Messages {
     id?: number | null;
   }
 
-  /** End a conflict, with the text of the windows or the other one. */
+  /** End a conflict: with the text of the windows, the other one, or the lines of both. */
   interface Settle {
     file: string;
-    mine: boolean;
+    keep: "mine" | "theirs" | "both";
   }
 
   /** Long work on a text, with the page's own number of it. */
@@ -372,6 +372,7 @@ declare namespace Messages {
     saved: string;
     version: number;
     epoch: string;
+    writes: boolean;
   }
 
   interface Reopened {
@@ -380,6 +381,7 @@ declare namespace Messages {
     version: number;
     updates: Array<Record<string, any>>;
     saved: string;
+    writes: boolean;
   }
 
   interface Updates {
@@ -387,6 +389,12 @@ declare namespace Messages {
     file: string;
     version: number;
     updates: Array<Record<string, any>>;
+  }
+
+  interface Writer {
+    is: "writer";
+    file: string;
+    writes: boolean;
   }
 
   /** A finding; `fixes` says of each repair whether it is the preferred one. */
@@ -608,8 +616,10 @@ declare namespace Messages {
     conflict: boolean;
     unreadable: string;
     elsewhere: boolean;
+    mergeable: boolean;
     version: number;
     saved?: string;
+    reread?: boolean;
   }
 
   interface Moved {
@@ -663,6 +673,7 @@ declare namespace Messages {
     "ask": Question;
     "save": Save;
     "settle": Settle;
+    "write": OfFile;
     "start": Start;
     "say": OfJob;
     "stop": OfJob;
@@ -731,6 +742,7 @@ declare namespace Messages {
     | Opened
     | Reopened
     | Updates
+    | Writer
     | Findings
     | SceneMessage
     | Status

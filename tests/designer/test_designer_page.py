@@ -465,30 +465,57 @@ def test_a_picture_of_a_term_is_in_the_font_of_the_text(served, window):
     assert rows[1] > 200
 
 
-def test_two_windows_share_a_text(served, window):
-    address = put(served, "shared.frb")[1]
+def test_one_window_writes_a_file_and_others_follow(served, window):
+    path, address = put(served, "shared.frb")
     one, other = window(address), window(address)
+    other.get_by_text("this one follows").wait_for()
     one.evaluate("designer.text.goTo([0, 0])")
-    other.evaluate("designer.text.goTo([27, 0])")
     one.keyboard.type("# first\n")
-    other.keyboard.type("# last\n")
-    until(lambda: text_of(one) == text_of(other) and "# first" in text_of(other), "the same")
-    assert "# last" in text_of(one)
+    until(lambda: text_of(other).startswith("# first\n"), "the same")
+    other.locator(".cm-content").click()
+    other.keyboard.type("# lost")
+    assert other.evaluate("designer.text.replace('# lost')") is None
+    assert other.evaluate("designer.text.edit('format', {})") is False
+    assert "# lost" not in text_of(other)
+    assert other.get_by_role("button", name="Save").is_disabled()
+
+    other.get_by_role("button", name="Write here").click()
+    one.get_by_text("this one follows").wait_for()
+    other.evaluate("designer.text.goTo([0, 0])")
+    other.keyboard.type("# second\n")
+    until(lambda: text_of(one).startswith("# second\n# first\n"), "the same again")
+    other.keyboard.press("Control+s")
+    until(lambda: path.read_text().startswith("# second\n"), "saved")
+    other.close()
+    one.get_by_text("this one follows").wait_for(state="hidden")
+    one.evaluate("designer.text.goTo([0, 0])")
+    one.keyboard.type("# third\n")
+    until(lambda: text_of(one).startswith("# third\n# second\n"), "the writer has gone")
 
 
-def test_other_writers_are_merged_or_shown(served, window):
+def test_what_another_program_writes_is_a_banner(served, window):
     path, address = put(served, "disk.frb")
     page = window(address)
+    path.write_text("# theirs\n" + path.read_text())
+    page.get_by_text("This is its text now").wait_for()
+    assert text_of(page).startswith("# theirs\n")
+    page.get_by_role("button", name="Close").click()
+    page.get_by_text("This is its text now").wait_for(state="hidden")
+
     page.evaluate("designer.text.goTo([0, 0])")
     page.keyboard.type("# mine\n")
-    path.write_text(path.read_text() + "# theirs\n")
-    until(lambda: "# theirs" in text_of(page) and "# mine" in text_of(page), "merged")
+    until(lambda: page.evaluate("designer.text.settled()"), "sent")
+    path.write_text(path.read_text() + "# last\n")
+    page.get_by_text("something here is not saved").wait_for()
+    assert "# last" not in text_of(page)
+    page.get_by_role("button", name="Keep both").click()
+    until(lambda: "# last" in text_of(page) and "# mine" in text_of(page), "both")
     assert "# mine" not in path.read_text()
     path.write_text("# another first line\n" + path.read_text())
-    page.get_by_text("changed on disk").wait_for()
-    assert "# mine" in text_of(page)
+    page.get_by_text("something here is not saved").wait_for()
+    assert page.get_by_role("button", name="Keep both").count() == 0  # the same lines
     page.get_by_role("button", name="Keep mine").click()
-    page.get_by_text("changed on disk").wait_for(state="hidden")
+    page.get_by_text("something here is not saved").wait_for(state="hidden")
     page.keyboard.press("Control+s")
     until(lambda: path.read_text().startswith("# mine\n"), "saved")
     path.write_bytes(b"# caf\xe9\n")
@@ -628,6 +655,9 @@ def test_turning_to_another_file_keeps_all_that_belongs_to_each(served, window):
     assert page.evaluate("location.hash") == "#file=two.frb"
     assert "# mine" not in text_of(page)
     assert page.evaluate("designer.store.point[0]") != 1.25
+    page.get_by_role("button", name="Write here").click()
+    until(lambda: page.evaluate("!designer.text.view.state.readOnly"), "it writes")
+    page.locator(".cm-content").focus()
     page.keyboard.press("Control+z")  # nothing was done here
     page.keyboard.type("# two\n")
     until(lambda: text_of(other).startswith("# two\n"), "the other window has it")
@@ -636,6 +666,8 @@ def test_turning_to_another_file_keeps_all_that_belongs_to_each(served, window):
     other.locator("header select").select_option("one.frb")
     turned(other, "one.frb")
     until(lambda: text_of(other).count("# mine\n") == 40, "what is not saved")
+    other.get_by_role("button", name="Write here").click()
+    until(lambda: other.evaluate("!designer.text.view.state.readOnly"), "it writes")
     other.evaluate("designer.text.goTo([0, 0])")
     other.keyboard.type("# theirs\n")
     page.go_back()
@@ -648,6 +680,8 @@ def test_turning_to_another_file_keeps_all_that_belongs_to_each(served, window):
         lambda: abs(page.evaluate("document.querySelector('.cm-scroller').scrollTop") - 200) < 60,
         "the place",
     )
+    page.get_by_role("button", name="Write here").click()
+    until(lambda: page.evaluate("!designer.text.view.state.readOnly"), "it writes")
     page.locator(".cm-content").focus()
     page.keyboard.press("Control+z")
     until(lambda: "# mine" not in text_of(page), "one step back, of this file")

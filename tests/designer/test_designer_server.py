@@ -196,7 +196,7 @@ def test_saving_keeps_line_ends_and_heeds_other_writers(shared):
     with pytest.raises(ConflictError):
         shared.save()
     assert shared.path.read_text() == "# theirs\n"
-    shared.settle(mine=True)
+    shared.settle("mine")
     shared.save()
     assert shared.path.read_bytes().startswith(b"# changed\r\n")
 
@@ -225,9 +225,9 @@ def test_a_file_that_is_no_text_any_more_is_not_written_over(shared):
     assert shared.status["unreadable"] == "line 1: not UTF-8: byte 0xe9"
     with pytest.raises(ConflictError, match="0xe9"):
         shared.save()
-    shared.settle(mine=False)  # nothing can be taken
+    shared.settle("theirs")  # nothing can be taken
     assert shared.path.read_bytes() == theirs
-    shared.settle(mine=True)
+    shared.settle("mine")
     assert shared.path.read_bytes().startswith(b"# mine\r\n")
     assert not shared.status["dirty"]
     assert not shared.status["conflict"]
@@ -257,7 +257,7 @@ def test_a_link_out_of_the_folder_is_neither_read_nor_written(shared, tmp_path_f
     shared.path.symlink_to(outside)
     assert shared.look()
     assert "secret" not in shared.text
-    for act in (shared.save, lambda: shared.settle(mine=True)):
+    for act in (shared.save, lambda: shared.settle("mine")):
         with pytest.raises(ValueError, match="link out of the folder"):
             act()
     assert outside.read_text() == "# secret\n"
@@ -282,7 +282,7 @@ def test_after_a_restart_windows_that_disagree_are_asked_and_the_file_stays(shar
     shared.resume(one, disk, "resumed")
     shared.resume(two, disk, "resumed")
     assert shared.status["elsewhere"]
-    shared.settle(mine=False)
+    shared.settle("theirs")
     assert shared.text == one
     assert shared.saved == disk  # and not what the other window has had
     assert shared.status["dirty"]
@@ -522,7 +522,7 @@ def test_windows_hear_what_is_unsaved_and_a_save_is_answered(client, tmp_path):
         hear(socket, "unsaved")
         path.write_text("# theirs\n" + PD7)
         other.send_text(json.dumps({"do": "save", "file": "pd7.frb", "id": 8}))
-        reason = "pd7.frb is not saved: the file has changed on disk: in the same lines"
+        reason = "pd7.frb is not saved: the file has changed on disk"
         assert hear(other, "answer")["error"] == reason
         other.send_text(json.dumps({"do": "save", "file": "none.frb", "id": 9}))
         assert "not a file of this folder" in hear(other, "answer")["error"]

@@ -46,7 +46,9 @@ def test_what_others_write_is_no_step_of_this_hand(page, served):
     until(lambda: page.evaluate("designer.text.settled()"), "sent")
     theirs = path.read_text() + "# theirs\n"
     path.write_text(theirs)
+    page.get_by_role("button", name="Keep both").click()
     until(lambda: "# theirs" in text_of(page), "merged")
+    page.locator(".cm-content").focus()
     back(page, 9)
     assert text_of(page) == theirs
 

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import test from "node:test";
-import { chartScales, decades, ticks } from "../../../src/fuzzyarm/designer/page/geometry/chart.js";
+import { chartScales, decades, ticks, valueRange } from "../../../src/fuzzyarm/designer/page/geometry/chart.js";
 
 const PLOT = { x0: 50, x1: 350, y0: 200, y1: 10 };
 
@@ -42,4 +42,23 @@ test("a scale of powers gives each the same way", () => {
 test("without values there is a scale", () => {
   const { toY } = chartScales([{ values: [null] }], PLOT, true);
   assert.ok(Number.isFinite(toY(0.5)));
+});
+
+test("a plot of values holds them and their limits with room, and never has one value for both ends", () => {
+  assert.deepEqual(valueRange([null, null], []), [-1, 1]);
+  assert.deepEqual(valueRange([3, 3], []), [2, 4]);
+  for (const [ends, limits] of [
+    [[-2, 5], []],
+    [
+      [0.1, 0.2],
+      [-24, 24],
+    ],
+    [
+      [null, null],
+      [0, 10],
+    ],
+  ]) {
+    const [low, high] = valueRange(ends, limits);
+    for (const value of [...ends, ...limits].filter(Number.isFinite)) assert.ok(low < value && value < high);
+  }
 });

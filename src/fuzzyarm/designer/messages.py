@@ -242,6 +242,7 @@ Opened = TypedDict(
         "saved": str,
         "version": int,
         "epoch": str,
+        "writes": bool,
     },
 )
 Reopened = TypedDict(
@@ -252,6 +253,7 @@ Reopened = TypedDict(
         "version": int,
         "updates": list[dict[str, Any]],
         "saved": str,
+        "writes": bool,
     },
 )
 Updates = TypedDict(
@@ -290,10 +292,13 @@ Status = TypedDict(
         "conflict": bool,
         "unreadable": str,
         "elsewhere": bool,
+        "mergeable": bool,
         "version": int,
         "saved": NotRequired[str],
+        "reread": NotRequired[bool],
     },
 )
+Writer = TypedDict("Writer", {"is": Literal["writer"], "file": str, "writes": bool})
 Moved = TypedDict("Moved", {"is": Literal["moved"], "file": str, "to": str})
 Names = TypedDict("Names", {"is": Literal["names"], "names": list[str], "first": str})
 Unsaved = TypedDict("Unsaved", {"is": Literal["unsaved"], "names": list[str]})
@@ -327,6 +332,7 @@ HEARD = (
     Opened,
     Reopened,
     Updates,
+    Writer,
     Findings,
     SceneMessage,
     Status,

@@ -23,7 +23,7 @@ from fuzzyarm.designer import requests
 from fuzzyarm.designer.faults import error_of, internal_words
 from fuzzyarm.designer.folder import Workspace, converted_file
 from fuzzyarm.designer.jobs import Downloads, Job, Work
-from fuzzyarm.designer.messages import Moved, Names, Opened, Reopened, Unsaved, Updates
+from fuzzyarm.designer.messages import Moved, Names, Opened, Reopened, Unsaved, Updates, Writer
 from fuzzyarm.designer.names import OutsideError, in_words
 from fuzzyarm.designer.records import MessageError, read_record
 from fuzzyarm.designer.shared import SharedText
@@ -107,6 +107,8 @@ class OpenFiles:
         self.workspace = workspace
         self.downloads = Downloads()
         self.windows: list[Window] = []
+        self._writers: dict[str, Window] = {}
+        """The window that writes each open file; the others on it follow."""
         self._checks: dict[str, asyncio.Task[None]] = {}
         self._running: set[asyncio.Task[None]] = set()
         self._unsaved: list[str] = []  # as the windows know them
@@ -149,7 +151,31 @@ class OpenFiles:
     # a question or of work is one more reading.
 
     async def _close(self, window: Window, said: requests.OfFile, _: dict[str, Any]) -> None:
-        window.files.discard(said.file)
+        await self._leave(window, said.file)
+
+    async def _leave(self, window: Window, name: str) -> None:
+        """Have a window show a file no more; the next one that does writes it."""
+        window.files.discard(name)
+        if self._writers.get(name) is window:
+            del self._writers[name]
+            for heir in self._on(name)[:1]:
+                await self._give(name, heir)
+
+    async def _write(self, window: Window, said: requests.OfFile, _: dict[str, Any]) -> None:
+        """Let a window write a file that it has followed."""
+        if said.file in window.files:
+            await self._give(said.file, window)
+
+    async def _give(self, name: str, writer: Window) -> None:
+        """Let a window write a file, and have the one that did so follow."""
+        before = self._writers.get(name)
+        self._writers[name] = writer
+        for window in (before, writer):
+            if window is not None:
+                await window.tell(self._right(window, name))
+
+    def _right(self, window: Window, name: str) -> Writer:
+        return {"is": "writer", "file": name, "writes": self._writers.get(name) is window}
 
     async def _ask(self, window: Window, said: requests.Question, message: dict[str, Any]) -> None:
         shared = self.workspace.text(said.file)
@@ -158,7 +184,7 @@ class OpenFiles:
     async def _settle(self, _window: Window, said: requests.Settle, _: dict[str, Any]) -> None:
         shared = self.workspace.text(said.file)
         before = shared.version
-        shared.settle(mine=said.mine)
+        shared.settle(said.keep)
         await self._changed(said.file, shared, before, disk=True)
 
     async def _say(self, window: Window, said: requests.OfJob, message: dict[str, Any]) -> None:
@@ -237,6 +263,9 @@ class OpenFiles:
             check = self._checks.pop(old, None)
             if check is not None:
                 check.cancel()  # nobody has the old name open any more
+            writer = self._writers.pop(old, None)
+            if writer is not None and new:
+                self._writers[new] = writer
             for window in self._on(old):
                 window.files = (window.files - {old}) | ({new} if new else set())
                 news: Moved = {"is": "moved", "file": old, "to": new}
@@ -265,6 +294,7 @@ class OpenFiles:
                 raise
             shared = self.workspace.revived(name, said.text)
         window.files.add(name)
+        writes = self._writers.setdefault(name, window) is window
         before = shared.version
         if said.epoch == shared.epoch:  # the connection was lost, not the server
             missed = shared.since(said.version)
@@ -275,6 +305,7 @@ class OpenFiles:
                     "version": said.version,
                     "updates": missed,
                     "saved": shared.saved,
+                    "writes": writes,
                 }
                 await window.tell(again)
                 await window.tell({"is": "status", "file": name, **shared.status})
@@ -289,6 +320,7 @@ class OpenFiles:
             "saved": shared.saved,
             "version": shared.version,
             "epoch": shared.epoch,
+            "writes": writes,
         }
         await window.tell(opened)
         await self._changed(name, shared, before)
@@ -297,6 +329,9 @@ class OpenFiles:
     async def _push(self, window: Window, said: requests.Push, nothing: dict[str, Any]) -> None:
         version, name = said.version, said.file
         shared = self.workspace.text(name)
+        if self._writers.get(name) is not window:  # what it has typed stays there until it writes
+            await window.tell(self._right(window, name))
+            return
         if shared.push(version, said.updates):
             await self._changed(name, shared, version)
             return
@@ -325,11 +360,17 @@ class OpenFiles:
             await window.tell({"is": "failed", "file": name, "message": f"not saved: {wrong}"})
 
     async def _changed(
-        self, name: str, shared: SharedText, before: int, *, disk: bool = False
+        self,
+        name: str,
+        shared: SharedText,
+        before: int,
+        *,
+        disk: bool = False,
+        reread: bool = False,
     ) -> None:
         """Tell all windows on a file what has changed since a version, and check it again."""
         updates = shared.since(before) or []
-        news: list[dict[str, Any]] = [{"is": "status", **shared.status}]
+        news: list[dict[str, Any]] = [{"is": "status", **shared.status, "reread": reread}]
         if disk:  # what is on disk may be long, and changes rarely
             news[0]["saved"] = shared.saved
         if updates:
@@ -403,6 +444,7 @@ _COMMANDS: Mapping[str, Callable[[OpenFiles, Window, Any, dict[str, Any]], Await
     "ask": OpenFiles._ask,
     "save": OpenFiles._save,
     "settle": OpenFiles._settle,
+    "write": OpenFiles._write,
     "start": OpenFiles._start,
     "say": OpenFiles._say,
     "stop": OpenFiles._stop,

@@ -50,7 +50,7 @@ class Open:
 
 @dataclass(frozen=True)
 class OfFile:
-    """What is said of a file: `close`, and `ask` and `start` before their own fields."""
+    """What is said of a file: `close`, `write`, and `ask` and `start` before their own fields."""
 
     file: str
 
@@ -74,10 +74,10 @@ class Save:
 
 @dataclass(frozen=True)
 class Settle:
-    """End a conflict, with the text of the windows or the other one."""
+    """End a conflict: with the text of the windows, the other one, or the lines of both."""
 
     file: str
-    mine: bool
+    keep: Literal["mine", "theirs", "both"]
 
 
 @dataclass(frozen=True)
@@ -121,6 +121,7 @@ COMMANDS: Mapping[str, type] = {
     "ask": Question,
     "save": Save,
     "settle": Settle,
+    "write": OfFile,
     "start": Start,
     "say": OfJob,
     "stop": OfJob,

@@ -158,6 +158,8 @@ class Designer(OpenFiles):
         finally:
             window.stop()
             self.windows.remove(window)
+            for name in window.files.copy():
+                await self._leave(window, name)
 
     # --- The folder ---
 
@@ -195,7 +197,8 @@ class Designer(OpenFiles):
         shared = self.workspace.opened(name)
         before = shared.version if shared else 0
         if shared and shared.look():
-            await self._changed(name, shared, before, disk=True)
+            reread = shared.version != before
+            await self._changed(name, shared, before, disk=True, reread=reread)
 
 
 def _bound(listening: socket.socket, port: int | None, token: str) -> None:

@@ -2,9 +2,9 @@
 
 The text here is the one that counts. A window sends its changes with the version that they are
 made for; what is late is not taken, and the window puts it on top of what it missed. The file on
-disk is read again when somebody else has written it: other lines are merged; the same lines, or
-what cannot be read, are a conflict, which is shown until a person decides. A file that is gone is
-said to be. Nothing is overwritten in silence.
+disk is read again when another program has written it. Where nothing was unsaved its text is taken;
+else, or where it cannot be read, there is a conflict, which is shown until a person decides. A file
+that is gone is said to be. Nothing is overwritten in silence.
 """
 
 from __future__ import annotations
@@ -72,7 +72,7 @@ DISK = "disk"
 
 
 class ConflictError(FuzzyarmError, ValueError):
-    """The file has changed on disk, in the same lines, or into something else than a text."""
+    """The file has changed on disk while something was unsaved, or is not a text any more."""
 
 
 @dataclass(frozen=True)
@@ -87,11 +87,14 @@ class Conflict:
         Why it cannot.
     on_disk : bool
         Whether it is what is on disk, and not what another window has had since a restart.
+    both : str or None
+        The text with the changes of both; None where they touch the same lines.
     """
 
     text: str | None
     why: str = ""
     on_disk: bool = True
+    both: str | None = None
 
 
 class SharedText:
@@ -117,7 +120,7 @@ class SharedText:
     is_there : bool
         Whether there is a file.
     conflict : Conflict or None
-        What cannot be merged.
+        What somebody else has written while something here was unsaved.
     """
 
     def __init__(self, path: Path, text: str | None = None) -> None:
@@ -151,6 +154,7 @@ class SharedText:
             "conflict": self.conflict is not None,
             "unreadable": self.conflict.why if self.conflict else "",
             "elsewhere": self.conflict is not None and not self.conflict.on_disk,
+            "mergeable": self.conflict is not None and self.conflict.both is not None,
             "version": self.version,
         }
 
@@ -227,14 +231,14 @@ class SharedText:
             raise OutsideError(f"'{self.path.name}' is a link out of the folder by now")
 
     def _take(self, disk: str) -> None:
-        """Merge what is on disk now, or note the conflict."""
-        both = self.text if disk == self.saved else merged(self.saved, self.text, disk)
-        if both is None:
-            self.conflict = Conflict(disk)
+        """Take what is on disk now, or note the conflict with what is unsaved here."""
+        if disk not in (self.saved, self.text) and self.text != self.saved:
+            self.conflict = Conflict(disk, both=merged(self.saved, self.text, disk))
             return
+        text = self.text if disk == self.saved else disk
         self.saved = disk
         self._agree()
-        self.replace(both, DISK)
+        self.replace(text, DISK)
 
     def _agree(self) -> None:
         """Drop a conflict with the file, which has none any more."""
@@ -247,7 +251,7 @@ class SharedText:
         Raises
         ------
         ConflictError
-            If somebody else has written it, in the same lines, or it cannot be read.
+            If somebody else has written it, or it cannot be read.
         OutsideError
             If it has become a link out of its folder.
         OSError
@@ -255,8 +259,8 @@ class SharedText:
         """
         self.look()
         if self.conflict is not None:
-            why = self.conflict.why or "in the same lines"
-            raise ConflictError(f"the file has changed on disk: {why}")
+            why = f": {self.conflict.why}" if self.conflict.why else ""
+            raise ConflictError(f"the file has changed on disk{why}")
         self._write()
 
     def _write(self) -> None:
@@ -275,21 +279,28 @@ class SharedText:
         self.path = path
         self.session = Session(str(path), self.text, self.version)
 
-    def settle(self, *, mine: bool) -> None:
-        """End a conflict with the text here, which the next save writes, or with the other.
+    def settle(self, keep: str) -> None:
+        """End a conflict; what differs from the file then is written by the next save.
 
         A file that cannot be read has nothing to be taken: it is written over at once.
+
+        Parameters
+        ----------
+        keep : {"mine", "theirs", "both"}
+            The text here, the other one, or the lines of both, where these are known.
         """
         conflict = self.conflict
-        if conflict is None or (conflict.text is None and not mine):
+        if conflict is None:
+            return
+        text = {"mine": self.text, "theirs": conflict.text, "both": conflict.both}[keep]
+        if text is None:
             return
         if conflict.text is None:
             self._write()
         elif conflict.on_disk:
             self.saved = conflict.text
         self.conflict = None
-        if not mine and conflict.text is not None:
-            self.replace(conflict.text, DISK)
+        self.replace(text, DISK)
 
     # --- What a page is told ---
 

@@ -1,14 +1,17 @@
-// The curves of a run over time.
+// The curves of a run over time: what is followed with its reference, errors, and the drives of each unit.
 
-import { stage as canvasStage } from "./charts.js";
-import { el, pane, shortNumber, colourOf, hue } from "./draw.js";
-import { ticks } from "./geometry/chart.js";
+import { el, pane, shortNumber, colourOf, hue, eachFrame } from "./draw.js";
+import { valueRange } from "./geometry/chart.js";
 import { S } from "./strings.js";
+import { uPlot } from "./vendor/uplot.js";
 
-const LEGEND = 18; // above each panel, px
+const LEGEND = 22; // above each plot, px
+const TIMES = 26; // below the last plot, px
+const VALUES = 56; // left of each plot, px
+const FONT = "11px system-ui, sans-serif";
 
 /**
- * Panels over time: what is followed with its reference, errors, and the drives of each unit.
+ * A plot for each unit, one above the other, with one time.
  *
  * @param {Page.Store} store
  */
@@ -21,50 +24,39 @@ class CurvePane {
    * @param {Page.Store} store
    */
   constructor(store) {
-    const { section, bar, body } = pane("run-curves", S.runCurves);
+    const { section, body } = pane("run-curves", S.runCurves);
     this.section = section;
-    const { canvas, redraw } = canvasStage(store, body, this.draw);
-    this.redraw = redraw;
-    this.key = el("span", { class: "key" });
+    this.host = el("div", { class: "plots", role: "group", "aria-label": S.runCurvesLabel });
+    body.append(this.host);
     this.panels = [];
+    this.plots = [];
     this.ready = null;
+    // Over time, the least and the greatest value of every column since the sample before.
     this.t = [];
     this.low = [];
     this.high = [];
-    bar.append(el("span", { class: "space" }), this.key);
-    canvas.setAttribute("aria-label", S.runCurvesLabel);
+    this.redraw = eachFrame(this.draw);
+    new ResizeObserver(this.resize).observe(body);
+    store.on("theme", this.build); // a legend keeps the colours that it was made with
   }
 
   api() {
     return { section: this.section, open: this.open, add: this.add };
   }
 
-  /** Outputs with their references, errors, and the drives of each unit. */
   open = (news) => {
     this.ready = news;
-    const count = news.tracked.length;
-    const units = [...new Set(news.tracked.map((each) => each.unit))];
-    this.panels = units.flatMap((unit) => {
-      const own = news.tracked.map((each, i) => ({ ...each, i })).filter((each) => each.unit === unit);
-      return [
-        {
-          title: S.runOutputs,
-          unit,
-          lines: own.flatMap(({ name, i }) => [
-            { name: "", column: i, colour: null }, // reference
-            { name, column: count + i, colour: i },
-          ]),
-        },
-        { title: S.runError, unit, lines: own.map(({ name, i }) => ({ name, column: 2 * count + i, colour: i })) },
-      ];
-    });
-    const drives = news.drives.map((each, i) => ({ ...each, column: 3 * count + i, colour: i }));
-    for (const unit of new Set(drives.map((each) => each.unit))) {
-      this.panels.push({ title: S.runDrives, unit, lines: drives.filter((each) => each.unit === unit) });
-    }
+    this.panels = panelsOf(news);
     this.t = [];
-    this.low = Array.from({ length: 3 * count + drives.length }, () => []);
+    this.low = Array.from({ length: 3 * news.tracked.length + news.drives.length }, () => []);
     this.high = this.low.map(() => []);
+    this.build();
+  };
+
+  build = () => {
+    for (const plot of this.plots) plot.destroy();
+    this.plots = this.panels.map(this.plotOf);
+    this.resize();
     this.redraw();
   };
 
@@ -78,130 +70,150 @@ class CurvePane {
     // What has left the window goes, now and then.
     const first = this.t[this.t.length - 1] - this.ready.window;
     if (this.t[0] < first - 0.5 * this.ready.window) {
-      const gone = this.t.findIndex((each) => each >= first);
-      for (const each of [this.t, ...this.low, ...this.high]) each.splice(0, gone);
+      const gone = this.t.findIndex((time) => time >= first);
+      for (const column of [this.t, ...this.low, ...this.high]) column.splice(0, gone);
     }
     this.redraw();
   };
 
-  draw = ({ g, width, height }) => {
-    if (!this.ready) return;
-    const last = this.t[this.t.length - 1] ?? 0;
-    const end = Math.max(this.ready.window, last);
-    const [begin, foot, gap] = [end - this.ready.window, 18, 6];
-    const each = (height - foot) / this.panels.length;
-    const [left, right] = [52, width - 16];
-    const x = (time) => left + ((time - begin) / this.ready.window) * (right - left);
-    g.font = "11px system-ui, sans-serif";
-    const first = Math.max(0, this.t.findIndex((time) => time >= begin) - 1);
-    this.panels.forEach((panel, p) =>
-      this.drawPanel(g, panel, [left, right, p * each + LEGEND, (p + 1) * each - gap], x, first),
+  draw = () => {
+    this.plots.forEach((plot, p) => {
+      // A line between the least and the greatest value of each sample: two series with a band.
+      const columns = this.panels[p].lines.flatMap(({ column }) => [this.high[column], this.low[column]]);
+      plot.setData([this.t, ...columns]);
+    });
+  };
+
+  resize = () => {
+    const { clientWidth: width, clientHeight: height } = this.host;
+    if (width < 40 || height < 40) return;
+    const share = (height - TIMES) / Math.max(1, this.plots.length);
+    this.plots.forEach((plot, p) => {
+      const below = p === this.plots.length - 1 ? TIMES : 0;
+      plot.setSize({ width, height: Math.max(20, share - LEGEND) + below });
+    });
+  };
+
+  /** From when to when the plots go: the window ends with the last sample. */
+  times = () => {
+    const end = Math.max(this.ready.window, this.t[this.t.length - 1] ?? 0);
+    return [end - this.ready.window, end];
+  };
+
+  plotOf = (panel, p) => {
+    const isLast = p === this.panels.length - 1;
+    const head = el("div", { class: "plot-head" }, el("span", { textContent: panelTitle(panel) }));
+    const box = el("div", { class: "plot" }, head);
+    this.host.append(box);
+    const limits = panel.lines.flatMap(({ low, high }) => [low, high]).filter((limit) => Number.isFinite(limit));
+    const plot = new uPlot(
+      {
+        width: 100,
+        height: 100,
+        padding: [4, 12, isLast ? 0 : 4, 0],
+        cursor: { y: false, sync: { key: "run" }, drag: { x: false, y: false }, points: { show: false } },
+        legend: { mount: (_, table) => head.append(table), markers: { show: false } },
+        scales: { x: { time: false, range: this.times }, y: { range: (_, ...ends) => valueRange(ends, limits) } },
+        axes: [this.axis({ show: isLast, size: TIMES, unit: " s" }), this.axis({ size: VALUES, space: 24 })],
+        series: [{ label: S.runTime, value: () => "" }].concat(panel.lines.flatMap((line) => this.seriesOf(line))),
+        bands: panel.lines.map((line, k) => ({ series: [2 * k + 1, 2 * k + 2], fill: () => this.ink(line) })),
+        hooks: { draw: [(drawn) => drawLimits(drawn, limits)] },
+      },
+      [[]],
+      box,
     );
-    g.fillStyle = colourOf("--soft");
-    g.textAlign = "center";
-    for (const tick of ticks(begin, end, width / 90)) g.fillText(`${shortNumber(tick)} s`, x(tick), height - 4);
-  };
-
-  drawPanel = (g, panel, [left, right, top, bottom], x, first) => {
-    const soft = colourOf("--soft");
-    const [from, to] = this.span(panel, first);
-    const y = (value) => bottom - ((value - from) / (to - from)) * (bottom - top);
-    g.save();
-    g.strokeStyle = colourOf("--line");
-    g.lineWidth = 1;
-    g.textAlign = "right";
-    g.fillStyle = soft;
-    for (const tick of ticks(from, to, Math.max(3, (bottom - top) / 24))) {
-      g.beginPath();
-      g.moveTo(left, y(tick));
-      g.lineTo(right, y(tick));
-      g.stroke();
-      g.fillText(shortNumber(tick), left - 5, y(tick) + 4);
-    }
-    g.beginPath();
-    g.rect(left, top - 2, right - left, bottom - top + 4);
-    g.clip();
-    for (const { low: floor, high: ceiling } of panel.lines) {
-      for (const limit of [floor, ceiling]) {
-        if (limit === null || limit === undefined) continue;
-        this.stroke(g, colourOf("--lit"), 1, [5, 4], () => {
-          g.moveTo(left, y(limit));
-          g.lineTo(right, y(limit));
-        });
-      }
-    }
-    for (const line of panel.lines) {
-      const reference = line.colour === null;
-      const tint = reference ? soft : this.tone(line.colour);
-      this.stroke(g, tint, reference ? 1.2 : 1.7, reference ? [4, 3] : [], () =>
-        this.curve(g, line.column, x, y, first),
-      );
-    }
-    g.restore();
-    g.textAlign = "left";
-    let at = left;
-    for (const [words, tint] of [
-      [`${panel.title}${panel.unit && panel.unit !== "1" ? `, ${panel.unit}` : ""}:`, soft],
-      ...panel.lines.filter((line) => line.name).map((line) => [line.name, this.tone(line.colour)]),
-    ]) {
-      g.fillStyle = tint;
-      g.fillText(words, at, top - 5);
-      at += g.measureText(words).width + 8;
-    }
-  };
-
-  /** The colours of lines: those of terms, as a canvas takes them. */
-  tone = (index) => {
-    const probe = this.key;
-    probe.style.color = hue(index);
-    return getComputedStyle(probe).color;
-  };
-
-  stroke = (g, tint, width, dashes, way) => {
-    g.strokeStyle = tint;
-    g.lineWidth = width;
-    g.setLineDash(dashes);
-    g.beginPath();
-    way();
-    g.stroke();
-    g.setLineDash([]);
-  };
-
-  curve = (g, column, x, y, first) => {
-    let before = false;
-    for (let i = first; i < this.t.length; i++) {
-      const [a, b] = [this.low[column][i], this.high[column][i]];
-      if (a === null || b === null) {
-        before = false;
-        continue;
-      }
-      const px = x(this.t[i]);
-      if (before) g.lineTo(px, y(b));
-      else g.moveTo(px, y(b));
-      if (a !== b) g.lineTo(px, y(a));
-      before = true;
-    }
-  };
-
-  /** Between what a panel goes: what is seen, and the limits. */
-  span = (panel, first) => {
-    let [from, to] = [Infinity, -Infinity];
-    const take = (value) => {
-      if (value === null || value === undefined) return;
-      from = Math.min(from, value);
-      to = Math.max(to, value);
+    const destroy = plot.destroy;
+    plot.destroy = () => {
+      destroy();
+      box.remove();
     };
-    for (const line of panel.lines) {
-      for (let i = first; i < this.t.length; i++) {
-        take(this.low[line.column][i]);
-        take(this.high[line.column][i]);
-      }
-      take(line.low);
-      take(line.high);
-    }
-    if (!(to >= from)) return [-1, 1];
-    if (to - from < 1e-9 * Math.max(1, Math.abs(to))) return [from - 1, to + 1];
-    const room = 0.08 * (to - from);
-    return [from - room, to + room];
+    return plot;
   };
+
+  axis = ({ show = true, size, space = 60, unit = "" }) => ({
+    show,
+    size,
+    space,
+    font: FONT,
+    stroke: () => colourOf("--soft"),
+    grid: { stroke: () => colourOf("--line"), width: 1 },
+    ticks: { show: false },
+    values: (_, numbers) => numbers.map((number) => shortNumber(number) + unit),
+  });
+
+  /** The greatest and the least values of a line; the legend has it once. */
+  seriesOf = (line) => {
+    const isReference = line.colour === null;
+    const common = {
+      stroke: () => this.ink(line),
+      width: isReference ? 1.2 : 1.7,
+      dash: isReference ? [4, 3] : [],
+      points: { show: false },
+    };
+    return [
+      {
+        ...common,
+        label: line.name || S.runReference,
+        value: (_, number) => (Number.isFinite(number) ? shortNumber(number) : ""),
+      },
+      { ...common, class: "twin" },
+    ];
+  };
+
+  /** The colour of a line: that of a term, as a canvas takes it. */
+  ink = (line) => {
+    if (line.colour === null) return colourOf("--soft");
+    this.host.style.color = hue(line.colour);
+    const ink = getComputedStyle(this.host).color;
+    this.host.style.color = "";
+    return ink;
+  };
+}
+
+const panelTitle = ({ title, unit }) => (unit && unit !== "1" ? `${title}, ${unit}` : title);
+
+/** Which columns stand in which plot: outputs with their references, their errors, then drives by unit. */
+function panelsOf({ tracked, drives }) {
+  const count = tracked.length;
+  const numbered = tracked.map((port, i) => ({ ...port, i }));
+  const units = [...new Set(tracked.map((port) => port.unit))];
+  const driven = drives.map((port, i) => ({ ...port, column: 3 * count + i, colour: i }));
+  return [
+    ...units.flatMap((unit) => {
+      const own = numbered.filter((port) => port.unit === unit);
+      return [
+        {
+          title: S.runOutputs,
+          unit,
+          lines: own.flatMap(({ name, i }) => [
+            { name: "", column: i, colour: null }, // reference
+            { name, column: count + i, colour: i },
+          ]),
+        },
+        { title: S.runError, unit, lines: own.map(({ name, i }) => ({ name, column: 2 * count + i, colour: i })) },
+      ];
+    }),
+    ...[...new Set(driven.map((port) => port.unit))].map((unit) => ({
+      title: S.runDrives,
+      unit,
+      lines: driven.filter((port) => port.unit === unit),
+    })),
+  ];
+}
+
+/** Lines at the limits of drives. */
+function drawLimits(plot, limits) {
+  const { ctx, bbox } = plot;
+  ctx.save();
+  ctx.strokeStyle = colourOf("--lit");
+  ctx.lineWidth = devicePixelRatio;
+  ctx.setLineDash([5 * devicePixelRatio, 4 * devicePixelRatio]);
+  for (const limit of limits) {
+    const y = plot.valToPos(limit, "y", true);
+    ctx.beginPath();
+    ctx.moveTo(bbox.left, y);
+    ctx.lineTo(bbox.left + bbox.width, y);
+    ctx.stroke();
+  }
+  ctx.restore();
 }

@@ -40,6 +40,7 @@ class Desk {
     this.apart = false; // whether the file says something else than what was saved, or is gone
     this.dirty = false;
     this.lost = false;
+    this.writes = true; // as long as no other window does
     this.latest = null; // findings, which come in front of the picture of the same text
     this.working = new Set(); // long works that go on
     this.bring = null; // takes files that are dropped
@@ -49,6 +50,7 @@ class Desk {
       push: (version, updates) => this.send({ do: "push", version, updates }),
       ask: (question) => this.connection.ask(this.file, question),
       save: () => {
+        if (!this.writes) return true;
         const trySave = () => {
           if (!this.text.settled()) setTimeout(trySave, 20);
           else this.send({ do: "save" });
@@ -63,6 +65,7 @@ class Desk {
         this.mark(this.saved !== null && (this.apart || now !== this.saved));
       },
       saved: () => this.saved,
+      writes: () => this.writes,
     };
 
     this.text = textPane(this.link, this.page.nonce);
@@ -123,12 +126,15 @@ class Desk {
     this.TAKEN = {
       opened: (message) => {
         this.saved = message.saved;
+        this.writes = message.writes;
         this.back();
         this.text.open(message);
       },
       reopened: (message) => {
         this.saved = message.saved;
+        this.writes = message.writes;
         this.back();
+        this.text.follow(!this.writes);
         this.text.receive(message); // and what was typed meanwhile is sent
         this.mark(this.text.state().text !== this.saved);
       },
@@ -146,19 +152,19 @@ class Desk {
         if (!message.scene && !message.diagram) this.store.mistaken(message.why);
         this.store.judge(message.why !== "mistakes");
       },
+      writer: (message) => {
+        this.writes = message.writes;
+        this.text.follow(!this.writes);
+        this.mark(this.dirty);
+        this.tell(""); // the state of the file comes after it
+        if (!this.writes) this.tellFollowing();
+      },
       status: (message) => {
         this.saved = message.saved ?? this.saved;
         this.apart = message.gone || message.conflict;
         this.mark(this.apart || this.text.state().text !== this.saved);
-        if (!message.conflict) {
-          this.tell(message.gone ? S.fileGone : "");
-          return;
-        }
-        const settle = (words, mine) =>
-          el("button", { textContent: words, onclick: () => this.send({ do: "settle", mine }) });
-        if (message.unreadable) this.tell(S.unreadable(message.unreadable), settle(S.keepMine, true));
-        else if (message.elsewhere) this.tell(S.otherWindow, settle(S.keepThis, true), settle(S.takeOther, false));
-        else this.tell(S.conflict, settle(S.keepMine, true), settle(S.takeTheirs, false));
+        if (this.writes) this.tellState(message);
+        else this.tellFollowing();
       },
       failed: (message) => {
         if (this.text.state().epoch && !this.lost) this.link.say(message.message);
@@ -214,10 +220,32 @@ class Desk {
 
   send = (message) => this.connection.send({ ...message, file: this.file });
 
+  /** Say above all views what stands between the text and its file, and offer the ways out. */
+  tellState = (message) => {
+    const settle = (words, keep) =>
+      el("button", { textContent: words, onclick: () => this.send({ do: "settle", keep }) });
+    if (message.unreadable) this.tell(S.unreadable(message.unreadable), settle(S.keepMine, "mine"));
+    else if (message.elsewhere) this.tell(S.otherWindow, settle(S.keepThis, "mine"), settle(S.takeOther, "theirs"));
+    else if (message.conflict) {
+      const both = message.mergeable ? [settle(S.keepBoth, "both")] : [];
+      this.tell(S.conflict, ...both, settle(S.keepMine, "mine"), settle(S.takeTheirs, "theirs"));
+    } else if (message.gone) this.tell(S.fileGone);
+    else if (message.reread) this.tell(S.reread, el("button", { textContent: S.close, onclick: () => this.tell("") }));
+    else if (message.saved !== undefined || !this.rereadShown()) this.tell("");
+  };
+
+  /** Whether the banner only says that the file was read again: it stays while one types. */
+  rereadShown = () => this.banner.firstChild?.textContent === S.reread;
+
+  tellFollowing = () => {
+    const write = () => this.send({ do: "write" });
+    this.tell(this.text.settled() ? S.follows : S.behind, el("button", { textContent: S.writeHere, onclick: write }));
+  };
+
   mark = (changed) => {
     this.dirty = changed;
-    this.save.disabled = !changed;
-    this.text.revertible(changed);
+    this.save.disabled = !changed || !this.writes;
+    this.text.revertible(changed && this.writes);
     if (!this.lost) this.status.textContent = changed ? S.unsaved : S.saved;
     this.page.marked();
   };

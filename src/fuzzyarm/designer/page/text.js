@@ -34,6 +34,7 @@ import { el, pane } from "./draw.js";
 import { ask, choose } from "./dialogs.js";
 import { S } from "./strings.js";
 
+const FROZEN = [EditorState.readOnly.of(true), EditorView.editable.of(false)];
 const WAIT = 15; // ms after a key stroke before changes are sent
 const [TRIES, BETWEEN] = [300, 20]; // how often, and every how many ms, it is looked whether they have come
 
@@ -136,7 +137,7 @@ class TextPane {
           autocompletion({ override: [this.completions] }),
           hoverTooltip(this.hovered),
           this.shared.of([]),
-          this.frozen.of([EditorState.readOnly.of(true), EditorView.editable.of(false)]),
+          this.frozen.of(FROZEN),
           keymap.of([
             { key: "Mod-s", run: () => this.link.save() ?? true },
             { key: "F2", run: () => this.rename() ?? true },
@@ -174,6 +175,7 @@ class TextPane {
       receive: this.receive,
       show: this.show,
       settled: this.settled,
+      follow: this.follow,
       state: () => ({ text: this.view.state.doc.toString(), epoch: this.epoch }),
       undo: () => undo(this.view),
       redo: () => redo(this.view),
@@ -182,7 +184,7 @@ class TextPane {
       edit: async (what, details) => this.apply(await this.question(what, details), `input.${what}`),
       /** Make an edit; what is wrong with it is in the answer. */
       attempt: async (what, details) => {
-        const answer = await this.question(what, details);
+        const answer = this.link.writes() ? await this.question(what, details) : { error: S.follows };
         if (!answer.error) this.apply(answer, `input.${what}`);
         return answer;
       },
@@ -212,7 +214,7 @@ class TextPane {
   // --- changes ---
 
   send = () => {
-    if (this.sending || !this.epoch) return;
+    if (this.sending || !this.epoch || !this.link.writes()) return;
     const updates = sendableUpdates(this.view.state);
     if (!updates.length) return;
     this.sending = this.link.push(
@@ -244,12 +246,19 @@ class TextPane {
     const change = difference(this.view.state.doc.toString(), message.text);
     // Without an old state of `collab` in between, the new one starts at its version.
     this.view.dispatch({ effects: this.shared.reconfigure([]) });
-    this.view.dispatch({
-      effects: [this.shared.reconfigure(collab({ startVersion: message.version - 1 })), this.frozen.reconfigure([])],
-    });
+    this.view.dispatch({ effects: this.shared.reconfigure(collab({ startVersion: message.version - 1 })) });
+    this.follow(!this.link.writes());
     const changes = ChangeSet.of(change, this.view.state.doc.length);
     this.view.dispatch(receiveUpdates(this.view.state, [{ clientID: this.epoch, changes }]));
     this.link.edited(message.text);
+  };
+
+  /** Write here, or only show what another window writes. */
+  follow = (follows) => {
+    if (!this.epoch) return; // not open yet
+    this.sending = false;
+    this.view.dispatch({ effects: this.frozen.reconfigure(follows ? FROZEN : []) });
+    if (!follows) this.send();
   };
 
   /** Ask something of the text as it is: what is typed first goes first. */
@@ -272,8 +281,9 @@ class TextPane {
 
   /** Put the edits of an answer into the text: one step back undoes them. */
   apply = (answer, label) => {
-    if (answer.error) {
-      this.link.say(answer.error);
+    const error = answer.error ?? (this.link.writes() ? "" : S.follows);
+    if (error) {
+      this.link.say(error);
       return false;
     }
     const changes = answer.edits
@@ -414,6 +424,10 @@ class TextPane {
 
   /** Put another text in the place of this one: one step back undoes it. */
   replace = (words) => {
+    if (!this.link.writes()) {
+      this.link.say(S.follows);
+      return;
+    }
     this.view.dispatch({ changes: difference(this.view.state.doc.toString(), words), userEvent: "input.replace" });
     this.send();
   };

@@ -52,3 +52,18 @@ export function decades(low, high) {
   }
   return found.length > 1 ? found : ticks(low, high, 3);
 }
+
+/**
+ * Between what a plot of values goes: what is seen and the limits, with some room.
+ *
+ * @param {Array<number | null>} ends the least and the greatest value; null where there is none
+ * @param {number[]} limits lines that are always seen
+ */
+export function valueRange(ends, limits) {
+  const all = [...ends, ...limits].filter(Number.isFinite);
+  if (!all.length) return [-1, 1];
+  const [low, high] = [Math.min(...all), Math.max(...all)];
+  if (high - low < 1e-9 * Math.max(1, Math.abs(high))) return [low - 1, high + 1];
+  const room = 0.08 * (high - low);
+  return [low - room, high + room];
+}

@@ -1,0 +1,2 @@
+/** Of a minified file `tsc` infers too little. */
+export declare const uPlot: any;
