@@ -1,0 +1,1 @@
+"""Whose number is right: cases for programs that infer with fuzzy rules, and runners for them."""
