@@ -219,7 +219,9 @@ def by_structured_text(case: Case) -> Numbers:
         for block in blocks:
             instance = program.instance(block)
             instance.run(**dict(zip(instance.unit.inputs, point["inputs"].values(), strict=False)))
-            row.append(number(next(iter(instance.outputs().values()))))
+            outputs = dict(instance.outputs())
+            fired = outputs.pop("fired", True)  # without a rule the value of before stays
+            row.append(number(next(iter(outputs.values()))) if fired else None)
         results.append(dict(zip(case["outputs"], row, strict=True)))
     return results
 

@@ -296,7 +296,7 @@ def test_a_runner_of_ones_own(tmp_path, capsys):
     (cases / "tsukamoto.json").write_text((suite.CASES / "tsukamoto.json").read_text())
     words = ["--cases", str(cases), "--results", str(tmp_path)]
     assert main([*words, "--runner", f"mine={sys.executable} {script}"]) == 0
-    assert f"mine: 0 pass, 0 differs, 6 cannot, 0 error" in capsys.readouterr().out
+    assert "mine: 0 pass, 0 differs, 6 cannot, 0 error" in capsys.readouterr().out
     assert main([*words, "--runner", "wrong=echo hello"]) == 1
     assert "wrong: not the lines of a runner" in capsys.readouterr().err
     assert main([*words, "--runner", "gone=/nowhere/runner"]) == 1
