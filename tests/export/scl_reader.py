@@ -146,7 +146,7 @@ class Reader:
         text = ""
         for part in parts:
             tight = part in {".", ",", ";", ")", "]", "["} or text[-1:] in {"", ".", "(", "["}
-            minus = text[-2:] in {"(-", "[-"}
+            minus = text[-2:] in {"(-", "[-"} or text.endswith(" BY -")
             text += part if tight or minus else f" {part}"
         return re.sub(r"\[ ", "[", text)
 

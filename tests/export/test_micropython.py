@@ -9,11 +9,20 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from controller_programs import (
+    EVERYTHING,
+    model_drives,
+    ports,
+    recorded,
+    scattered,
+    shipped_text,
+    text_of,
+)
 from micropython_programs import run_micropython
 
 from fuzzyarm import shipped
 from fuzzyarm.cli import main
-from fuzzyarm.export import export_files, routines_of
+from fuzzyarm.export import ControllerProgram, export_controller, export_files, routines_of
 from fuzzyarm.language import load_rulebase, parse
 from fuzzyarm.table import read_table
 
@@ -131,7 +140,7 @@ def test_the_self_test_can_fail(tmp_path):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        ([str(shipped("servo.frb"))], "a controller is not exported to MicroPython"),
+        ([str(shipped("servo.frb")), "--precision", "mixed"], "computes in the floats of its port"),
         ([str(shipped("tipper2.frb"))], "is not exported to MicroPython (--table"),
         ([PD7, "--precision", "float32"], "computes in the floats of its port"),
     ],
@@ -141,3 +150,77 @@ def test_what_micropython_does_not_get_is_said(tmp_path, monkeypatch, capsys, wo
     assert main(["compile", *words, "-o", "made.py"]) == 1
     assert message in capsys.readouterr().err
     assert not Path("made.py").exists()
+
+
+def test_what_matlab_writes_becomes_a_module(tmp_path, monkeypatch):
+    """Its 101 samples are an array with the name of the term, which a variable has, too."""
+    monkeypatch.chdir(tmp_path)
+    assert main(["convert", TIPPER, "tip.fis"]) == 0
+    assert main(["compile", "tip.fis", "-o", "made.py"]) == 0
+    assert runpy.run_path("made.py")["self_test"]() == 0
+
+
+# --- Controllers ---
+
+DRIVEN = """import made, struct
+controller = made.Controller()
+data = open(DATA, "rb").read()
+width = WIDTH
+for k in range(len(data) // (8 * width)):
+    row = struct.unpack_from("<%dd" % width, data, k * 8 * width)
+    drives = controller.step(*row)
+    drives = drives if isinstance(drives, tuple) else (drives,)
+    print("".join("%02x" % b for b in struct.pack("<%dd" % len(drives), *drives)))
+print("test", made.self_test())
+"""
+
+
+def module_of(text, path):
+    program = ControllerProgram(text, "float64")
+    export_controller(program, path).write()
+    return program.steps
+
+
+def drives_here(path, rows):
+    controller = runpy.run_path(str(path))["Controller"]()
+    driven = [controller.step(*row) for row in rows.tolist()]
+    return np.array([d if isinstance(d, tuple) else (d,) for d in driven])
+
+
+@pytest.mark.parametrize("name", ["servo", "soc-zero", "heater"])
+def test_a_controller_drives_the_bits_of_the_model(tmp_path, name):
+    text = shipped_text(name)
+    steps = module_of(text, tmp_path / "made.py")
+    if name == "heater":
+        rows = scattered(steps, 2_000)
+        expected = model_drives(text, steps, rows)
+    else:
+        rows, expected = recorded(text, steps, 2_000)
+    assert len(rows) == 2_000
+    assert np.ptp(expected) > 0.0
+    assert drives_here(tmp_path / "made.py", rows).tobytes() == expected.tobytes()
+    data = np.ascontiguousarray(rows, "<f8").tobytes()
+    script = DRIVEN.replace('open(DATA, "rb").read()', repr(data))
+    script = script.replace("WIDTH", str(len(ports(steps))))
+    *found, last = run_micropython(tmp_path / "made.py", script, tmp_path).split("\n")[:-1]
+    assert last == "test 0"
+    assert found == [row.astype("<f8").tobytes().hex() for row in expected]
+
+
+def test_every_source_and_limit_has_the_bits_of_the_model(tmp_path):
+    text = text_of(EVERYTHING)
+    steps = module_of(text, tmp_path / "made.py")
+    rows = scattered(steps, 400)
+    expected = model_drives(text, steps, rows)
+    assert drives_here(tmp_path / "made.py", rows).tobytes() == expected.tobytes()
+    assert runpy.run_path(str(tmp_path / "made.py"))["self_test"]() == 0
+
+
+def test_tables_in_whole_numbers_stand_in_a_controller(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    words = [str(shipped("heater.frb")), "--table", "--q", "15"]
+    assert main(["compile", *words, "-o", "made.py"]) == 0
+    made = runpy.run_path("made.py")
+    assert made["self_test"]() == 0
+    controller = made["Controller"]()
+    assert isinstance(controller.step(21.0, 15.0), float)

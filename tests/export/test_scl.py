@@ -47,7 +47,8 @@ def test_it_is_the_structured_text_in_another_dialect(tmp_path, monkeypatch, nam
         other = read.units[key]
         assert len(unit.inputs) == len(other.inputs)
         assert unit.outputs == other.outputs
-        assert unit.code.co_consts[0].co_consts == other.code.co_consts[0].co_consts
+        if unit.sort != "FUNCTION":  # a function copies the inputs that it writes to
+            assert unit.code.co_consts[0].co_consts == other.code.co_consts[0].co_consts
 
 
 WORDS = """rulebase words

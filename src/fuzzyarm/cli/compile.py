@@ -101,9 +101,6 @@ def _run(arguments: argparse.Namespace) -> int:
     exports = suffix not in tables
     controller = load_controller(arguments.file) if exports else None
     if controller is not None:
-        if suffix == ".py":
-            hint = "a .h, .st or .fmu is; its rule base alone is a .py"
-            raise WordError("a controller is not exported to MicroPython", hint=hint)
         _export_controller(controller, suffix, arguments)
         return 0
     if suffix == _UNIT:

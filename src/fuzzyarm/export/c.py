@@ -192,7 +192,7 @@ def _definitions(writer: CWriter, routines: Sequence[Routine]) -> tuple[list[Pro
         body = routine.body(writer, prototype.parameters)
         lines = [f"    {line}" if line else "" for line in body]
         functions.append("\n".join([f"{writer.storage}{prototype}", "{", *lines, "}", ""]))
-    return prototypes, "\n".join([*writer.constants, *writer.helpers, *functions])
+    return prototypes, writer.assembled(functions)
 
 
 def _self_test(
@@ -205,7 +205,7 @@ def _self_test(
 def test_function(prototype: str, body: Sequence[str], tested: str) -> list[str]:
     """Return the lines of the function that tests a file."""
     remark = f"/* Returns 0 if the {tested} give what the model gives. */"
-    return [remark, prototype, "{", *body, "    return 0;", "}", ""]
+    return [remark, prototype, "{", "    int failed = 0;", *body, "    return failed;", "}", ""]
 
 
 def _test_lines(
@@ -243,8 +243,8 @@ def _test_lines(
             f"    for (k = 0u; k < {count}u; k++) {{",
             f"        const {wide} difference = {cast}{prototype.name}({given})",
             f"            - {cast}{array}[k][{len(columns) - 1}];",
-            f"        if (!(difference <= {tolerance} && difference >= -{tolerance})) {{",
-            "            return 1;",
+            f"        if (!((difference <= {tolerance}) && (difference >= -{tolerance}))) {{",
+            "            failed = 1;",
             "        }",
             "    }",
         ]

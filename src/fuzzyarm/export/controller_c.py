@@ -35,10 +35,10 @@ from fuzzyarm.export.steps import (
     Steps,
     Teach,
     Variable,
+    limited_value,
 )
 from fuzzyarm.export.table import COUNT_FUNCTION, SMALLER
 from fuzzyarm.export.table_numbers import FixedTable, scaled, shift_of, unscaled
-from fuzzyarm.expression import op
 from fuzzyarm.expression.nodes import Node, postorder, symbol, symbols
 from fuzzyarm.expression.printing import variables as names_set
 from fuzzyarm.text.numbers import number_text
@@ -137,7 +137,7 @@ class CController:
                 "    unsigned until_set_point; /* periods to the next one, this included */"
             )
         inner = {axis: list(self._axis_lines(axis)) for axis in self.axes}
-        lines += self._in_axes(inner)
+        lines += self._in_axes(inner, "state")
         self.language.rename[FIRST], self.language.rename[LAST] = "s->first", "last"
         if not lines:
             lines = ["    char nothing; /* C wants a member */"]
@@ -145,17 +145,18 @@ class CController:
             [f"typedef struct {{ /* {self.prefix}_state */", *lines, f"}} {self.prefix}_state;\n"]
         )
 
-    def _in_axes(self, lines: dict[str, list[str]]) -> list[str]:
+    def _in_axes(self, lines: dict[str, list[str]], what: str) -> list[str]:
         """Return members, in a struct for each axis where there are several."""
-        found: list[str] = []
+        members: list[str] = []
         for axis, own in lines.items():
             path = self.paths[axis]
-            if not own:
-                continue
-            if path:
-                own = ["    struct {", *(f"    {line}" for line in own), f"    }} {path[:-1]};"]  # noqa: PLW2901
-            found += own
-        return found
+            if own and path:
+                tag = self.writer.names.new(f"{self.prefix}_{what}_{path[:-1]}")
+                inner = (f"    {line}" for line in own)
+                members += [f"    struct {tag} {{", *inner, f"    }} {path[:-1]};"]
+            else:
+                members += own
+        return members
 
     def _port_type(self, sort: str) -> Iterator[str]:
         ports = self.steps.of_sort(sort)
@@ -168,7 +169,13 @@ class CController:
             self._know(port.symbol, f"{sort}->{self.paths[port.axis]}{member}", self.outer)
             lines[port.axis].append(f"    {self.outer} {member};")
         name = f"{self.prefix}_{_TYPE_OF[sort]}"
-        yield "\n".join([f"typedef struct {{ /* {name} */", *self._in_axes(lines), f"}} {name};\n"])
+        yield "\n".join(
+            [
+                f"typedef struct {{ /* {name} */",
+                *self._in_axes(lines, _TYPE_OF[sort]),
+                f"}} {name};\n",
+            ]
+        )
 
     def _gain_type(self) -> Iterator[str]:
         gains = self.steps.of_sort("gain")
@@ -263,7 +270,7 @@ class CController:
             array = self.writer.constant(kind, literals, f"{identifier(axis)}_edges")
             count = self.writer.helper("count", COUNT_FUNCTION, **words)
             call = f"{count}({array}, {len(thresholds)}u, {parameter})"
-            index = f"({index}) * {len(thresholds) + 1}u + {call}" if index else call
+            index = f"(({index}) * {len(thresholds) + 1}u) + {call}" if index else call
         listed = ", ".join(f"{self.wide} {parameter}" for parameter in parameters)
         unused = [f"    (void){p};" for (_, t), p in zip(grid, parameters, strict=True) if not t]
         self.functions[name] = self.writer.names.new(f"{self.prefix}_{name}")
@@ -283,7 +290,7 @@ class CController:
         table, wide = self.steps.learned[key], self.wide
         whole = _whole(table)
         values = "table->values[responsible]"
-        held, limited = f"{values} + rate * judged", self.language.expression(_limited())
+        held, limited = f"{values} + (rate * judged)", self.language.expression(limited_value())
         if self.outer != wide:
             held = f"({self.outer})(({wide}){held})"
             limited = f"({self.outer})({limited.replace('value', f'({wide})value')})"
@@ -294,7 +301,7 @@ class CController:
         lines = [
             f"const {whole} responsible = "
             + ("table->ring[table->next];" if table.delay else f"({whole})cell;"),
-            f"if (responsible >= 0 && rate != {zero}) {{"
+            f"if ((responsible >= 0) && (rate != {zero})) {{"
             + (" /* none is, before the first delay is over */" if table.delay else ""),
             f"    const {self.outer} value = {held};",
             f"    {values} = {limited};",
@@ -303,7 +310,8 @@ class CController:
         ]
         if table.delay:
             lines.append(f"table->ring[table->next] = ({whole})cell;")
-            lines.append(f"table->next = (table->next + 1u) % {table.delay}u;")
+            following = f"(table->next + 1u) % {table.delay}u" if table.delay > 1 else "0u"
+            lines.append(f"table->next = {following};")
         head = (
             f"{self._inner()}void {name}({table_type} *table, unsigned cell, {wide} judged,"
             f" {wide} rate, {wide} bound)"
@@ -319,9 +327,9 @@ class CController:
         lines = []
         if self.steps.needs_last:
             lines += [
-                "const int last = s->until_set_point <= 1u;",
+                "const bool last = s->until_set_point <= 1u;",
                 f"s->until_set_point = last ? {self.prefix.upper()}_SET_POINT_EVERY"
-                " : s->until_set_point - 1u;",
+                " : (s->until_set_point - 1u);",
             ]
         uses = self._uses()
         for number, step in enumerate(self.steps.steps):
@@ -460,7 +468,7 @@ class CController:
         lines = [
             f"for (k = 0u; k < {len(table.values)}u; k++) {{",
             f"    {member}.values[k] = {start};",
-            f"    {member}.visits[k] = 0ul;",
+            f"    {member}.visits[k] = 0UL;",
             "}",
         ]
         if table.delay:
@@ -508,7 +516,7 @@ class CController:
                     "}",
                 ]
                 if optional:
-                    body = [f"if ({name} != 0) {{", *(f"    {line}" for line in body), "}"]
+                    body = [f"if ({name} != NULL) {{", *(f"    {line}" for line in body), "}"]
                 lines += body
             first += len(table.values)
         return lines
@@ -521,6 +529,8 @@ class CController:
         for step in self.steps.steps:
             nodes += [step.value] if isinstance(step, Set) else []
         found = {"math.h"} if needs_math_header(list(postorder(*nodes))) else set()
+        found |= {"stddef.h"} if self.steps.learned else set()
+        found |= {"stdbool.h"} if self.steps.needs_last else set()
         for routine in self.steps.routines.values():
             found |= set(routine_headers(routine))
         return [f"#include <{name}>" for name in sorted(found)]
@@ -550,7 +560,7 @@ class CController:
                 body = ["(void)s;", *body]
             lines = [f"    {line}" if line else "" for line in body]
             functions.append("\n".join([f"{self.writer.storage}{prototype}", "{", *lines, "}", ""]))
-        return "\n".join([*self.writer.constants, *self.writer.helpers, *functions])
+        return self.writer.assembled(functions)
 
     def self_test(self, vectors: Vectors) -> list[str]:
         """Return a ``main`` that runs the sequence and returns 0 if the drives come out."""
@@ -595,10 +605,11 @@ class CController:
         lines.append(f"        {self.prefix}_step({called});")
         for number, port in enumerate(self.steps.of_sort("drive")):
             member = self.targets[port.symbol].replace("->", ".", 1)
-            difference = f"{member} - expected[k][{number}]"
+            difference = f"({member} - expected[k][{number}])"
             lines += [
-                f"        if (!({difference} <= {tolerance} && {difference} >= -{tolerance})) {{",
-                "            return 1;",
+                f"        if (!(({difference} <= {tolerance})"
+                f" && ({difference} >= -{tolerance}))) {{",
+                "            failed = 1;",
                 "        }",
             ]
         return [*lines, "    }"]
@@ -729,13 +740,6 @@ def reads(each: Step) -> Iterator[str]:
 def _whole(table: Learned) -> str:
     """Return the type of a cell in a ring, where -1 is none."""
     return "int" if len(table.values) <= 0x7FFF else "long"
-
-
-def _limited() -> Node:
-    """Return a value within ± bound, as the kernel has it."""
-    bound = symbol("bound")
-    limited: Node = op.minimum(op.maximum(symbol("value"), -bound), bound)
-    return limited
 
 
 def _literal(value: float, kind: Kind) -> str:

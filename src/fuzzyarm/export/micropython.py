@@ -30,11 +30,11 @@ from fuzzyarm.expression.operations import Operation
 from fuzzyarm.expression.printing import PYTHON, Assign, Language, Statement
 from fuzzyarm.version import __version__
 
-__all__ = ["python_module"]
+__all__ = ["RESERVED", "PythonModule", "module_text", "python_module", "routine_function"]
 
 _LETTERS = {"float64": "d", "float32": "f", "int8": "b", "int16": "h", "int32": "i"}
 
-_RESERVED = re.compile(
+RESERVED = re.compile(
     "|".join([*keyword.kwlist, "math", "array", "self_test", "min", "max", "abs", "range", "float",
               "int", "print", r"K\d+"])
 )  # fmt: skip
@@ -85,10 +85,10 @@ _WHOLE_BLEND = """def _blend(near, far, share):
 
 
 @dataclass
-class _Module:
+class PythonModule:
     """What the functions of a module share."""
 
-    names: Names = field(default_factory=lambda: Names("python", refused=_RESERVED))
+    names: Names = field(default_factory=lambda: Names("python", refused=RESERVED))
     constants: list[str] = field(default_factory=list)
     helpers: list[str] = field(default_factory=list)
     known: dict[object, str] = field(default_factory=dict)
@@ -111,11 +111,11 @@ class _Module:
         return self.known[key]
 
     def array(self, numbers: Any, kind: Kind, wanted: str) -> str:
-        """Return the name of an array; equal ones are shared."""
+        """Return the name of an array, which no variable has; equal ones are shared."""
         data = np.asarray(numbers).astype(np.dtype(kind).newbyteorder("<")).tobytes()
         key = ("array", kind, data)
         if key not in self.known:
-            name = self.known[key] = self.names.new(wanted)
+            name = self.known[key] = f"_{self.names.new(wanted)}"
             letter = _LETTERS[np.dtype(kind).name]
             parts = [data[i : i + 24] for i in range(0, len(data), 24)]
             lines = "".join(f"\n    {_bytes(part)}" for part in parts)
@@ -197,49 +197,69 @@ def python_module(routines: Sequence[Routine], name: str) -> tuple[str, list[str
     ExportError
         If the defuzzifier of one walks over tables.
     """
-    module = _Module()
+    module = PythonModule()
     functions: list[str] = []
     calls: list[str] = []
     tests: list[str] = []
     for routine in routines:
         own = module.names.new(routine.output.name)
-        inner = Names("python", refused=_RESERVED)
-        parameters = [inner.new(argument.name) for argument in routine.arguments]
-        calls.append(f"{own}({', '.join(parameters)})")
-        if isinstance(routine, TableRoutine):
-            body = _TableInPython(routine, module, parameters, inner).body()
-        else:
-            assert isinstance(routine, DirectRoutine)
-            body = _rules(routine, module, parameters)
-        lines = [f"def {calls[-1]}:", *(f"    {line}" for line in body)]
-        functions.append("\n".join([*lines, ""]))
+        call, text = routine_function(routine, own, module)
+        calls.append(call)
+        functions.append(text)
         tests += _test(routine, own, module)
     words = [line for each, call in zip(routines, calls, strict=True)
              for line in (call, *(f"  {word}" for word in routine_words(each)), "")]  # fmt: skip
     head = [
-        f"# made by fuzzyarm {__version__}; do not edit: make it again from its source",
-        "#",
-        *(f"# {line}".rstrip() for line in words),
-        f"# on a board: import {name}, and {name}.self_test() is 0 where all is well",
+        f"made by fuzzyarm {__version__}; do not edit: make it again from its source",
         "",
-        *(
-            ["import math"]
-            if any("math." in text for text in [*module.helpers, *functions])
-            else []
-        ),
+        *words,
+        f"on a board: import {name}, and {name}.self_test() is 0 where all is well",
+    ]
+    remark = "Returns 0 if the functions give what the model gives."
+    return module_text(head, module, functions, [remark, *tests]), calls
+
+
+def routine_function(routine: Routine, name: str, module: PythonModule) -> tuple[str, str]:
+    """Return how the function of a routine is called, and its text.
+
+    Raises
+    ------
+    ExportError
+        If its defuzzifier walks over tables.
+    """
+    inner = Names("python", refused=RESERVED)
+    parameters = [inner.new(argument.name) for argument in routine.arguments]
+    call = f"{name}({', '.join(parameters)})"
+    if isinstance(routine, TableRoutine):
+        body = TableInPython(routine, module, parameters, inner).body()
+    else:
+        assert isinstance(routine, DirectRoutine)
+        body = _rules(routine, module, parameters)
+    return call, "\n".join([f"def {call}:", *(f"    {line}" for line in body), ""])
+
+
+def module_text(
+    words: Sequence[str], module: PythonModule, parts: Sequence[str], test: Sequence[str]
+) -> str:
+    """Return the text of a module: the words of its head, its parts, its test behind a remark."""
+    remark, *lines = test
+    body = ["def self_test():", f"    # {remark}", *(f"    {line}" for line in lines),
+            "    return 0", ""]  # fmt: skip
+    needs_math = any("math." in text for text in [*module.helpers, *parts])
+    head = [
+        *(f"# {line}".rstrip() for line in words),
+        "",
+        *(["import math"] if needs_math else []),
         "from array import array",
         "",
     ]
-    test = ["def self_test():", "    # Returns 0 if the functions give what the model gives.",
-            *(f"    {line}" for line in tests), "    return 0", ""]  # fmt: skip
-    parts = ["\n".join(head), *module.constants, "", *module.helpers]
-    return "\n".join([*parts, *functions, "\n".join(test)]), calls
+    return "\n".join([*head, *module.constants, "", *module.helpers, *parts, "\n".join(body)])
 
 
 # --- Rules ---
 
 
-def _rules(routine: DirectRoutine, module: _Module, parameters: Sequence[str]) -> list[str]:
+def _rules(routine: DirectRoutine, module: PythonModule, parameters: Sequence[str]) -> list[str]:
     """Return the statements that infer an output."""
     listing, language = routine.listing, module.language()
     lines = []
@@ -265,7 +285,7 @@ def _one(each: Statement, language: Language) -> list[str]:
     return language.lines([each])
 
 
-def _loop(each: Loop, module: _Module, language: Language) -> list[str]:
+def _loop(each: Loop, module: PythonModule, language: Language) -> list[str]:
     sums = each.sums
     for name, column in sums.columns.items():
         array = module.array(column, np.float64, sums.wanted[name])
@@ -278,7 +298,7 @@ def _loop(each: Loop, module: _Module, language: Language) -> list[str]:
     ]
 
 
-def _function(call: Call, module: _Module) -> str:
+def _function(call: Call, module: PythonModule) -> str:
     """Return the text of a function of ``h``."""
     language = module.language()
     *body, last = function_body(call)
@@ -294,14 +314,14 @@ def _function(call: Call, module: _Module) -> str:
 # --- Tables ---
 
 
-class _TableInPython(TableCode):
+class TableInPython(TableCode):
     """The statements of a look-up; numbers are those of the port, or whole."""
 
     language = PYTHON
     types = dict.fromkeys((np.float32, np.float64, np.int8, np.int16, np.int32), "float")
 
     def __init__(
-        self, routine: TableRoutine, module: _Module, parameters: Sequence[str], names: Names
+        self, routine: TableRoutine, module: PythonModule, parameters: Sequence[str], names: Names
     ) -> None:
         super().__init__(routine.core, parameters)
         self.module, self.names = module, names
@@ -320,12 +340,16 @@ class _TableInPython(TableCode):
         return self.module.array(self.core.values, self.kind, wanted)
 
     def _picked(self) -> list[str]:
+        return [f"return {self._values()}[{self.cell()}]"]
+
+    def cell(self) -> str:
+        """Return the text of the number of the cell that the inputs fall into."""
         index, what = "", "bins" if self.core.mode == "bins" else "middles"
         count = self.module.helper(_BISECTION) if self.sides else ""
         for side in self.sides:
             call = f"{count}({self._points(side, what)}, 0, {side.size - 1}, {side.name}, False)"
             index = f"({index}) * {side.size} + {call}" if index else call
-        return [f"return {self._values()}[{index or '0'}]"]
+        return index or "0"
 
     def _interpolated(self) -> list[str]:
         lines: list[str] = []
@@ -371,7 +395,7 @@ class _TableInPython(TableCode):
 # --- The self-test ---
 
 
-def _test(routine: Routine, name: str, module: _Module) -> list[str]:
+def _test(routine: Routine, name: str, module: PythonModule) -> list[str]:
     vectors = routine.vectors()
     count = len(vectors.expected)
     if not count:

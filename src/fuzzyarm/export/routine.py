@@ -26,6 +26,10 @@ WIDTH = 96
 """Longest line of a list of numbers."""
 
 
+_CONSTANT = re.compile(r"static const [^=]*?(\w+)\[")
+"""How the text of a constant begins, with its name."""
+
+
 @dataclass
 class CWriter:
     """Collects the parts of a file; equal constants and helpers are written once."""
@@ -58,6 +62,21 @@ class CWriter:
             )
         return self._known[key]
 
+    def assembled(self, functions: Sequence[str]) -> str:
+        """Return constants, helpers and functions; what one function reads alone stands in it."""
+        texts = [*self.helpers, *functions]
+        shared = []
+        for constant in self.constants:
+            name = _CONSTANT.match(constant)[1]  # type: ignore[index]
+            users = [i for i, text in enumerate(texts) if re.search(rf"\b{name}\b", text)]
+            if len(users) != 1 or texts[users[0]].count("\n{\n") != 1:
+                shared.append(constant)
+                continue
+            head, brace, body = texts[users[0]].partition("\n{\n")
+            inside = "".join(f"    {line}\n" for line in constant.rstrip("\n").split("\n"))
+            texts[users[0]] = f"{head}{brace}{inside}{body}"
+        return "\n".join([*shared, *texts])
+
     def definition(self, wanted: str, template: str, **words: str) -> str:
         """Return the name of a type that `template` defines, where NAME is its name."""
         return self._written("definition", wanted, template, words, "")
@@ -83,7 +102,7 @@ class CWriter:
 
 ONE_OF_TWO = """TYPE NAME(TYPE a, TYPE b)
 {
-    return b SIGN a ? b : a; /* the first of equal ones */
+    return (b SIGN a) ? b : a; /* the first of equal ones */
 }
 """
 """Template of a helper: the smaller (``<``) or the greater (``>``) of two."""

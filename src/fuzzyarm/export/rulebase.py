@@ -73,7 +73,7 @@ class DirectRoutine:
     def headers(self) -> Sequence[str]:
         """Standard headers: ``math.h`` for its functions, for NAN and for INFINITY."""
         if self.program.walks:
-            return ("math.h", "stdint.h")
+            return ("math.h", "stdbool.h", "stdint.h")
         return ("math.h",) if needs_math_header(self.program.nodes) else ()
 
     @property

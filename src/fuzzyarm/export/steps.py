@@ -69,6 +69,13 @@ MOST_LEARNED = 0xFFFF
 FIRST, LAST = "first", "last"
 """Symbols of two conditions: the first period; the last one of a set point."""
 
+
+def limited_value() -> Node:
+    """Return what a cell that learns holds: a value within ± bound, as the kernel has it."""
+    limited: Node = op.minimum(op.maximum(symbol("value"), -symbol("bound")), symbol("bound"))
+    return limited
+
+
 # --- Variables ---
 
 

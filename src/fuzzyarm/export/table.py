@@ -99,9 +99,10 @@ class TableCode:
 
 COUNT_FUNCTION = """INDEX NAME(const IN_FLASH TYPE *POINTS, INDEX count, TYPE x)
 {
-    INDEX low = 0u, high = count;
+    INDEX low = 0u;
+    INDEX high = count;
     while (low < high) {
-        const INDEX middle = low + (high - low) / 2u;
+        const INDEX middle = low + ((high - low) / 2u);
         if (POINTS[middle] COMPARISON x) {
             low = middle + 1u;
         } else {
@@ -125,7 +126,7 @@ _REACHED = {
 
 _CLAMP = """TYPE NAME(TYPE x, TYPE low, TYPE high)
 {
-    return x > low ? (x < high ? x : high) : low; /* low for NaN */
+    return (x > low) ? ((x < high) ? x : high) : low; /* low for NaN */
 }
 """
 
@@ -139,7 +140,7 @@ _BLEND = """TYPE NAME(TYPE near, TYPE far, TYPE share)
 _BLEND_FIXED = """int32_t NAME(int32_t near, int32_t far, int32_t share)
 {
     const int32_t product = (far - near) * share;
-    return near + (product >= 0 ? (product + 16384) / 32768 : -((16384 - product) / 32768));
+    return near + ((product >= 0) ? ((product + 16384) / 32768) : -((16384 - product) / 32768));
 }
 """
 
@@ -155,7 +156,7 @@ class _CTable(TableCode):
         self.language = c_language(self.inner)
         # The type that holds every index, and the suffix of its literals.
         small = core.values.size <= 0xFFFF
-        self.index, self.u = ("unsigned", "u") if small else ("unsigned long", "ul")
+        self.index, self.u = ("unsigned", "u") if small else ("unsigned long", "UL")
 
     def body(self) -> list[str]:
         """Return the statements of the function."""
@@ -181,7 +182,7 @@ class _CTable(TableCode):
             edges = self._constant(side, "bins" if self.core.mode == "bins" else "middles")
             call = f"{count}({edges}, {side.size - 1}{self.u}, {side.name})"
             front = f"({index})" if "+" in index else index
-            index = f"{front} * {side.size}{self.u}\n        + {call}" if index else call
+            index = f"({front} * {side.size}{self.u})\n        + {call}" if index else call
         return [f"return {self._values()}[{index or '0u'}];"]
 
     def _interpolate(self) -> list[str]:
@@ -193,13 +194,13 @@ class _CTable(TableCode):
             part, share, lower = self._neighbour(side, names)
             lines += part
             shares.append(share)
-            terms.append(lower if side.stride == 1 else f"{lower} * {side.stride}{self.u}")
+            terms.append(lower if side.stride == 1 else f"({lower} * {side.stride}{self.u})")
         values = self._values()
         if not shares:
             return [f"return {self._narrow(f'{values}[0]')};"]
         cell = names.new("cell")
         kind = f"{self.writer.in_flash}{self.inner}"
-        lines.append(f"const {kind} *const {cell} = {values} + ({' + '.join(terms)});")
+        lines.append(f"const {kind} *const {cell} = &{values}[{' + '.join(terms)}];")
         helper = self._blend_helper()
 
         def assign(side: int, pair: int, near: str, far: str) -> str:
@@ -227,12 +228,12 @@ class _CTable(TableCode):
             count = self.writer.helper(
                 "level", COUNT_FUNCTION, INDEX=index, TYPE=self.inner, **_REACHED
             )
-            found = f"{count}({levels} + 1, {side.size - 2}{u}, {x})"
+            found = f"{count}(&{levels}[1], {side.size - 2}{u}, {x})"
         t = names.new(f"t_{side.name}")
         lower, upper = f"{levels}[{i}]", f"{levels}[{i} + 1u]"
         share = self.share(x, lower, upper)
         if self.fixed:
-            share = f"((int32_t){x} - {lower}) * 32768\n        / ((int32_t){upper} - {lower})"
+            share = f"(((int32_t){x} - {lower}) * 32768)\n        / ((int32_t){upper} - {lower})"
         return [
             f"const {self.inner} {x} = {clamp}({given}, {points[0]}, {points[-1]});",
             f"const {index} {i} = {found};",

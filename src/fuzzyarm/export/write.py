@@ -14,6 +14,7 @@ from fuzzyarm.export.controllers import ControllerProgram
 from fuzzyarm.export.fmu import controller_fmu, platforms_named
 from fuzzyarm.export.iec61131_10 import iec61131_10_xml
 from fuzzyarm.export.micropython import python_module
+from fuzzyarm.export.micropython_controller import python_controller
 from fuzzyarm.export.names import C_RESERVED, ST_RESERVED, identifier
 from fuzzyarm.export.numbers import ExportError
 from fuzzyarm.export.plc_project import Project, controller_project, routines_project
@@ -32,7 +33,7 @@ EXPORTS = (".h", ".c", ".st", ".xml", ".scl", ".py")
 """Suffixes of exported files: a header on its own, a pair of .c and .h, Structured Text, the same
 as XML, SCL, a module for MicroPython."""
 
-CONTROLLER_EXPORTS = (".h", ".c", ".st", ".xml", ".scl", ".fmu")
+CONTROLLER_EXPORTS = (".h", ".c", ".st", ".xml", ".scl", ".py", ".fmu")
 """Suffixes of an exported controller."""
 
 XML_FORMATS: Mapping[str, Callable[[Project], str]] = MappingProxyType(
@@ -294,6 +295,9 @@ def export_controller(
         project = controller_project(program, prefix)
         content = _project_text(project, suffix, xml)
         return ExportedController(program, ((path, content),), project.blocks)
+    if suffix == ".py":
+        text, calls = python_controller(program, path.stem)
+        return ExportedController(program, ((path, text),), calls)
     if suffix == ".fmu":
         chosen = platforms_named(platforms, fmi) if platforms is not None else ()
         unit = controller_fmu(program, prefix, fmi, chosen)

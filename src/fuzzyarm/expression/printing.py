@@ -244,6 +244,8 @@ class Language(NamedTuple):
         What follows a statement with a remark.
     rename : dict of str to str
         Texts of symbols that are not written by their names.
+    explicit : bool
+        Whether operators that bind unlike each other stand in parentheses, as MISRA asks of C.
     """
 
     name: str
@@ -255,6 +257,7 @@ class Language(NamedTuple):
     choose: tuple[str, str, str]
     remark: str
     rename: dict[str, str]
+    explicit: bool = False
 
     def expression(self, node: Node, binds: int = 0) -> str:
         """Return the text of an expression, in parentheses where it binds less than `binds`."""
@@ -282,8 +285,13 @@ class Language(NamedTuple):
         first = node.arguments[0]
         same = isinstance(first, Apply) and first.operation == node.operation
         chained = operation.arity == 2 and (same or operation.sort != "logic")
-        parts = [self.expression(first, own if chained else inner)]
-        parts += [self.expression(argument, inner) for argument in node.arguments[1:]]
+        least = [own if chained else inner, *(inner for _ in node.arguments[1:])]
+        if self.explicit and operation.arity > 1:
+            pairs = zip(node.arguments, least, strict=True)
+            least = [
+                9 if _binds_unlike(argument, own) else own_least for argument, own_least in pairs
+            ]
+        parts = [self.expression(*pair) for pair in zip(node.arguments, least, strict=True)]
         text = template.format(*parts)
         return f"({text})" if own < binds else text
 
@@ -311,6 +319,14 @@ class Language(NamedTuple):
             if behind:
                 lines.append(behind)
         return lines
+
+
+def _binds_unlike(node: Node, binds: int) -> bool:
+    """Whether a node is an operation of several operands that binds more or less than `binds`."""
+    if not isinstance(node, Apply):
+        return False
+    operation = OPERATIONS[node.operation]
+    return operation.arity > 1 and operation.binds != binds
 
 
 def printed(root: Node, language: Language, *, taken: Iterable[str] = ()) -> tuple[list[str], str]:
@@ -363,6 +379,7 @@ def c_language(real: str = "double") -> Language:
         ("if ({condition}) {{", "} else {", "}"),
         " /* {} */",
         {},
+        explicit=True,
     )
 
 

@@ -187,12 +187,7 @@ def routines_for(
     # A C compiler has a double; Python has one kind of float.
     suffix = Path(path).suffix.lower()
     default = {**_FOR_PLCS, ".py": "float64"}.get(suffix, "mixed")
-    if suffix == ".py" and how.precision not in (None, default):
-        raise FuzzyarmError(
-            f"--precision {how.precision} does not apply: a module for MicroPython computes in the"
-            " floats of its port",
-            hint="leave it out",
-        )
+    _refuse_precision(suffix, how)
     proved = {
         report.table.output: fidelity.proved
         for report in reports
@@ -209,6 +204,16 @@ def routines_for(
         proved=proved,
     )
     return routines, reports
+
+
+def _refuse_precision(suffix: str, how: Making) -> None:
+    """Refuse a precision of a module for MicroPython."""
+    if suffix == ".py" and how.precision not in (None, "float64"):
+        raise FuzzyarmError(
+            f"--precision {how.precision} does not apply: a module for MicroPython computes in the"
+            " floats of its port",
+            hint="leave it out",
+        )
 
 
 def program_of(
@@ -233,7 +238,8 @@ def program_of(
     from fuzzyarm.export import export_controller
 
     suffix = Path(path).suffix.lower()
-    default = {**_FOR_PLCS, ".fmu": "float64"}.get(suffix, "mixed")
+    default = {**_FOR_PLCS, ".fmu": "float64", ".py": "float64"}.get(suffix, "mixed")
+    _refuse_precision(suffix, how)
     program, reports = controller_program(controller, how, default, progress)
     if progress is not None:
         progress("exporting")

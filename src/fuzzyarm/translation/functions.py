@@ -404,6 +404,8 @@ class _Function:
             f"{a} {self.target.comparisons[type(sign)]} {b}"
             for a, sign, b in zip(values[:-1], node.ops, values[1:], strict=True)
         ]
+        if len(parts) > 1:
+            parts = [f"({part})" for part in parts]
         return Value(f"({' && '.join(parts)})", TRUTH)
 
     def choice(self, node: ast.IfExp) -> Value:
