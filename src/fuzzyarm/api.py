@@ -11,7 +11,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, NamedTuple
 
-from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.errors import FuzzyarmError, WordError
 from fuzzyarm.language import Parsed, parse, read_text
 from fuzzyarm.language.check import CHECKS, check, judged
 from fuzzyarm.language.reading import text_to_show
@@ -20,6 +20,7 @@ from fuzzyarm.table import SUFFIXES
 from fuzzyarm.text import above
 from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Severity, render_all
 from fuzzyarm.text.folders import READABLE
+from fuzzyarm.text.names import typed
 from fuzzyarm.text.shown import one_line
 
 if TYPE_CHECKING:
@@ -200,6 +201,68 @@ def load_controller(path: str | os.PathLike[str]) -> ControllerText:
     what = f"a {'rule base' if is_rules else 'lookup table'}, not a controller"
     reader = "load_rulebase" if is_rules else "read_table"
     raise WrongKindError(os.fspath(path), what, f"fuzzyarm.{reader} reads it")
+
+
+# --- What a command is given ---
+
+
+def load_sheet(path: str) -> RuleBase | LookupTable:
+    """Return the rule base or table in a file; of a controller, the rule base beside it.
+
+    Raises
+    ------
+    WordError
+        If it is a controller without one.
+    """
+    model = load(path)
+    if isinstance(model, RuleBase):
+        return model
+    from fuzzyarm.controller.text import sheet_files
+    from fuzzyarm.table import LookupTable
+
+    if isinstance(model, LookupTable):
+        return model
+    if model.model.rulebases:
+        return model.model.rulebases[0]
+    files = " or ".join(typed(str(file)) for file in sheet_files(model))
+    hint = (
+        f"it looks up {files}: give that" if files else f"fuzzyarm simulate {typed(path)} runs it"
+    )
+    raise WordError(f"{path} is a controller, not a rule base or a table", hint=hint)
+
+
+def controller_if_any(path: str) -> ControllerText | None:
+    """Return the controller in a file; None where it has none."""
+    if not path.lower().endswith(".frb"):
+        return None
+    from fuzzyarm.controller.text import ControllerText
+
+    model = load(path)
+    return model if isinstance(model, ControllerText) else None
+
+
+def load_rules(path: str, option: str) -> RuleBase:
+    """Return the rule base in a file that was given for `option`.
+
+    Raises
+    ------
+    WordError
+        If it is a table, or a controller without rules of its own.
+    """
+    model = load_sheet(path)
+    if not isinstance(model, RuleBase):
+        raise WordError(f"{option} takes a rule base, and {path} is a table")
+    return model
+
+
+def load_sampled(path: str) -> LookupTable:
+    """Return the table in a file; a rule base is compiled at the levels of its file."""
+    model = load_sheet(path)
+    if not isinstance(model, RuleBase):
+        return model
+    from fuzzyarm.table import compile_table
+
+    return compile_table(model, source=path)
 
 
 def _name_and_suffix(path: str | os.PathLike[str]) -> tuple[str, str]:

@@ -16,7 +16,7 @@ from fuzzyarm.cli import command, main
 from fuzzyarm.cli.command import announced, busy, progress_bar
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.learning.self_organizing import Trainee
-from fuzzyarm.loop import many
+from fuzzyarm.loop import sweeps
 from fuzzyarm.table import read_table
 
 
@@ -161,7 +161,7 @@ SWEEP = ("sweep", "pd", "--segment", "0.2", "--hold", "0.1", "--sweep", "payload
 
 @pytest.mark.parametrize("error", [KeyboardInterrupt(), FuzzyarmError("the plant has gone")])
 def test_a_sweep_that_ends_reports_the_runs_until_then(error, folder, capsys, monkeypatch):
-    whole = many.stream
+    whole = sweeps.stream
 
     def until(*words, **given):
         for at, part in enumerate(whole(*words, **given)):
@@ -169,7 +169,7 @@ def test_a_sweep_that_ends_reports_the_runs_until_then(error, folder, capsys, mo
                 raise error
             yield part
 
-    monkeypatch.setattr(many, "stream", until)
+    monkeypatch.setattr(sweeps, "stream", until)
     status = main([*SWEEP, "--workers", "1", "-o", "x.csv"])
     said = capsys.readouterr()
     rows = len(Path("x.csv").read_text().splitlines()) - 3

@@ -109,7 +109,7 @@ def test_what_does_not_fit_is_one_sentence(words, said, run):
 
 def test_an_unknown_trajectory_is_wrong_usage(run):
     err = run("simulate hook.frb --plant crane.py --trajectory lit", 2)
-    assert "the crane has no trajectory 'lit' (did you mean 'lift'?)" in err
+    assert "--trajectory must be lift or swing, not 'lit' (did you mean 'lift'?)" in err
 
 
 # --- Compared, swept, tuned ---

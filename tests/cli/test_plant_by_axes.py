@@ -217,4 +217,4 @@ def test_sensors_count_in_comparisons_along_trajectories(run):
 def test_an_unknown_trajectory_is_wrong_usage(run):
     for command in ("simulate pd", "sweep pd --random 1 --sweep K_P=1..2", "learn", "tune stfc"):
         err = run(f"{command} --trajectory reech", 2)
-        assert "the arm has no trajectory 'reech' (did you mean 'reach'?)" in err
+        assert "or reach, not 'reech' (did you mean 'reach'?)" in err

@@ -45,7 +45,7 @@ def test_a_journal_is_gone_on_with(folder, capsys):
     assert resumed["curve"] == straight["curve"]
     assert (folder / "a.frb").read_text() == (folder / "b.frb").read_text()
     assert main([*words, "--evals", "9", "--resume", "--seed", "2"]) == 1
-    assert "not the journal of this search" in capsys.readouterr().err
+    assert "trials belongs to another search: arguments seed differs" in capsys.readouterr().err
 
 
 def test_a_rule_base_is_fitted_to_samples(folder, capsys):
@@ -69,10 +69,10 @@ def test_a_rule_base_is_fitted_to_samples(folder, capsys):
         (["heater", "--tune", "peaks q"], "no rule base has a variable 'q'"),
         (["heater", "--tune", "peak e"], "expected peaks, gain or keep"),
         (["heater", "--resume"], "--resume goes on with the file of --journal"),
-        (["heater", "--scenarios", "0"], "0 scenarios are out of range"),
-        (["heater", "--evals", "0"], "0 evaluations are out of range"),
-        (["heater", "--digits", "9"], "9 digits are out of range"),
-        (["heater", "--workers", "0"], "--workers 0 is out of range"),
+        (["heater", "--scenarios", "0"], "--scenarios must be 1 to 10000, not 0"),
+        (["heater", "--evals", "0"], "--evals must be 1 to 10000000, not 0"),
+        (["heater", "--digits", "9"], "--digits must be 1 to 8, not 9"),
+        (["heater", "--workers", "0"], "--workers must be 1 to 10000, not 0"),
         (["heater", "--vary", "nothing=0..1", "--scenarios", "3"], "has 'nothing'"),
         (["heater", "--data", "set.csv"], "--data is for a rule base alone"),
         (["heater", "-o", "x.png"], "cannot tell the format"),

@@ -11,7 +11,7 @@ from fuzzyarm.controller.on_plant import learned
 from fuzzyarm.controller.text import teaching
 from fuzzyarm.kernels import has_machine_code
 from fuzzyarm.language import RuleBaseError
-from fuzzyarm.learning.self_organizing import train
+from fuzzyarm.learning import train
 from fuzzyarm.loop import simulate
 from fuzzyarm.plant import pick_and_place
 from fuzzyarm.plant.setting import Arithmetic

@@ -197,11 +197,11 @@ def test_what_cannot_learn_is_said(page):
         ("servo-soc.frb", {"plant": "own.py:Plant"}, "runs no plant 'own.py:Plant'"),
         ("servo-soc.frb", {"plant": "room"}, "the room has no reference value"),
         ("servo-soc.frb", {"reference": "position=/etc/x.csv"}, "is not a file of this folder"),
-        ("servo-soc.frb", {"passes": 1e9}, "out of range"),
-        ("servo-soc.frb", {"rate": 11}, "out of range"),
+        ("servo-soc.frb", {"passes": 1e9}, "passes must be 1 to 10000"),
+        ("servo-soc.frb", {"rate": 11}, "rate must be 0 to 10, not 11"),
         ("servo-soc.frb", {"start": "../x.lut"}, "is not a table of this folder"),
         ("servo-soc.frb", {"controller": "ct"}, "is not a shipped controller"),
-        ("servo-soc.frb", {"passes": "[1]"}, "passes: '[1]' is not a number"),
+        ("servo-soc.frb", {"passes": "[1]"}, "passes must be a whole number, not '[1]'"),
         ("servo-soc.frb", {"rate": "<b>"}, "the rate: '<b>' is not a number"),
     ):
         assert words in page.message("learn", file, **asked), (file, asked)
@@ -384,7 +384,7 @@ def test_what_cannot_be_tuned_is_said(page):
         ("heater.frb", {"plant": "x.fmu"}, "runs no plant 'x.fmu'"),
         ("heater.frb", {"reference": "20"}, "--reference takes NAME=VALUE, not '20'"),
         ("heater.frb", {"reference": "temperature=x"}, "'x' is not a signal"),
-        ("heater.frb", {"evals": 1.5}, "out of range"),
+        ("heater.frb", {"evals": 1.5}, "evals must be a whole number, not 1.5"),
         ("heater.frb", {"lines": "peaks"}, "expected the name of a variable"),
     ):
         assert words in page.message("tune", file, **asked), (file, asked)

@@ -267,8 +267,8 @@ def test_what_cannot_be_run_is_said(open_page, folder):
         ({"noise": ["position"]}, "takes NAME=VALUE"),
         ({"plant": "tanks"}, "the tanks has no reference value 'position'"),
         ({"speed": -1}, "not understood"),
-        ({"seed": "-1"}, "seed of -1 is out of range"),
-        ({"seed": "one"}, "seed: 'one' is not a number"),
+        ({"seed": "-1"}, "seed must be at least 0, not -1"),
+        ({"seed": "one"}, "seed must be a whole number, not 'one'"),
     ):
         page.start("run", **{**FAST, **change})
         end = page.hear(lambda news: False)[-1]
@@ -445,10 +445,12 @@ def test_a_pull_in_the_wind_is_no_load():
 def test_signals_of_a_page_are_those_of_simulate():
     from fuzzyarm.designer.grounds import words_of
     from fuzzyarm.designer.requests import RunWork
+    from fuzzyarm.loop.words import motion_of, options_of
+    from fuzzyarm.requests.experiment import ExperimentRequest
 
     asked = RunWork(reference=("position=step:2",), duration="1s", seed=3, plant="x")
-    words = words_of(asked, Path())
-    motion = words.motion(find_controller(str(shipped("servo.frb"))), find_plant("motor"))
+    words = words_of(asked, Path(), ExperimentRequest)
+    motion = motion_of(words, find_controller(str(shipped("servo.frb"))), find_plant("motor"))
     assert motion.references[0][0] == 2.0
-    assert words.options(find_plant("motor")).seed == 3
+    assert options_of(words, find_plant("motor")).seed == 3
     assert Signal("step", (2.0,)).numbers == (2.0,)

@@ -382,7 +382,7 @@ def test_a_surrogate_has_its_fidelity(tmp_path, capsys):
         (["--words", "many"], 1, "--words takes a number"),
         (["--terms", "2"], 1, "1 numbers of terms for 2 inputs"),
         (["--folds", "0"], 1, "number of parts"),
-        (["--rules", "x"], 2, "is not a whole number"),
+        (["--rules", "x"], 2, "must be a whole number, not 'x'"),
     ],
 )
 def test_what_is_wrong_is_one_line(table, tmp_path, capsys, words, status, message):

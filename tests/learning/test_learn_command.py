@@ -75,7 +75,7 @@ def test_learn_draws_what_was_learned_and_how_it_grew(capsys, tmp_path, monkeypa
 
 def test_a_figure_of_a_training_hatches_what_was_never_used():
     from fuzzyarm.controller import controller
-    from fuzzyarm.learning.self_organizing import train
+    from fuzzyarm.learning import train
     from fuzzyarm.plant import pick_and_place
     from fuzzyarm.show.figures.learning import Training, learning_figure
     from tests.show.boxes import faults
@@ -167,7 +167,7 @@ def test_every_shows_the_table_grow(capsys):
 def test_a_rate_out_of_range_is_told_with_the_range(capsys):
     status, _, err = run(capsys, "learn", "--rate", "-1")
     assert status == 1
-    assert "--rate takes 0 to 10, not -1" in err
+    assert "--rate must be 0 to 10, not -1" in err
     status, _, err = run(capsys, "learn", "--set", "learning_rate=-1")
     assert status == 1
     assert "gain learning_rate = -1.0 is out of range" in err

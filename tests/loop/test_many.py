@@ -17,8 +17,9 @@ from fuzzyarm.controller.catalogue import CATALOGUE
 from fuzzyarm.errors import FuzzyarmError, MissingExtraError
 from fuzzyarm.loop import Options, Sensor, Signal, SweepError, simulate, simulate_many
 from fuzzyarm.loop.blocks import TravelError, in_order, packed, unpacked
-from fuzzyarm.loop.many import Bench, experiment_of
+from fuzzyarm.loop.many import Bench
 from fuzzyarm.loop.metrics import METRICS
+from fuzzyarm.loop.simulation import experiment_of
 from fuzzyarm.plant import LOADED, UNLOADED, Arm, find_plant, reach_return
 from fuzzyarm.plant.following import with_load
 from fuzzyarm.plant.plant import with_parameters

@@ -20,6 +20,7 @@ ORDER = (
     "translation",
     "model",
     "language",
+    "requests",
     "formats",
     "shipped_files",
     "inference",
@@ -29,13 +30,13 @@ ORDER = (
     "controller",
     "export",
     "proof",
+    "api",
     "loop",
     "closed_loop",
     "control",
     "learning",
     "sklearn",
     "study",
-    "api",
     "builder",
     "live",
     "tuning",
@@ -231,7 +232,7 @@ def test_the_arm_knows_nothing_of_fuzzy_sets():
 
 def test_the_language_uses_the_standard_library_only():
     for path in MODULES:
-        if package_of(path) in ("errors", "text", "model", "language", "shipped_files"):
+        if package_of(path) in ("errors", "text", "requests", "model", "language", "shipped_files"):
             for module, _ in imported_modules(path):
                 top = module.split(".")[0]
                 assert top == "fuzzyarm" or top in sys.stdlib_module_names, (path, module)

@@ -19,6 +19,7 @@ from fuzzyarm.loop.many import Bench, Experiment
 from fuzzyarm.loop.run import ClosedLoop, plant_motion
 from fuzzyarm.plant import find_plant, reach_return
 from fuzzyarm.proof import prove_all
+from fuzzyarm.requests.journal import JournalError
 from fuzzyarm.tuning import Journal, TuneError, tune
 from fuzzyarm.tuning.cost import (
     Cost,
@@ -114,18 +115,18 @@ def test_a_journal_goes_on_as_if_nothing_had_been(tmp_path):
     whole = heated(evals=14)
     heated(evals=6, journal=Journal(path, question, resume=False))
     with path.open("a") as file:
-        file.write('{"trial": 7, "torn')
-    with pytest.raises(TuneError, match="has trials of this search"):
+        file.write('7,0.1,"torn')
+    with pytest.raises(JournalError, match="has 6 trials of this search"):
         Journal(path, question, resume=False)
-    with pytest.raises(TuneError, match="is not the journal of this search"):
+    with pytest.raises(JournalError, match="belongs to another search: asked was 1, not 2"):
         Journal(path, {"asked": 2}, resume=True)
     resumed = heated(evals=14, journal=Journal(path, question, resume=True))
     assert [t.score.cost for t in resumed.found.trials] == [
         t.score.cost for t in whole.found.trials
     ]
     assert resumed.text == whole.text
-    assert len(path.read_text().splitlines()) == 2 + 14
-    with pytest.raises(TuneError, match="another search"):
+    assert len(path.read_text().splitlines()) == 3 + 14
+    with pytest.raises(JournalError, match="another search"):
         heated(evals=14, seed=5, journal=Journal(path, question, resume=True))
 
 

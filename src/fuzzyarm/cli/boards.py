@@ -7,7 +7,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fuzzyarm.cli.command import WordError, busy, load_controller, load_sheet, print_json, say
+from fuzzyarm.api import controller_if_any, load_sheet
+from fuzzyarm.cli.command import WordError, busy, print_json, say
 from fuzzyarm.show.compiled import report_lines
 
 if TYPE_CHECKING:
@@ -36,7 +37,7 @@ def write_for_board(arguments: argparse.Namespace, place: str, how: Making) -> N
     stem = identifier(how.name or Path(arguments.file).stem)
     demand_own(arguments.out)
     with busy("compiling") as progress:
-        controller = load_controller(arguments.file)
+        controller = controller_if_any(arguments.file)
         if controller is not None:
             from fuzzyarm.proof.compiled import controller_program
 

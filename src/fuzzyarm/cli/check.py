@@ -28,7 +28,6 @@ from fuzzyarm.cli.command import (
     say,
     write_text,
 )
-from fuzzyarm.cli.plants import CONNECT, connections
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language import format_text, read_text
 from fuzzyarm.language.reading import decoded
@@ -120,9 +119,11 @@ def _plant_of(arguments: argparse.Namespace) -> PlantOf | None:
         if arguments.connect:
             raise WordError("--connect joins the ports of a plant", hint="add, say, --plant motor")
         return None
+    from fuzzyarm.loop.words import read_pairs
     from fuzzyarm.plant.own import find_plant
 
-    return PlantOf(find_plant(arguments.plant), connections(arguments))
+    connect = read_pairs(arguments.connect, "--connect", str)
+    return PlantOf(find_plant(arguments.plant), connect)
 
 
 def _review_stdin(on: PlantOf | None) -> Review:
@@ -212,7 +213,12 @@ COMMANDS = (
         _check,
         argument("files FILE", ".frb, .lut, .fll, .fcl or .fis, a folder or -", nargs="+"),
         argument("--plant PLANT", "check controllers on it: motor, FILE.py or FILE.py:CLASS …"),
-        CONNECT,
+        argument(
+            "--connect NAME=PORT",
+            "join a name of the controller to a port of the plant",
+            action="append",
+            default=[],
+        ),
         flag("--strict", "let warnings fail too"),
         flag("--quiet -q", "print findings only"),
         flag("--verbose -v", "also say what of a rule base the kernel does not cover"),

@@ -17,18 +17,17 @@ from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn, TextIO
 from fuzzyarm import errors
 from fuzzyarm.text.diagnostic import Diagnostic, render_all, split_lines
 from fuzzyarm.text.jsonable import jsonable
-from fuzzyarm.text.names import near_hint, printable, typed
+from fuzzyarm.text.names import near_hint, printable
 
 if TYPE_CHECKING:
     from rich.progress import Progress
 
-    from fuzzyarm.controller.text import ControllerText
-    from fuzzyarm.model.rulebase import RuleBase
-    from fuzzyarm.table import LookupTable
-
 
 EXIT_USAGE = 2
 """Exit status where the words of a command are wrong."""
+
+DIVERGED = 3
+"""Exit status where a run diverged: the figures are those until then."""
 
 EXIT_INTERRUPTED = 130
 """Exit status after Ctrl-C, whatever was kept."""
@@ -100,8 +99,7 @@ class _Parser(argparse.ArgumentParser):
         head, _, words = message.partition("unrecognized arguments: ")
         if words and not head:
             message = self._unknown(words.split())
-        message = re.sub(r"invalid int value: ('.*')", r"\1 is not a whole number", message)
-        message = re.sub(r"invalid float value: ('.*')", r"\1 is not a number", message)
+        message = _in_own_words(message)
         more = f"`{self.prog} --help` names all arguments and options"
         self.exit(EXIT_USAGE, f"{self.prog}: error: {message}\n{more}\n")
 
@@ -115,6 +113,35 @@ class _Parser(argparse.ArgumentParser):
         name = option.partition("=")[0]
         near = len(name) > 2 and nearest(name, self._option_string_actions)
         return f"no option {name}" + (f" (did you mean {near}?)" if near else "")
+
+
+_OWN_WORDS = (
+    (r"invalid int value: ('.*')", r"must be a whole number, not \1"),
+    (r"invalid float value: ('.*')", r"must be a number, not \1"),
+)
+"""What argparse says of a value, and what a request says of one (`fuzzyarm.requests.fields`)."""
+
+
+def _in_own_words(message: str) -> str:
+    """Return what argparse says of an argument as a request says it of a field."""
+    said = re.match(r"(?s)argument (\S+): (.*)", message)
+    if said is None:
+        return message
+    name, why = said[1].rpartition("/")[2], said[2]
+    if why.startswith(name):  # a request has said it
+        return why
+    for pattern, words in _OWN_WORDS:
+        if re.fullmatch(pattern, why, re.DOTALL):
+            return f"{name} {re.sub(pattern, words, why, flags=re.DOTALL)}"
+    if choice := re.fullmatch(r"invalid choice: (.*) \(choose from (.*)\)", why, re.DOTALL):
+        from fuzzyarm.requests.fields import unknown_choice
+
+        choices = [word.strip(_QUOTES) for word in choice[2].split(", ")]
+        return str(unknown_choice(name, choice[1].strip(_QUOTES), choices))
+    return message
+
+
+_QUOTES = "'\""
 
 
 def command(
@@ -276,61 +303,6 @@ def require_suffix(path: str, known: Iterable[str]) -> str:
     if suffix not in known:
         raise WordError(f"cannot tell the format of '{name}'", hint=f"known: {', '.join(known)}")
     return suffix
-
-
-def load_sheet(path: str) -> RuleBase | LookupTable:
-    """Return the rule base or table in a file; of a controller, the rule base beside it."""
-    from fuzzyarm.api import load
-    from fuzzyarm.model.rulebase import RuleBase
-
-    model = load(path)
-    if isinstance(model, RuleBase):
-        return model
-    from fuzzyarm.controller.text import sheet_files
-    from fuzzyarm.table import LookupTable
-
-    if isinstance(model, LookupTable):
-        return model
-    if model.model.rulebases:
-        return model.model.rulebases[0]
-    files = " or ".join(typed(str(file)) for file in sheet_files(model))
-    hint = (
-        f"it looks up {files}: give that" if files else f"fuzzyarm simulate {typed(path)} runs it"
-    )
-    raise WordError(f"{path} is a controller, not a rule base or a table", hint=hint)
-
-
-def load_controller(path: str) -> ControllerText | None:
-    """Return the controller in a file; None where it has none."""
-    if not path.lower().endswith(".frb"):
-        return None
-    from fuzzyarm.api import load
-    from fuzzyarm.controller.text import ControllerText
-
-    model = load(path)
-    return model if isinstance(model, ControllerText) else None
-
-
-def load_rulebase(path: str, option: str) -> RuleBase:
-    """Return the rule base in a file that was given for `option`."""
-    from fuzzyarm.model.rulebase import RuleBase
-
-    model = load_sheet(path)
-    if not isinstance(model, RuleBase):
-        raise WordError(f"{option} takes a rule base, and {path} is a table")
-    return model
-
-
-def load_table(path: str) -> LookupTable:
-    """Return the table in a file; a rule base is compiled at the levels of its file."""
-    from fuzzyarm.model.rulebase import RuleBase
-
-    model = load_sheet(path)
-    if isinstance(model, RuleBase):
-        from fuzzyarm.table import compile_table
-
-        return compile_table(model, source=path)
-    return model
 
 
 class Saved(NamedTuple):

@@ -2,35 +2,17 @@
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from itertools import zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fuzzyarm.cli.command import (
-    JSON,
-    WordError,
-    argument,
-    command,
-    flag,
-    print_error,
-    print_json,
-    progress_bar,
-)
-from fuzzyarm.cli.experiment import CONVENTIONS, DIVERGED, conventions_of
-from fuzzyarm.cli.plants import (
-    MOTORS,
-    PLANT,
-    connections,
-    equipped_by,
-    follows,
-    motion_of,
-    option_given,
-    plant_of,
-)
+from fuzzyarm.cli.arguments import request_command
+from fuzzyarm.cli.command import DIVERGED, WordError, print_error, print_json, progress_bar
 from fuzzyarm.cli.simulate import run_as_json
+from fuzzyarm.requests.fields import Request, option
+from fuzzyarm.requests.runs import CompareRequest
 from fuzzyarm.text.columns import in_columns
 
 if TYPE_CHECKING:
@@ -38,6 +20,21 @@ if TYPE_CHECKING:
     from fuzzyarm.loop import Run
     from fuzzyarm.plant import Conventions, Plant, Trajectory
     from fuzzyarm.study.comparison import Compared, Cost
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Output(Request):
+    """What a command shows and draws of a comparison."""
+
+    plot: str | None = option("--plot FIG", "draw error against cost", None)
+    markdown: bool = option("--markdown", "print a table for a page", False)
+    json: bool = option("--json", "print the result as JSON", False)
+
+
+@dataclass(frozen=True, kw_only=True)
+class CompareWords(CompareRequest, _Output):
+    """All that ``fuzzyarm compare`` takes."""
+
 
 _COMPARE = """Compare controllers under the same conditions: errors, chatter, cost.
 
@@ -76,57 +73,56 @@ Examples
 """
 
 
-def _compare(arguments: argparse.Namespace) -> int:
+def _compare(asked: CompareWords) -> int:
     from fuzzyarm.controller.own import find_controllers
+    from fuzzyarm.loop.experiments import follows, with_plant
     from fuzzyarm.study.comparison import compared_names
     from fuzzyarm.study.figures import figure_format
 
-    if arguments.plot:
-        figure_format(arguments.plot)  # a mistake in the name is told before the runs
-    names = arguments.controllers or compared_names()
+    if asked.plot:
+        figure_format(asked.plot)  # a mistake in the name is told before the runs
+    names = asked.controllers or compared_names()
     controllers = find_controllers(names)
-    plant = plant_of(arguments, controllers)
-    along = follows(arguments, plant, payload=True)
-    _require_counted(arguments, plant, along=along)
+    asked, plant = with_plant(asked, controllers)
+    along = follows(asked, plant)
+    _require_counted(asked, plant, along=along)
     if not along:
-        return _compare_references(arguments, controllers, plant)
-    return _compare_trajectories(arguments, names, controllers, plant)
+        return _compare_references(asked, controllers, plant)
+    return _compare_trajectories(asked, names, controllers, plant)
 
 
-def _require_counted(arguments: argparse.Namespace, plant: Plant, *, along: bool) -> None:
+def _require_counted(asked: CompareWords, plant: Plant, *, along: bool) -> None:
     """Raise WordError for an option that is not for this kind of comparison."""
     from fuzzyarm.study.comparison import is_counted
 
-    option = option_given(arguments, (name for name in _COUNTS if getattr(arguments, name)))
+    option = asked.given(("cost", "operations"))
     if option and not (along and is_counted(plant)):
         shown = ", ".join(SHOWN[:3])
-        message = f"{option} counts along the trajectories of the study's arm"
+        message = f"{option.spelling} counts along the trajectories of the study's arm"
         raise WordError(f"{message}; {plant.name} is compared by errors and chatter: {shown}, …")
-    if arguments.errors and not along:
+    if asked.errors and not along:
         message = "--errors chooses among those along trajectories"
         raise WordError(f"{message}; along --reference there are {', '.join(SHOWN)}")
-
-
-_COUNTS = ("cost", "operations")
-"""Options that ask what a step costs."""
 
 
 # --- Along trajectories ---
 
 
 def _compare_trajectories(
-    arguments: argparse.Namespace,
+    asked: CompareWords,
     names: Sequence[str],
     controllers: Sequence[Controller],
     plant: Plant,
 ) -> int:
+    from fuzzyarm.loop.experiments import with_drives
+    from fuzzyarm.loop.words import connections, conventions_of
     from fuzzyarm.plant.following import carries
-    from fuzzyarm.study.comparison import compare, cost_of, is_counted
+    from fuzzyarm.study.comparison import compare, compared_along, cost_of, is_counted
 
-    trajectories, conventions = _trajectories(arguments, plant), conventions_of(arguments)
-    _, options = equipped_by(arguments, plant)
-    timed = bool(arguments.cost or (arguments.plot and is_counted(plant)))
-    counted = names if timed or arguments.operations else ()
+    trajectories, conventions = compared_along(asked, plant), conventions_of(asked)
+    _, options = with_drives(asked, plant)
+    timed = bool(asked.cost or (asked.plot and is_counted(plant)))
+    counted = names if timed or asked.operations else ()
     comparisons: list[Compared] = []
     costs: list[Cost] = []
     with progress_bar("controllers", len(names) + len(counted)) as bar:
@@ -136,29 +132,29 @@ def _compare_trajectories(
             plant=plant,
             trajectories=trajectories,
             conventions=conventions,
-            payload=arguments.payload,
-            connect=connections(arguments),
+            payload=bool(asked.payload),
+            connect=connections(asked),
         ):
             comparisons.append(comparison)
             bar(1)
         for name in counted:
             costs.append(cost_of(name, conventions=conventions, timed=timed))
             bar(1)
-    if arguments.plot and costs:
+    if asked.plot and costs:
         from fuzzyarm.study.figures import draw_cost, save_figure
 
-        save_figure(draw_cost(comparisons, costs), arguments.plot)
-    elif arguments.plot:
-        _plot_runs(_runs_along(arguments, controllers, plant, trajectories[0]), arguments.plot)
+        save_figure(draw_cost(comparisons, costs), asked.plot)
+    elif asked.plot:
+        _plot_runs(_runs_along(asked, controllers, plant, trajectories[0]), asked.plot)
     _print_notes(comparisons)
-    senses = [arguments.errors] if arguments.errors else list(_SENSES)
-    if arguments.json:
+    senses = [asked.errors] if asked.errors else list(_SENSES)
+    if asked.json:
         print_json([_compared_json(*pair) for pair in zip_longest(comparisons, costs)], 1)
-    elif arguments.markdown:
+    elif asked.markdown:
         print("\n".join(_compared_markdown(comparisons, costs, senses)))
     else:
         ways = " and ".join(trajectory.name for trajectory in trajectories)
-        load = _load(conventions, payload=arguments.payload) if carries(plant) else ""
+        load = _load(conventions, payload=bool(asked.payload)) if carries(plant) else ""
         print(f"{ways}{load}, {_counting(conventions)}")
         print("\n".join(_compared_lines(comparisons, costs, senses)))
     return 0
@@ -182,32 +178,22 @@ def _counting(conventions: Conventions) -> str:
     return f"{conventions.name} conventions, {numbers}"
 
 
-def _trajectories(arguments: argparse.Namespace, plant: Plant) -> Sequence[Trajectory]:
-    """Return those that a plant has controllers compared along, with other angles and times."""
-    from fuzzyarm.plant.following import compared_trajectories
-
-    given: dict[str, Any] = {}
-    if arguments.angles is not None:
-        given["angles"] = tuple(arguments.angles)
-    if arguments.segment is not None:
-        given["segment"] = arguments.segment
-    return compared_trajectories(plant, **given)
-
-
 def _runs_along(
-    arguments: argparse.Namespace,
+    asked: CompareWords,
     controllers: Sequence[Controller],
     plant: Plant,
     trajectory: Trajectory,
 ) -> list[Run]:
     """Run controllers along one trajectory, for a figure of the runs."""
     from fuzzyarm.loop.along import trajectory_motion
+    from fuzzyarm.loop.experiments import with_drives
     from fuzzyarm.loop.run import run_along
+    from fuzzyarm.loop.words import connections, conventions_of
     from fuzzyarm.plant.following import carries
 
-    connect, conventions = connections(arguments), conventions_of(arguments)
-    plant, options = equipped_by(arguments, plant)
-    payload = arguments.payload and carries(plant)
+    connect, conventions = connections(asked), conventions_of(asked)
+    plant, options = with_drives(asked, plant)
+    payload = bool(asked.payload) and carries(plant)
     runs = []
     for controller in controllers:
         motion = trajectory_motion(
@@ -334,25 +320,27 @@ SHOWN = ("rms", "max", "overshoot", "settling", "effort", "chatter")
 
 
 def _compare_references(
-    arguments: argparse.Namespace, controllers: Sequence[Controller], plant: Plant
+    asked: CompareWords, controllers: Sequence[Controller], plant: Plant
 ) -> int:
     """Run controllers along the same references, and print what came of them."""
+    from fuzzyarm.loop.experiments import with_drives
     from fuzzyarm.loop.run import run_along
+    from fuzzyarm.loop.words import connections, conventions_of, motion_of
 
-    plant, options = equipped_by(arguments, plant)
-    connect, conventions = connections(arguments), conventions_of(arguments)
+    plant, options = with_drives(asked, plant)
+    connect, conventions = connections(asked), conventions_of(asked)
     runs: list[Run] = []
     with progress_bar("controllers", len(controllers)) as bar:
         for controller in controllers:
-            motion = motion_of(arguments, controller, plant)
+            motion = motion_of(asked, controller, plant)
             runs.append(run_along(controller, motion, conventions, options, connect))
             bar(1)
     _print_notes(runs)
-    if arguments.plot:
-        _plot_runs(runs, arguments.plot)
-    if arguments.json:
+    if asked.plot:
+        _plot_runs(runs, asked.plot)
+    if asked.json:
         print_json([run_as_json(run) for run in runs], 1)
-    elif arguments.markdown:
+    elif asked.markdown:
         print("\n".join(_markdown(runs)))
     else:
         print("\n".join(_lines(runs)))
@@ -394,25 +382,4 @@ def _markdown(runs: Sequence[Run]) -> Iterator[str]:
         yield f"| {' | '.join(row)} |"
 
 
-COMMANDS = (
-    command(
-        "compare",
-        _COMPARE,
-        _compare,
-        argument("controllers CONTROLLER", "name, sum or file", nargs="*"),
-        argument("--angles A1 A2", "where to turn to on both trajectories, degrees", type=float),
-        argument("--segment SECONDS", "duration of each move", type=float),
-        *PLANT,
-        argument(
-            "--payload", "carry the load", action=argparse.BooleanOptionalAction, default=True
-        ),
-        *CONVENTIONS,
-        *MOTORS,
-        argument("--errors", "in one of the three senses", choices=list(_SENSES)),
-        flag("--cost", "count operations and measure time"),
-        flag("--operations", "count operations"),
-        argument("--plot FIG", "draw error against cost"),
-        flag("--markdown", "print a table for a page"),
-        JSON,
-    ),
-)
+COMMANDS = (request_command("compare", _COMPARE, _compare, CompareWords),)

@@ -41,6 +41,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from fuzzyarm.api import controller_if_any, load_sheet
 from fuzzyarm.cli.command import (
     WordError,
     argument,
@@ -49,8 +50,6 @@ from fuzzyarm.cli.command import (
     flag,
     group,
     json_of,
-    load_controller,
-    load_sheet,
     out,
     print_json,
     read_number,
@@ -99,7 +98,7 @@ def _run(arguments: argparse.Namespace) -> int:
         _write_module(arguments)
         return 0
     exports = suffix not in tables
-    controller = load_controller(arguments.file) if exports else None
+    controller = controller_if_any(arguments.file) if exports else None
     if controller is not None:
         _export_controller(controller, suffix, arguments)
         return 0

@@ -14,6 +14,7 @@ import argparse
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+from fuzzyarm.api import load_sheet
 from fuzzyarm.cli.command import (
     MODE,
     MODEL,
@@ -22,7 +23,6 @@ from fuzzyarm.cli.command import (
     command,
     flag,
     json_of,
-    load_sheet,
     print_json,
     read_assignments,
     read_point,

@@ -27,6 +27,7 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from fuzzyarm.api import load_sheet
 from fuzzyarm.cli.command import (
     EXIT_INTERRUPTED,
     WordError,
@@ -39,7 +40,6 @@ from fuzzyarm.cli.command import (
     flag,
     group,
     json_of,
-    load_sheet,
     out,
     print_error,
     print_json,
@@ -47,7 +47,6 @@ from fuzzyarm.cli.command import (
     saved,
     say,
 )
-from fuzzyarm.cli.plants import time_of
 from fuzzyarm.text.columns import in_columns
 from fuzzyarm.text.folders import READABLE
 
@@ -98,6 +97,7 @@ def _run(arguments: argparse.Namespace) -> int:
 
 def _options(arguments: argparse.Namespace) -> Options:
     from fuzzyarm.learning.fit import Options
+    from fuzzyarm.loop.reference import read_time
 
     words = _words(arguments.words) if arguments.words else Options.words
     name = arguments.name or Path(arguments.out).stem
@@ -118,7 +118,7 @@ def _options(arguments: argparse.Namespace) -> Options:
         outside=arguments.outside or ("clamp" if _is_model(arguments.data) else "extend"),
         seed=arguments.seed,
         nested={"yes": True, "no": False, "auto": None}[arguments.nested],
-        seconds=time_of(arguments.time, "--time") if arguments.time else math.inf,
+        seconds=read_time(arguments.time, "--time") if arguments.time else math.inf,
         name=name,
     )
 

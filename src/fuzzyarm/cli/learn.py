@@ -21,84 +21,84 @@ Examples
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Iterator
-from datetime import UTC, datetime
-from pathlib import Path
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from fuzzyarm.cli.arguments import request_command
 from fuzzyarm.cli.command import (
+    DIVERGED,
     EXIT_INTERRUPTED,
-    JSON,
-    SET,
     WordError,
-    argument,
     attempted,
-    command,
     demand_places,
-    flag,
-    group,
-    out,
     print_error,
     print_json,
     progress_bar,
     require_suffix,
     saved,
 )
-from fuzzyarm.cli.experiment import (
-    CONVENTIONS,
-    DIVERGED,
-    TRAJECTORY,
-    conventions_of,
-    overrides,
-    read_control_table,
-    read_performance,
-    set_points,
-)
-from fuzzyarm.cli.plants import (
-    PLANT,
-    connections,
-    equipped_by,
-    follows,
-    plant_of,
-    split_settings,
-)
 from fuzzyarm.errors import FuzzyarmError, sentence_of
-from fuzzyarm.language.controller_meaning import MAX_DELAY
+from fuzzyarm.requests.fields import Limits, Request, option
+from fuzzyarm.requests.learn import OUTPUT, LearnRequest
 
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from fuzzyarm.controller import Sources
     from fuzzyarm.controller.on_plant import Learned
     from fuzzyarm.learning.self_organizing import Snapshot
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Output(Request):
+    """What a command shows, draws and writes of a training."""
+
+    out: str | None = option("-o --out FILE", ".lut, .csv, .json or .npz", None, group=OUTPUT)
+    date: bool = option("--date", "write the date into the file", False, group=OUTPUT)
+    every: int | None = option(
+        "--every N", "show the tables after every N set points", None, Limits(1), group=OUTPUT
+    )
+    plot: str | None = option(
+        "--plot FIG", "draw tables, visits and the error of each pass", None, group=OUTPUT
+    )
+    animate: str | None = option(
+        "--animate FILE", "write the tables while they grow: .gif, .html or .mp4", None,
+        group=OUTPUT,
+    )  # fmt: skip
+    json: bool = option("--json", "print the result as JSON", False, group=OUTPUT)
+
+
+@dataclass(frozen=True, kw_only=True)
+class LearnWords(LearnRequest, _Output):
+    """All that ``fuzzyarm learn`` takes."""
+
 
 LOOKS = 20
 """In how many parts a pass is run."""
 
 
-def _run(arguments: argparse.Namespace) -> int:
-    _check(arguments)
-    training = _Training(arguments)
+def _run(asked: LearnWords) -> int:
+    _check(asked)
+    training = _Watched(asked)
     training.run()
     start, last = training.trainee.start, training.last
     faults = list(training.faults)
-    if arguments.out:
-        written = saved(arguments.out, lambda path: training.write(last, path))
-        arguments.out = written.path
-        faults += [written.fault] if written.fault else []
-    if arguments.json:
+    out = asked.out
+    if out:
+        out, fault = saved(out, lambda path: training.write(last, path))
+        faults += [fault] if fault else []
+    if asked.json:
         report = {
             "passes": [training.data(snapshot) for snapshot in training.finished],
             "levels": {axis.name: list(axis.levels) for axis in start.axes},
             "tables": last.learned.values.tolist(),
             "visits": last.learned.visits.tolist(),
-            "file": arguments.out,
+            "file": out,
         }
         shown = [training.data(snapshot) for snapshot in training.shown]
-        print_json({**report, "snapshots": shown} if arguments.every else report, 1)
+        print_json({**report, "snapshots": shown} if asked.every else report, 1)
     else:
-        training.print(last)
+        training.print(last, out)
     faults += attempted(training.draw)
     for fault in faults:
         print_error(fault)
@@ -111,99 +111,56 @@ def _run(arguments: argparse.Namespace) -> int:
     return 0 if last.diverged is None else DIVERGED
 
 
-def _check(arguments: argparse.Namespace) -> None:
-    from fuzzyarm.controller.on_plant import LARGEST_RATE
-    from fuzzyarm.learning.self_organizing import MOST_PASSES
-
-    if not 1 <= arguments.passes <= MOST_PASSES:
-        raise WordError(f"--passes takes 1 to {MOST_PASSES}, not {arguments.passes}")
-    if arguments.rate is not None and not 0.0 <= arguments.rate <= LARGEST_RATE:
-        raise WordError(f"--rate takes 0 to {LARGEST_RATE:g}, not {arguments.rate:g}")
-    if arguments.delay is not None and not 0 <= arguments.delay <= MAX_DELAY:
-        raise WordError(f"--delay takes 0 to {MAX_DELAY} periods, not {arguments.delay}")
-    if arguments.every is not None and arguments.every < 1:
-        raise WordError(f"--every takes at least 1 set point, not {arguments.every}")
-    if arguments.freeze and arguments.out:
+def _check(asked: LearnWords) -> None:
+    """Tell mistakes before anything is loaded."""
+    if asked.freeze and asked.out:
         raise WordError("--freeze learns nothing, so there is nothing to write with -o")
-    if arguments.joint and not arguments.out:
+    if asked.joint and not asked.out:
         raise WordError("--joint says which table to write, so it needs -o FILE")
-    _check_files(arguments)
-
-
-def _check_files(arguments: argparse.Namespace) -> None:
-    """Tell a mistake in the name of a file before the training."""
-    if arguments.out:
+    if asked.out:
         from fuzzyarm.table import SUFFIXES
 
-        require_suffix(arguments.out, SUFFIXES)
-    if arguments.plot:
+        require_suffix(asked.out, SUFFIXES)
+    if asked.plot:
         from fuzzyarm.show.figures.style import require_figure_suffix
 
-        require_figure_suffix(arguments.plot)
-    if arguments.animate:
+        require_figure_suffix(asked.plot)
+    if asked.animate:
         from fuzzyarm.show.figures.animation import require_animation
 
-        require_animation(arguments.animate)
-    demand_places(arguments.out, arguments.plot, arguments.animate)
+        require_animation(asked.animate)
+    demand_places(asked.out, asked.plot, asked.animate)
 
 
-def _sources(arguments: argparse.Namespace) -> Sources:
-    from fuzzyarm.controller import Sources
+class _Watched:
+    """A training that is asked for, and what is printed and written of it."""
 
-    table = None
-    if arguments.start not in (["zero"], ["table"]):
-        table = read_control_table(arguments.start, "--start")
-    judge = arguments.performance
-    return Sources(table=table, performance=read_performance(judge) if judge else None)
+    def __init__(self, asked: LearnWords) -> None:
+        from fuzzyarm.learning.training import Training
 
-
-class _Training:
-    """A training as the arguments ask for it, and what is printed and written of it."""
-
-    def __init__(self, arguments: argparse.Namespace) -> None:
-        from fuzzyarm.controller.catalogue import CATALOGUE, Choice, TextEntry, text_controller
-        from fuzzyarm.controller.text import teaching
-        from fuzzyarm.learning.self_organizing import Trainee
-        from fuzzyarm.plant.plant import with_parameters
-
-        self.arguments = arguments
-        self.name = arguments.controller or (
-            "soc-table" if arguments.start == ["table"] else "soc-zero"
-        )
-        entry = CATALOGUE.get(self.name)
-        path = entry.file() if isinstance(entry, TextEntry) else self.name
-        change = teaching(0.0 if arguments.freeze else arguments.rate, arguments.delay)
-        controller = text_controller(path, Choice(sources=_sources(arguments)), change=change)
-        plant = plant_of(arguments, [controller])
-        gains, parameters = split_settings(overrides(arguments.set), controller, plant)
-        plant = with_parameters(plant, parameters) if parameters else plant
-        self.along = follows(arguments, plant)
-        plant, self.options = equipped_by(arguments, plant)
-        connect = connections(arguments)
-        self.trainee = Trainee(controller.with_gains(gains), plant, connect, self.name)
-        self.count = len(self.trainee.axes)
+        self.asked = asked
+        self.training = Training.of(asked)
+        self.name, self.trainee = self.training.name, self.training.trainee
         self.finished: list[Snapshot] = []
         self.film: list[Snapshot] = []
         self.shown: list[Snapshot] = []
         self.faults: list[str] = []
         self.interrupted = False
         self._latest: Snapshot | None = None
-        if arguments.joint is not None and not 1 <= arguments.joint <= self.count:
-            raise WordError(f"--joint takes 1 to {self.count}, not {arguments.joint}")
 
     def run(self) -> None:
         """Train. Ctrl-C, or a plant that fails, ends it: what was learned until then stays."""
-        arguments = self.arguments
+        asked = self.asked
         try:
             for snapshot in self._snapshots():
                 self._latest = snapshot
                 if snapshot.complete:
                     self.finished.append(snapshot)
-                if arguments.animate:
+                if asked.animate:
                     self.film.append(snapshot)
-                if arguments.every:
+                if asked.every:
                     self.shown.append(snapshot)
-                    if not arguments.json:
+                    if not asked.json:
                         self.show(snapshot)
         except KeyboardInterrupt:
             if self._latest is None:
@@ -224,19 +181,15 @@ class _Training:
         """Train, with a progress bar where a terminal shows it."""
         from fuzzyarm.loop.course import delay_notes
 
-        arguments, options = self.arguments, self.options
-        conventions, trainee = conventions_of(arguments), self.trainee
-        motion = set_points(arguments, trainee.controller, trainee.plant, conventions)
-        for note in delay_notes(options, motion.period):
+        asked, motion = self.asked, self.training.motion
+        for note in delay_notes(self.training.options, motion.period):
             print_error(f"note: {note}")
         points = len(motion.time)
         done = 0
         # A bar and grids on one screen would be in each other's way.
-        shown = not arguments.every or arguments.json
-        with progress_bar("learning", points * arguments.passes, shown=shown) as advance:
-            for snapshot in self.trainee.snapshots(
-                motion, arguments.passes, self._every(points), conventions, options
-            ):
+        shown = not asked.every or asked.json
+        with progress_bar("learning", points * asked.passes, shown=shown) as advance:
+            for snapshot in self.training.snapshots(self._every(points)):
                 advance(snapshot.points - done)
                 done = snapshot.points
                 yield snapshot
@@ -246,32 +199,32 @@ class _Training:
 
         For a film often enough, and else so that Ctrl-C is heard and it is seen how far it is.
         """
-        arguments = self.arguments
-        if arguments.every:
-            return int(arguments.every)
-        if not arguments.animate:
+        asked = self.asked
+        if asked.every:
+            return asked.every
+        if not asked.animate:
             return max(1, -(-points // LOOKS))
         from fuzzyarm.show.figures.learning import MOST_FRAMES
 
-        return max(1, -(-points * int(arguments.passes) // MOST_FRAMES))
+        return max(1, -(-points * asked.passes // MOST_FRAMES))
 
     def draw(self) -> None:
         """Write the figure and the film that were asked for."""
-        arguments = self.arguments
-        if not (arguments.plot or arguments.animate):
+        asked = self.asked
+        if not (asked.plot or asked.animate):
             return
         from fuzzyarm.show.figures import learning
         from fuzzyarm.show.figures.style import save_figure
 
         names, like = self.trainee.axes, self.trainee.like
-        if arguments.plot:
+        if asked.plot:
             whole = learning.Training(self.name, self.finished or [self.last], names, like)
-            save_figure(learning.learning_figure(whole), arguments.plot)
-        if arguments.animate:
+            save_figure(learning.learning_figure(whole), asked.plot)
+        if asked.animate:
             whole = learning.Training(self.name, self.film, names, like)
             frames = min(learning.MOST_FRAMES, len(self.film))
             with progress_bar("drawing", frames) as advance:
-                learning.animate_learning(whole, arguments.animate, watch=advance)
+                learning.animate_learning(whole, asked.animate, watch=advance)
 
     def _print_tables(self, console: Console, learned: Learned, *, with_visits: bool) -> None:
         from fuzzyarm.show.table import learned_view
@@ -289,23 +242,22 @@ class _Training:
 
         console = make_console()
         console.print(
-            f"pass {snapshot.passage} of {self.arguments.passes}, {snapshot.time:.3f} s: "
+            f"pass {snapshot.passage} of {self.asked.passes}, {snapshot.time:.3f} s: "
             f"RMS error {error_words(snapshot)} so far"
         )
         self._print_tables(console, snapshot.learned, with_visits=False)
 
-    def print(self, last: Snapshot) -> None:
+    def print(self, last: Snapshot, out: str | None) -> None:
         """Print the errors of each pass and the tables at the end."""
         from fuzzyarm.controller.program import AXIS
         from fuzzyarm.learning.self_organizing import error_words
         from fuzzyarm.show.drawing import make_console
 
         console = make_console()
-        out = self.arguments.out
         for snapshot in self.finished:
             console.print(
                 f"pass {snapshot.passage}: RMS error {error_words(snapshot)}"
-                + (", learning off" if self.arguments.freeze else "")
+                + (", learning off" if self.asked.freeze else "")
             )
         if last.diverged is not None:
             console.print(
@@ -315,7 +267,7 @@ class _Training:
         self._print_tables(console, last.learned, with_visits=True)
         if out:
             inputs = ", ".join((AXIS, *(axis.name for axis in last.learned.axes)))
-            single = self.arguments.joint or self.count == 1
+            single = self.asked.joint or len(self.trainee.axes) == 1
             both = "" if single else f", all axes in one table over {inputs}"
             console.print(f"{out}: written{both}", soft_wrap=True)
 
@@ -323,38 +275,8 @@ class _Training:
         """Write the table of one joint, or one over both."""
         from fuzzyarm.table import write_table
 
-        table = self.trainee.table(last.learned, self._provenance(last), self.arguments.joint)
-        write_table(table, path)
-
-    def _provenance(self, last: Snapshot) -> dict[str, str]:
-        arguments = self.arguments
-        start = " ".join(Path(word).name for word in arguments.start)
-        pairs = self.trainee.provenance(
-            self._words(),
-            last.passage if last.complete else f"a part of 1, {last.time:.4g} s",
-            "" if arguments.controller and start == "zero" else start,
-            Path(arguments.performance).name if arguments.performance else "",
-            arguments.conventions,
-        )
-        if arguments.controller:
-            pairs["controller"] = Path(arguments.controller).name
-        if arguments.set:
-            pairs["gains"] = " ".join(arguments.set)
-        if arguments.joint:
-            pairs["joint"] = str(arguments.joint)
-        if arguments.date:
-            pairs["date"] = datetime.now(UTC).date().isoformat()
-        return pairs
-
-    def _words(self) -> str:
-        """Say along what it was trained."""
-        arguments = self.arguments
-        if self.along:
-            return _trajectory_words(arguments)
-        from fuzzyarm.learning.self_organizing import reference_words
-
-        plant = Path(arguments.plant).name
-        return reference_words(plant, arguments.reference, arguments.step or 1.0)
+        provenance = self.training.provenance(last, dated=self.asked.date)
+        write_table(self.trainee.table(last.learned, provenance, self.asked.joint), path)
 
     def data(self, snapshot: Snapshot) -> dict[str, Any]:
         """Return the state of a training as JSON data."""
@@ -370,60 +292,4 @@ class _Training:
         }
 
 
-def _trajectory_words(arguments: argparse.Namespace) -> str:
-    from fuzzyarm.learning.self_organizing import trajectory_words
-
-    name, details = arguments.trajectory, []
-    if arguments.way_points:
-        name, details = "way points", arguments.way_points
-    elif arguments.angles is not None:
-        details.append("to {:g}° and {:g}°".format(*arguments.angles))
-    if arguments.segment is not None:
-        details = [*details, f"in {arguments.segment:g} s"]
-    loaded = arguments.loaded or ()
-    return trajectory_words(name, payload=arguments.payload, loaded=loaded, details=details)
-
-
-COMMANDS = (
-    command(
-        "learn",
-        __doc__,
-        _run,
-        argument(
-            "controller CONTROLLER",
-            "a name or FILE.frb with a table that learns; soc-zero by default",
-            nargs="?",
-        ),
-        argument(
-            "--start WORD",
-            "zero (default), table (the shipped one), FILE, or a FILE for each joint",
-            nargs="+",
-            default=["zero"],
-        ),
-        argument(
-            "--performance WORD",
-            "FILE, or yamazaki or procyk-mamdani, which are shipped; by default as the text says",
-        ),
-        *TRAJECTORY,
-        *PLANT,
-        *group(
-            "training",
-            argument("--passes N", "repeat the trajectory", type=int, default=1),
-            argument("--rate R", "learning rate, 0 to 10", type=float),
-            argument("--delay N", "control steps from a cell's use to its judgement", type=int),
-            flag("--freeze", "run with the table as it is"),
-            SET,
-            *CONVENTIONS,
-        ),
-        *group(
-            "output",
-            out("FILE", ".lut, .csv, .json or .npz", required=False),
-            argument("--joint N", "write the table of one joint, or axis, alone", type=int),
-            flag("--date", "write the date into the file"),
-            argument("--every N", "show the tables after every N set points", type=int),
-            argument("--plot FIG", "draw tables, visits and the error of each pass"),
-            argument("--animate FILE", "write the tables while they grow: .gif, .html or .mp4"),
-            JSON,
-        ),
-    ),
-)
+COMMANDS = (request_command("learn", __doc__, _run, LearnWords),)

@@ -36,19 +36,17 @@ import re
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+from fuzzyarm.api import controller_if_any, load_rules
 from fuzzyarm.cli.command import (
     WordError,
     argument,
     command,
     flag,
     json_of,
-    load_controller,
-    load_rulebase,
     print_json,
     read_number,
     say,
 )
-from fuzzyarm.cli.plants import CONNECT, SENSORS
 from fuzzyarm.cli.prove_loops import check, loop_data, loops_of, prove_loops, wants_loop
 from fuzzyarm.cli.prove_sectors import drives_of, only_output, print_sectors, progress
 
@@ -114,10 +112,10 @@ def _files(arguments: argparse.Namespace, tolerance: float | None, budget: float
     verdicts: list[tuple[str, Verdict | LoopVerdict]] = []
     data: list[dict[str, Any]] = []
     for path in arguments.files:
-        controller = load_controller(path)
+        controller = controller_if_any(path)
         claims = controller.model.claims if controller else ()
         _require_use(arguments.plot, of=bool(claims))
-        rulebases = controller.model.rulebases if controller else (load_rulebase(path, "prove"),)
+        rulebases = controller.model.rulebases if controller else (load_rules(path, "prove"),)
         if controller is None and not rulebases[0].properties and not arguments.json:
             say(f"{path}: no `prove` lines", to_errors=True)
         file = {"file": path} if len(arguments.files) > 1 else {}
@@ -183,7 +181,7 @@ def _single(arguments: argparse.Namespace, tolerance: float | None, budget: floa
     if len(arguments.files) > 1:
         raise WordError("--range, --slope and --table take one file")
     path = arguments.files[0]
-    rulebase = load_rulebase(path, "prove")
+    rulebase = load_rules(path, "prove")
     name = only_output(rulebase, arguments.output)
     with progress() as tell:
         stop = Stop(budget, lambda count, gap: tell(path, count, gap))
@@ -204,14 +202,14 @@ def _single(arguments: argparse.Namespace, tolerance: float | None, budget: floa
 
 
 def _table(prover: Prover, which: str) -> Bounds:
-    from fuzzyarm.cli.command import load_table
+    from fuzzyarm.api import load_sampled
     from fuzzyarm.table import compile_table
 
     if which in _MODES:
         return prover.table(compile_table(prover.rulebase, prover.output.name), which)
     if not which.lower().endswith((".lut", ".csv", ".npz", ".json")):
         raise WordError(f"--table takes {', '.join(_MODES)} or a table, not '{which}'")
-    table = load_table(which)
+    table = load_sampled(which)
     return prover.table(table, table.default_mode)
 
 
@@ -289,8 +287,12 @@ COMMANDS = (
         argument("--at PORT=X,...", "with --stable or --for: constant set points"),
         argument("--for TIME", "of a loop: bound all ports so long; with --claim: its end",
                  dest="duration"),
-        CONNECT,
-        *SENSORS,
+        argument("--connect NAME=PORT", "join a name of the controller to a port of the plant",
+                 action="append", default=[]),
+        argument("--quantise PORT=STEP", "resolution of a sensor, as in 0.001 or 12bit",
+                 action="append", default=[]),
+        argument("--sensor-delay PORT=TIME", "delay of a sensor, as in 3ms",
+                 action="append", default=[]),
         flag("--continuous", "of a loop: as if the controller ran without a period"),
         argument("--certificate OUT", "write the certificate of what is proved of a loop"),
         argument("--along NAME=W,...", "with --sector: along this sum of the inputs only"),

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from fuzzyarm.cli.command import WordError, load_controller, print_json, say
-from fuzzyarm.cli.plants import connections, sensors_of, time_of
+from fuzzyarm.api import controller_if_any
+from fuzzyarm.cli.command import WordError, print_json, say
 from fuzzyarm.cli.prove_sectors import EXIT_UNDECIDED, progress
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ def prove_loops(arguments: argparse.Namespace, budget: float) -> int:
     if len(arguments.files) > 1:
         raise WordError("--stable, --claim and --for take one file")
     path = arguments.files[0]
-    controller = load_controller(path)
+    controller = controller_if_any(path)
     if controller is None:
         raise WordError(f"{path} is not a controller: --stable, --claim and --for are about loops")
     if not arguments.stable and arguments.claim is None:
@@ -84,7 +84,9 @@ def _ended(claim: LoopClaim, arguments: argparse.Namespace) -> LoopClaim:
         raise WordError(
             "--for gives a claim with `after` or `always` an end; this has none to give"
         )
-    end = time_of(arguments.duration, "--for")
+    from fuzzyarm.loop.reference import read_time
+
+    end = read_time(arguments.duration, "--for")
     if not end > claim.begin:
         raise WordError(f"--for ends at {end:g} s, before the claim begins at {claim.begin:g} s")
     return replace(claim, when="during", end=end)
@@ -98,10 +100,11 @@ def _bound(
 ) -> int:
     """Bound all ports of the plant for a time; what is left open is said."""
     from fuzzyarm.closed_loop import EnclosureError, claim_text, loop_tube
+    from fuzzyarm.loop.reference import read_time
 
     _require_figure(arguments)
     claim = _claim_of(arguments)
-    duration = time_of(arguments.duration, "--for")
+    duration = read_time(arguments.duration, "--for")
     statement = claim_text(claim).removeprefix("stable ") + f" for {duration:g} s"
     with progress() as tell:
         try:
@@ -144,11 +147,15 @@ def tube_data(way: Tube | None) -> dict[str, Any] | None:
 
 def _setup(claim: LoopClaim, arguments: argparse.Namespace) -> dict[str, Any]:
     """Return connections and sensors as the command says them."""
+    from fuzzyarm.loop.words import connections, sensors_of
     from fuzzyarm.plant.own import find_plant
+    from fuzzyarm.requests.experiment import ExperimentRequest
 
-    setup: dict[str, Any] = {"connect": connections(arguments)}
-    if arguments.quantise or arguments.sensor_delay:
-        setup["sensors"] = sensors_of(arguments, find_plant(claim.plant))
+    words = {name: getattr(arguments, name) for name in ("connect", "quantise", "sensor_delay")}
+    asked = ExperimentRequest(**words)
+    setup: dict[str, Any] = {"connect": connections(asked)}
+    if asked.quantise or asked.sensor_delay:
+        setup["sensors"] = sensors_of(asked, find_plant(claim.plant))
     return setup
 
 
@@ -232,7 +239,7 @@ def check(arguments: argparse.Namespace) -> int:
 
     controller = None
     if arguments.files:
-        controller = load_controller(arguments.files[0])
+        controller = controller_if_any(arguments.files[0])
         if controller is None:
             raise WordError(f"{arguments.files[0]} is not a controller")
     try:

@@ -10,14 +10,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-from fuzzyarm.cli.command import (
-    WordError,
-    load_controller,
-    load_rulebase,
-    print_json,
-    read_assignments,
-    say,
-)
+from fuzzyarm.api import controller_if_any, load_rules
+from fuzzyarm.cli.command import WordError, print_json, read_assignments, say
 
 if TYPE_CHECKING:
     from fuzzyarm.controller.text import ControllerText
@@ -73,9 +67,9 @@ def print_sectors(arguments: argparse.Namespace, tolerance: float | None, budget
 
         require_figure_suffix(arguments.plot)
     path = arguments.files[0]
-    controller = load_controller(path)
+    controller = controller_if_any(path)
     if controller is None:
-        return _of_rulebase(path, load_rulebase(path, "prove"), arguments, tolerance, budget)
+        return _of_rulebase(path, load_rules(path, "prove"), arguments, tolerance, budget)
     if arguments.along is not None or arguments.output is not None:
         raise WordError("--along and --output are for rule bases, not for controllers")
     data = drives_of(path, controller, arguments, budget)

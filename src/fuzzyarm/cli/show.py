@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
+from fuzzyarm.api import load_sheet
 from fuzzyarm.cli.command import (
     WordError,
     argument,
@@ -15,7 +16,6 @@ from fuzzyarm.cli.command import (
     command,
     flag,
     json_of,
-    load_sheet,
     out,
     print_json,
     read_assignments,

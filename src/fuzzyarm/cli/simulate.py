@@ -10,7 +10,7 @@ periods, and that from the path on which the set points lie. Exit status 3 if a 
 
 A plant that has trajectories, as the arm, follows one of them, any plant references.
 --set changes gains of the controller and parameters of the plant (plant.NAME where both
-have a name).
+have a name). With --sweep or --random it is `fuzzyarm sweep`: many runs, a line for each.
 
 Examples
 --------
@@ -25,43 +25,24 @@ Examples
 
 from __future__ import annotations
 
-import argparse
 import sys
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from fuzzyarm.cli.arguments import request_command
 from fuzzyarm.cli.command import (
-    JSON,
+    DIVERGED,
     WordError,
-    argument,
     busy,
-    command,
-    flag,
-    group,
     hush,
     print_json,
     progress_bar,
 )
-from fuzzyarm.cli.experiment import (
-    DIVERGED,
-    RUN,
-    SOURCES,
-    TRAJECTORY,
-    conventions_of,
-    named_controllers,
-    set_points,
-    with_settings,
-)
-from fuzzyarm.cli.plants import (
-    MOTORS,
-    PLANT,
-    connections,
-    equipped_by,
-    follows,
-    plant_of,
-)
-from fuzzyarm.cli.sweep import SWEEP, sweep
+from fuzzyarm.cli.sweep import SweepWords, sweep
+from fuzzyarm.requests.fields import Request, option
+from fuzzyarm.requests.runs import ManyRuns, SimulateRequest, Workers
 from fuzzyarm.text.columns import in_columns
 
 if TYPE_CHECKING:
@@ -69,42 +50,71 @@ if TYPE_CHECKING:
     from fuzzyarm.loop import Motion, Run
     from fuzzyarm.plant import Conventions, Plant
 
+OUTPUT = "output"
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Output(Request):
+    """What a command shows and writes of its runs."""
+
+    list: bool = option("--list", "list all controllers", False)
+    show_gains: bool = option("--show-gains", "print the gains and stop", False, group=OUTPUT)
+    plot: str | None = option(
+        "--plot FIG", "draw outputs, errors and drives over time", None, group=OUTPUT
+    )
+    animate: str | None = option(
+        "--animate FILE", "write the first run as .gif, .html or .mp4", None, group=OUTPUT
+    )
+    watch: bool = option(
+        "--watch", "show the runs in the terminal, as they go on", False, group=OUTPUT
+    )
+    csv: str | None = option("--csv FILE", "write the samples", None, group=OUTPUT)
+    json: bool = option("--json", "print the result as JSON", False, group=OUTPUT)
+
+
+@dataclass(frozen=True, kw_only=True)
+class SimulateWords(SimulateRequest, ManyRuns, Workers, _Output):
+    """All that ``fuzzyarm simulate`` takes."""
+
 
 # --- The run ---
 
 
-def _run(arguments: argparse.Namespace) -> int:
-    if arguments.list:
-        _list(arguments.json)
+def _run(asked: SimulateWords) -> int:
+    if asked.list:
+        _list(asked.json)
         return 0
-    if not arguments.controller:
+    if not asked.controller:
         print("fuzzyarm simulate: which CONTROLLER? --list shows all", file=sys.stderr)
         return 2
-    if arguments.sweep or arguments.random is not None:
-        return _sweep(arguments)
-    _require_pictures(arguments)
-    controllers = named_controllers(arguments, arguments.controller)
-    if arguments.show_gains and arguments.plant is None:
+    if asked.sweep or asked.random is not None:
+        return _sweep(asked)
+    _require_pictures(asked)
+    from fuzzyarm.loop.experiments import controllers_of, with_plant, with_settings
+
+    controllers = controllers_of(asked, asked.controller)
+    if asked.show_gains and asked.plant is None:
         from fuzzyarm.plant import PLANTS
 
-        arguments.plant = next(iter(PLANTS))  # gains have the same values wherever they count
-    plant = plant_of(arguments, controllers)
-    made = [with_settings(arguments, each, plant) for each in controllers]
-    if arguments.show_gains:
-        for (controller, _), name in zip(made, arguments.controller, strict=True):
-            _show_gains(controller, arguments.json)
+        # Gains have the same values wherever they count.
+        asked = asked.replaced(plant=next(iter(PLANTS)))
+    asked, plant = with_plant(asked, controllers)
+    settings = [with_settings(asked, controller, plant) for controller in controllers]
+    if asked.show_gains:
+        for (controller, _), name in zip(settings, asked.controller, strict=True):
+            _show_gains(controller, asked.json)
             _print_notes(name)
         return 0
-    results = [_simulate(controller, changed, arguments) for controller, changed in made]
+    results = [_simulate(controller, changed, asked) for controller, changed in settings]
     for note in dict.fromkeys(note for result in results for note in result.notes):
         print(f"fuzzyarm: note: {note}", file=sys.stderr)
-    _write_files(arguments, results, made[0][1])
-    if arguments.watch:
-        _watch(results, made[0][1])
-    _print_results(results, as_json=arguments.json)
+    _write_files(asked, results, settings[0][1])
+    if asked.watch:
+        _watch(results, settings[0][1])
+    _print_results(results, as_json=asked.json)
     lost = [
         name
-        for result, name in zip(results, arguments.controller, strict=True)
+        for result, name in zip(results, asked.controller, strict=True)
         if result.diverged is not None
     ]
     for name in lost:
@@ -128,29 +138,27 @@ def _print_notes(name: str) -> None:
         print(f"fuzzyarm: note: {note}", file=sys.stderr)
 
 
-def _sweep(arguments: argparse.Namespace) -> int:
-    single = ("csv", "show_gains", "animate", "watch")
-    if len(arguments.controller) > 1 or any(getattr(arguments, name) for name in single):
+def _sweep(asked: SimulateWords) -> int:
+    if len(asked.controller) > 1 or asked.given(("csv", "show_gains", "animate", "watch")):
         raise WordError(
             "--sweep takes one controller, not --csv, --animate, --watch or --show-gains"
         )
-    arguments.controller = arguments.controller[0]
-    return sweep(arguments)
+    return sweep(asked.as_kind(SweepWords, controller=asked.controller[0]))
 
 
-def _require_pictures(arguments: argparse.Namespace) -> None:
+def _require_pictures(asked: SimulateWords) -> None:
     """Tell a mistake in the name of a picture before the run."""
-    if arguments.plot:
+    if asked.plot:
         from fuzzyarm.study.figures import figure_format
 
-        figure_format(arguments.plot)
-    if arguments.animate:
+        figure_format(asked.plot)
+    if asked.animate:
         from fuzzyarm.show.figures.animation import require_animation
 
-        require_animation(arguments.animate)
-    if arguments.watch and arguments.json:
+        require_animation(asked.animate)
+    if asked.watch and asked.json:
         raise WordError("--watch draws on the terminal, where --json prints: leave one of them out")
-    if arguments.watch and not sys.stdout.isatty():
+    if asked.watch and not sys.stdout.isatty():
         raise WordError("--watch needs a terminal", hint="--animate FILE writes an animation")
 
 
@@ -166,24 +174,24 @@ def _watch(results: list[Run], plant: Plant) -> None:
             break
 
 
-def _write_files(arguments: argparse.Namespace, results: list[Run], plant: Plant) -> None:
-    if arguments.plot:
-        _plot(results, arguments.plot)
-    if arguments.animate:
-        _animate(results[0], plant, arguments.animate)
-    if arguments.csv:
-        _write_csv(results, arguments.csv)
+def _write_files(asked: SimulateWords, results: list[Run], plant: Plant) -> None:
+    if asked.plot:
+        _plot(results, asked.plot)
+    if asked.animate:
+        _animate(results[0], plant, asked.animate)
+    if asked.csv:
+        _write_csv(results, asked.csv)
 
 
-def _simulate(controller: Controller, plant: Plant, arguments: argparse.Namespace) -> Run:
+def _simulate(controller: Controller, plant: Plant, asked: SimulateRequest) -> Run:
     from fuzzyarm.loop.run import run_along
+    from fuzzyarm.loop.simulation import experiment_on
+    from fuzzyarm.loop.words import connections, conventions_of
 
-    follows(arguments, plant)  # tells what the plant does not understand
-    plant, options = equipped_by(arguments, plant)
-    conventions = conventions_of(arguments)
-    motion = set_points(arguments, controller, plant, conventions)
+    motion, options = experiment_on(asked, controller, plant)
+    conventions = conventions_of(asked)
     with busy(f"running {controller.name}"):
-        result = run_along(controller, motion, conventions, options, connections(arguments))
+        result = run_along(controller, motion, conventions, options, connections(asked))
         slower = _slowdown(result, motion, conventions)
     if slower:
         print(slower, file=sys.stderr)
@@ -307,22 +315,20 @@ def _animate(result: Run, plant: Plant, path: str) -> None:
 
 def _write_csv(results: list[Run], path: str) -> None:
     """Write the samples of one run; of several, a file with the controller in the first column."""
-    import io
-
-    from fuzzyarm.loop.sweep import quoted
+    from fuzzyarm.requests.journal import csv_line
     from fuzzyarm.text.files import write_atomically
 
-    text = io.StringIO()
+    lines: list[str] = []
     several = len(results) > 1
     for index, result in enumerate(results):
         columns = _csv_columns(result, held=any(run.every > 1 for run in results))
         if not index:
             heads = [*["controller"] * several, *columns]
-            text.write(",".join(map(quoted, heads)) + "\n")
+            lines.append(csv_line(heads))
         for row in zip(*columns.values(), strict=True):
             words = [repr(float(value)) for value in row]
-            text.write(",".join([*[result.controller] * several, *words]) + "\n")
-    write_atomically(path, text.getvalue())
+            lines.append(csv_line([*[result.controller] * several, *words]))
+    write_atomically(path, "".join(lines))
 
 
 def _csv_columns(result: Run, *, held: bool) -> dict[str, Any]:
@@ -383,27 +389,4 @@ def _list(as_json: bool) -> None:
     print("\n".join(in_columns(rows)))
 
 
-COMMANDS = (
-    command(
-        "simulate",
-        __doc__,
-        _run,
-        argument("controller CONTROLLER", "name, sum or file; or several", nargs="*"),
-        flag("--list", "list all controllers"),
-        *TRAJECTORY,
-        *PLANT,
-        *SOURCES,
-        *RUN,
-        *MOTORS,
-        *SWEEP,
-        *group(
-            "output",
-            flag("--show-gains", "print the gains and stop"),
-            argument("--plot FIG", "draw outputs, errors and drives over time"),
-            argument("--animate FILE", "write the first run as .gif, .html or .mp4"),
-            flag("--watch", "show the runs in the terminal, as they go on"),
-            argument("--csv FILE", "write the samples"),
-            JSON,
-        ),
-    ),
-)
+COMMANDS = (request_command("simulate", __doc__, _run, SimulateWords),)

@@ -26,123 +26,95 @@ Examples
 
 from __future__ import annotations
 
-import argparse
 import math
 import os
 import shutil
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import replace
-from hashlib import sha256
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from fuzzyarm.cli.arguments import request_command
 from fuzzyarm.cli.command import (
+    DIVERGED,
     EXIT_INTERRUPTED,
     TOLD_EVERY,
-    Argument,
     Pace,
-    WordError,
     announced,
-    argument,
     attempted,
-    command,
     counted,
     demand_places,
     duration_words,
-    flag,
-    group,
-    json_of,
     print_error,
     print_json,
     require_suffix,
     saved,
     say,
 )
-from fuzzyarm.cli.experiment import (
-    CONVENTIONS,
-    DIVERGED,
-    TRAJECTORY,
-    conventions_of,
-    trajectory_of_words,
-)
-from fuzzyarm.cli.plants import (
-    ALONG,
-    MOTORS,
-    PLANT,
-    connections,
-    equipped_by,
-    follows,
-    motion_of,
-    option_given,
-    plant_of,
-)
-from fuzzyarm.cli.sweep import cluster
 from fuzzyarm.errors import sentence_of
+from fuzzyarm.requests.fields import Request, option
+from fuzzyarm.requests.tune import TuneRequest
 from fuzzyarm.text.files import stamp_of
 
 if TYPE_CHECKING:
-    from fuzzyarm.controller.text import ControllerText
-    from fuzzyarm.learning.data import Samples
-    from fuzzyarm.model.rulebase import RuleBase
-    from fuzzyarm.plant import Trajectory
-    from fuzzyarm.tuning.scenarios import Stage
     from fuzzyarm.tuning.search import Found
     from fuzzyarm.tuning.tuned import Tuned
 
 
-def _run(arguments: argparse.Namespace) -> int:
-    _require_sensible(arguments)
-    from fuzzyarm.controller.text import ControllerText
-    from fuzzyarm.tuning.tune import tune
+@dataclass(frozen=True, kw_only=True)
+class _Output(Request):
+    """What a command shows and draws of tuning."""
 
-    path, subject = _subject(arguments.file)
-    given: dict[str, Any] = {
-        "cost": arguments.cost,
-        "tuning": arguments.tune or None,
-        "method": arguments.method,
-        "evals": arguments.evals,
-        "seconds": _seconds(arguments),
-        "seed": arguments.seed,
-        "digits": arguments.digits,
-        "unseen": arguments.unseen,
-        "linear": not arguments.no_linear,
-        "over": arguments.over,
-    }
-    if isinstance(subject, ControllerText):
-        if arguments.data:
-            raise WordError("--data is for a rule base alone; a controller runs in its loop")
-        given |= {"stage": _stage(arguments, subject), "scenarios": arguments.scenarios}
-        given["conventions"] = conventions_of(arguments)
-    else:
-        given |= _samples(arguments, subject)
-    given["journal"] = _journal(arguments, path)
-    result = _Result(arguments.out)
+    plot: str | None = option(
+        "--plot FIG", "draw cost, front and table: .png, .svg or .pdf", None, idle=True,
+        group="output",
+    )  # fmt: skip
+    json: bool = option("--json", "print the report as JSON", False, idle=True, group="output")
+
+
+@dataclass(frozen=True, kw_only=True)
+class TuneWords(TuneRequest, _Output):
+    """All that ``fuzzyarm tune`` takes."""
+
+
+def _run(asked: TuneWords) -> int:
+    _require_sensible(asked)
+    from fuzzyarm.loop.sweeps import cluster
+    from fuzzyarm.tuning.asked import order_of
+    from fuzzyarm.tuning.tune import keywords_of, tune
+
+    order = order_of(asked)
+    path = order.path
+    result = _Result(asked.out)
     with (
-        announced(f"tuning {path}, {_most(arguments)}"),
-        cluster(arguments) as (executor, workers),
-        _shown(arguments.evals, _own_seconds(arguments)) as progress,
+        announced(f"tuning {path}, {_most(asked)}"),
+        cluster(asked) as (executor, workers),
+        _shown(asked.evals, _own_seconds(asked)) as progress,
     ):
-        given |= {"watch": progress.search, "watch_linear": progress.linear}
-        given |= {"take": result.take, "tell": progress.tell}
-        tuned = tune(path, **given, workers=workers, executor=executor)
+        keywords = keywords_of(asked, order)
+        keywords.update({"workers": workers, "executor": executor, "take": result.take})
+        keywords.update({"watch": progress.search, "watch_linear": progress.linear})
+        keywords["tell"] = progress.tell
+        tuned = tune(path, **keywords)
     result.take(tuned)
-    if arguments.json:
+    if asked.json:
         files = [os.fspath(file) for file in result.files]
         print_json({**tuned.as_data(), "files": files})
     else:
         say(*_lines(tuned, path, result.files))
     faults = [*result.faults, *tuned.faults]
-    if arguments.plot:
-        faults += attempted(lambda: _draw(tuned, path, arguments.plot))
+    plot = asked.plot
+    if plot:
+        faults += attempted(lambda: _draw(tuned, path, plot))
     for fault in faults:
         print_error(fault)
     if tuned.found.unwritten:
         print_error(f"{tuned.found.unwritten}; the last trials are not in the journal")
     if tuned.found.interrupted:
-        kept = f"; {arguments.journal} has all, --resume goes on" if arguments.journal else ""
+        kept = f"; {asked.journal} has all, --resume goes on" if asked.journal else ""
         print_error(f"interrupted: the best so far is kept{kept}")
         return EXIT_INTERRUPTED
     if faults or tuned.found.unwritten:
@@ -209,168 +181,18 @@ def _draw(tuned: Tuned, path: str, plot: str) -> None:
     save_figure(tuning_figure(tuned, f"{Path(path).name}: {tuned.cost}"), plot)
 
 
-def _require_sensible(arguments: argparse.Namespace) -> None:
+def _require_sensible(asked: TuneWords) -> None:
     """Tell mistakes before anything runs."""
-    if arguments.out:
-        require_suffix(arguments.out, (".frb",))
-    if arguments.plot:
+    from fuzzyarm.tuning.asked import require_sensible
+
+    if asked.out:
+        require_suffix(asked.out, (".frb",))
+    if asked.plot:
         from fuzzyarm.show.figures.style import require_figure_suffix
 
-        require_figure_suffix(arguments.plot)
-    demand_places(arguments.out, arguments.plot)
-    if arguments.resume and not arguments.journal:
-        raise WordError("--resume goes on with the file of --journal, and none is given")
-    if arguments.workers is not None and not 1 <= arguments.workers <= 10_000:
-        raise WordError(f"--workers {arguments.workers} is out of range: 1 to 10000")
-    if arguments.test and not arguments.data:
-        raise WordError("--test judges what was fitted to --data, and none is given")
-
-
-def _seconds(arguments: argparse.Namespace) -> float:
-    from fuzzyarm.cli.plants import time_of
-
-    return time_of(arguments.time, "--time") if arguments.time else math.inf
-
-
-def _subject(word: str) -> tuple[str, ControllerText | RuleBase]:
-    """Return a file and what it holds; a name of the catalogue is a shipped file."""
-    from fuzzyarm.api import load
-    from fuzzyarm.controller.text import ControllerText
-    from fuzzyarm.model.rulebase import RuleBase
-    from fuzzyarm.shipped_files import shipped, shipped_names
-
-    path = word
-    if not Path(word).exists() and f"{word}.frb" in shipped_names():
-        path = str(shipped(f"{word}.frb"))
-    model = load(path)
-    if not isinstance(model, ControllerText | RuleBase):
-        raise WordError(f"{word} is a table; a controller or a rule base is tuned")
-    return path, model
-
-
-# --- What it is tuned on ---
-
-
-def _stage(arguments: argparse.Namespace, text: ControllerText) -> Stage:
-    from fuzzyarm.controller.catalogue import controller_of
-    from fuzzyarm.loop.sweep import read_range
-    from fuzzyarm.plant.plant import interface_of
-    from fuzzyarm.tuning.scenarios import Scenario, Stage, plant_scenarios, scenario_along
-
-    plant = plant_of(arguments, [controller_of(text)])
-    along = follows(arguments, plant, None)
-    plant, options = equipped_by(arguments, plant)
-    connect = connections(arguments)
-    vary = tuple(map(read_range, arguments.vary))
-    if along:
-        payload = 0.0 if arguments.payload is False else 1.0
-        first = plant_scenarios(plant, payload)
-        if option_given(arguments, (*ALONG, "loaded")):
-            way = _loaded(trajectory_of_words(arguments, plant), arguments.loaded)
-            first = (scenario_along(plant, way, payload),)
-        return Stage(plant, first, options, vary, connect=connect)
-    motion = motion_of(arguments, controller_of(text), plant)
-    label = interface_of(plant).label(motion.tracked[0])
-    references, duration = _references(arguments, label), _duration(arguments)
-    first = (Scenario(motion.name, motion),)
-    return Stage(plant, first, options, vary, references, duration, connect)
-
-
-def _loaded(way: Trajectory, segments: Sequence[int] | None) -> Trajectory:
-    """Return a trajectory that has the load in some of its segments, where they are named."""
-    from fuzzyarm.plant.trajectory import carried
-
-    return way if segments is None else replace(way, loaded=carried(way, segments=segments))
-
-
-def _references(arguments: argparse.Namespace, label: str) -> dict[str, Any] | None:
-    """Return the references that were given, by port, for scenarios to scale."""
-    from fuzzyarm.loop import Signal
-    from fuzzyarm.loop.words import PlantWords
-
-    if arguments.step is not None:
-        return {label: Signal("step", (arguments.step,))}
-    return PlantWords.of(arguments).signals() or None
-
-
-def _duration(arguments: argparse.Namespace) -> float | None:
-    from fuzzyarm.cli.plants import time_of
-
-    return time_of(arguments.duration, "--for") if arguments.duration is not None else None
-
-
-def _samples(arguments: argparse.Namespace, rulebase: RuleBase) -> dict[str, Any]:
-    from fuzzyarm.learning.data import Columns, read_samples
-
-    if not arguments.data:
-        if arguments.cost is not None and ".py:" in arguments.cost:
-            return {}
-        message = f"'{rulebase.name}' is a rule base alone: nothing says what is good"
-        hint = "--data set.csv, or tune the controller that uses it"
-        raise WordError(message, hint=hint)
-    inputs = tuple(variable.name for variable in rulebase.inputs)
-    outputs = [output.name for output in rulebase.outputs]
-    target = arguments.target
-    if target is None and len(outputs) == 1 and outputs[0] in _columns(arguments.data):
-        target = outputs[0]
-    columns = Columns(target, inputs)
-    found: dict[str, Samples] = {"data": read_samples(arguments.data, columns)}
-    if arguments.test:
-        found["test"] = read_samples(arguments.test, columns)
-    return found
-
-
-def _columns(path: str) -> tuple[str, ...]:
-    from fuzzyarm.learning.data import column_names
-
-    return column_names(path)
-
-
-# --- The journal ---
-
-NOT_ASKED = (
-    "out", "resume", "journal", "workers", "dask", "plot", "json", "evals", "time", "digits",
-    "unseen", "no_linear", "test",
-)  # fmt: skip
-"""Arguments on which no trial depends."""
-
-
-def _journal(arguments: argparse.Namespace, path: str) -> Any:
-    if not arguments.journal:
-        return None
-    from fuzzyarm.tuning.search import Journal
-    from fuzzyarm.version import __version__
-
-    words = {
-        name: value
-        for name, value in vars(arguments).items()
-        if name not in NOT_ASKED and not callable(value) and value not in (None, [], False, "")
-    }
-    question = {"fuzzyarm": __version__, "arguments": words, "files": _digests(arguments, path)}
-    return Journal(arguments.journal, question, resume=arguments.resume)
-
-
-def _digests(arguments: argparse.Namespace, path: str) -> dict[str, str]:
-    """Return digests of the files that trials depend on, by name."""
-    from fuzzyarm.controller.text import sheet_path
-    from fuzzyarm.language.reading import parse, read_text
-
-    paths = {Path(path).name: Path(path)}
-    controller = parse(read_text(path), path).controller
-    for use in controller.uses if controller is not None else ():
-        paths |= {file: sheet_path(file, Path(path).parent) for file in use.files}
-    words = [
-        arguments.data,
-        arguments.plant,
-        *(word.partition("=")[2] for word in arguments.reference),
-    ]
-    words += [(arguments.cost or "").rpartition(":")[0], (arguments.plant or "").rpartition(":")[0]]
-    paths |= {word: Path(word) for word in words if word}
-    return {
-        name: sha256(each.read_bytes()).hexdigest()[:16]
-        for name, each in sorted(paths.items())
-        if each.is_file()
-    }
+        require_figure_suffix(asked.plot)
+    demand_places(asked.out, asked.plot)
+    require_sensible(asked)
 
 
 # --- While it runs ---
@@ -379,21 +201,24 @@ REDRAWN_EVERY = 0.2
 """Where it is one, s."""
 
 
-def _own_seconds(arguments: argparse.Namespace) -> float:
+def _own_seconds(asked: TuneWords) -> float:
     """Return the seconds of the first search: its share where others follow."""
+    from fuzzyarm.tuning.asked import longest
     from fuzzyarm.tuning.search import Budget
     from fuzzyarm.tuning.tuned import Plan
 
-    plan = Plan(budget=Budget(seconds=_seconds(arguments)))
-    on_samples = bool(arguments.data)  # which are judged by others, and beside a regression
-    judged, linear = on_samples or arguments.unseen > 0, not (on_samples or arguments.no_linear)
+    plan = Plan(budget=Budget(seconds=longest(asked)))
+    on_samples = bool(asked.data)  # which are judged by others, and beside a regression
+    judged, linear = on_samples or asked.unseen > 0, not (on_samples or asked.no_linear)
     return plan.shared(judged=judged, linear=linear).seconds
 
 
-def _most(arguments: argparse.Namespace) -> str:
+def _most(asked: TuneWords) -> str:
     """Return in words when the searches end at the latest."""
-    words = f"up to {counted(arguments.evals, 'trial')}"
-    seconds = _seconds(arguments)
+    from fuzzyarm.tuning.asked import longest
+
+    words = f"up to {counted(asked.evals, 'trial')}"
+    seconds = longest(asked)
     return f"{words} and {duration_words(seconds)}" if seconds < math.inf else words
 
 
@@ -514,71 +339,4 @@ def _lines(tuned: Tuned, path: str, written: list[Path]) -> Iterator[str]:
         yield f"wrote {', '.join(map(os.fspath, written))}"
 
 
-def _unset(each: Argument) -> Argument:
-    """Return an argument of which is known whether it was given."""
-    if each.names[0] not in ("--payload", "--plant"):
-        return each
-    options = {**each.options, "default": None}
-    if each.names[0] == "--plant":
-        options["help"] = "where it runs; by default the shipped plant that has its axes"
-    return each._replace(options=options)
-
-
-COMMANDS = (
-    command(
-        "tune",
-        __doc__,
-        _run,
-        argument("file FILE", "a controller, its name in the catalogue, or a rule base"),
-        argument("-o --out FILE.frb", "where to write it; over the file itself, if it is the same"),
-        *group(
-            "what is good",
-            argument("--cost COST", "formula of metrics, or FILE.py:FUNCTION; rms by default"),
-            argument("--data FILE", "samples, .csv or .parquet, for a rule base alone"),
-            argument("--test FILE", "samples to judge by; a fifth of the data by default"),
-            argument("--target NAME", "the column that the output is to give"),
-        ),
-        *group(
-            "scenarios",
-            argument("--scenarios N", "tune on N: the named ones, then drawn ones", type=int),
-            argument(
-                "--vary NAME=A..B",
-                "what differs from drawn scenario to scenario, as with sweep --random",
-                action="append",
-                default=[],
-            ),
-            argument("--over", "mean or worst cost", choices=("mean", "worst"), default="mean"),
-            argument("--unseen N", "judge by N others, 24 by default", type=int, default=24),
-        ),
-        *group(
-            "the search",
-            argument(
-                "--tune LINE",
-                "what may move, as a line of a tune block, in place of the file's",
-                action="append",
-                default=[],
-            ),
-            argument(
-                "--method",
-                choices=("nelder-mead", "cma-es", "evolution"),
-                default="nelder-mead",
-            ),
-            argument("--evals N", "candidates, 500 by default", type=int, default=500),
-            argument("--time TIME", "at most so long, as in 90s or 10min"),
-            argument("--digits N", "of the numbers that are written", type=int, default=3),
-            flag("--no-linear", "tune no linear controller to compare with"),
-            argument("--journal FILE", "write every trial down"),
-            flag("--resume", "go on with the journal"),
-            argument("--workers N", "one for each processor by default", type=int),
-            argument("--dask ADDRESS", "run on a Dask cluster, as in tcp://scheduler:8786"),
-        ),
-        *map(_unset, (*TRAJECTORY, *PLANT)),
-        *group("run", *CONVENTIONS),
-        *MOTORS,
-        *group(
-            "output",
-            argument("--plot FIG", "draw cost, front and table: .png, .svg or .pdf"),
-            json_of("the report"),
-        ),
-    ),
-)
+COMMANDS = (request_command("tune", __doc__, _run, TuneWords),)

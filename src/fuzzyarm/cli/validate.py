@@ -18,6 +18,7 @@ import argparse
 import math
 from typing import TYPE_CHECKING
 
+from fuzzyarm.api import load_rules
 from fuzzyarm.cli.command import (
     WordError,
     argument,
@@ -25,7 +26,6 @@ from fuzzyarm.cli.command import (
     counted,
     flag,
     json_of,
-    load_rulebase,
     print_json,
     say,
 )
@@ -45,7 +45,7 @@ def _run(arguments: argparse.Namespace) -> int:
         from fuzzyarm.show.figures.style import require_figure_suffix
 
         require_figure_suffix(arguments.plot)
-    rulebase = load_rulebase(arguments.model, "validate")
+    rulebase = load_rules(arguments.model, "validate")
     samples = _samples(rulebase, arguments)
     for note in samples.notes:
         say(f"note: {note}", to_errors=True)

@@ -15,7 +15,8 @@ from fuzzyarm.closed_loop.verdicts import LoopVerdict
 from fuzzyarm.closed_loop.verification import start_quadric
 from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.loop.course import Options
-from fuzzyarm.loop.run import Run, simulate
+from fuzzyarm.loop.run import Run
+from fuzzyarm.loop.simulation import simulate
 from fuzzyarm.plant.own import starting_at
 from fuzzyarm.plant.plant import Plant
 

@@ -14,7 +14,8 @@ from fuzzyarm.closed_loop.problem import LoopProblem
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.expression.operations import Interval
 from fuzzyarm.loop.course import Options
-from fuzzyarm.loop.run import Run, simulate
+from fuzzyarm.loop.run import Run
+from fuzzyarm.loop.simulation import simulate
 from fuzzyarm.model.claims import LoopClaim
 from fuzzyarm.plant.own import starting_at
 from fuzzyarm.plant.plant import with_parameters

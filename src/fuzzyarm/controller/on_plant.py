@@ -49,6 +49,7 @@ from fuzzyarm.plant.setting import (
     Timing,
     stored,
 )
+from fuzzyarm.requests.bounds import LARGEST_RATE
 from fuzzyarm.table import Axis, LookupTable
 from fuzzyarm.text.names import near_hint
 
@@ -558,10 +559,6 @@ def _value(product: Product, gains: Mapping[str, float]) -> float:
         else:
             value *= number
     return value
-
-
-LARGEST_RATE = 10.0
-"""Of a learner: with more, one judgement fills the table."""
 
 
 def _gains(model: ControllerModel) -> Iterator[Gain]:

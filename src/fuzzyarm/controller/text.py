@@ -222,6 +222,15 @@ def sheet_path(file: str, folder: Path) -> Path:
     return shipped(file) if not path.exists() and file in shipped_names() else path
 
 
+def files_of(model: ControllerModel, path: str) -> dict[str, Path]:
+    """Return the file of a controller and those that it uses, by name; none without a path."""
+    if not path:
+        return {}
+    home = Path(path)
+    used = [file for use in model.uses for file in use.files]
+    return {home.name: home, **{file: sheet_path(file, home.parent) for file in used}}
+
+
 def sheet_files(text: ControllerText) -> list[Path]:
     """Return the files of rule bases and tables that a controller uses."""
     folder = Path(text.path).parent

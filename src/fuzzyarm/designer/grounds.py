@@ -10,25 +10,25 @@ import contextlib
 import math
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from fuzzyarm.designer.names import is_inside
 from fuzzyarm.designer.requests import Experiment, Field, Words
 from fuzzyarm.errors import FuzzyarmError, WordError
+from fuzzyarm.requests.experiment import ExperimentRequest
+from fuzzyarm.requests.fields import AnyRequest, RequestError
 
 if TYPE_CHECKING:
     from fuzzyarm.controller import Controller
     from fuzzyarm.designer.stage import Plants
     from fuzzyarm.loop import Motion
-    from fuzzyarm.loop.words import PlantWords
     from fuzzyarm.model.controller import ControllerModel
     from fuzzyarm.plant import Plant
 
+AnyExperiment = TypeVar("AnyExperiment", bound=ExperimentRequest)
+
 LONGEST = 24.0 * 3600.0
 """Of a run that a page asks for, s."""
-
-
-MOST_SEED = 2**32 - 1
 
 
 class GroundsError(FuzzyarmError, ValueError):
@@ -114,11 +114,13 @@ MANY = (
     "actuator",
     "disturb",
 )
-"""Words that may be given several times: a list, or one text with blanks between."""
+"""Fields of several words."""
 
 
-def words_of(asked: Experiment, folder: Path) -> PlantWords:
-    """Return the words of an experiment that a page asks for.
+def words_of(
+    asked: Experiment, folder: Path, kind: type[AnyExperiment], **others: Any
+) -> AnyExperiment:
+    """Return the request that a page makes of an experiment.
 
     Parameters
     ----------
@@ -126,22 +128,37 @@ def words_of(asked: Experiment, folder: Path) -> PlantWords:
         What the page says.
     folder : Path
         Where files of references and disturbances must stand.
+    kind : type
+        Of the request.
+    **others
+        Values of other fields, as a form has them; an empty one says nothing.
 
     Raises
     ------
     FieldError
-        If a file does not stand there.
+        If a file does not stand there, or a field does not take its value.
     """
-    from fuzzyarm.loop.words import PlantWords
-
     given: dict[str, Any] = {name: list_of(getattr(asked, name)) for name in MANY}
     for name in ("reference", "disturb"):
         with at_field(name):
             given[name] = [_signal_of(folder, word) for word in given[name]]
-    if asked.duration:
-        given["duration"] = asked.duration
-    given["seed"] = whole_of(asked.seed, "seed", PlantWords.seed, MOST_SEED)
-    return PlantWords(interpolate=asked.interpolate, **given)
+    for name in ("duration", "interpolate", "seed"):
+        given[name] = getattr(asked, name)
+    return form_of(kind, **given, **others)
+
+
+def form_of(kind: type[AnyRequest], **values: Any) -> AnyRequest:
+    """Return a request of the values of a form.
+
+    Raises
+    ------
+    FieldError
+        If a field does not take its value.
+    """
+    try:
+        return kind.of(values)
+    except RequestError as error:
+        raise FieldError(error.message, field=error.field, hint=error.hint) from error
 
 
 def list_of(value: Words) -> list[str]:
@@ -160,7 +177,7 @@ def _signal_of(folder: Path, word: str) -> str:
     return f"{port}{equals}{path}"
 
 
-def check_words(words: PlantWords, plant: Plant) -> None:
+def check_words(asked: ExperimentRequest, plant: Plant) -> None:
     """Read each of the words by itself, so that a mistake is said at its field.
 
     Raises
@@ -168,17 +185,17 @@ def check_words(words: PlantWords, plant: Plant) -> None:
     FieldError
         If one is not understood, or names a port that the plant does not have.
     """
-    from fuzzyarm.loop.words import PlantWords
+    from fuzzyarm.loop.words import connections, driven, options_of, signals
     from fuzzyarm.plant.plant import interface_of
 
     interface = interface_of(plant)
     for name in MANY:
-        alone = PlantWords(**{name: getattr(words, name)})
+        alone = ExperimentRequest(**{name: getattr(asked, name)})
         with at_field(name):
-            alone.driven(plant)
-            alone.connections()
-            alone.signals()
-            options = alone.options(plant)
+            driven(alone, plant)
+            connections(alone)
+            signals(alone)
+            options = options_of(alone, plant)
             for port in (*options.sensors, *options.loads):
                 interface.every_port(port)
 

@@ -15,13 +15,12 @@ from typing import TYPE_CHECKING, Any
 from fuzzyarm.designer.grounds import (
     GroundsError,
     check_words,
+    form_of,
     list_of,
-    number_of,
     plant_named,
     plants_for,
     seconds_of,
     trajectory_motion_of,
-    whole_of,
     words_of,
 )
 from fuzzyarm.designer.jobs import Job
@@ -29,6 +28,8 @@ from fuzzyarm.designer.requests import Experiment, LearnWord, LearnWork, Nothing
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language import parse
 from fuzzyarm.lsp.session import Session
+from fuzzyarm.requests.experiment import ExperimentRequest
+from fuzzyarm.requests.learn import LearnRequest
 
 if TYPE_CHECKING:
     from fuzzyarm.learning.self_organizing import Snapshot, Trainee
@@ -101,10 +102,9 @@ class Training:
     """
 
     def __init__(self, session: Session, asked: LearnWork, job: Job) -> None:
-        from fuzzyarm.learning.self_organizing import MOST_PASSES
-
         self.asked, self.job, self.folder = asked, job, Path(session.path).parent
-        self.passes = max(1, whole_of(asked.passes, "passes", DEFAULT_PASSES, MOST_PASSES))
+        self.request = form_of(LearnRequest, passes=asked.passes, rate=asked.rate)
+        self.passes = DEFAULT_PASSES if asked.passes in (None, "") else self.request.passes
         self.limit = self.passes
         self.name, self.trainee = self._trainee(session)
         self.motion, self.along = self._motion()
@@ -124,15 +124,11 @@ class Training:
             TextEntry,
             text_controller,
         )
-        from fuzzyarm.controller.on_plant import LARGEST_RATE
         from fuzzyarm.controller.text import teaching
         from fuzzyarm.language.reading import read_text
         from fuzzyarm.learning.self_organizing import Trainee
 
         work = self.asked
-        rate = number_of(work.rate, "the rate")
-        if rate is not None and not 0.0 <= rate <= LARGEST_RATE:
-            raise GroundsError(f"a rate of {rate:g} is out of range", hint=f"0 to {LARGEST_RATE:g}")
         name = work.controller
         path, source = session.path, str(session.text)
         if name:
@@ -143,7 +139,9 @@ class Training:
         elif session.path.lower().endswith(".lut"):
             raise GroundsError("a table does not learn by itself; choose a controller")
         choice = Choice(sources=Sources(table=self._start()))
-        controller = text_controller(path, choice, change=teaching(rate), source=source)
+        controller = text_controller(
+            path, choice, change=teaching(self.request.rate), source=source
+        )
         title = name or Path(path).name
         model = parse(source, path).controller
         assert model is not None
@@ -165,6 +163,7 @@ class Training:
         """Return the set points, and in words along what they lead."""
         from fuzzyarm.learning.self_organizing import reference_words, trajectory_words
         from fuzzyarm.loop.run import plant_motion
+        from fuzzyarm.loop.words import signals
 
         work, plant = self.asked, self.trainee.plant
         if plant.trajectories:
@@ -172,10 +171,10 @@ class Training:
                 work.trajectory, self.trainee.controller, plant, payload=work.payload
             )
             return motion, trajectory_words(motion.name, payload=any(motion.carrying))
-        words = words_of(Experiment(reference=work.reference), self.folder)
+        words = words_of(Experiment(reference=work.reference), self.folder, ExperimentRequest)
         check_words(words, plant)
         seconds = seconds_of(work.seconds)
-        motion = plant_motion(self.trainee.controller, plant, words.signals() or None, seconds)
+        motion = plant_motion(self.trainee.controller, plant, signals(words) or None, seconds)
         named = Path(work.plant or plant.name).name  # as the command says it
         return motion, reference_words(named, list_of(work.reference))
 
@@ -212,7 +211,7 @@ class Training:
         return self.mode == "step" or snapshot.passage >= self.limit
 
     def _snapshots(self) -> Iterator[Snapshot]:
-        from fuzzyarm.learning.self_organizing import MOST_PASSES
+        from fuzzyarm.requests.bounds import MOST_PASSES
 
         every = max(1, math.ceil(len(self.motion.time) / FRAMES))
         return self.trainee.snapshots(self.motion, MOST_PASSES, every)

@@ -17,7 +17,6 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -45,12 +44,13 @@ from fuzzyarm.loop.open_run import OpenRun, StructureError
 from fuzzyarm.loop.program import scales, shown_units
 from fuzzyarm.loop.reference import read_time
 from fuzzyarm.loop.run import ClosedLoop, metric_units, text_of
-from fuzzyarm.loop.words import PlantWords
+from fuzzyarm.loop.words import connections, driven, motion_of, options_of
 from fuzzyarm.lsp.session import Session
 from fuzzyarm.picture import drawing_data, short
 from fuzzyarm.plant.drawings import Scene, drawing_of, is_drawn
 from fuzzyarm.plant.plant import Plant, PlantError
 from fuzzyarm.plant.setting import PLAIN
+from fuzzyarm.requests.experiment import ExperimentRequest
 from fuzzyarm.text.diagnostic import RuleBaseError
 from fuzzyarm.text.names import printable
 
@@ -193,12 +193,12 @@ class LiveRun:
         self.used = self._used()
         self._forget_written()
         self.until: int | None = None  # the set point to stand at
-        words = words_of(self.asked, Path(self.path).parent)
+        words = words_of(self.asked, Path(self.path).parent, ExperimentRequest)
         check_words(words, self.plants.new(self.asked.plant))
-        plant = words.driven(self.plants.new(self.asked.plant))
+        plant = driven(words, self.plants.new(self.asked.plant))
         motion, options = self._experiment(words, plant)
         chosen = self.controller.with_gains(self.gains)
-        self.loop = ClosedLoop(chosen, motion, PLAIN, options, words.connections())
+        self.loop = ClosedLoop(chosen, motion, PLAIN, options, connections(words))
         self.run: OpenRun = self.loop.open(loaded=True)
         self.plant, self.motion = self.loop.course.plant, motion
         self.drawn = is_drawn(self.plant)
@@ -214,16 +214,16 @@ class LiveRun:
         self._show()
         self._anchor()
 
-    def _experiment(self, words: PlantWords, plant: Plant) -> tuple[Motion, Options]:
-        options = words.options(plant)
+    def _experiment(self, words: ExperimentRequest, plant: Plant) -> tuple[Motion, Options]:
+        options = options_of(words, plant)
         plant = equipped(plant, options)
         if plant.trajectories:
             motion = trajectory_motion_of(
-                self.asked.trajectory, self.controller, plant, words.connections(),
+                self.asked.trajectory, self.controller, plant, connections(words),
                 payload=bool(self.asked.payload),
             )  # fmt: skip
             return motion, options
-        site = site_of(plant, words.connections())
+        site = site_of(plant, connections(words))
         model = text_of(self.controller, site).model
         period = model.period * model.every
         word = words.duration or self.asked.until
@@ -238,7 +238,7 @@ class LiveRun:
             most = OPEN_ENDED * period
             words = _lasting(words, max(most, seconds) if word else most)
             self.until = math.ceil(seconds / period - 1e-9) if word else None
-        return words.motion(self.controller, plant), options
+        return motion_of(words, self.controller, plant), options
 
     # --- Going on ---
 
@@ -573,8 +573,8 @@ def _seconds(word: str) -> float:
     return seconds
 
 
-def _lasting(words: PlantWords, seconds: float) -> PlantWords:
-    return replace(words, duration=f"{seconds!r}s")
+def _lasting(words: ExperimentRequest, seconds: float) -> ExperimentRequest:
+    return words.replaced(duration=f"{seconds!r}s")
 
 
 def _range(gain: Gain, tune: Any) -> dict[str, Any]:

@@ -8,11 +8,9 @@ becomes an edit of the text.
 from __future__ import annotations
 
 import contextlib
-import math
 import os
 import threading
 import time
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -26,7 +24,6 @@ from fuzzyarm.designer.grounds import (
     plant_named,
     plants_for,
     seconds_of,
-    whole_of,
     words_of,
 )
 from fuzzyarm.designer.jobs import Job
@@ -34,6 +31,7 @@ from fuzzyarm.designer.requests import Nothing, TuneWord, TuneWork
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language import parse
 from fuzzyarm.lsp.session import Session
+from fuzzyarm.requests.tune import TuneRequest
 from fuzzyarm.shipped_files import shipped_folder
 from fuzzyarm.text.diagnostic import RuleBaseError
 from fuzzyarm.text.files import confined
@@ -43,10 +41,12 @@ if TYPE_CHECKING:
     from multiprocessing.connection import Connection
 
     from fuzzyarm.controller.text import ControllerText
+    from fuzzyarm.learning.data import Samples
     from fuzzyarm.model.rulebase import RuleBase
     from fuzzyarm.tuning.design import Design
     from fuzzyarm.tuning.scenarios import Stage
     from fuzzyarm.tuning.search import Found
+    from fuzzyarm.tuning.tune import TuneKeywords
     from fuzzyarm.tuning.tuned import Tuned
 
 TELL_EVERY = 0.1
@@ -118,85 +118,83 @@ def tunable(session: Session, asked: Nothing, job: Job) -> None:
     })  # fmt: skip
 
 
-class Order(NamedTuple):
+class PageOrder(NamedTuple):
     """What is to be tuned, and how; plain data for the process that searches."""
 
     path: str
     text: str
-    asked: TuneWork
-    """What the page said."""
+    asked: TuneRequest
     own: tuple[str, ...]
     """Plants that were named on the command line."""
-    samples: dict[str, str]
-    """``data``, ``test`` and ``target`` for a rule base alone, where they are given."""
-    given: dict[str, Any]
-    """Arguments of `fuzzyarm.tuning.tune` as they are."""
 
 
-def order_of(session: Session, asked: TuneWork, job: Job) -> Order:
-    """Read what a page asked for.
+def order_of(session: Session, work: TuneWork, job: Job) -> PageOrder:
+    """Read what a page asks for.
 
     Raises
     ------
     GroundsError
         If something is out of range, or would run a file.
     """
+    from fuzzyarm.tuning.asked import longest
     from fuzzyarm.tuning.cost import read_cost
     from fuzzyarm.tuning.tune import read_tuning
 
-    cost = asked.cost.strip()
+    cost = work.cost.strip()
     with at_field("cost"):
         if ".py" in cost:
             raise GroundsError("functions of files are a cost on the command line alone")
-        if cost and not asked.data:
+        if cost and not work.data:
             read_cost(cost)
-    counts = {
-        name: whole_of(getattr(asked, name), name, DEFAULTS[name], MOST_EVALS) for name in DEFAULTS
-    }
-    scenarios = whole_of(asked.scenarios, "scenarios", 0, MOST_SCENARIOS) or None
-    if counts["unseen"] > MOST_SCENARIOS:
-        raise GroundsError(f"{counts['unseen']} unseen scenarios are out of range")
-    lines = [line for line in asked.lines.splitlines() if line.strip()]
+    lines = [line for line in work.lines.splitlines() if line.strip()]
     with at_field("lines"):
         read_tuning(lines)
+    seconds = seconds_of(work.seconds)
+    asked = words_of(
+        work,
+        Path(session.path).parent,
+        TuneRequest,
+        file=session.path,
+        plant=work.plant,
+        trajectory=work.trajectory,
+        payload=work.payload,
+        vary=list_of(work.vary),
+        cost=cost,
+        tune=lines,
+        time=work.time,
+        method=work.method,
+        over=work.over,
+        no_linear=not work.linear,
+        scenarios=work.scenarios or None,
+        evals=work.evals,
+        unseen=work.unseen,
+        digits=work.digits,
+        **_samples_of(work, job),
+    )
+    if asked.evals > MOST_EVALS:
+        raise FieldError(
+            f"evals must be at most {MOST_EVALS} here, not {asked.evals}", field="evals"
+        )
+    most = max(asked.unseen, asked.scenarios or 0)
+    if most > MOST_SCENARIOS:
+        raise GroundsError(f"there must be at most {MOST_SCENARIOS} scenarios here, not {most}")
     with at_field("time"):
-        longest = _search_time(asked.time.strip())
-    given: dict[str, Any] = {
-        "cost": cost or None,
-        "scenarios": scenarios,
-        "tuning": lines or None,
-        "method": asked.method or TuneWork.method,
-        "evals": counts["evals"],
-        "seconds": longest,
-        "seed": counts["seed"],
-        "digits": counts["digits"],
-        "unseen": counts["unseen"],
-        "linear": asked.linear,
-        "over": asked.over,
-    }
-    asked = replace(asked, seed=counts["seed"])
-    own = job.plants.own
-    return Order(session.path, session.text, asked, own, _samples_of(asked, job), given)
+        longest(asked)
+    if seconds is not None:
+        asked = asked.replaced(duration=f"{seconds!r}s")
+    return PageOrder(session.path, session.text, asked, job.plants.own)
 
 
-def _search_time(text: str) -> float:
-    """Return how long may be searched, s."""
-    from fuzzyarm.loop.reference import read_time
-
-    return read_time(text, "--time") if text else math.inf
-
-
-def _samples_of(asked: TuneWork, job: Job) -> dict[str, str]:
+def _samples_of(work: TuneWork, job: Job) -> dict[str, str]:
     """Return the files of samples as they stand in the folder, and the column that is met."""
-    found = {}
-    for name, file in (("data", asked.data), ("test", asked.test)):
+    files = {}
+    for name, file in (("data", work.data), ("test", work.test)):
         if not file:
             continue
         if file not in job.folder.listed(*SAMPLES):
             raise GroundsError(f"'{file}' is not a file of samples in this folder")
-        found[name] = str(job.folder.beside(file, Path(file).suffix.lower()))
-    target = asked.target.strip()
-    return {**found, "target": target} if target else found
+        files[name] = str(job.folder.beside(file, Path(file).suffix.lower()))
+    return {**files, "target": work.target}
 
 
 # --- Here: what a page hears ---
@@ -215,7 +213,7 @@ def tune(session: Session, asked: TuneWork, job: Job) -> None:
             _take(files, session, job, replace=word.replace)
 
 
-def _searched(order: Order, job: Job) -> dict[str, Any]:
+def _searched(order: PageOrder, job: Job) -> dict[str, Any]:
     """Run the search in a process of its own, and pass on what it says."""
     from multiprocessing import get_context
 
@@ -295,7 +293,7 @@ def _take(files: list[dict[str, str]], session: Session, job: Job, *, replace: b
 # --- There: the process that searches ---
 
 
-def search(pipe: Connection, order: Order) -> None:
+def search(pipe: Connection, order: PageOrder) -> None:
     """Tune, and say through a pipe how it goes; ends with the pipe."""
     from fuzzyarm.loop.blocks import deaf
 
@@ -328,8 +326,8 @@ def _listen(pipe: Connection, enough: threading.Event) -> None:
         os._exit(0)
 
 
-def prepared(order: Order) -> tuple[ControllerText | RuleBase, dict[str, Any]]:
-    """Return what is tuned, and the arguments of `fuzzyarm.tuning.tune`.
+def prepared(order: PageOrder) -> tuple[ControllerText | RuleBase, TuneKeywords]:
+    """Return what is tuned, and the keywords of `fuzzyarm.tuning.tune`.
 
     Raises
     ------
@@ -337,59 +335,64 @@ def prepared(order: Order) -> tuple[ControllerText | RuleBase, dict[str, Any]]:
         If something does not fit.
     """
     from fuzzyarm.controller.text import ControllerText
-    from fuzzyarm.tuning.tune import read_tuning
+    from fuzzyarm.loop.words import conventions_of
+    from fuzzyarm.tuning.asked import Order
+    from fuzzyarm.tuning.tune import keywords_of
 
     subject = subject_of(order.path, order.text)
-    given = dict(order.given)
+    asked, stage = order.asked, None
+    samples: dict[str, Samples] = {}
     if isinstance(subject, ControllerText):
-        given["stage"] = _stage(order, subject)
+        stage = _stage(order, subject)
     else:
-        given |= _samples(order, subject)
-    lines = given["tuning"]
-    given["tuning"] = None if lines is None else read_tuning(lines)
-    return subject, given
+        samples = _samples(asked, subject)
+    conventions = conventions_of(asked)
+    return subject, keywords_of(
+        asked, Order(order.path, subject, stage, samples, conventions, None)
+    )
 
 
-def _stage(order: Order, text: ControllerText) -> Stage:
+def _stage(order: PageOrder, text: ControllerText) -> Stage:
     """Return where a controller runs, in the words of the page."""
     from fuzzyarm.designer.stage import Plants
     from fuzzyarm.loop.sweep import read_range
-    from fuzzyarm.tuning.tune import stage_of
+    from fuzzyarm.loop.words import driven
+    from fuzzyarm.tuning.asked import stage_asked
 
-    work = order.asked
-    words = words_of(work, Path(order.path).parent)
-    plant = plant_named(work.plant, text.model, Plants(order.own))
-    check_words(words, plant)
+    asked = order.asked
+    plant = plant_named(asked.plant or "", text.model, Plants(order.own))
+    check_words(asked, plant)
     with at_field("vary"):
-        vary = tuple(map(read_range, list_of(work.vary)))
-    plant = words.driven(plant)
-    return stage_of(
-        text,
-        plant,
-        words.options(plant),
-        words.signals() or None,
-        seconds_of(work.seconds),
-        words.connections(),
-        vary,
-        payload=float(work.payload is not False),
-        along=(work.trajectory or None) if plant.trajectories else None,
-    )
+        for word in asked.vary:
+            read_range(word)
+    if not plant.trajectories:
+        asked = asked.replaced(trajectory=None, payload=None)
+    return stage_asked(asked, text, driven(asked, plant))
 
 
-def _tuned(pipe: Connection, order: Order, enough: threading.Event) -> dict[str, Any]:
+def _samples(asked: TuneRequest, rulebase: RuleBase) -> dict[str, Samples]:
+    """Return the samples for a rule base alone, its only output being what is to be met."""
+    from fuzzyarm.tuning.asked import samples_asked
+
+    if asked.data is None:
+        raise TextError(
+            f"'{rulebase.name}' is a rule base alone: nothing says what is good",
+            hint="put samples into the folder, or tune the controller that uses it",
+        )
+    return samples_asked(asked, rulebase)
+
+
+def _tuned(pipe: Connection, order: PageOrder, enough: threading.Event) -> dict[str, Any]:
     from fuzzyarm.tuning import tune as tune_it
     from fuzzyarm.tuning.design import Design
+    from fuzzyarm.tuning.tune import read_tuning
 
-    subject, given = prepared(order)
-    teller = Teller(pipe, Design(subject, given["tuning"]), enough)
-    tuned = tune_it(
-        subject,
-        **given,
-        watch=teller.search,
-        watch_linear=teller.linear,
-        take=lambda tuned: pipe.send({"kept": _reported(tuned)}),
-        text=order.text,
-    )
+    subject, keywords = prepared(order)
+    moving = order.asked.tune
+    teller = Teller(pipe, Design(subject, read_tuning(moving) if moving else None), enough)
+    keywords.update({"watch": teller.search, "watch_linear": teller.linear, "text": order.text})
+    keywords["take"] = lambda tuned: pipe.send({"kept": _reported(tuned)})
+    tuned = tune_it(subject, **keywords)
     teller.rest()
     return _reported(tuned)
 
@@ -397,24 +400,6 @@ def _tuned(pipe: Connection, order: Order, enough: threading.Event) -> dict[str,
 def _reported(tuned: Tuned) -> dict[str, Any]:
     files = [{"name": file.name, "new": file.new, "changed": file.changed} for file in tuned.files]
     return {**tuned.as_data(), "diff": tuned.diff(), "files": files}
-
-
-def _samples(order: Order, rulebase: RuleBase) -> dict[str, Any]:
-    """Return the samples for a rule base alone, its only output being what is to be met."""
-    from fuzzyarm.learning.data import Columns, column_names, read_samples
-
-    samples = order.samples
-    if "data" not in samples:
-        raise TextError(
-            f"'{rulebase.name}' is a rule base alone: nothing says what is good",
-            hint="put samples into the folder, or tune the controller that uses it",
-        )
-    outputs = [output.name for output in rulebase.outputs]
-    known = len(outputs) == 1 and outputs[0] in column_names(samples["data"])
-    inputs = tuple(variable.name for variable in rulebase.inputs)
-    columns = Columns(samples.get("target", outputs[0] if known else None), inputs)
-    read = {name: read_samples(samples[name], columns) for name in samples if name != "target"}
-    return {**read, "scenarios": None}
 
 
 class Teller:

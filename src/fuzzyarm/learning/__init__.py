@@ -27,7 +27,8 @@ if TYPE_CHECKING:
         rulebase_samples,
         table_samples,
     )
-    from fuzzyarm.learning.self_organizing import Snapshot, train
+    from fuzzyarm.learning.self_organizing import Snapshot
+    from fuzzyarm.learning.training import train
     from fuzzyarm.learning.validation import Validation, ValidationError, validate
 
 __all__ = [
@@ -69,10 +70,8 @@ if not TYPE_CHECKING:
                 "rulebase_samples",
                 "table_samples",
             ),
-            "self_organizing": (
-                "Snapshot",
-                "train",
-            ),
+            "self_organizing": ("Snapshot",),
+            "training": ("train",),
             "validation": (
                 "Validation",
                 "ValidationError",

@@ -20,7 +20,6 @@ from fuzzyarm.controller.on_plant import (
 )
 from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.loop.along import Schedule, Way, equipped, trajectory_motion, way_of
 from fuzzyarm.loop.course import Course, Motion, Options
 from fuzzyarm.loop.loop import rms
 from fuzzyarm.loop.program import (
@@ -35,7 +34,6 @@ from fuzzyarm.loop.run import require_timing
 from fuzzyarm.model.controller import Learn
 from fuzzyarm.plant.plant import Plant, is_compiled
 from fuzzyarm.plant.setting import PLAIN, Arithmetic, Conventions
-from fuzzyarm.plant.trajectory import Trajectory
 from fuzzyarm.table import LookupTable
 from fuzzyarm.version import __version__
 
@@ -81,54 +79,17 @@ class Snapshot:
         return rms(self.errors)
 
 
-def train(
+def trained(
     controller: CompiledController,
-    on: Trajectory | Motion,
-    *,
+    motion: Motion,
     passes: int = 1,
     every: int | None = None,
-    payload: bool | float = False,
-    schedule: Schedule | None = None,
     conventions: Conventions = PLAIN,
     options: Options | None = None,
     connect: Mapping[str, str] | None = None,
 ) -> Iterator[Snapshot]:
-    """Run self-organizing control again and again; the plant begins each pass anew.
-
-    Parameters
-    ----------
-    controller : CompiledController
-        Of a text with a table that learns.
-    on : Trajectory or Motion
-        A trajectory of the arm, or set points of any plant, see
-        :func:`fuzzyarm.loop.along.trajectory_motion` and :func:`fuzzyarm.loop.run.plant_motion`.
-    passes : int, optional
-        How often.
-    every : int, optional
-        Set points from one snapshot to the next; by default one snapshot for each pass.
-    payload, schedule, conventions, options, connect
-        See :func:`fuzzyarm.loop.run.simulate`.
-
-    Yields
-    ------
-    Snapshot
-        The last one of each pass is complete.
-    """
+    """Run self-organizing control along set points; see :func:`fuzzyarm.learning.train`."""
     options = options or Options()
-    way = way_of(on)
-    if isinstance(way, Way):
-        assert way.trajectory is not None
-        plant = equipped(way.plant, options)
-        way = trajectory_motion(
-            plant,
-            way.trajectory,
-            controller,
-            conventions,
-            payload=payload,
-            schedule=schedule,
-            connect=connect,
-        )
-    motion = way
     site = site_of(motion.plants[0], connect)
     chosen = controller_on(controller, site)
     require_timing(chosen, motion)
@@ -173,8 +134,6 @@ def train(
 
 
 # --- A training from its beginning to the file ---
-
-MOST_PASSES = 10_000
 
 
 class NoTableError(FuzzyarmError, ValueError):
@@ -261,15 +220,9 @@ class Trainee:
         conventions: Conventions = PLAIN,
         options: Options | None = None,
     ) -> Iterator[Snapshot]:
-        """Train; see :func:`train`. The last digits that only rounding made are left out."""
-        for snapshot in train(
-            self.controller,
-            motion,
-            passes=passes,
-            every=every,
-            conventions=conventions,
-            options=options,
-            connect=self.connect,
+        """Train; the last digits that only rounding made are left out."""
+        for snapshot in trained(
+            self.controller, motion, passes, every, conventions, options, self.connect
         ):
             # An unused cell has to stay what its file says, and 1.8 - 1 + 1 is not 1.8.
             yield replace(snapshot, learned=snapshot.learned.readable(single=conventions.single))

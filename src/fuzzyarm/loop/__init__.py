@@ -13,10 +13,11 @@ from fuzzyarm.loop.analysis import (
     phase_portrait,
 )
 from fuzzyarm.loop.course import Motion, Options, Sensor
-from fuzzyarm.loop.many import Many, SweepError, simulate_many
+from fuzzyarm.loop.many import Many, SweepError
 from fuzzyarm.loop.metrics import Metrics
 from fuzzyarm.loop.reference import Signal, read_signal
-from fuzzyarm.loop.run import Run, simulate
+from fuzzyarm.loop.run import Run
+from fuzzyarm.loop.simulation import simulate, simulate_many
 
 __all__ = [
     "AnalysisError",

@@ -18,7 +18,8 @@ from fuzzyarm.errors import FuzzyarmError, demand_extra
 from fuzzyarm.inference import infer
 from fuzzyarm.loop.course import Options
 from fuzzyarm.loop.reference import AnySignal, AnyTime, Signal, as_seconds, as_signals
-from fuzzyarm.loop.run import AnyController, as_controller, simulate, text_of
+from fuzzyarm.loop.run import AnyController, as_controller, text_of
+from fuzzyarm.loop.simulation import simulate
 from fuzzyarm.model.controller import Drive, Learn
 from fuzzyarm.model.controller import Signal as SignalLine
 from fuzzyarm.model.rulebase import AnyRuleBase, RuleBase

@@ -9,9 +9,8 @@ from __future__ import annotations
 import os
 import threading
 import time
-from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
+from collections.abc import Generator, Iterator, Mapping, Sequence
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
-from contextlib import closing
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Any, NoReturn
@@ -36,10 +35,8 @@ from fuzzyarm.loop.metrics import METRICS
 from fuzzyarm.loop.program import shown_units
 from fuzzyarm.loop.reference import AnySignal, AnyTime
 from fuzzyarm.loop.run import (
-    AnyController,
     ClosedLoop,
     Run,
-    as_controller,
     judged_names,
     metric_units,
     plant_motion,
@@ -49,7 +46,7 @@ from fuzzyarm.plant.equations import begins_by_itself
 from fuzzyarm.plant.following import carries, with_load
 from fuzzyarm.plant.plant import Plant, parameter, with_parameters
 from fuzzyarm.plant.setting import PLAIN, Conventions
-from fuzzyarm.plant.trajectory import Trajectory
+from fuzzyarm.requests.bounds import MOST_RUNS
 from fuzzyarm.text.names import near_hint
 from fuzzyarm.text.shown import one_line
 
@@ -60,8 +57,6 @@ Changes = Mapping[str, Any]
 
 Columns = Mapping[str, Vector]
 """Of many runs: an array with an entry, or a row, for each; not a number where nothing differs."""
-
-MOST_RUNS = 10_000_000
 
 
 class SweepError(FuzzyarmError, ValueError):
@@ -179,7 +174,7 @@ def metric_names(outputs: Sequence[str]) -> list[str]:
 
 @dataclass(frozen=True)
 class Experiment:
-    """What all runs share; see :func:`simulate_many`. It travels as it is."""
+    """What all runs share; see :func:`fuzzyarm.loop.simulate_many`. It travels as it is."""
 
     controller: Controller
     on: Way | AnyWay
@@ -474,121 +469,7 @@ def _column(name: str, runs: Sequence[Changes]) -> Vector:
     return column[:, 0] if width == 1 else column
 
 
-# --- Many runs ---
-
-
-def simulate_many(
-    controller: AnyController,
-    on: AnyWay,
-    runs: Sequence[Changes] | Mapping[str, ArrayLike],
-    *,
-    executor: Executor | None = None,
-    workers: int | None = None,
-    along: Trajectory | str | None = None,
-    payload: bool | float = False,
-    segments: Sequence[int] | None = None,
-    shared: Changes | None = None,
-    conventions: Conventions = PLAIN,
-    options: Options | None = None,
-    references: Mapping[str, AnySignal] | None = None,
-    duration: AnyTime | None = None,
-    connect: Mapping[str, str] | None = None,
-    watch: Callable[[int], None] | None = None,
-) -> Many:
-    """Run a controller many times.
-
-    Compiled loops run in threads of this process, which share the machine code and the set
-    points. Where controller or plant is plain Python, processes run it: loky's where that is
-    installed. Results have the same bits with any executor and any number of workers.
-
-    Parameters
-    ----------
-    controller, on
-        See :func:`fuzzyarm.loop.run.simulate`.
-    runs : sequence of dict, or mapping of str to array_like
-        Of each run what differs, by name: gains of the controller (one number, or one for each
-        axis), parameters of the plant (``plant.NAME`` where the controller has the name, too),
-        ``noise.PORT``, ``delay.PORT`` and ``resolution.PORT`` of sensors, ``disturbance``,
-        ``seed``; along a trajectory of a plant that carries a load ``payload``: a share of it, 0
-        for none. A mapping has arrays with an entry for each run.
-    executor : Executor, optional
-        Any of :mod:`concurrent.futures`, as of loky, Dask (``client.get_executor()``) or mpi4py.
-    workers : int, optional
-        How many run at a time: by default one for each processor of this machine, or as many as
-        `executor` says that it has.
-    along : Trajectory or str, optional
-        See :func:`fuzzyarm.loop.run.simulate`.
-    payload : bool or float, optional
-        The load of runs that do not say another.
-    segments : sequence of int, optional
-        In which the plant carries its load, counted from 1; by default as the trajectory says.
-    shared : dict, optional
-        Changes of all runs.
-    conventions, options, references, duration, connect
-        See :func:`fuzzyarm.loop.run.simulate`. Run i has the seed of `options` plus i where it
-        does not say another.
-    watch : callable, optional
-        Called with the number of runs just finished.
-
-    Raises
-    ------
-    SweepError
-        If a name is unknown, or there are no runs.
-    TravelError
-        If something has to go to another process and cannot.
-
-    Examples
-    --------
-    >>> from fuzzyarm.plant import reach
-    >>> runs = [{"K_P": 100.0, "payload": 0.0}, {"K_P": 200.0, "payload": 2.0}]
-    >>> many = simulate_many("pd", reach(segment=0.3), runs, workers=1)
-    >>> many.rms.shape, bool((many.diverged > 0).any())
-    ((2, 2), False)
-    """
-    changes, count = columns_of(runs)
-    experiment = experiment_of(
-        controller,
-        on,
-        along=along,
-        payload=payload,
-        segments=segments,
-        shared=shared,
-        conventions=conventions,
-        options=options,
-        references=references,
-        duration=duration,
-        connect=connect,
-    )
-    bench = Bench(experiment, list(changes))
-    rows = np.empty((count, 1 + len(bench.outputs) * len(METRICS)))
-    with closing(stream(bench, changes, count, executor=executor, workers=workers)) as parts:
-        for first, part in parts:
-            rows[first : first + len(part)] = part
-            if watch is not None:
-                watch(len(part))
-    return many_of(bench, changes, rows)
-
-
-def experiment_of(
-    controller: AnyController,
-    on: AnyWay,
-    *,
-    along: Trajectory | str | None = None,
-    payload: bool | float = False,
-    segments: Sequence[int] | None = None,
-    shared: Changes | None = None,
-    options: Options | None = None,
-    **others: Any,
-) -> Experiment:
-    """Return what all runs share, in the words of :func:`simulate_many`."""
-    shared = dict(shared or {})
-    if payload or segments is not None:
-        shared.setdefault("payload", float(payload or 1.0))
-    found = as_controller(controller)
-    referred = bool(others.get("references")) or others.get("duration") is not None
-    way = way_of(on, along, referred=referred)
-    chosen = tuple(segments) if segments is not None else None
-    return Experiment(found, way, chosen, shared, options=options or Options(), **others)
+# --- What came of them ---
 
 
 def many_of(bench: Bench, changes: Columns, rows: Rows) -> Many:
@@ -629,7 +510,7 @@ def stream(
     executor: Executor | None = None,
     workers: int | None = None,
 ) -> Generator[tuple[int, Rows], None, None]:
-    """Yield the rows of runs in their order, a block at a time; see :func:`simulate_many`.
+    """Yield the rows of runs in their order, a block at a time.
 
     A row has the time of divergence, then the metrics of each output. Closing the iterator ends
     the runs.

@@ -28,7 +28,6 @@ from fuzzyarm.controller.on_plant import (
 from fuzzyarm.controller.program import SourceError
 from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.errors import demand_extra
-from fuzzyarm.loop.along import AnyWay, Schedule, Way, equipped, trajectory_motion, way_of
 from fuzzyarm.loop.course import (
     Course,
     Motion,
@@ -61,7 +60,6 @@ from fuzzyarm.plant.setting import (
     SET_POINT_PERIOD,
     Conventions,
 )
-from fuzzyarm.plant.trajectory import Trajectory
 from fuzzyarm.plant.tried import require_sound
 from fuzzyarm.text.mistaken import CONTROLLER, wrong_kind
 from fuzzyarm.text.shown import Plotted, one_line
@@ -290,91 +288,6 @@ AnyController = Controller | ControllerText | str | os.PathLike[str]
 """A controller, or the name or the file of one."""
 
 
-def simulate(
-    controller: AnyController,
-    on: AnyWay,
-    *,
-    along: Trajectory | str | None = None,
-    payload: bool | float = False,
-    schedule: Schedule | None = None,
-    conventions: Conventions = PLAIN,
-    options: Options | None = None,
-    references: Mapping[str, AnySignal] | None = None,
-    duration: AnyTime | None = None,
-    connect: Mapping[str, str] | None = None,
-) -> Run:
-    """Run a controller on a plant, along a trajectory or references.
-
-    Parameters
-    ----------
-    controller : Controller, ControllerText, str or path-like
-        One that the plant has the ports of; laws of the study ask for those of the arm. Sums of
-        compiled ones run as machine code. A string is a name of the catalogue or a file.
-    on : Trajectory, Plant, Motion, str or path-like
-        The plant; a trajectory of the arm; or set points that were made before. A string is the
-        name or file of a plant, which follows its first trajectory, where it has some and nothing
-        else is said.
-    along : Trajectory or str, optional
-        What the plant is to follow, or the name of one of its trajectories.
-    payload : bool or float, optional
-        Whether the plant carries its load where the trajectory says, or which share of it.
-    schedule : sequence of mapping, optional
-        What of the parameters of the plant differs in each segment, instead of its load.
-    conventions : Conventions, optional
-        Precision, π, timing.
-    options : Options, optional
-        Sensors, disturbances, limits, integrator.
-    references : mapping of str to Signal, str or float, optional
-        Of a plant, by port: a signal, its words, as in ``"step:1"`` or ``"sine:0.5,2"``, or a
-        number, to which it steps. A step to 1 of the first output by default.
-    duration : float or str, optional
-        Of a run on a plant: s, or with its unit, as in ``"300ms"``; by default the plant's own.
-    connect : mapping of str to str, optional
-        From names of the controller to ports of the plant, where they differ.
-
-    Returns
-    -------
-    Run
-        Diverged or not.
-
-    Raises
-    ------
-    ArmError
-        If an angle, a time or a schedule does not fit the trajectory.
-    PlantError
-        If the plant does not have a port, or cannot be run.
-    SourceError
-        If the plant does not have what the controller measures or drives.
-    WordError
-        If words for a reference or a time say nothing.
-
-    Examples
-    --------
-    >>> from fuzzyarm import shipped
-    >>> servo = shipped("servo.frb")
-    >>> simulate(servo, "motor", references={"position": "step:1"}, duration="300ms")
-    <Run servo on motor: 0.3 s, rms position 27.09 degrees>
-    """
-    options = options or Options()
-    chosen = as_controller(controller)
-    way = way_of(on, along, referred=bool(references) or duration is not None)
-    if isinstance(way, Way):
-        plant = equipped(way.plant, options)
-        if way.trajectory is None:
-            way = plant_motion(chosen, plant, references, duration, connect)
-        else:
-            way = trajectory_motion(
-                plant,
-                way.trajectory,
-                chosen,
-                conventions,
-                payload=payload,
-                schedule=schedule,
-                connect=connect,
-            )
-    return run_along(chosen, way, conventions, options, connect)
-
-
 def as_controller(controller: AnyController) -> Controller:
     """Return a controller, of its name, file or text where that is what is given.
 
@@ -465,7 +378,7 @@ def run_along(
     options: Options | None = None,
     connect: Mapping[str, str] | None = None,
 ) -> Run:
-    """Run a controller along set points; see :func:`simulate`."""
+    """Run a controller along set points; see :func:`fuzzyarm.loop.simulate`."""
     return ClosedLoop(controller, followed, conventions, options, connect).run()
 
 

@@ -1,19 +1,15 @@
 """Sweeps: ranges that span a grid or are drawn from, and the file that holds what came of them.
 
-A file of a sweep begins with what was asked and the units, as JSON behind a ``#``; a heading
-follows, and a line for each run in the order of the runs. So the file of a sweep that was
-interrupted is the front of the whole one, and to go on means to write what is missing.
+The file of a sweep is a journal (`fuzzyarm.requests.journal`) with a line for each run, in
+order.
 """
 
 from __future__ import annotations
 
-import itertools
-import json
 import math
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
@@ -21,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.loop.many import SweepError, Vector, metric_names
-from fuzzyarm.text.files import write_atomically
+from fuzzyarm.requests.journal import Journal
 
 # --- Ranges ---
 
@@ -33,7 +29,7 @@ class Range:
     Parameters
     ----------
     name : str
-        See :func:`fuzzyarm.loop.many.simulate_many`.
+        See :func:`fuzzyarm.loop.simulate_many`.
     low, high : float
         Both ends belong to it.
     count : int, optional
@@ -158,15 +154,9 @@ def whole(columns: Mapping[str, Vector]) -> dict[str, Vector]:
 
 # --- The file ---
 
-HEAD = "# fuzzyarm sweep 1\n"
-
-
-class SweepFileError(SweepError):
-    """A file is not what the sweep would go on with."""
-
 
 class SweepFile:
-    """A file that grows by a line for each run.
+    """The journal of a sweep: a CSV file with a line for each run.
 
     Parameters
     ----------
@@ -191,96 +181,50 @@ class SweepFile:
         outputs: Sequence[str],
         units: Mapping[str, str] = MappingProxyType({}),
     ) -> None:
-        self.path = Path(path)
         self.columns = columns
         self.count = len(next(iter(columns.values())))
-        self.names = ["run", *columns, "diverged", *metric_names(outputs)]
+        names = ["run", *columns, "diverged", *metric_names(outputs)]
         head = {**question, "units": dict(units)} if units else question
-        asked = json.dumps(head, sort_keys=True, ensure_ascii=False)
-        self.head = f"{HEAD}# {asked}\n{','.join(map(quoted, self.names))}\n"
+        self.journal = Journal(path, "sweep", head, names)
+        self.path = self.journal.path
 
     def begin(self) -> None:
         """Write the head; what was there is gone.
 
         Raises
         ------
-        SweepFileError
+        JournalError
             If the file holds a part of the same sweep.
         """
-        if self.path.is_file() and self.path.read_bytes().startswith(self.head.encode()):
-            rows = len(self.resume())
-            if 0 < rows < self.count:
-                message = f"{self.path} has {rows} of the {self.count} runs"
-                hint = "--resume goes on, or remove the file"
-                raise SweepFileError(message, hint=hint)
-        write_atomically(self.path, self.head)
+        self.journal.begin(self.count)
 
     def resume(self) -> Vector:
         """Return the rows of the file: divergence and metrics; a line that is torn is cut off.
 
         Raises
         ------
-        SweepFileError
+        JournalError
             If something else was asked, or a line is damaged.
         OSError
             If the file cannot be read.
         """
-        content = self.path.read_bytes()
-        if not content.startswith(self.head.encode()):
-            raise SweepFileError(f"{self.path} {self._difference(content)}", hint="give another -o")
-        text = content[len(self.head.encode()) :]
-        whole_lines = text[: text.rfind(b"\n") + 1]
-        if len(whole_lines) < len(text):
-            os.truncate(self.path, len(content) - len(text) + len(whole_lines))
-        lines = whole_lines.decode("utf-8", errors="replace").splitlines()
         front = len(self.columns) + 1
-        rows = np.full((len(lines), len(self.names) - front), np.nan)
-        for at, line in enumerate(lines):
-            words = line.split(",")
-            expected = self._front(at) if at < self.count else []
-            try:
-                if words[:front] != expected or len(words) != len(self.names):
-                    raise ValueError
-                rows[at] = [float(word) if word else math.nan for word in words[front:]]
-            except ValueError:
-                message = f"{self.path}: line {at + 4} is not that of run {at}"
-                raise SweepFileError(message, hint="remove what follows it, or the file") from None
-        return rows
+
+        def values(run: int, cells: Sequence[str]) -> list[float]:
+            if run >= self.count or list(cells[:front]) != self._front(run):
+                raise ValueError
+            return [float(cell) if cell else math.nan for cell in cells[front:]]
+
+        rows = self.journal.read(values)
+        return np.array(rows, dtype=float).reshape(len(rows), len(self.journal.columns) - front)
 
     def append(self, first: int, rows: Iterable[Vector]) -> None:
         """Write the rows of some runs, the first of which is the next that is missing."""
-        with self.path.open("a", encoding="utf-8", newline="\n") as file:
-            for at, row in enumerate(rows, first):
-                words = ["" if math.isnan(value) else repr(float(value)) for value in row]
-                file.write(",".join([*self._front(at), *words]) + "\n")
+        self.journal.append(
+            [*self._front(run), *("" if math.isnan(value) else repr(float(value)) for value in row)]
+            for run, row in enumerate(rows, first)
+        )
 
-    def _front(self, at: int) -> list[str]:
-        values = [column[at].item() for column in self.columns.values()]
-        return [str(at), *("" if math.isnan(value) else repr(value) for value in values)]
-
-    def _difference(self, content: bytes) -> str:
-        """Say what the file asks that this sweep does not."""
-        lines = content.decode("utf-8", errors="replace").splitlines()
-        if not content.startswith(HEAD.encode()) or len(lines) < 2:
-            return "is not a sweep file"
-        try:
-            theirs = json.loads(lines[1].removeprefix("# "))
-            ours = json.loads(self.head.splitlines()[1].removeprefix("# "))
-        except ValueError:
-            return "is not a sweep file"
-        names = [name for name in {**ours, **theirs} if ours.get(name) != theirs.get(name)]
-        for name in names:
-            asked, given = theirs.get(name), ours.get(name)
-            if isinstance(asked, dict) and isinstance(given, dict):
-                parts = itertools.chain(asked, given)
-                changed = next(part for part in parts if asked.get(part) != given.get(part))
-                return f"belongs to another sweep: {name} {changed} differs"
-            return (
-                f"belongs to another sweep: {name} was {json.dumps(asked)}, not {json.dumps(given)}"
-            )
-        return "belongs to another sweep: it has other columns"
-
-
-def quoted(name: str) -> str:
-    """Return a heading as CSV has it."""
-    return '"' + name.replace('"', '""') + '"' if any(c in name for c in ',"') else name
+    def _front(self, run: int) -> list[str]:
+        values = [column[run].item() for column in self.columns.values()]
+        return [str(run), *("" if math.isnan(value) else repr(value) for value in values)]

@@ -1,7 +1,7 @@
-"""An experiment on a plant as a user writes it: references, sensors, actuators, disturbances.
+"""What the words of an experiment mean: plant, references, sensors, actuators, disturbances.
 
-The command line and the designer take the same words, ``position=step:1`` or ``voltage=-5..5``,
-and say the same of those that mean nothing.
+The command line, the designer and Python take the same `ExperimentRequest`, with words such as
+``position=step:1`` or ``voltage=-5..5``, and hear the same of those that mean nothing.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import replace
 from typing import Any, TypeVar
 
 from fuzzyarm.controller.controller import Controller
@@ -19,161 +19,137 @@ from fuzzyarm.loop.reference import Signal, read_signal, read_time
 from fuzzyarm.loop.run import plant_motion
 from fuzzyarm.plant.own import find_plant
 from fuzzyarm.plant.plant import Plant, Port, interface_of, with_actuators
+from fuzzyarm.plant.setting import PLAIN, STUDY, Conventions
+from fuzzyarm.requests.experiment import ExperimentRequest
 
 _Value = TypeVar("_Value")
 
 
-@dataclass(frozen=True)
-class PlantWords:
-    """What is said of an experiment, by the names of the options of ``fuzzyarm simulate``.
+def driven(asked: ExperimentRequest, plant: Plant) -> Plant:
+    """Return a plant with the actuators that are asked for.
 
-    Parameters
-    ----------
-    plant : str, optional
-        A shipped plant, or a file.
-    connect, reference, noise, quantise, sensor_delay, difference, actuator, disturb : sequence
-        of str, optional
-        ``NAME=VALUE`` each.
-    duration : str or None, optional
-        With its unit.
-    step : float or None, optional
-        Of the first reference.
-    interpolate : bool, optional
-        Whether the reference moves between set points.
-    seed, runge_kutta : int, optional
-        Of noise and disturbance; steps of the integrator in a control period.
-    limits : sequence of float or None, optional
-        Largest torques of the joints, N m.
-    supply, inductance : float or None, optional
-        Of the motors, V and H.
+    Raises
+    ------
+    WordError
+        If a word is not understood.
+    PlantError
+        If there is no such input.
     """
+    actuators = read_pairs(asked.actuator, "--actuator", _actuator)
+    return with_actuators(plant, actuators) if actuators else plant
 
-    plant: str = ""
-    connect: Sequence[str] = ()
-    duration: str | None = None
-    step: float | None = None
-    reference: Sequence[str] = ()
-    noise: Sequence[str] = ()
-    quantise: Sequence[str] = ()
-    sensor_delay: Sequence[str] = ()
-    difference: Sequence[str] = ()
-    actuator: Sequence[str] = ()
-    disturb: Sequence[str] = ()
-    interpolate: bool = False
-    seed: int = 1
-    runge_kutta: int = 0
-    limits: Sequence[float] | None = None
-    supply: float | None = None
-    inductance: float | None = None
 
-    @classmethod
-    def of(cls, said: object) -> PlantWords:
-        """Return the words among the attributes of something, as a parsed command line."""
-        known = vars(said)
-        return cls(
-            **{field.name: known[field.name] for field in fields(cls) if field.name in known}
-        )
+def named_plant(asked: ExperimentRequest) -> Plant:
+    """Return the plant that is named, with its actuators; a Python file is executed."""
+    return driven(asked, find_plant(asked.plant or ""))
 
-    def driven(self, plant: Plant) -> Plant:
-        """Return a plant with the actuators that are said.
 
-        Raises
-        ------
-        WordError
-            If a word is not understood.
-        PlantError
-            If there is no such input.
-        """
-        actuators = read_pairs(self.actuator, "--actuator", _actuator)
-        return with_actuators(plant, actuators) if actuators else plant
+def connections(asked: ExperimentRequest) -> dict[str, str]:
+    """Return which names of the controller mean which ports of the plant."""
+    return read_pairs(asked.connect, "--connect", str)
 
-    def find_plant(self) -> Plant:
-        """Return the plant that is said, with its actuators; a Python file is executed."""
-        return self.driven(find_plant(self.plant))
 
-    def connections(self) -> dict[str, str]:
-        """Return which names of the controller mean which ports of the plant."""
-        return read_pairs(self.connect, "--connect", str)
+def signals(asked: ExperimentRequest) -> dict[str, Signal]:
+    """Return the references, by port.
 
-    def signals(self) -> dict[str, Signal]:
-        """Return the references that are said, by port.
+    Raises
+    ------
+    WordError
+        If a word is not understood.
+    PlantError
+        If there is no such signal.
+    """
+    return read_pairs(asked.reference, "--reference", read_signal)
 
-        Raises
-        ------
-        WordError
-            If a word is not understood.
-        PlantError
-            If there is no such signal.
-        """
-        return read_pairs(self.reference, "--reference", read_signal)
 
-    def options(self, plant: Plant) -> Options:
-        """Return sensors, disturbances and the rest of how to run.
+def seconds(asked: ExperimentRequest) -> float | None:
+    """Return how long references are followed, s; None where nothing is said."""
+    return read_time(asked.duration, "--for") if asked.duration is not None else None
 
-        Raises
-        ------
-        WordError
-            If a word is not understood.
-        """
-        given: dict[str, Any] = {
-            "seed": self.seed,
-            "interpolate": self.interpolate,
-            "sensors": self._sensors(plant),
-            "loads": read_pairs(self.disturb, "--disturb", read_signal),
-            "runge_kutta": self.runge_kutta,
-        }
-        return Options(**given, **self.motors())
 
-    def motors(self) -> dict[str, Any]:
-        """Return what is said of joints and motors, by the names of options of a run."""
-        given: dict[str, Any] = {}
-        if self.limits is not None:
-            given["torque_limits"] = tuple(self.limits)
-        for name in ("supply", "inductance"):
-            if getattr(self, name) is not None:
-                given[name] = getattr(self, name)
-        return given
+def options_of(asked: ExperimentRequest, plant: Plant) -> Options:
+    """Return sensors, disturbances and the rest of how to run.
 
-    def motion(self, controller: Controller, plant: Plant) -> Motion:
-        """Return the set points of a plant that follows references.
+    Raises
+    ------
+    WordError
+        If a word is not understood.
+    """
+    given: dict[str, Any] = {}
+    if asked.limits is not None:
+        given["torque_limits"] = asked.limits
+    for name in ("supply", "inductance"):
+        if getattr(asked, name) is not None:
+            given[name] = getattr(asked, name)
+    return Options(
+        seed=asked.seed,
+        interpolate=asked.interpolate,
+        sensors=sensors_of(asked, plant),
+        loads=read_pairs(asked.disturb, "--disturb", read_signal),
+        runge_kutta=asked.runge_kutta,
+        **given,
+    )
 
-        Raises
-        ------
-        WordError
-            If a word is not understood, or two say the same thing.
-        PlantError
-            If there is no such port, signal or duration.
-        """
-        duration = read_time(self.duration, "--for") if self.duration is not None else None
-        references = self.signals()
-        connect = self.connections()
-        if self.step is not None:
-            if references:
-                raise WordError("--step and --reference say the same thing; give one of them")
-            return plant_motion(
-                controller, plant, None, duration, connect, step=Signal("step", (self.step,))
-            )
+
+def motion_of(asked: ExperimentRequest, controller: Controller, plant: Plant) -> Motion:
+    """Return the set points of a plant that follows references.
+
+    Raises
+    ------
+    WordError
+        If a word is not understood, or two say the same thing.
+    PlantError
+        If there is no such port, signal or duration.
+    """
+    duration, references, connect = seconds(asked), signals(asked), connections(asked)
+    if asked.step is None:
         return plant_motion(controller, plant, references or None, duration, connect)
+    if references:
+        raise WordError("--step and --reference say the same thing; give one of them")
+    step = Signal("step", (asked.step,))
+    return plant_motion(controller, plant, None, duration, connect, step=step)
 
-    def _sensors(self, plant: Plant) -> dict[str, Sensor]:
-        sensors: dict[str, Sensor] = {}
 
-        def change(values: Mapping[str, float], field: str) -> None:
-            for name, value in values.items():
-                sensors[name] = replace(sensors.get(name, Sensor()), **{field: value})
+def conventions_of(asked: ExperimentRequest) -> Conventions:
+    """Return how to count: the same for every controller."""
+    conventions = STUDY if asked.conventions == "study" else PLAIN
+    changed: dict[str, Any] = {"load_in_hold": asked.load_in_hold}
+    if asked.precision:
+        changed["precision"] = asked.precision
+    if asked.pi is not None:
+        changed["pi"] = asked.pi
+    return replace(conventions, **changed)
 
-        def time(option: str) -> Callable[[str], float]:
-            return lambda text: read_time(text, option)
 
-        steps = {
-            name: _resolution(text, name, plant)
-            for name, text in read_pairs(self.quantise, "--quantise", str).items()
-        }
-        change(read_pairs(self.noise, "--noise", read_number("--noise")), "noise")
-        change(steps, "resolution")
-        change(read_pairs(self.sensor_delay, "--sensor-delay", time("--sensor-delay")), "delay")
-        change(read_pairs(self.difference, "--difference", time("--difference")), "difference")
-        return sensors
+# --- Sensors and actuators ---
+
+
+def sensors_of(asked: ExperimentRequest, plant: Plant) -> dict[str, Sensor]:
+    """Return the sensors that are not exact, by port.
+
+    Raises
+    ------
+    WordError
+        If a word is not understood.
+    """
+    sensors: dict[str, Sensor] = {}
+
+    def change(values: Mapping[str, float], field: str) -> None:
+        for name, value in values.items():
+            sensors[name] = replace(sensors.get(name, Sensor()), **{field: value})
+
+    def time(option: str) -> Callable[[str], float]:
+        return lambda text: read_time(text, option)
+
+    steps = {
+        name: _resolution(text, name, plant)
+        for name, text in read_pairs(asked.quantise, "--quantise", str).items()
+    }
+    change(read_pairs(asked.noise, "--noise", read_number("--noise")), "noise")
+    change(steps, "resolution")
+    change(read_pairs(asked.sensor_delay, "--sensor-delay", time("--sensor-delay")), "delay")
+    change(read_pairs(asked.difference, "--difference", time("--difference")), "difference")
+    return sensors
 
 
 def read_pairs(

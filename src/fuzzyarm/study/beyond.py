@@ -10,7 +10,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from fuzzyarm.controller.catalogue import controller
-from fuzzyarm.loop.run import Run, simulate
+from fuzzyarm.loop.run import Run
+from fuzzyarm.loop.simulation import simulate
 from fuzzyarm.plant.setting import STUDY
 from fuzzyarm.study.published import RMS_PLACES, Eight, PublishedRow, published_rows
 from fuzzyarm.study.reproduce import TRAJECTORIES, four

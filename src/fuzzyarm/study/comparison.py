@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,14 +22,18 @@ from fuzzyarm.export.cost import step_cost
 from fuzzyarm.export.numbers import ExportError
 from fuzzyarm.loop.along import equipped, trajectory_motion
 from fuzzyarm.loop.course import Options
+from fuzzyarm.loop.experiments import follows, with_plant
 from fuzzyarm.loop.loop import HELD, LED, MAGNITUDES, rms
 from fuzzyarm.loop.program import shown_errors, shown_means, shown_units
 from fuzzyarm.loop.run import ClosedLoop
+from fuzzyarm.loop.words import connections, conventions_of, options_of
 from fuzzyarm.plant.driven_arm import Arm
 from fuzzyarm.plant.following import carries, compared_trajectories
 from fuzzyarm.plant.plant import Plant
 from fuzzyarm.plant.setting import PLAIN, Conventions
 from fuzzyarm.plant.trajectory import Trajectory
+from fuzzyarm.requests.fields import RequestError
+from fuzzyarm.requests.runs import CompareRequest
 from fuzzyarm.study.beyond import NAMES as BEYOND
 from fuzzyarm.study.beyond import SUMMARY_TABLE
 from fuzzyarm.study.cost import Operations, count_operations, measure_time
@@ -121,7 +126,7 @@ def geometric_mean(values: Sequence[float]) -> float:
 
 
 def compare(
-    controllers: Sequence[str | Controller],
+    controllers: Sequence[str | Controller] | CompareRequest,
     options: Options | None = None,
     *,
     plant: Plant | None = None,
@@ -134,8 +139,8 @@ def compare(
 
     Parameters
     ----------
-    controllers : sequence of str or Controller
-        Of the catalogue, sums or files.
+    controllers : sequence of str or Controller, or CompareRequest
+        Of the catalogue, sums or files. A request alone says all that ``fuzzyarm compare`` does.
     options : Options, optional
         The conditions; see :data:`CONDITIONS`.
     plant : Plant, optional
@@ -150,6 +155,9 @@ def compare(
     connect : mapping of str to str, optional
         From names of the controllers to ports of the plant, where they differ.
     """
+    if isinstance(controllers, CompareRequest):
+        yield from _compared_by(controllers)
+        return
     home = plant or Arm()
     ways = compared_trajectories(home) if trajectories is None else trajectories
     named = iter(
@@ -179,6 +187,34 @@ def compare(
             tuple(run.diverged for run in runs),
             tuple(dict.fromkeys(note for run in runs for note in run.notes)),
         )
+
+
+def _compared_by(asked: CompareRequest) -> Iterator[Compared]:
+    """Do what a request asks along the trajectories of its plant."""
+    controllers = find_controllers(asked.controllers or compared_names())
+    asked, plant = with_plant(asked, controllers)
+    if not follows(asked, plant):
+        message = f"{plant.name} follows references here: compare the runs of `simulate`"
+        raise RequestError("plant", f"must have trajectories to compare along: {message}")
+    yield from compare(
+        controllers,
+        options_of(asked, plant),
+        plant=plant,
+        trajectories=compared_along(asked, plant),
+        conventions=conventions_of(asked),
+        payload=bool(asked.payload),
+        connect=connections(asked),
+    )
+
+
+def compared_along(asked: CompareRequest, plant: Plant) -> Sequence[Trajectory]:
+    """Return those that a plant has controllers compared along, with other angles and times."""
+    given: dict[str, Any] = {}
+    if asked.angles is not None:
+        given["angles"] = asked.angles
+    if asked.segment is not None:
+        given["segment"] = asked.segment
+    return compared_trajectories(plant, **given)
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from fuzzyarm.controller.on_plant import TextLaw
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.loop.along import equipped, trajectory_motion
 from fuzzyarm.loop.course import Motion, Options
-from fuzzyarm.loop.run import simulate
+from fuzzyarm.loop.simulation import simulate
 from fuzzyarm.plant.arm import RATIOS, motor_torque
 from fuzzyarm.plant.driven_arm import Arm
 from fuzzyarm.plant.setting import (

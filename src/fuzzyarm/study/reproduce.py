@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 from fuzzyarm.controller.catalogue import CATALOGUE, Start, Variant, controller
 from fuzzyarm.controller.controller import CompiledController, Controller, Sum
 from fuzzyarm.loop.course import Options
-from fuzzyarm.loop.many import Many, simulate_many
-from fuzzyarm.loop.run import Run, simulate
+from fuzzyarm.loop.many import Many
+from fuzzyarm.loop.run import Run
+from fuzzyarm.loop.simulation import simulate, simulate_many
 from fuzzyarm.plant.setting import Arithmetic, Conventions
 from fuzzyarm.plant.trajectory import Trajectory, pick_and_place, reach, reach_return
 from fuzzyarm.study.published import MAXIMUM_ON, RMS_PLACES, Eight, PublishedRow

@@ -16,13 +16,14 @@ from typing import NamedTuple
 import numpy as np
 
 from fuzzyarm.errors import FuzzyarmError, sentence_of
+from fuzzyarm.requests.bounds import MOST_TUNED_DIGITS
 from fuzzyarm.tuning.cost import Cost
 from fuzzyarm.tuning.design import Candidate
 from fuzzyarm.tuning.examiner import Panel, Problem, Score, panel
 from fuzzyarm.tuning.linear import NAME as LINEAR
 from fuzzyarm.tuning.promises import Promises
 from fuzzyarm.tuning.search import Found, Journal, Search, Watch
-from fuzzyarm.tuning.tuned import ALL_DIGITS, JUDGEMENT, MOST_DIGITS, Plan, Row, Tuned
+from fuzzyarm.tuning.tuned import ALL_DIGITS, JUDGEMENT, Plan, Row, Tuned
 
 WORSE = 0.01
 """How much a cost may grow when numbers are rounded, before a digit more is kept."""
@@ -89,7 +90,7 @@ def rounded(
     if np.array_equal(best.point, design.start):
         return design.as_it_is(), digits, best.score
     try:
-        for count in range(digits, MOST_DIGITS + 1):
+        for count in range(digits, MOST_TUNED_DIGITS + 1):
             candidate = design.at(best.point, count)
             if promises.expected(candidate) or promises.proof(candidate):
                 continue

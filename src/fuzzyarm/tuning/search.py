@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -15,7 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.errors import sentence_of
-from fuzzyarm.text.files import write_atomically
+from fuzzyarm.requests.fields import read_fields
+from fuzzyarm.requests.journal import Journal as JournalFile
+from fuzzyarm.requests.journal import JournalError
+from fuzzyarm.requests.tune import TuneRequest
+from fuzzyarm.text.names import printable
 from fuzzyarm.tuning.examiner import REFUSED, Panel, Score
 from fuzzyarm.tuning.movement import TuneError
 from fuzzyarm.tuning.optimisers import OPTIMISERS
@@ -47,8 +50,7 @@ class Budget:
     seconds: float = math.inf
 
     def __post_init__(self) -> None:
-        if not 1 <= self.evals <= 10_000_000:
-            raise TuneError(f"{self.evals} evaluations are out of range", hint="1 to 10000000")
+        read_fields(TuneRequest, vars(self), ("evals",))
         if not self.seconds > 0.0:
             raise TuneError(f"a time of {self.seconds:g} s is out of range")
 
@@ -258,11 +260,10 @@ class Search:
 
 # --- The journal ---
 
-HEAD = "# fuzzyarm tune 1\n"
-
-
-class JournalError(TuneError):
-    """A journal that is not that of the search, or is damaged."""
+TRIAL = (
+    "trial", "seconds", "cost", "rms", "chatter", "diverged", "fault", "parts", "point",
+)  # fmt: skip
+"""Columns of a journal; costs of scenarios, and shares of parameters, stand with blanks between."""
 
 
 class Journal:
@@ -293,64 +294,49 @@ class Journal:
     """
 
     def __init__(self, path: str | Path, question: Mapping[str, Any], *, resume: bool) -> None:
-        self.path = Path(path)
-        self.head = f"{HEAD}# {json.dumps(question, sort_keys=True, ensure_ascii=False)}\n"
-        self.known: list[Trial] = []
+        self.lines = JournalFile(path, "search", question, TRIAL, piece="trial", option="--journal")
+        self.path = self.lines.path
         self.seconds = 0.0
         self.begin = time.monotonic()
+        self.known: list[Trial] = []
         if resume and self.path.exists():
-            self._read()
-            return
-        if self.path.is_file() and self.path.stat().st_size:  # hours of work, or somebody's file
-            begun = self.path.read_text("utf-8", "replace")
-            ours = begun.startswith(self.head)
-            what = "has trials of this search" if ours else "is there, and is not of this search"
-            hint = "--resume goes on, or remove the file" if ours else "give another --journal"
-            raise JournalError(f"{self.path} {what}", hint=hint)
-        write_atomically(self.path, self.head)
+            self.known = self.lines.read(self._trial)
+        else:
+            self.lines.begin(may_replace=False)
 
-    def _read(self) -> None:
-        text = self.path.read_text("utf-8", "replace")
-        if not text.startswith(self.head):
-            message = f"{self.path} is not the journal of this search"
-            raise JournalError(
-                message, hint="what is asked must not change; give another --journal"
-            )
-        whole = text[len(self.head) : text.rfind("\n") + 1]
-        try:
-            for line in whole.splitlines():
-                self.known.append(self._trial(json.loads(line)))
-        except (ValueError, KeyError, TypeError):
-            number = len(self.known) + 3
-            message = f"{self.path}: line {number} is damaged"
-            raise JournalError(message, hint="remove what follows it") from None
-        # A line that is torn is cut off.
-        write_atomically(self.path, self.head + whole)
-
-    def _trial(self, data: Mapping[str, Any]) -> Trial:
-        self.seconds = float(data["seconds"])
-        error, chatter = (
-            math.nan if data[key] is None else float(data[key]) for key in ("rms", "chatter")
-        )
-        parts = tuple(map(float, data["parts"]))
-        fault = str(data.get("fault", ""))
-        score = Score(float(data["cost"]), parts, error, chatter, int(data["diverged"]), fault)
-        return Trial(np.array(data["point"], dtype=float), score)
+    def _trial(self, number: int, cells: Sequence[str]) -> Trial:
+        trial, seconds, cost, rms, chatter, diverged, fault, parts, point = cells
+        if int(trial) != number:
+            raise ValueError
+        self.seconds = float(seconds)
+        error, change = (float(cell) if cell else math.nan for cell in (rms, chatter))
+        costs = tuple(map(float, parts.split()))
+        score = Score(float(cost), costs, error, change, int(diverged), fault)
+        return Trial(np.array(point.split(), dtype=float), score)
 
     def append(self, trials: Sequence[Trial], first: int) -> None:
         """Write trials down."""
         seconds = round(self.seconds + time.monotonic() - self.begin, 3)
-        with self.path.open("a", encoding="utf-8", newline="\n") as file:
-            for at, trial in enumerate(trials, first):
-                score = trial.score
-                data = {
-                    "trial": at,
-                    "seconds": seconds,
-                    "cost": score.cost,
-                    "rms": None if math.isnan(score.error) else score.error,
-                    "chatter": None if math.isnan(score.chatter) else score.chatter,
-                    "diverged": score.diverged,
-                    "parts": score.parts,
-                    "point": trial.point.tolist(),
-                } | ({"fault": score.fault} if score.fault else {})
-                file.write(json.dumps(data) + "\n")
+        self.lines.append(_cells(at, seconds, trial) for at, trial in enumerate(trials, first))
+
+
+def _cells(number: int, seconds: float, trial: Trial) -> list[str]:
+    score = trial.score
+    rms, chatter = (
+        "" if math.isnan(value) else repr(float(value)) for value in (score.error, score.chatter)
+    )
+    parts, point = (
+        " ".join(repr(float(value)) for value in values) for values in (score.parts, trial.point)
+    )
+    cost, fault = repr(float(score.cost)), printable(score.fault)
+    return [
+        str(number),
+        repr(seconds),
+        cost,
+        rms,
+        chatter,
+        str(score.diverged),
+        fault,
+        parts,
+        point,
+    ]

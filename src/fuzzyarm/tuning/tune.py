@@ -7,7 +7,7 @@ import os
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
-from typing import Any
+from typing import Any, TypedDict, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,12 +22,16 @@ from fuzzyarm.loop.along import Way, equipped, way_of
 from fuzzyarm.loop.course import Options
 from fuzzyarm.loop.reference import AnySignal, AnyTime, as_seconds, as_signals
 from fuzzyarm.loop.run import plant_motion
-from fuzzyarm.loop.sweep import Range
+from fuzzyarm.loop.sweeps import cluster
 from fuzzyarm.model.rulebase import AnyRuleBase, RuleBase, Tuning
 from fuzzyarm.plant.plant import Plant
 from fuzzyarm.plant.setting import PLAIN, Conventions
 from fuzzyarm.plant.trajectory import Trajectory
+from fuzzyarm.requests.fields import read_fields
+from fuzzyarm.requests.tune import TuneRequest
+from fuzzyarm.text.keywords import demand_keywords
 from fuzzyarm.text.mistaken import MODEL, wrong_kind
+from fuzzyarm.tuning.asked import Order, longest, order_of
 from fuzzyarm.tuning.cost import (
     ERRORS,
     OwnCost,
@@ -49,7 +53,7 @@ from fuzzyarm.tuning.scenarios import (
 )
 from fuzzyarm.tuning.search import Budget, Journal, Search, Watch
 from fuzzyarm.tuning.text import Originals, changes_of, originals_of, rewritten
-from fuzzyarm.tuning.tuned import UNSEEN, Method, Plan, Row, Tuned, notes_of
+from fuzzyarm.tuning.tuned import Method, Plan, Row, Tuned, notes_of
 
 Vector = NDArray[np.float64]
 
@@ -59,98 +63,112 @@ DEFAULT_DATA_COST = "rmse"
 # --- The whole way ---
 
 
+class TuneKeywords(TypedDict, total=False):
+    """Keywords of `tune`.
+
+    Attributes
+    ----------
+    along : Trajectory or str
+        The only trajectory of the plant to tune on.
+    cost : str or callable
+        What is to become small: a formula of metrics, as in ``"rms + 0.002*variation"`` (of
+        samples of ``rmse``, ``mae`` and ``worst``), or a function of all runs (of a rule base
+        alone: of the rule base). The RMS error by default.
+    data, test : Samples
+        What a rule base alone is fitted to, and is judged by. Without `test` a fifth of the data
+        is kept back.
+    scenarios : int or sequence of Scenario
+        How many are tuned on: what is asked for first, then drawn ones. By default those that are
+        asked for alone.
+    over : {"mean", "worst"}
+        How their costs become one.
+    stage : Stage
+        Plant, references, sensors, and what differs from scenario to scenario; instead of `on`
+        and what stands behind it here.
+    references, duration, connect, options, conventions
+        See :func:`fuzzyarm.loop.simulate`.
+    tuning : Tuning or sequence of str
+        What may move, in place of what the file says: lines of a ``tune`` block.
+    method : {"nelder-mead", "cma-es", "evolution"}
+        See :data:`fuzzyarm.tuning.optimisers.OPTIMISERS`.
+    evals : int
+        Candidates of the search, and of the opponent's; 500 by default.
+    seconds : float or str
+        Wall time of the whole: s, or with its unit, as in ``"2min"``.
+    seed : int
+        Of everything that is drawn; 1 by default.
+    digits : int
+        Significant ones of the numbers that are written; 3 by default.
+    unseen : int
+        Scenarios of the judgement; 24 by default.
+    linear : bool
+        Whether a linear opponent is tuned on the same.
+    workers, executor
+        See :func:`fuzzyarm.loop.simulate_many`; no result depends on them.
+    journal : Journal
+        Where every trial is written down.
+    watch, watch_linear : callable
+        Told of the search after each examination, and of that of the linear opponent.
+    take : callable
+        Given what the search has found, with its texts, before anything is judged: whatever
+        fails afterwards, it can be written.
+    tell : callable
+        Told in words what follows the search.
+    text : str
+        Of the file, where it is not what stands on disk.
+    """
+
+    along: Trajectory | str | None
+    cost: str | OwnCost | None
+    data: Samples | None
+    test: Samples | None
+    scenarios: int | Sequence[Scenario] | None
+    over: Over
+    stage: Stage | None
+    references: Mapping[str, AnySignal] | None
+    duration: AnyTime | None
+    connect: Mapping[str, str] | None
+    tuning: Tuning | Sequence[str] | None
+    method: Method
+    evals: int
+    seconds: AnyTime
+    seed: int
+    digits: int
+    unseen: int
+    linear: bool
+    options: Options | None
+    conventions: Conventions
+    workers: int | None
+    executor: Executor | None
+    journal: Journal | None
+    watch: Watch
+    watch_linear: Watch
+    take: Callable[[Tuned], None]
+    tell: Callable[[str], None]
+    text: str
+
+
 def tune(
-    subject: ControllerText | AnyRuleBase | str | os.PathLike[str],
+    subject: ControllerText | AnyRuleBase | TuneRequest | str | os.PathLike[str],
     on: Plant | Trajectory | str | os.PathLike[str] | None = None,
-    *,
-    along: Trajectory | str | None = None,
-    cost: str | OwnCost | None = None,
-    data: Samples | None = None,
-    test: Samples | None = None,
-    scenarios: int | Sequence[Scenario] | None = None,
-    over: Over = "mean",
-    stage: Stage | None = None,
-    references: Mapping[str, AnySignal] | None = None,
-    duration: AnyTime | None = None,
-    connect: Mapping[str, str] | None = None,
-    tuning: Tuning | Sequence[str] | None = None,
-    method: Method = "nelder-mead",
-    evals: int = 500,
-    seconds: AnyTime = math.inf,
-    seed: int = 1,
-    digits: int = 3,
-    unseen: int = UNSEEN,
-    linear: bool = True,
-    options: Options | None = None,
-    conventions: Conventions = PLAIN,
-    workers: int | None = None,
-    executor: Executor | None = None,
-    journal: Journal | None = None,
-    watch: Watch = lambda _found: None,
-    watch_linear: Watch = lambda _found: None,
-    take: Callable[[Tuned], None] = lambda _tuned: None,
-    tell: Callable[[str], None] = lambda _words: None,
-    text: str = "",
+    **keywords: Unpack[TuneKeywords],
 ) -> Tuned:
     """Tune the gains of a controller and the terms of its rule bases, or of a rule base alone.
 
     Parameters
     ----------
-    subject : ControllerText, RuleBase or path-like
-        What is tuned. A controller runs in its loop, a rule base alone is fitted to samples.
+    subject : ControllerText, RuleBase, path-like or TuneRequest
+        What is tuned. A controller runs in its loop, a rule base alone is fitted to samples. A
+        request says all that ``fuzzyarm tune`` does but where to write it.
     on : Plant, Trajectory, str or path-like, optional
         Where it runs; by default the shipped plant that has its axes. One that has trajectories
         follows those by which it has controllers compared, unless one or references are given.
-    along : Trajectory or str, optional
-        The only trajectory of the plant to tune on.
-    cost : str or callable, optional
-        What is to become small: a formula of metrics, as in ``"rms + 0.002*variation"`` (of
-        samples of ``rmse``, ``mae`` and ``worst``), or a function of all runs (of a rule base
-        alone: of the rule base). The RMS error by default.
-    data, test : Samples, optional
-        What a rule base alone is fitted to, and is judged by. Without `test` a fifth of the data
-        is kept back.
-    scenarios : int or sequence of Scenario, optional
-        How many are tuned on: what is asked for first, then drawn ones. By default those that are
-        asked for alone.
-    over : {"mean", "worst"}, optional
-        How their costs become one.
-    stage : Stage, optional
-        Plant, references, sensors, and what differs from scenario to scenario; instead of `on`
-        and what stands behind it here.
-    references, duration, connect
-        See :func:`fuzzyarm.loop.simulate`.
-    tuning : Tuning or sequence of str, optional
-        What may move, in place of what the file says: lines of a ``tune`` block.
-    method : {"nelder-mead", "cma-es", "evolution"}, optional
-        See :data:`fuzzyarm.tuning.optimisers.OPTIMISERS`.
-    evals : int, optional
-        Candidates of the search, and of the opponent's.
-    seconds : float or str, optional
-        Wall time of the whole: s, or with its unit, as in ``"2min"``.
-    seed : int, optional
-        Of everything that is drawn.
-    digits : int, optional
-        Significant ones of the numbers that are written.
-    unseen : int, optional
-        Scenarios of the judgement.
-    linear : bool, optional
-        Whether a linear opponent is tuned on the same.
-    options, conventions
-        See :func:`fuzzyarm.loop.simulate`.
-    workers, executor : optional
-        See :func:`fuzzyarm.loop.simulate_many`; no result depends on them.
-    journal : Journal, optional
-        Where every trial is written down.
-    watch, watch_linear : callable, optional
-        Told of the search after each examination, and of that of the linear opponent.
-    take : callable, optional
-        Given what the search has found, with its texts, before anything is judged: whatever
-        fails afterwards, it can be written.
-    tell : callable, optional
-        Told in words what follows the search.
-    text : str, optional
-        Of the file, where it is not what stands on disk.
+    **keywords
+        What is good: ``cost``, ``data``, ``test``; on what: ``scenarios``, ``over``, ``along``,
+        ``references``, ``duration``, ``connect``, ``options``, ``conventions``, ``stage``; how:
+        ``tuning``, ``method``, ``evals``, ``seconds``, ``seed``, ``digits``, ``unseen``,
+        ``linear``, ``workers``, ``executor``, ``journal``; who is told: ``watch``,
+        ``watch_linear``, ``take``, ``tell``. See :class:`~fuzzyarm.tuning.tune.TuneKeywords`.
 
     Returns
     -------
@@ -163,6 +181,8 @@ def tune(
     ------
     TuneError
         If nothing may move, or what is asked for does not fit.
+    RequestError
+        If a number is out of range.
 
     Examples
     --------
@@ -173,21 +193,77 @@ def tune(
     >>> tuned.found.best.score.cost <= tuned.found.trials[0].score.cost
     True
     """
-    plan = Plan(method, Budget(evals, as_seconds(seconds, "seconds")), seed, digits, unseen, linear)
+    demand_keywords("tune", keywords, TuneKeywords)
+    if isinstance(subject, TuneRequest):
+        return _tuned_by(subject, on, keywords)
+    names = ("method", "evals", "seed", "digits", "unseen", "over")
+    said = read_fields(TuneRequest, keywords, names)
+    plan = Plan(
+        said["method"],
+        Budget(said["evals"], as_seconds(keywords.get("seconds", math.inf), "seconds")),
+        said["seed"],
+        said["digits"],
+        said["unseen"],
+        keywords.get("linear", True),
+    )
     path, model = _loaded(subject)
-    moving = tuning if isinstance(tuning, Tuning) or tuning is None else read_tuning(tuning)
+    problem = keywords.get("tuning")
+    moving = problem if isinstance(problem, Tuning) or problem is None else read_tuning(problem)
     if isinstance(model, RuleBase):
-        if data is None and not callable(cost):
-            message = f"'{model.name}' is a rule base alone: nothing says what is good"
-            hint = "give samples, or tune the controller that uses it"
-            raise TuneError(message, hint=hint)
-        job = _on_samples(model, moving, cost, data, test, seed)
+        job = _on_samples(model, moving, keywords, plan.seed)
     else:
-        options = options or Options(seed=seed)
-        stage = stage or stage_of(model, on, options, references, duration, connect, along=along)
-        job = _in_loop(model, moving, cost, stage, scenarios, plan, over, conventions)
-    means = Means(workers, executor, journal, watch, watch_linear, take, tell)
-    return _done(job, plan, means, originals_of(model, path, text))
+        job = _in_loop(model, moving, on, plan, keywords)
+    return _done(job, plan, _means(keywords), originals_of(model, path, keywords.get("text", "")))
+
+
+def _tuned_by(asked: TuneRequest, on: object, keywords: TuneKeywords) -> Tuned:
+    """Tune what a request asks for."""
+    others = [name for name in keywords if name not in ("watch", "watch_linear", "take", "tell")]
+    if on is not None or others:
+        raise TypeError("tune() takes a request alone, which says all but who is told")
+    order = order_of(asked)
+    with cluster(asked) as (executor, workers):
+        whole = keywords_of(asked, order)
+        whole.update(keywords)
+        whole.update({"executor": executor, "workers": workers})
+        return tune(order.path, **whole)
+
+
+def keywords_of(asked: TuneRequest, order: Order) -> TuneKeywords:
+    """Return what a request asks for as keywords."""
+    keywords: TuneKeywords = {
+        "cost": asked.cost,
+        "tuning": asked.tune or None,
+        "method": asked.method,
+        "evals": asked.evals,
+        "seconds": longest(asked),
+        "seed": asked.seed,
+        "digits": asked.digits,
+        "unseen": asked.unseen,
+        "linear": not asked.no_linear,
+        "over": asked.over,
+        "scenarios": asked.scenarios,
+        "stage": order.stage,
+        "conventions": order.conventions,
+        "journal": order.journal,
+    }
+    return {**keywords, "data": order.samples.get("data"), "test": order.samples.get("test")}
+
+
+def _means(keywords: TuneKeywords) -> Means:
+    return Means(
+        keywords.get("workers"),
+        keywords.get("executor"),
+        keywords.get("journal"),
+        keywords.get("watch", _unheard),
+        keywords.get("watch_linear", _unheard),
+        keywords.get("take", _unheard),
+        keywords.get("tell", _unheard),
+    )
+
+
+def _unheard(_said: object) -> None:
+    """Hear what nobody is told."""
 
 
 def _loaded(
@@ -262,8 +338,6 @@ def stage_of(
     references: Mapping[str, AnySignal] | None = None,
     duration: AnyTime | None = None,
     connect: Mapping[str, str] | None = None,
-    vary: Sequence[Range] = (),
-    payload: float = 1.0,
     along: Trajectory | str | None = None,
 ) -> Stage:
     """Return where a controller runs, if nothing else is said.
@@ -278,10 +352,6 @@ def stage_of(
         Sensors, seed and the rest of how to run.
     references, duration, connect
         See :func:`fuzzyarm.loop.simulate`; in place of the trajectories of a plant.
-    vary : sequence of Range, optional
-        What differs from drawn scenario to drawn scenario.
-    payload : float, optional
-        What the plant carries, as a share of its load.
     along : Trajectory or str, optional
         The only trajectory of the plant to tune on.
 
@@ -301,36 +371,32 @@ def stage_of(
     if way.trajectory is not None:
         only = isinstance(on, Trajectory) or along is not None
         first = (
-            (scenario_along(plant, way.trajectory, payload),)
-            if only
-            else plant_scenarios(plant, payload)
+            (scenario_along(plant, way.trajectory, 1.0),) if only else plant_scenarios(plant, 1.0)
         )
-        return Stage(plant, first, options, tuple(vary), connect=connect)
+        return Stage(plant, first, options, connect=connect)
     signals = as_signals(references)
     seconds = None if duration is None else as_seconds(duration, "duration")
     motion = plant_motion(controller_of(text), plant, signals, seconds, connect)
     first = (Scenario(motion.name, motion),)
-    return Stage(plant, first, options, tuple(vary), signals, seconds, connect)
+    return Stage(plant, first, options, (), signals, seconds, connect)
 
 
 def _in_loop(
     text: ControllerText,
     tuning: Tuning | None,
-    cost: str | OwnCost | None,
-    stage: Stage,
-    scenarios: int | Sequence[Scenario] | None,
+    on: Plant | Trajectory | str | os.PathLike[str] | None,
     plan: Plan,
-    over: Over,
-    conventions: Conventions,
+    keywords: TuneKeywords,
 ) -> Job:
-    said = cost if cost is not None else DEFAULT_COST
+    stage = keywords.get("stage") or _stage(text, on, plan.seed, keywords)
+    cost = keywords.get("cost")
+    said = DEFAULT_COST if cost is None else cost
     asked = read_cost(said) if isinstance(said, str) else said
     controller = controller_of(text)
+    scenarios = keywords.get("scenarios")
     if scenarios is None or isinstance(scenarios, int):
-        count = len(stage.first) if scenarios is None else scenarios
-        if not 1 <= count <= 10_000:
-            raise TuneError(f"{count} scenarios are out of range", hint="1 to 10000")
-        train = train_scenarios(stage, count, controller)
+        count = read_fields(TuneRequest, keywords, ("scenarios",))["scenarios"]
+        train = train_scenarios(stage, count or len(stage.first), controller)
     else:
         train = tuple(scenarios)
     problem = Problem(
@@ -338,8 +404,8 @@ def _in_loop(
         tuning,
         asked,
         train,
-        over=over,
-        conventions=conventions,
+        over=keywords.get("over", "mean"),
+        conventions=keywords.get("conventions", PLAIN),
         options=stage.options,
         connect=stage.connect,
     )
@@ -364,6 +430,24 @@ def _in_loop(
     return Job(problem, judged, linear, _cost_name(said), names, {}, alone)
 
 
+def _stage(
+    text: ControllerText,
+    on: Plant | Trajectory | str | os.PathLike[str] | None,
+    seed: int,
+    keywords: TuneKeywords,
+) -> Stage:
+    """Return where a controller runs, by the keywords of `tune`."""
+    return stage_of(
+        text,
+        on,
+        keywords.get("options") or Options(seed=seed),
+        keywords.get("references"),
+        keywords.get("duration"),
+        keywords.get("connect"),
+        keywords.get("along"),
+    )
+
+
 def _cost_name(cost: str | OwnCost) -> str:
     return cost if isinstance(cost, str) else getattr(cost, "__name__", type(cost).__name__)
 
@@ -376,13 +460,14 @@ NOISE_SHARE = 0.01
 
 
 def _on_samples(
-    rulebase: RuleBase,
-    tuning: Tuning | None,
-    cost: str | OwnCost | None,
-    data: Samples | None,
-    test: Samples | None,
-    seed: int,
+    rulebase: RuleBase, tuning: Tuning | None, keywords: TuneKeywords, seed: int
 ) -> Job:
+    cost, data, test = keywords.get("cost"), keywords.get("data"), keywords.get("test")
+    is_own = callable(cost) or (cost is not None and ".py:" in cost)
+    if data is None and not is_own:
+        message = f"'{rulebase.name}' is a rule base alone: nothing says what is good"
+        hint = "give samples, or tune the controller that uses it"
+        raise TuneError(message, hint=hint)
     text = cost if cost is not None else DEFAULT_DATA_COST
     asked = read_cost(text, tuple(ERRORS)) if isinstance(text, str) else text
     name = _cost_name(text)

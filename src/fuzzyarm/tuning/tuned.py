@@ -12,13 +12,14 @@ from typing import Any, Literal, NamedTuple
 
 from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.requests.fields import read_fields
+from fuzzyarm.requests.tune import TuneRequest
 from fuzzyarm.text.files import write_atomically
 from fuzzyarm.text.jsonable import jsonable
 from fuzzyarm.tuning.design import Candidate, Parameter, controller_at
 from fuzzyarm.tuning.examiner import Score
 from fuzzyarm.tuning.linear import NAME as LINEAR
 from fuzzyarm.tuning.movement import TuneError
-from fuzzyarm.tuning.optimisers import OPTIMISERS
 from fuzzyarm.tuning.search import Budget, Found
 from fuzzyarm.tuning.text import Change, Rewritten, with_files
 
@@ -26,8 +27,6 @@ Method = Literal["nelder-mead", "cma-es", "evolution"]
 
 UNSEEN = 24
 """Scenarios of the judgement."""
-
-MOST_DIGITS = 8
 
 ALL_DIGITS = 17
 """Of numbers that are written as they were found."""
@@ -69,15 +68,7 @@ class Plan:
         return replace(self.budget, seconds=0.5 * seconds if linear else seconds)
 
     def __post_init__(self) -> None:
-        if self.method not in OPTIMISERS:
-            hint = f"one of {', '.join(OPTIMISERS)}"
-            raise TuneError(f"no method is called '{self.method}'", name=self.method, hint=hint)
-        if not 1 <= self.digits <= MOST_DIGITS:
-            raise TuneError(f"{self.digits} digits are out of range", hint=f"1 to {MOST_DIGITS}")
-        if self.seed < 0:
-            raise TuneError(f"a seed of {self.seed} is out of range", hint="0 or more")
-        if not 0 <= self.unseen <= 10_000:
-            raise TuneError(f"{self.unseen} unseen scenarios are out of range", hint="0 to 10000")
+        read_fields(TuneRequest, vars(self), ("method", "seed", "digits", "unseen"))
 
 
 class Row(NamedTuple):

@@ -1,0 +1,218 @@
+"""Training a table that learns: by keywords, or by a request as ``fuzzyarm learn`` has it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import TypedDict, Unpack
+
+from fuzzyarm.controller.catalogue import CATALOGUE, Choice, Sources, TextEntry, text_controller
+from fuzzyarm.controller.controller import CompiledController
+from fuzzyarm.controller.text import teaching
+from fuzzyarm.learning.self_organizing import (
+    Snapshot,
+    Trainee,
+    reference_words,
+    trained,
+    trajectory_words,
+)
+from fuzzyarm.loop.along import Schedule, Way, equipped, trajectory_motion, way_of
+from fuzzyarm.loop.course import Motion, Options
+from fuzzyarm.loop.experiments import (
+    control_tables,
+    follows,
+    overrides,
+    performance_table,
+    set_points,
+    split_settings,
+    with_drives,
+    with_plant,
+)
+from fuzzyarm.loop.words import connections, conventions_of
+from fuzzyarm.plant.plant import with_parameters
+from fuzzyarm.plant.setting import PLAIN, Conventions
+from fuzzyarm.plant.trajectory import Trajectory
+from fuzzyarm.requests.fields import RequestError
+from fuzzyarm.requests.learn import LearnRequest
+from fuzzyarm.text.keywords import demand_keywords
+
+
+class TrainKeywords(TypedDict, total=False):
+    """Keywords of `train`.
+
+    Attributes
+    ----------
+    passes : int
+        How often; once by default.
+    every : int
+        Set points from one snapshot to the next; by default one snapshot for each pass.
+    payload, schedule, conventions, options, connect
+        See :func:`fuzzyarm.loop.simulate`.
+    """
+
+    passes: int
+    every: int | None
+    payload: bool | float
+    schedule: Schedule | None
+    conventions: Conventions
+    options: Options | None
+    connect: Mapping[str, str] | None
+
+
+def train(
+    controller: CompiledController | LearnRequest,
+    on: Trajectory | Motion | None = None,
+    **keywords: Unpack[TrainKeywords],
+) -> Iterator[Snapshot]:
+    """Run self-organizing control again and again; the plant begins each pass anew.
+
+    Parameters
+    ----------
+    controller : CompiledController or LearnRequest
+        Of a text with a table that learns. A request alone says all that ``fuzzyarm learn`` does.
+    on : Trajectory or Motion, optional
+        A trajectory of the arm, or set points of any plant, see
+        :func:`fuzzyarm.loop.along.trajectory_motion` and :func:`fuzzyarm.loop.run.plant_motion`.
+    **keywords
+        ``passes``, ``every``, ``payload``, ``schedule``, ``conventions``, ``options``,
+        ``connect``; see :class:`~fuzzyarm.learning.training.TrainKeywords`.
+
+    Yields
+    ------
+    Snapshot
+        The last one of each pass is complete.
+    """
+    demand_keywords("train", keywords, TrainKeywords)
+    every = keywords.get("every")
+    if isinstance(controller, LearnRequest):
+        yield from Training.of(controller).snapshots(every)
+        return
+    if on is None:
+        raise TypeError("train() needs a trajectory or set points")
+    conventions, options = keywords.get("conventions", PLAIN), keywords.get("options")
+    connect = keywords.get("connect")
+    way = way_of(on)
+    if isinstance(way, Way):
+        assert way.trajectory is not None
+        way = trajectory_motion(
+            equipped(way.plant, options or Options()),
+            way.trajectory,
+            controller,
+            conventions,
+            payload=keywords.get("payload", False),
+            schedule=keywords.get("schedule"),
+            connect=connect,
+        )
+    passes = keywords.get("passes", 1)
+    yield from trained(controller, way, passes, every, conventions, options, connect)
+
+
+# --- By a request ---
+
+
+@dataclass(frozen=True)
+class Training:
+    """A training made ready.
+
+    Attributes
+    ----------
+    asked : LearnRequest
+        With the plant that it runs on.
+    name : str
+        Of the controller.
+    trainee : Trainee
+        The controller on its plant.
+    motion : Motion
+        Set points of a pass.
+    options : Options
+        Sensors, seed and the rest of how to run.
+    along : bool
+        Whether a trajectory of the plant is followed.
+    """
+
+    asked: LearnRequest
+    name: str
+    trainee: Trainee
+    motion: Motion
+    options: Options
+    along: bool
+
+    @classmethod
+    def of(cls, asked: LearnRequest) -> Training:
+        """Read what is asked for.
+
+        Raises
+        ------
+        FuzzyarmError
+            If something does not fit.
+        """
+        name = asked.controller or ("soc-table" if asked.begin == ("table",) else "soc-zero")
+        entry = CATALOGUE.get(name)
+        path = entry.file() if isinstance(entry, TextEntry) else name
+        change = teaching(0.0 if asked.freeze else asked.rate, asked.delay)
+        controller = text_controller(path, Choice(sources=_sources(asked)), change=change)
+        asked, plant = with_plant(asked, [controller])
+        gains, parameters = split_settings(overrides(asked.set), controller, plant)
+        plant = with_parameters(plant, parameters) if parameters else plant
+        along = follows(asked, plant)
+        plant, options = with_drives(asked, plant)
+        trainee = Trainee(controller.with_gains(gains), plant, connections(asked), name)
+        count = len(trainee.axes)
+        if asked.joint is not None and asked.joint > count:
+            raise RequestError("joint", f"must be 1 to {count}, not {asked.joint}")
+        motion = set_points(asked, trainee.controller, plant)
+        return cls(asked, name, trainee, motion, options, along)
+
+    def snapshots(self, every: int | None = None) -> Iterator[Snapshot]:
+        """Train; see :func:`train`."""
+        asked = self.asked
+        return self.trainee.snapshots(
+            self.motion, asked.passes, every, conventions_of(asked), self.options
+        )
+
+    def words(self) -> str:
+        """Say along what it is trained."""
+        asked = self.asked
+        if not self.along:
+            plant = Path(asked.plant or "").name
+            return reference_words(plant, asked.reference, asked.step or 1.0)
+        name, details = asked.trajectory or self.motion.name, list[str]()
+        if asked.way_points:
+            name, details = "way points", list(asked.way_points)
+        elif asked.angles is not None:
+            details.append("to {:g}° and {:g}°".format(*asked.angles))
+        if asked.segment is not None:
+            details.append(f"in {asked.segment:g} s")
+        payload = bool(asked.payload)
+        return trajectory_words(name, payload=payload, loaded=asked.loaded, details=details)
+
+    def provenance(self, last: Snapshot, *, dated: bool = False) -> dict[str, str]:
+        """Return where a learned table comes from."""
+        asked = self.asked
+        start = " ".join(Path(word).name for word in asked.begin)
+        pairs = self.trainee.provenance(
+            self.words(),
+            last.passage if last.complete else f"a part of 1, {last.time:.4g} s",
+            "" if asked.controller and start == "zero" else start,
+            Path(asked.performance).name if asked.performance else "",
+            asked.conventions,
+        )
+        if asked.controller:
+            pairs["controller"] = Path(asked.controller).name
+        if asked.set:
+            pairs["gains"] = " ".join(asked.set)
+        if asked.joint:
+            pairs["joint"] = str(asked.joint)
+        if dated:
+            pairs["date"] = datetime.now(UTC).date().isoformat()
+        return pairs
+
+
+def _sources(asked: LearnRequest) -> Sources:
+    table = None
+    if asked.begin not in (("zero",), ("table",)):
+        table = control_tables(asked.begin, "--start")
+    judge = asked.performance
+    return Sources(table=table, performance=performance_table(judge) if judge else None)

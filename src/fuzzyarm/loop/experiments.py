@@ -1,0 +1,284 @@
+"""An experiment made ready: controllers, files, plant, and what it follows.
+
+What the commands that run a loop, and the calls from Python, do with an `ExperimentRequest`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any, TypeVar
+
+from fuzzyarm.api import load_rules, load_sampled
+from fuzzyarm.controller.catalogue import Sources
+from fuzzyarm.controller.controller import Controller
+from fuzzyarm.controller.findings import site_for
+from fuzzyarm.controller.law import GainError
+from fuzzyarm.controller.own import find_controllers
+from fuzzyarm.errors import WordError
+from fuzzyarm.loop.along import equipped, trajectory_motion
+from fuzzyarm.loop.course import Motion, Options
+from fuzzyarm.loop.many import owner_of
+from fuzzyarm.loop.words import (
+    connections,
+    conventions_of,
+    motion_of,
+    named_plant,
+    options_of,
+)
+from fuzzyarm.plant.following import UnknownTrajectoryError, carries, trajectory_of, way_points
+from fuzzyarm.plant.plant import Plant, with_parameters
+from fuzzyarm.plant.trajectory import Trajectory
+from fuzzyarm.requests.experiment import ExperimentRequest
+from fuzzyarm.requests.fields import unknown_choice
+from fuzzyarm.shipped_files import shipped, shipped_names
+from fuzzyarm.table import LookupTable
+
+_Asked = TypeVar("_Asked", bound=ExperimentRequest)
+
+# --- Controllers ---
+
+
+def controllers_of(asked: ExperimentRequest, names: Sequence[str]) -> list[Controller]:
+    """Return the controllers of some names, told apart where two have the same."""
+    return find_controllers(
+        names, start=asked.start, variant=asked.variant, sources=sources_of(asked)
+    )
+
+
+def sources_of(asked: ExperimentRequest) -> Sources:
+    """Return the rule bases and tables that stand in place of those of a controller."""
+    return Sources(
+        load_rules(asked.rulebase, "--rulebase") if asked.rulebase else None,
+        load_rules(asked.alpha, "--alpha") if asked.alpha else None,
+        control_tables(asked.table, "--table") if asked.table else None,
+        performance_table(asked.performance) if asked.performance else None,
+    )
+
+
+def control_tables(paths: Sequence[str], option: str) -> tuple[LookupTable, ...]:
+    """Return the table in one file, or the tables of both joints in two.
+
+    A rule base is compiled at the levels of its file.
+    """
+    if len(paths) > 2:
+        raise WordError(f"{option} takes one file, or one for each of the two joints")
+    return tuple(map(load_sampled, paths))
+
+
+def performance_table(word: str) -> LookupTable:
+    """Return a performance table: of a file, or a shipped one by its author."""
+    name = f"performance-{word}.lut"
+    known = not Path(word).exists() and name in shipped_names()
+    return load_sampled(str(shipped(name)) if known else word)
+
+
+# --- Settings: gains of the controller, parameters of the plant ---
+
+
+def with_settings(
+    asked: ExperimentRequest, controller: Controller, plant: Plant
+) -> tuple[Controller, Plant]:
+    """Return a controller with its gains set, and the plant with its parameters."""
+    gains, parameters = split_settings(overrides(asked.set), controller, plant)
+    changed = controller.with_gains(gains)
+    changed.name = controller.name
+    return changed, with_parameters(plant, parameters) if parameters else plant
+
+
+def overrides(words: Sequence[str]) -> dict[str, list[float]]:
+    """Return the gains that words like ``K_P=120,80`` set."""
+    values = {}
+    for word in words:
+        name, equals, text = word.partition("=")
+        try:
+            values[name.strip()] = [float(part) for part in text.split(",")]
+        except ValueError:
+            hint = "as in K_P=120 or K_P=120,80"
+            message = f"'{word}' does not set a gain"
+            raise GainError(message, name=name, value=text, hint=hint) from None
+        if not equals:
+            raise GainError(f"'{word}' does not set a gain", name=name, hint="as in K_P=120")
+    return values
+
+
+def split_settings(
+    values: Mapping[str, list[float]], controller: Controller, plant: Plant
+) -> tuple[dict[str, list[float]], dict[str, float]]:
+    """Divide what ``--set`` gives between gains of the controller and parameters of the plant.
+
+    A name that neither has goes to the controller, which says what it has.
+    """
+    gains: dict[str, list[float]] = {}
+    parameters: dict[str, float] = {}
+    for name, value in values.items():
+        bare = name.removeprefix("plant.")
+        if bare == name and owner_of(name, controller, plant) != "parameter":
+            gains[name] = value
+        elif len(value) != 1:
+            raise WordError(f"parameter {bare} of the plant takes one number, not {len(value)}")
+        else:
+            parameters[bare] = value[0]
+    return gains, parameters
+
+
+# --- The plant ---
+
+
+def with_plant(asked: _Asked, controllers: Sequence[Controller]) -> tuple[_Asked, Plant]:
+    """Return the plant with its actuators, and the experiment with its name.
+
+    Where none is named it is the shipped one that has the axes of the controllers.
+    """
+    if asked.plant is None:
+        asked = asked.replaced(plant=_plant_by_axes(controllers, connections(asked)))
+    return asked, named_plant(asked)
+
+
+def _plant_by_axes(controllers: Sequence[Controller], connect: Mapping[str, str]) -> str:
+    names = {controller.name: site_for(controller, connect).name for controller in controllers}
+    if len(set(names.values())) > 1:
+        words = ", ".join(f"{name} on {plant}" for name, plant in names.items())
+        raise WordError(
+            f"the controllers run on different plants: {words}", hint="--plant names one"
+        )
+    return next(iter(names.values()))
+
+
+def with_drives(asked: ExperimentRequest, plant: Plant) -> tuple[Plant, Options]:
+    """Return a plant with the drives that are asked for, and the options of a run."""
+    options = options_of(asked, plant)
+    return equipped(plant, options), options
+
+
+# --- Which fields a plant understands ---
+
+ALONG = ("trajectory", "angles", "way_points", "segment", "hold")
+"""Fields for plants that follow trajectories."""
+
+CARRIED = ("payload", "loaded", "load_in_hold")
+"""Fields for plants that carry a load, along a trajectory."""
+
+REFERRED = ("reference", "step", "duration")
+"""Fields of runs along references, which any plant follows."""
+
+DRIVES = {"limits": "torque_limits", "supply": "supply", "inductance": "inductance"}
+COUNTING = ("conventions", "precision", "pi")
+"""Fields that a plant has to name: of its drives, by the fields of ``Options``; of counting."""
+
+
+def given_option(asked: ExperimentRequest, names: Iterable[str]) -> str:
+    """Return the first of some fields that says something, as its option is written, or nothing."""
+    known = asked.given(names)
+    if known is None:
+        return ""
+    value, spelling = getattr(asked, known.name), known.spelling
+    return f"--no-{spelling[2:]}" if value is False else spelling
+
+
+def follows(asked: ExperimentRequest, plant: Plant) -> bool:
+    """Whether a plant is to follow a trajectory, and not references.
+
+    Raises
+    ------
+    WordError
+        If something is asked for that the plant does not understand, with what it has instead.
+    """
+    _require_known(asked, plant)
+    if not plant.trajectories:
+        return False
+    reference = given_option(asked, REFERRED)
+    other = given_option(asked, (*ALONG, *CARRIED))
+    if reference and other:
+        raise WordError(f"{reference} is for references, and {other} for a trajectory: give one")
+    if reference == "--for":
+        hint = "--segment and --hold say how long a trajectory is"
+        raise WordError("--for says how long --reference or --step is followed", hint=hint)
+    return not reference
+
+
+def _require_known(asked: ExperimentRequest, plant: Plant) -> None:
+    """Raise WordError for a field that a plant does not understand."""
+    name, known = plant.name, plant.particulars.options
+    option = given_option(asked, ALONG)
+    if option and not plant.trajectories:
+        message = f"{option} is for plants that follow trajectories"
+        raise WordError(f"{message}; {name} takes --reference")
+    option = given_option(asked, CARRIED)
+    if option and not carries(plant):
+        has = ", ".join(plant.parameters)
+        instead = f"--set changes its parameters: {has}" if has else "it has no parameters"
+        raise WordError(f"{option} is for plants that carry a load; {name} does not, {instead}")
+    option = given_option(asked, (key for key, field in DRIVES.items() if field not in known))
+    if option:
+        bounded = "--actuator INPUT=LOW..HIGH bounds a drive"
+        raise WordError(f"{name} has no {option}; {bounded}: {', '.join(plant.inputs)}")
+    option = given_option(asked, (key for key in COUNTING if key not in known))
+    if option:
+        counts = "it counts in double precision with the true π"
+        raise WordError(f"{name} has no {option}; {counts}")
+
+
+# --- Set points ---
+
+
+def set_points(asked: ExperimentRequest, controller: Controller, plant: Plant) -> Motion:
+    """Return what a plant follows: a trajectory of its own with its load, or references.
+
+    Parameters of the plant that were set are its parameters with its load, too.
+    """
+    if not follows(asked, plant):
+        return motion_of(asked, controller, plant)
+    return trajectory_motion(
+        plant,
+        trajectory_asked(asked, plant),
+        controller,
+        conventions_of(asked),
+        payload=bool(asked.payload),
+        segments=asked.loaded or None,
+        connect=connections(asked),
+    )
+
+
+def trajectory_asked(asked: ExperimentRequest, plant: Plant) -> Trajectory:
+    """Return the trajectory that is named; by default the first of the plant.
+
+    Raises
+    ------
+    RequestError
+        If the plant has none of this name.
+    WordError
+        If a way point is not numbers.
+    """
+    given: dict[str, Any] = {}
+    if asked.segment is not None:
+        given["segment"] = asked.segment
+    if asked.hold is not None:
+        given["hold"] = asked.hold
+    if asked.way_points:
+        return way_points(plant, [*map(_point, asked.way_points)], **given)
+    if asked.angles is not None:
+        given["angles"] = asked.angles
+    try:
+        return trajectory_of(plant, asked.trajectory or "", **given)
+    except UnknownTrajectoryError:
+        raise unknown_choice("trajectory", asked.trajectory, plant.trajectories) from None
+
+
+def _point(text: str) -> tuple[float, ...]:
+    try:
+        return tuple(float(part) for part in text.split(","))
+    except ValueError:
+        raise WordError(f"way point '{text}' is not numbers", hint="as in 45,-30") from None
+
+
+# --- Files ---
+
+
+def files_named(asked: ExperimentRequest) -> dict[str, Path]:
+    """Return the files that the words of an experiment may name; some of them are no files."""
+    words = [asked.rulebase, asked.alpha, asked.performance, *asked.table]
+    plant = asked.plant or ""
+    words += [plant.partition(".py")[0] + ".py", plant, plant.rpartition(":")[0]]
+    words += [word.partition("=")[2] for word in (*asked.reference, *asked.disturb)]
+    return {word: Path(word) for word in words if word}

@@ -1,0 +1,307 @@
+"""The calls from Python: one run, many runs; by keywords, or by a request."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Executor
+from contextlib import closing
+from typing import TypedDict, Unpack
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from fuzzyarm.controller.controller import Controller
+from fuzzyarm.controller.findings import site_for
+from fuzzyarm.loop.along import AnyWay, Schedule, Way, equipped, trajectory_motion, way_of
+from fuzzyarm.loop.course import Motion, Options
+from fuzzyarm.loop.experiments import (
+    controllers_of,
+    follows,
+    set_points,
+    with_drives,
+    with_plant,
+    with_settings,
+)
+from fuzzyarm.loop.many import (
+    Bench,
+    Changes,
+    Experiment,
+    Many,
+    columns_of,
+    many_of,
+    stream,
+)
+from fuzzyarm.loop.metrics import METRICS
+from fuzzyarm.loop.reference import AnySignal, AnyTime
+from fuzzyarm.loop.run import AnyController, Run, as_controller, plant_motion, run_along
+from fuzzyarm.loop.sweeps import swept
+from fuzzyarm.loop.words import connections, conventions_of
+from fuzzyarm.plant.plant import Plant
+from fuzzyarm.plant.setting import PLAIN, Conventions
+from fuzzyarm.plant.trajectory import Trajectory
+from fuzzyarm.requests.experiment import ExperimentRequest
+from fuzzyarm.requests.fields import RequestError
+from fuzzyarm.requests.runs import SimulateRequest, SweepRequest
+from fuzzyarm.text.keywords import demand_keywords
+
+
+class RunKeywords(TypedDict, total=False):
+    """Keywords of `simulate`.
+
+    Attributes
+    ----------
+    along : Trajectory or str
+        What the plant is to follow, or the name of one of its trajectories.
+    payload : bool or float
+        Whether the plant carries its load where the trajectory says, or which share of it.
+    schedule : sequence of mapping
+        What of the parameters of the plant differs in each segment, instead of its load.
+    conventions : Conventions
+        Precision, π, timing.
+    options : Options
+        Sensors, disturbances, limits, integrator.
+    references : mapping of str to Signal, str or float
+        Of a plant, by port: a signal, its words, as in ``"step:1"`` or ``"sine:0.5,2"``, or a
+        number, to which it steps. A step to 1 of the first output by default.
+    duration : float or str
+        Of a run on a plant: s, or with its unit, as in ``"300ms"``; by default the plant's own.
+    connect : mapping of str to str
+        From names of the controller to ports of the plant, where they differ.
+    """
+
+    along: Trajectory | str | None
+    payload: bool | float
+    schedule: Schedule | None
+    conventions: Conventions
+    options: Options | None
+    references: Mapping[str, AnySignal] | None
+    duration: AnyTime | None
+    connect: Mapping[str, str] | None
+
+
+def simulate(
+    controller: AnyController | SimulateRequest,
+    on: AnyWay | None = None,
+    **keywords: Unpack[RunKeywords],
+) -> Run:
+    """Run a controller on a plant, along a trajectory or references.
+
+    Parameters
+    ----------
+    controller : Controller, ControllerText, str, path-like or SimulateRequest
+        One that the plant has the ports of; laws of the study ask for those of the arm. Sums of
+        compiled ones run as machine code. A string is a name of the catalogue or a file. A request
+        alone says all that ``fuzzyarm simulate`` does.
+    on : Trajectory, Plant, Motion, str or path-like, optional
+        The plant; a trajectory of the arm; or set points that were made before. A string is the
+        name or file of a plant, which follows its first trajectory, where it has some and nothing
+        else is said. By default the shipped plant that has the axes of the controller.
+    **keywords
+        ``along``, ``payload``, ``schedule``, ``conventions``, ``options``, ``references``,
+        ``duration``, ``connect``; see :class:`RunKeywords`.
+
+    Returns
+    -------
+    Run
+        Diverged or not.
+
+    Raises
+    ------
+    ArmError
+        If an angle, a time or a schedule does not fit the trajectory.
+    PlantError
+        If the plant does not have a port, or cannot be run.
+    SourceError
+        If the plant does not have what the controller measures or drives.
+    WordError
+        If words for a reference or a time say nothing.
+
+    Examples
+    --------
+    >>> from fuzzyarm import shipped
+    >>> servo = shipped("servo.frb")
+    >>> simulate(servo, "motor", references={"position": "step:1"}, duration="300ms")
+    <Run servo on motor: 0.3 s, rms position 27.09 degrees>
+    """
+    demand_keywords("simulate", keywords, RunKeywords)
+    if isinstance(controller, SimulateRequest):
+        _demand_alone("simulate", on, keywords)
+        return run_of(controller)
+    options, connect = keywords.get("options") or Options(), keywords.get("connect")
+    conventions = keywords.get("conventions", PLAIN)
+    references, duration = keywords.get("references"), keywords.get("duration")
+    chosen = as_controller(controller)
+    place = site_for(chosen, connect).name if on is None else on
+    referred = bool(references) or duration is not None
+    way = way_of(place, keywords.get("along"), referred=referred)
+    if isinstance(way, Way):
+        plant = equipped(way.plant, options)
+        if way.trajectory is None:
+            way = plant_motion(chosen, plant, references, duration, connect)
+        else:
+            way = trajectory_motion(
+                plant,
+                way.trajectory,
+                chosen,
+                conventions,
+                payload=keywords.get("payload", False),
+                schedule=keywords.get("schedule"),
+                connect=connect,
+            )
+    return run_along(chosen, way, conventions, options, connect)
+
+
+def run_of(asked: SimulateRequest) -> Run:
+    """Return the run that a request with one controller asks for."""
+    if len(asked.controller) != 1:
+        raise RequestError("controller", f"must have 1 value here, not {len(asked.controller)}")
+    controllers = controllers_of(asked, asked.controller)
+    asked, plant = with_plant(asked, controllers)
+    return run_on(asked, *with_settings(asked, controllers[0], plant))
+
+
+def run_on(asked: SimulateRequest, controller: Controller, plant: Plant) -> Run:
+    """Return the run of a controller with its gains on a plant with its parameters."""
+    motion, options = experiment_on(asked, controller, plant)
+    return run_along(controller, motion, conventions_of(asked), options, connections(asked))
+
+
+def experiment_on(
+    asked: ExperimentRequest, controller: Controller, plant: Plant
+) -> tuple[Motion, Options]:
+    """Return the set points and the options of a run; what the plant does not know is refused."""
+    follows(asked, plant)
+    plant, options = with_drives(asked, plant)
+    return set_points(asked, controller, plant), options
+
+
+def _demand_alone(call: str, on: object, keywords: Mapping[str, object]) -> None:
+    if on is not None or keywords:
+        raise TypeError(f"{call}() takes a request alone, which says all of it")
+
+
+# --- Many runs ---
+
+
+class ManyKeywords(TypedDict, total=False):
+    """Keywords of `simulate_many`.
+
+    Attributes
+    ----------
+    executor : Executor
+        Any of :mod:`concurrent.futures`, as of loky, Dask (``client.get_executor()``) or mpi4py.
+    workers : int
+        How many run at a time: by default one for each processor of this machine, or as many as
+        `executor` says that it has.
+    along : Trajectory or str
+        See :class:`RunKeywords`.
+    payload : bool or float
+        The load of runs that do not say another.
+    segments : sequence of int
+        In which the plant carries its load, counted from 1; by default as the trajectory says.
+    shared : dict
+        Changes of all runs.
+    conventions, options, references, duration, connect
+        See :class:`RunKeywords`. Run i has the seed of `options` plus i where it does not say
+        another.
+    watch : callable
+        Called with the number of runs just finished.
+    """
+
+    executor: Executor | None
+    workers: int | None
+    along: Trajectory | str | None
+    payload: bool | float
+    segments: Sequence[int] | None
+    shared: Changes | None
+    conventions: Conventions
+    options: Options | None
+    references: Mapping[str, AnySignal] | None
+    duration: AnyTime | None
+    connect: Mapping[str, str] | None
+    watch: Callable[[int], None] | None
+
+
+def simulate_many(
+    controller: AnyController | SweepRequest,
+    on: AnyWay | None = None,
+    runs: Sequence[Changes] | Mapping[str, ArrayLike] = (),
+    **keywords: Unpack[ManyKeywords],
+) -> Many:
+    """Run a controller many times.
+
+    Compiled loops run in threads of this process, which share the machine code and the set
+    points. Where controller or plant is plain Python, processes run it: loky's where that is
+    installed. Results have the same bits with any executor and any number of workers.
+
+    Parameters
+    ----------
+    controller, on
+        See :func:`simulate`. A `SweepRequest` alone says all that ``fuzzyarm sweep`` does.
+    runs : sequence of dict, or mapping of str to array_like
+        Of each run what differs, by name: gains of the controller (one number, or one for each
+        axis), parameters of the plant (``plant.NAME`` where the controller has the name, too),
+        ``noise.PORT``, ``delay.PORT`` and ``resolution.PORT`` of sensors, ``disturbance``,
+        ``seed``; along a trajectory of a plant that carries a load ``payload``: a share of it, 0
+        for none. A mapping has arrays with an entry for each run.
+    **keywords
+        ``executor``, ``workers``, ``along``, ``payload``, ``segments``, ``shared``,
+        ``conventions``, ``options``, ``references``, ``duration``, ``connect``, ``watch``; see
+        :class:`ManyKeywords`.
+
+    Raises
+    ------
+    SweepError
+        If a name is unknown, or there are no runs.
+    TravelError
+        If something has to go to another process and cannot.
+
+    Examples
+    --------
+    >>> from fuzzyarm.plant import reach
+    >>> runs = [{"K_P": 100.0, "payload": 0.0}, {"K_P": 200.0, "payload": 2.0}]
+    >>> many = simulate_many("pd", reach(segment=0.3), runs, workers=1)
+    >>> many.rms.shape, bool((many.diverged > 0).any())
+    ((2, 2), False)
+    """
+    demand_keywords("simulate_many", keywords, ManyKeywords)
+    if isinstance(controller, SweepRequest):
+        _demand_alone("simulate_many", on, keywords)
+        return swept(controller)
+    changes, count = columns_of(runs)
+    bench = Bench(experiment_of(controller, on, **keywords), list(changes))
+    executor, workers = keywords.get("executor"), keywords.get("workers")
+    watch = keywords.get("watch")
+    rows = np.empty((count, 1 + len(bench.outputs) * len(METRICS)))
+    with closing(stream(bench, changes, count, executor=executor, workers=workers)) as parts:
+        for first, part in parts:
+            rows[first : first + len(part)] = part
+            if watch is not None:
+                watch(len(part))
+    return many_of(bench, changes, rows)
+
+
+def experiment_of(
+    controller: AnyController, on: AnyWay | None = None, **keywords: Unpack[ManyKeywords]
+) -> Experiment:
+    """Return what all runs share, in the words of :func:`simulate_many`."""
+    chosen = as_controller(controller)
+    payload, segments = keywords.get("payload", False), keywords.get("segments")
+    references, duration = keywords.get("references"), keywords.get("duration")
+    connect = keywords.get("connect")
+    shared = dict(keywords.get("shared") or {})
+    if payload or segments is not None:
+        shared.setdefault("payload", float(payload or 1.0))
+    place = site_for(chosen, connect).name if on is None else on
+    referred = bool(references) or duration is not None
+    return Experiment(
+        chosen,
+        way_of(place, keywords.get("along"), referred=referred),
+        tuple(segments) if segments is not None else None,
+        shared,
+        keywords.get("conventions", PLAIN),
+        keywords.get("options") or Options(),
+        references,
+        duration,
+        connect,
+    )

@@ -1,0 +1,258 @@
+"""A sweep from its request to its runs: what differs, the journal, the workers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import Executor
+from contextlib import closing, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fuzzyarm.controller.on_plant import text_law_of
+from fuzzyarm.controller.text import files_of
+from fuzzyarm.errors import FuzzyarmError, WordError, demand_extra, sentence_of
+from fuzzyarm.loop.along import Way
+from fuzzyarm.loop.experiments import (
+    controllers_of,
+    files_named,
+    follows,
+    trajectory_asked,
+    with_drives,
+    with_plant,
+    with_settings,
+)
+from fuzzyarm.loop.many import (
+    Bench,
+    Experiment,
+    Many,
+    Vector,
+    check_extremes,
+    many_of,
+    seeds_of,
+    stream,
+)
+from fuzzyarm.loop.metrics import METRICS
+from fuzzyarm.loop.sweep import Range, SweepFile, drawn, grid, read_range, whole
+from fuzzyarm.loop.words import connections, conventions_of, motion_of
+from fuzzyarm.requests.bounds import MOST_RUNS
+from fuzzyarm.requests.fields import unknown_choice
+from fuzzyarm.requests.journal import question_of
+from fuzzyarm.requests.runs import SweepRequest, Workers
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """What a sweep is to do: the bench, what differs, and all that the runs depend on."""
+
+    bench: Bench
+    ranges: tuple[Range, ...]
+    changes: Mapping[str, Vector]
+    count: int
+    question: Mapping[str, Any]
+
+    def file(self, path: str) -> SweepFile:
+        """Return the journal of the sweep."""
+        front: dict[str, Any] = {
+            name: values for name, values in self.changes.items() if name != "seed"
+        }
+        front["seed"] = seeds_of(self.bench, self.changes, self.count)
+        return SweepFile(path, self.question, front, self.bench.outputs, self.bench.column_units)
+
+
+def sweep_of(asked: SweepRequest) -> Sweep:
+    """Return what a request asks for.
+
+    Raises
+    ------
+    FuzzyarmError
+        If something does not fit.
+    """
+    require_sensible(asked)
+    (controller,) = controllers_of(asked, [asked.controller])
+    asked, plant = with_plant(asked, [controller])
+    controller, plant = with_settings(asked, controller, plant)
+    along = follows(asked, plant)
+    plant, options = with_drives(asked, plant)
+    shared: dict[str, float] = {}
+    on: Any
+    if along:
+        trajectory = trajectory_asked(asked, plant)
+        if not asked.way_points:
+            asked = asked.replaced(trajectory=asked.trajectory or next(iter(plant.trajectories)))
+        on = Way(plant, trajectory)
+        if asked.payload or asked.loaded:
+            shared["payload"] = 1.0
+    else:
+        on = motion_of(asked, controller, plant)
+    ranges, changes, count = _ranges(asked)
+    experiment = Experiment(
+        controller,
+        on,
+        asked.loaded or None,
+        shared,
+        conventions_of(asked),
+        options,
+        connect=connections(asked),
+    )
+    bench = Bench(experiment, list(changes))
+    files = files_named(asked) | _files_of_controller(bench)
+    return Sweep(bench, ranges, changes, count, question_of(asked.question(), files))
+
+
+def require_sensible(asked: SweepRequest) -> None:
+    """Tell mistakes before anything is loaded.
+
+    Raises
+    ------
+    RequestError, WordError
+        If the metric is unknown, or fields do not fit each other.
+    """
+    if asked.metric not in METRICS:
+        error = unknown_choice("metric", asked.metric, METRICS)
+        error.is_usage = False  # as before there were requests: exit status 1
+        raise error
+    if asked.resume and not asked.out:
+        raise WordError("--resume goes on with the file of -o, and none is given")
+
+
+def _ranges(asked: SweepRequest) -> tuple[tuple[Range, ...], dict[str, Vector], int]:
+    ranges = tuple(map(read_range, asked.sweep))
+    if asked.random is not None:
+        return ranges, whole(drawn(ranges, asked.random, asked.seed)), asked.random
+    if not ranges:
+        raise WordError("nothing is swept", hint="--sweep NAME=A..B:N, or --random N")
+    count = math.prod(interval.count or 1 for interval in ranges)
+    if count > MOST_RUNS:
+        raise WordError(f"a grid of {count:,} runs is out of range: up to {MOST_RUNS:,}")
+    return ranges, whole(grid(ranges)), count
+
+
+def _files_of_controller(bench: Bench) -> dict[str, Path]:
+    """Return the files of a controller, by name."""
+    paths: dict[str, Path] = {}
+    for part in bench.loop.controller.parts():
+        law = text_law_of(part)
+        if law is not None:
+            paths |= files_of(law.text.model, law.text.path)
+        elif hasattr(part, "path"):
+            paths[str(part.path)] = Path(part.path)
+    return paths
+
+
+# --- The runs ---
+
+
+class Answer(NamedTuple):
+    """The rows of the runs that were made, all or the first ones, and what failed."""
+
+    rows: Vector
+    faults: list[str]
+    interrupted: bool
+
+
+def answered(
+    sweep: Sweep,
+    file: SweepFile | None,
+    asked: SweepRequest,
+    executor: Executor | None,
+    moved: Callable[[int], None] = lambda _done: None,
+) -> Answer:
+    """Run what is missing. Ctrl-C ends it, and so does a run that fails, with those before it.
+
+    Parameters
+    ----------
+    sweep : Sweep
+        What is to be done.
+    file : SweepFile or None
+        Where each run is written.
+    asked : SweepRequest
+        Whether to go on with the file, and how many workers there are.
+    executor : Executor or None
+        See :func:`fuzzyarm.loop.simulate_many`.
+    moved : callable, optional
+        Told how many runs are done.
+    """
+    check_extremes(sweep.bench, sweep.changes)
+    rows = np.empty((sweep.count, 1 + len(sweep.bench.outputs) * len(METRICS)))
+    done, faults, interrupted = begun(file, rows, resume=asked.resume), list[str](), False
+    runs = stream(
+        sweep.bench, sweep.changes, sweep.count, begin=done, executor=executor,
+        workers=asked.workers,
+    )  # fmt: skip
+    try:
+        with closing(runs) as parts:
+            for first, part in parts:
+                rows[first : first + len(part)] = part
+                if file is not None and not faults:
+                    faults += _appended(file, first, part)
+                done = first + len(part)
+                moved(done)
+    except KeyboardInterrupt:
+        interrupted = True
+    except (FuzzyarmError, MemoryError) as error:
+        if not done:
+            raise
+        faults.append(sentence_of(error))
+    return Answer(rows[:done], faults, interrupted)
+
+
+def begun(file: SweepFile | None, rows: Vector, *, resume: bool) -> int:
+    """Begin the file, or go on with it: fill the rows that it has, and return how many."""
+    if file is None:
+        return 0
+    if not (resume and file.path.exists()):
+        file.begin()
+        return 0
+    known = file.resume()
+    rows[: len(known)] = known
+    return len(known)
+
+
+def _appended(file: SweepFile, first: int, part: Vector) -> list[str]:
+    """Write rows; where that fails, the runs go on for the report, and the file ends there."""
+    try:
+        file.append(first, part)
+    except OSError as error:
+        words = f"the file has the runs before {first}, and --resume goes on from there"
+        return [f"{file.path}: {error.strerror or error}; {words}"]
+    return []
+
+
+@contextmanager
+def cluster(asked: Workers) -> Iterator[tuple[Executor | None, int | None]]:
+    """Connect to a Dask cluster, where one is given; give it and the number of workers."""
+    if not asked.dask:
+        yield None, asked.workers
+        return
+    demand_extra("distributed", "cluster", "--dask")
+    from distributed import Client
+
+    with Client(asked.dask, timeout="20s", set_as_default=False) as client:
+        yield client.get_executor(), asked.workers or sum(client.ncores().values()) or 1
+
+
+def swept(asked: SweepRequest) -> Many:
+    """Return the runs of a request; with a file they are written there, too.
+
+    Raises
+    ------
+    FuzzyarmError
+        If something does not fit, or a run fails.
+    """
+    sweep = sweep_of(asked)
+    file = sweep.file(asked.out) if asked.out else None
+    with cluster(asked) as (executor, workers):
+        answer = answered(sweep, file, asked.replaced(workers=workers), executor)
+    if answer.interrupted:
+        raise KeyboardInterrupt
+    if answer.faults:
+        raise SweepFaultError(answer.faults[0])
+    return many_of(sweep.bench, sweep.changes, answer.rows)
+
+
+class SweepFaultError(FuzzyarmError, RuntimeError):
+    """A sweep has ended before its time, or its file was not written."""

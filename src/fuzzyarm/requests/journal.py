@@ -1,0 +1,205 @@
+"""A file that grows by a line for each piece of long work, from which the work goes on.
+
+It begins with what was asked, as JSON behind a ``#``; a heading follows, and the lines of a CSV
+file. So the file of work that was interrupted is the front of the whole one. Whoever asks
+something else is refused, and so is whoever would write over work that is not finished.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import os
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.text.files import write_atomically
+
+__all__ = ["Journal", "JournalError", "digests_of", "question_of"]
+
+Row = Sequence[str]
+
+
+class JournalError(FuzzyarmError, ValueError):
+    """A journal is not that of the work, is damaged, or has work that would be lost."""
+
+
+class Journal:
+    """A journal of some work.
+
+    Parameters
+    ----------
+    path : path-like
+        Of a CSV file.
+    work : str
+        What sort of work, in a word, as in ``sweep``.
+    question : mapping
+        What was asked: all that the results depend on, as JSON takes it.
+    columns : sequence of str
+        The heading.
+    piece : str, optional
+        What a line is of.
+    option : str, optional
+        By which the file is named, for hints.
+    """
+
+    def __init__(
+        self,
+        path: str | os.PathLike[str],
+        work: str,
+        question: Mapping[str, Any],
+        columns: Sequence[str],
+        *,
+        piece: str = "run",
+        option: str = "-o",
+    ) -> None:
+        self.path = Path(path)
+        self.work, self.columns, self.piece, self.option = work, tuple(columns), piece, option
+        self.first = f"# fuzzyarm {work} 1\n"
+        asked = json.dumps(question, sort_keys=True, ensure_ascii=False)
+        self.head = f"{self.first}# {asked}\n{csv_line(self.columns)}"
+
+    def begin(self, total: int | None = None, *, may_replace: bool = True) -> None:
+        """Write the head; what was there is gone.
+
+        Parameters
+        ----------
+        total : int, optional
+            Lines of the whole file; a whole one may be written anew.
+        may_replace : bool, optional
+            Whether a file of something else may be.
+
+        Raises
+        ------
+        JournalError
+            If the file holds a part of the same work, or what may not be replaced.
+        """
+        if self.path.is_file() and self.path.stat().st_size:
+            if self.path.read_bytes().startswith(self.head.encode()):
+                count = len(self.rows())
+                if count and count != total:
+                    many = f"{count} {self.piece}s of this {self.work}"
+                    if total is not None:
+                        many = f"{count} of the {total} {self.piece}s"
+                    hint = "--resume goes on, or remove the file"
+                    raise JournalError(f"{self.path} has {many}", hint=hint)
+            elif not may_replace:
+                message = f"{self.path} is there, and is not of this {self.work}"
+                raise JournalError(message, hint=f"give another {self.option}")
+        write_atomically(self.path, self.head)
+
+    def resume(self) -> list[Row]:
+        """Return the lines of the file as cells; one that is torn is cut off.
+
+        Raises
+        ------
+        JournalError
+            If something else was asked.
+        OSError
+            If the file cannot be read.
+        """
+        content = self.path.read_bytes()
+        head = self.head.encode()
+        if not content.startswith(head):
+            hint = f"give another {self.option}"
+            raise JournalError(f"{self.path} {self._difference(content)}", hint=hint)
+        if not content.endswith(b"\n"):
+            os.truncate(self.path, content.rfind(b"\n") + 1)
+        return self.rows()
+
+    def rows(self) -> list[Row]:
+        """Return the whole lines behind the head."""
+        text = self.path.read_bytes()[len(self.head.encode()) :]
+        whole = text[: text.rfind(b"\n") + 1].decode("utf-8", errors="replace")
+        return list(csv.reader(io.StringIO(whole, newline="")))
+
+    def read(self, line: Callable[[int, Row], Any]) -> list[Any]:
+        """Return what `line` makes of each line, by its number from 0.
+
+        Raises
+        ------
+        JournalError
+            If `line` raises ValueError for one, or it has too few or too many cells.
+        """
+        found = []
+        for number, row in enumerate(self.resume()):
+            try:
+                if len(row) != len(self.columns):
+                    raise ValueError
+                found.append(line(number, row))
+            except ValueError:
+                message = f"{self.path}: line {number + 4} is not that of {self.piece} {number}"
+                hint = "remove what follows it, or the file"
+                raise JournalError(message, hint=hint) from None
+        return found
+
+    def append(self, rows: Iterable[Row]) -> None:
+        """Write lines, the first of which is the next that is missing."""
+        with self.path.open("a", encoding="utf-8", newline="\n") as file:
+            file.writelines(map(csv_line, rows))
+
+    def _difference(self, content: bytes) -> str:
+        """Say what the file asks that this work does not."""
+        lines = content.decode("utf-8", errors="replace").splitlines()
+        if not content.startswith(self.first.encode()) or len(lines) < 2:
+            return f"is not a {self.work} file"
+        try:
+            theirs = json.loads(lines[1].removeprefix("# "))
+            ours = json.loads(self.head.splitlines()[1].removeprefix("# "))
+        except ValueError:
+            return f"is not a {self.work} file"
+        return difference_words(theirs, ours, self.work)
+
+
+def csv_line(cells: Row) -> str:
+    """Return cells as a line of a CSV file."""
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerow(cells)
+    return text.getvalue()
+
+
+def difference_words(theirs: Mapping[str, Any], ours: Mapping[str, Any], work: str) -> str:
+    """Say what one question asks that another does not."""
+    for name in {**ours, **theirs}:
+        asked, given = theirs.get(name), ours.get(name)
+        if asked == given:
+            continue
+        if isinstance(asked, dict) and isinstance(given, dict):
+            changed = next(
+                part for part in {**asked, **given} if asked.get(part) != given.get(part)
+            )
+            return f"belongs to another {work}: {name} {changed} differs"
+        was, now = json.dumps(asked), json.dumps(given)
+        return f"belongs to another {work}: {name} was {was}, not {now}"
+    return f"belongs to another {work}: it has other columns"
+
+
+# --- The question ---
+
+
+def question_of(fields: Mapping[str, Any], files: Mapping[str, Path]) -> dict[str, Any]:
+    """Return all that results depend on: fields of a request, contents of files, the version.
+
+    Parameters
+    ----------
+    fields : mapping
+        See `Request.question`.
+    files : mapping of str to Path
+        Files by their names, see `digests_of`.
+    """
+    from fuzzyarm.version import __version__
+
+    return {"fuzzyarm": __version__, "arguments": dict(fields), "files": digests_of(files)}
+
+
+def digests_of(files: Mapping[str, Path]) -> dict[str, str]:
+    """Return digests of the contents of files, by name; of those that are there."""
+    return {
+        name: sha256(path.read_bytes()).hexdigest()[:16]
+        for name, path in sorted(files.items())
+        if path.is_file()
+    }

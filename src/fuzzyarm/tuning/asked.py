@@ -1,0 +1,184 @@
+"""What a request of tuning means: the file, where it runs, samples, the journal."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import NamedTuple
+
+from fuzzyarm.api import load
+from fuzzyarm.controller.catalogue import controller_of
+from fuzzyarm.controller.text import ControllerText, files_of
+from fuzzyarm.errors import WordError
+from fuzzyarm.learning.data import Columns, Samples, column_names, read_samples
+from fuzzyarm.loop.experiments import (
+    ALONG,
+    files_named,
+    follows,
+    trajectory_asked,
+    with_drives,
+    with_plant,
+)
+from fuzzyarm.loop.reference import Signal, read_time
+from fuzzyarm.loop.sweep import read_range
+from fuzzyarm.loop.words import connections, conventions_of, motion_of, seconds, signals
+from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.plant.plant import Plant, interface_of
+from fuzzyarm.plant.setting import Conventions
+from fuzzyarm.plant.trajectory import carried
+from fuzzyarm.requests.journal import question_of
+from fuzzyarm.requests.tune import TuneRequest
+from fuzzyarm.shipped_files import shipped, shipped_names
+from fuzzyarm.tuning.scenarios import Scenario, Stage, plant_scenarios, scenario_along
+from fuzzyarm.tuning.search import Journal
+
+
+class Order(NamedTuple):
+    """What is tuned, and on what.
+
+    Attributes
+    ----------
+    path : str
+        The file.
+    subject : ControllerText or RuleBase
+        What it holds.
+    stage : Stage or None
+        Where a controller runs.
+    samples : dict of str to Samples
+        ``data`` and ``test`` of a rule base alone.
+    conventions : Conventions
+        Of the runs.
+    journal : Journal or None
+        Where trials are written down.
+    """
+
+    path: str
+    subject: ControllerText | RuleBase
+    stage: Stage | None
+    samples: dict[str, Samples]
+    conventions: Conventions
+    journal: Journal | None
+
+
+def order_of(asked: TuneRequest) -> Order:
+    """Read what is asked for; a journal is begun.
+
+    Raises
+    ------
+    FuzzyarmError
+        If something does not fit.
+    """
+    require_sensible(asked)
+    path, subject = _subject(asked.file)
+    stage, samples = None, dict[str, Samples]()
+    if isinstance(subject, ControllerText):
+        if asked.data:
+            raise WordError("--data is for a rule base alone; a controller runs in its loop")
+        asked, plant = with_plant(asked, [controller_of(subject)])
+        stage = stage_asked(asked, subject, plant)
+    else:
+        samples = samples_asked(asked, subject)
+    journal = _journal(asked, path, subject) if asked.journal else None
+    return Order(path, subject, stage, samples, conventions_of(asked), journal)
+
+
+def require_sensible(asked: TuneRequest) -> None:
+    """Tell mistakes before anything is loaded.
+
+    Raises
+    ------
+    WordError
+        If fields do not fit each other.
+    """
+    if asked.resume and not asked.journal:
+        raise WordError("--resume goes on with the file of --journal, and none is given")
+    if asked.test and not asked.data:
+        raise WordError("--test judges what was fitted to --data, and none is given")
+
+
+def longest(asked: TuneRequest) -> float:
+    """Return how long the whole may take, s."""
+    return read_time(asked.time, "--time") if asked.time else math.inf
+
+
+def _subject(word: str) -> tuple[str, ControllerText | RuleBase]:
+    """Return a file and what it holds; a name of the catalogue is a shipped file."""
+    path = word
+    if not Path(word).exists() and f"{word}.frb" in shipped_names():
+        path = str(shipped(f"{word}.frb"))
+    model = load(path)
+    if not isinstance(model, ControllerText | RuleBase):
+        raise WordError(f"{word} is a table; a controller or a rule base is tuned")
+    return path, model
+
+
+# --- What it is tuned on ---
+
+
+def stage_asked(asked: TuneRequest, text: ControllerText, plant: Plant) -> Stage:
+    """Return where a controller runs.
+
+    Raises
+    ------
+    WordError, PlantError, SweepError
+        If a word is not understood, or the plant does not have what is asked for.
+    """
+    along = follows(asked, plant)
+    plant, options = with_drives(asked, plant)
+    connect, vary = connections(asked), tuple(map(read_range, asked.vary))
+    if along:
+        payload = 0.0 if asked.payload is False else 1.0
+        first = plant_scenarios(plant, payload)
+        if asked.given((*ALONG, "loaded")):
+            way = trajectory_asked(asked, plant)
+            if asked.loaded:
+                way = replace(way, loaded=carried(way, segments=asked.loaded))
+            first = (scenario_along(plant, way, payload),)
+        return Stage(plant, first, options, vary, connect=connect)
+    motion = motion_of(asked, controller_of(text), plant)
+    references = signals(asked) or None
+    if asked.step is not None:
+        label = interface_of(plant).label(motion.tracked[0])
+        references = {label: Signal("step", (asked.step,))}
+    first = (Scenario(motion.name, motion),)
+    return Stage(plant, first, options, vary, references, seconds(asked), connect)
+
+
+def samples_asked(asked: TuneRequest, rulebase: RuleBase) -> dict[str, Samples]:
+    """Return the samples for a rule base alone, by ``data`` and ``test``.
+
+    Raises
+    ------
+    WordError
+        If there are none, and nothing else says what is good.
+    """
+    if not asked.data:
+        if asked.cost is not None and ".py:" in asked.cost:
+            return {}
+        message = f"'{rulebase.name}' is a rule base alone: nothing says what is good"
+        hint = "--data set.csv, or tune the controller that uses it"
+        raise WordError(message, hint=hint)
+    inputs = tuple(variable.name for variable in rulebase.inputs)
+    outputs = [output.name for output in rulebase.outputs]
+    target = asked.target
+    if target is None and len(outputs) == 1 and outputs[0] in column_names(asked.data):
+        target = outputs[0]
+    columns = Columns(target, inputs)
+    samples = {"data": read_samples(asked.data, columns)}
+    if asked.test:
+        samples["test"] = read_samples(asked.test, columns)
+    return samples
+
+
+# --- The journal ---
+
+
+def _journal(asked: TuneRequest, path: str, subject: ControllerText | RuleBase) -> Journal:
+    files = files_named(asked) | {Path(path).name: Path(path)}
+    if isinstance(subject, ControllerText):
+        files |= files_of(subject.model, path)
+    words = [asked.data, (asked.cost or "").rpartition(":")[0]]
+    files |= {word: Path(word) for word in words if word}
+    assert asked.journal is not None
+    return Journal(asked.journal, question_of(asked.question(), files), resume=asked.resume)
