@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 from fuzzyarm.text.jsonable import jsonable
 
@@ -18,7 +18,22 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-__all__ = ["Area", "Drawing", "Line", "Mark", "Words", "frame", "rectangle"]
+__all__ = [
+    "Area",
+    "Axis",
+    "Band",
+    "Cells",
+    "Chart",
+    "Dots",
+    "Drawing",
+    "Level",
+    "Line",
+    "Mark",
+    "Panel",
+    "Words",
+    "frame",
+    "rectangle",
+]
 
 Numbers: TypeAlias = "Sequence[float] | NDArray[np.float64]"
 
@@ -27,6 +42,8 @@ Numbers: TypeAlias = "Sequence[float] | NDArray[np.float64]"
 COLOURS = ("#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9", "#7A6A00", "#333333")
 """Those of Okabe and Ito, safe for colour-blind eyes."""
 
+DASHES = ("-", "--", "-.")
+
 TONES = {
     "first": COLOURS[0],
     "second": COLOURS[1],
@@ -34,6 +51,7 @@ TONES = {
     "mark": COLOURS[3],
     "metal": "#444444",
     "water": COLOURS[5],
+    "ink": "#333333",
 }
 """Colours by name; a page has its own, for light and dark. Any other colour is ``#rrggbb``."""
 
@@ -58,12 +76,21 @@ class Line:
         Its colour: ``#rrggbb`` or a name of ``TONES``.
     width : float
         Points of print.
+    dash : str
+        ``-``, ``--``, ``-.`` or ``:``.
+    label : str
+        What it is; empty where that need not be said.
+    steps : bool
+        Whether it goes level from each point to the next one.
     """
 
     x: Numbers
     y: Numbers
     tone: str = "metal"
     width: float = 1.0
+    dash: str = "-"
+    label: str = ""
+    steps: bool = False
 
 
 @dataclass(frozen=True)
@@ -152,6 +179,217 @@ class Drawing:
         """Where a hand takes hold of it."""
         left, right, bottom, top = self.stage
         return self.grip or (0.5 * (left + right), 0.5 * (bottom + top))
+
+
+# --- Charts: parts over two axes ---
+
+
+@dataclass(frozen=True)
+class Dots:
+    """Points, each with a sign of a fixed size.
+
+    Parameters
+    ----------
+    x, y : sequence of float
+        Where they are.
+    sign : str
+        As of a mark; ``x`` and ``+`` are crosses, ``.`` is a small round one.
+    tone : str
+        Their colour.
+    size : float
+        Points of print.
+    label : str
+        What they are; empty where that need not be said.
+    opacity : float
+        From 0 to 1.
+    edge : float
+        How wide the strokes of a cross are; 0 for the usual.
+    """
+
+    x: Numbers
+    y: Numbers
+    sign: str = "."
+    tone: str = "first"
+    size: float = 3.0
+    label: str = ""
+    opacity: float = 1.0
+    edge: float = 0.0
+
+
+@dataclass(frozen=True)
+class Band:
+    """What lies between two curves over the same points.
+
+    Parameters
+    ----------
+    x, low, high : sequence of float
+        The points, and both ends at each.
+    tone : str
+        Its colour.
+    opacity : float
+        From 0 to 1.
+    label : str
+        What it is.
+    """
+
+    x: Numbers
+    low: Numbers
+    high: Numbers
+    tone: str = "first"
+    opacity: float = 0.3
+    label: str = ""
+
+
+@dataclass(frozen=True)
+class Level:
+    """A straight line from one end of a chart to the other.
+
+    Parameters
+    ----------
+    at : float
+        Where it stands.
+    upright : bool
+        Whether it goes up, at a place across.
+    tone : str
+        Its colour.
+    width : float
+        Points of print.
+    dash : str
+        As of a line.
+    """
+
+    at: float
+    upright: bool = False
+    tone: str = "ink"
+    width: float = 0.6
+    dash: str = "-"
+
+
+@dataclass(frozen=True)
+class Axis:
+    """One axis of a chart.
+
+    Parameters
+    ----------
+    name : str
+        What is measured along it; may be anybody's text.
+    unit : str
+        Its unit; empty, or ``1``, for none.
+    low, high : float, optional
+        Its ends; by default those of what is drawn.
+    logarithmic : bool
+        Whether equal lengths are equal ratios.
+    about : str
+        What the name means.
+    """
+
+    name: str = ""
+    unit: str = ""
+    low: float | None = None
+    high: float | None = None
+    logarithmic: bool = False
+    about: str = ""
+
+    @property
+    def words(self) -> str:
+        """Name, unit and meaning."""
+        name = f"{self.name}, {self.unit}" if self.unit not in ("", "1") else self.name
+        return f"{name}: {self.about}" if self.about else name
+
+
+@dataclass(frozen=True)
+class Cells:
+    """Values over a grid, told by colours.
+
+    Parameters
+    ----------
+    x, y : sequence of float
+        Where the columns and the rows stand.
+    values : array_like
+        Row by row; NaN where there is none.
+    value : Axis
+        What they are, and between what colours are spread at least.
+    downward : bool
+        Whether the first row stands at the top, as in a file.
+    """
+
+    x: Numbers
+    y: Numbers
+    values: Any
+    value: Axis
+    downward: bool = False
+
+
+_Kind = TypeVar("_Kind")
+
+ChartPart: TypeAlias = Line | Band | Dots | Level | Cells
+
+
+@dataclass(frozen=True)
+class Panel:
+    """Parts over two axes.
+
+    Parameters
+    ----------
+    parts : sequence
+        Lines, bands, dots, levels, cells, from the back to the front.
+    across, up : Axis
+        The axes.
+    title : str
+        Above it.
+    key : str
+        Where what the labels say stands: ``upper left`` and so on; empty for nowhere.
+    name : str
+        What it is, in a few words, where there is no room for axes.
+    """
+
+    parts: Sequence[ChartPart]
+    across: Axis = Axis()
+    up: Axis = Axis()
+    title: str = ""
+    key: str = ""
+    name: str = ""
+
+    def of(self, kind: type[_Kind]) -> list[_Kind]:
+        """Return the parts of one kind.
+
+        Parameters
+        ----------
+        kind : type
+            ``Line``, ``Dots``, …
+        """
+        return [part for part in self.parts if isinstance(part, kind)]
+
+
+@dataclass(frozen=True)
+class Chart:
+    """Panels in rows and columns.
+
+    Parameters
+    ----------
+    rows : sequence of sequence of Panel or None
+        From the top; None leaves a place empty.
+    size : tuple of float
+        Width and height on paper, inches.
+    title : str
+        Above all of them.
+    key : bool
+        Whether the labels stand once, below all panels.
+    below : str
+        What all panels have across, written below the last ones alone; empty where each has its
+        own.
+    """
+
+    rows: Sequence[Sequence[Panel | None]]
+    size: tuple[float, float]
+    title: str = ""
+    key: bool = False
+    below: str = ""
+
+
+def series(index: int) -> tuple[str, str]:
+    """Return the colour and the dashes of the line number `index`: no two alike among 24."""
+    return COLOURS[index % len(COLOURS)], DASHES[(index // len(COLOURS)) % len(DASHES)]
 
 
 # --- Shapes that many pictures have ---

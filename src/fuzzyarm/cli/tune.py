@@ -315,7 +315,6 @@ def _lines(tuned: Tuned, path: str, written: list[Path]) -> Iterator[str]:
         curve_view,
         front_lines,
         table_lines,
-        width_for,
     )
 
     search = tuned.found
@@ -329,7 +328,7 @@ def _lines(tuned: Tuned, path: str, written: list[Path]) -> Iterator[str]:
     yield from tuned.claim().split("; ")
     if len(search.trials) > 1:
         columns = shutil.get_terminal_size().columns if sys.stdout.isatty() else 80
-        yield from plain_text(curve_view(search.curve, width_for(columns))).splitlines()
+        yield from plain_text(curve_view(search, columns)).splitlines()
     front = list(front_lines(tuned))
     if front:
         yield from ("front of error and chatter:", *(f"  {line}" for line in front))

@@ -15,7 +15,7 @@ from fuzzyarm.designer.requests import Axes, CompareWork
 from fuzzyarm.lsp.session import Session
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.show.diff import compare_rulebases, table_change_words, table_summary
-from fuzzyarm.show.figures.surface import with_gaps
+from fuzzyarm.show.response import with_gaps
 from fuzzyarm.table import LookupTable, compare_tables
 from fuzzyarm.text.jsonable import jsonable
 

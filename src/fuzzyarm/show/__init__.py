@@ -11,8 +11,8 @@ from fuzzyarm.show.controller_diff import compare_controllers, controller_diff_v
 from fuzzyarm.show.diagram import Diagram, DiagramBlock, DiagramWire, block_diagram
 from fuzzyarm.show.diff import compare_rulebases, rulebase_diff_view, table_diff_view
 from fuzzyarm.show.drawing import HeatGrid, Scale, make_console, number_words, plain_text, scale_of
+from fuzzyarm.show.panels import LinePlot, SurfaceMap
 from fuzzyarm.show.rulebase import RuleGrid, find_grids, rule_grid, rulebase_view, rules_view
-from fuzzyarm.show.surface import LinePlot, SurfaceMap
 from fuzzyarm.show.table import learned_view, table_grids, table_view
 from fuzzyarm.show.terms import TermPlots, shape_words, visible_range
 from fuzzyarm.show.trace import OutputPlot, firing_view, trace_view

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
+from typing import TYPE_CHECKING
 
 from fuzzyarm.plant.drawings import Scene, drawing_of
-from fuzzyarm.show.canvas import Canvas, drawing_lines
-from fuzzyarm.show.drawing import fitted, number_words, run_words, time_words
+from fuzzyarm.show.canvas import drawing_lines
+from fuzzyarm.show.drawing import run_words, time_words
+from fuzzyarm.show.panels import panel_lines
+from fuzzyarm.show.run import drive_panel, drives_that_move, error_panel
 
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
@@ -77,51 +76,14 @@ class LiveView:
     def _curves(self, index: int, width: int, rows: int) -> list[Text]:
         """Return errors and drives until a sample, each below the line that names it."""
         run = self.run
-        curves = [
-            (f"error of {label}", unit, run.errors[:, column])
-            for column, (label, unit) in enumerate(zip(run.labels, run.units, strict=True))
-        ]
-        used = [name for name in run.drives if np.any(run.drives[name])] or list(run.drives)[:1]
-        curves += [(name, run.drive_units[name], np.asarray(run.drives[name])) for name in used]
-        curves = curves[: max(1, rows // 3)]
-        each = max(1, rows // len(curves) - 1)
-        found: list[Text] = []
-        for name, unit, values in curves:
-            found += self._curve(name, unit, values, index, (width, each))
-        return found
-
-    def _curve(
-        self, name: str, unit: str, values: Any, index: int, size: tuple[int, int]
-    ) -> Iterator[Text]:
-        from rich.text import Text
-
-        width, height = size
-        low, high = float(np.min(values)), float(np.max(values))
-        if high - low < 1e-12 * max(1.0, abs(high)):
-            low, high = low - 1.0, high + 1.0
-        words = f" {number_words(float(values[index]), 3)} {unit if unit != '1' else ''}"
-        line = Text(no_wrap=True, overflow="crop")
-        line.append(fitted(name, max(4, width - len(words))), "bold")
-        line.append(words)
-        yield line
-        canvas = Canvas(width, height, 0.0, 1.0, 0.0, 1.0, self.unicode)
-        # Across and up have scales of their own.
-        last = max(1, len(values) - 1)
-        across, up = 2 * width - 1, 4 * height - 1
-        before: tuple[float, float] | None = None
-        for column in range(2 * width):
-            k = round(column * last / across)
-            if k > index:
-                break
-            row = (high - float(values[min(k, last)])) / (high - low) * up
-            start, end = sorted((row, row if before is None else before[1]))
-            for i in range(round(start), round(end) + 1):
-                canvas.dot(column, i, "cyan")
-            before = column, row
-        if low < 0.0 < high:
-            for column in range(0, 2 * width, 4):
-                canvas.dot(column, high / (high - low) * up, "cyan")
-        yield from canvas.lines()
+        panels = [error_panel([run], column) for column in range(len(run.labels))]
+        panels += [drive_panel([run], name) for name in drives_that_move([run], list(run.drives))]
+        panels = panels[: max(1, rows // 3)]
+        height = max(1, rows // len(panels) - 1)
+        lines: list[Text] = []
+        for panel in panels:
+            lines += panel_lines(panel, index, (width, height), unicode=self.unicode)
+        return lines
 
 
 def frames_of(run: Run) -> list[int]:

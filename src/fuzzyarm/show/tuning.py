@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from fuzzyarm.show.drawing import number_words
-from fuzzyarm.show.surface import LinePlot
+from fuzzyarm.show.panels import LinePlot
+from fuzzyarm.show.search import cost_panel
 from fuzzyarm.text.columns import in_columns
 
 if TYPE_CHECKING:
@@ -23,20 +24,10 @@ LABELS = 12
 """Columns beside a curve."""
 
 
-def curve_view(curve: Sequence[float], width: int = WIDTH, height: int = HEIGHT) -> LinePlot:
-    """Return the best cost over the trials, its height in steps of the logarithm if it can."""
-    finite = [value for value in curve if math.isfinite(value)]
-    low, high = min(finite, default=0.0), max(finite, default=1.0)
-    logarithmic = low > 0.0 and high / low > 10.0
-    step = math.log10 if logarithmic else float
-    count = 2 * width
-    picked = [curve[min(len(curve) - 1, at * len(curve) // count)] for at in range(count)]
-    values = [step(value) if math.isfinite(value) else math.nan for value in picked]
-    label = "log cost" if logarithmic else "cost"
-    ends = (step(low), step(high)) if finite else (0.0, 1.0)
-    words = (number_words(low, 3), number_words(high, 3)) if finite else None
-    across = ("trials", 1.0, float(len(curve)))
-    return LinePlot(values, height, across, (label, *ends), ends=words)
+def curve_view(found: Found, columns: int = 80, height: int = HEIGHT) -> LinePlot:
+    """Return the best cost over the trials, as wide as a screen of so many columns has room."""
+    width = max(10, min(WIDTH, columns - LABELS))
+    return LinePlot(cost_panel({"": found}), width, height)
 
 
 def search_view(found: Found, state: str, columns: int = 80) -> Group:
@@ -44,12 +35,7 @@ def search_view(found: Found, state: str, columns: int = 80) -> Group:
     from rich.console import Group
     from rich.text import Text
 
-    return Group(Text(state), curve_view(found.curve, width_for(columns)))
-
-
-def width_for(columns: int) -> int:
-    """Return how wide a curve may be on a screen; its labels stand beside it."""
-    return max(10, min(WIDTH, columns - LABELS))
+    return Group(Text(state), curve_view(found, columns))
 
 
 def table_lines(tuned: Tuned) -> Iterator[str]:

@@ -11,13 +11,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.picture import COLOURS, TONES
+from fuzzyarm.picture import TONES
 from fuzzyarm.plant.drawings import Scene, drawing_of, is_drawn
 from fuzzyarm.show.drawing import run_words, time_words
 from fuzzyarm.show.figures.labels import columns_that_fit
-from fuzzyarm.show.figures.parts import draw_thing
+from fuzzyarm.show.figures.panels import draw_part, draw_thing
 from fuzzyarm.show.figures.run import draw_runs
 from fuzzyarm.show.figures.style import new_figure, safe
+from fuzzyarm.show.run import summary_panels
 from fuzzyarm.text.files import write_atomically
 
 if TYPE_CHECKING:
@@ -237,25 +238,13 @@ def _scene(run: Run, plant: Plant) -> tuple[Figure, Callable[[int], list[Any]]]:
 
 
 def _redraw(run: Run, home: Any) -> Callable[[int], None]:
-    """Draw errors and drives of a run into a part of a figure; return what moves the cursor.
-
-    Drives of one unit share a panel: the arm has torques and voltages.
-    """
-    drives = [name for name in run.drives if np.any(run.drives[name])] or list(run.drives)[:1]
-    units = list(dict.fromkeys(run.drive_units[name] for name in drives))
-    panels = home.subplots(1 + len(units), 1, sharex=True)
-    for column, label in enumerate(run.labels):
-        colour = COLOURS[column % len(COLOURS)]
-        panels[0].plot(
-            run.time, run.errors[:, column], color=colour, linewidth=1.0, label=safe(label)
-        )
-    panels[0].set_ylabel(safe(f"error, {run.units[0]}"), fontsize=8)
-    for panel, unit in zip(panels[1:], units, strict=True):
-        alike = [name for name in drives if run.drive_units[name] == unit]
-        for column, name in enumerate(alike):
-            colour = COLOURS[column % len(COLOURS)]
-            panel.plot(run.time, run.drives[name], color=colour, linewidth=0.9, label=safe(name))
-        panel.set_ylabel(safe(unit), fontsize=8)
+    """Draw errors and drives of a run into a part of a figure; return what moves the cursor."""
+    drawn = summary_panels(run)
+    panels = home.subplots(len(drawn), 1, sharex=True)
+    for axes, panel in zip(panels, drawn, strict=True):
+        for part in panel.parts:
+            draw_part(axes, part)
+        axes.set_ylabel(safe(panel.up.words), fontsize=8)
     panels[-1].set_xlabel("time, s", fontsize=8)
     cursors = []
     for panel in panels:

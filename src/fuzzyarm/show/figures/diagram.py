@@ -11,8 +11,9 @@ from fuzzyarm.picture import COLOURS
 from fuzzyarm.show.diagram import Diagram, block_diagram
 from fuzzyarm.show.figures.labels import text_width
 from fuzzyarm.show.figures.style import head, new_figure, safe
-from fuzzyarm.show.figures.surface import Response, TablePicture
+from fuzzyarm.show.figures.surface import ResponseFigure, TablePicture
 from fuzzyarm.show.placement import ROUND, Pen, Picture, PlacedBlock, place
+from fuzzyarm.show.response import Response
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -85,7 +86,7 @@ def controller_figure(controller: ControllerText) -> Figure:
     for name, sheet in _sheets(controller):
         if isinstance(sheet, RuleBase):
             parts += [
-                (f"rules {name}: {output.name}", Response(sheet, output, {}))
+                (f"rules {name}: {output.name}", ResponseFigure(Response(sheet, output, {})))
                 for output in sheet.outputs
             ]
         else:

@@ -31,7 +31,8 @@ from fuzzyarm.show.figures.style import (
     set_range,
     tidy,
 )
-from fuzzyarm.show.figures.surface import Response
+from fuzzyarm.show.figures.surface import ResponseFigure
+from fuzzyarm.show.response import Response
 from fuzzyarm.show.terms import is_set, shape_words, visible_range
 
 if TYPE_CHECKING:
@@ -321,7 +322,7 @@ def rulebase_figure(
     rows = -(-len(variables) // columns)
     width = max(3.5 * columns, 9.0)
     plans = [_Panel.of(variable, rulebase, width / columns - _EDGE) for variable in variables]
-    responses = [Response(rulebase, target, at or {}, fails) for target in outputs]
+    responses = [ResponseFigure(Response(rulebase, target, at or {}, fails)) for target in outputs]
     top = rows * (2.1 + max((plan.more for plan in plans), default=0.0))
     heights = [top, *(each.height for each in responses)]
     figure = new_figure(width, sum(heights) + 0.4)

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from fuzzyarm.model.rulebase import AnyRuleBase, Output, RuleBase, Variable
+from fuzzyarm.model.rulebase import AnyRuleBase, Variable
 from fuzzyarm.model.shapes import corner_points
-from fuzzyarm.picture import COLOURS
+from fuzzyarm.picture import COLOURS, Axis, Cells, Dots, Level, Line, Panel
+from fuzzyarm.show.cells import table_panel
 from fuzzyarm.show.drawing import number_words, scale_of
 from fuzzyarm.show.figures.labels import shortened, text_width, thin_ticks, wrapped
 from fuzzyarm.show.figures.style import (
@@ -24,6 +25,7 @@ from fuzzyarm.show.figures.style import (
     short_numbers,
     tidy,
 )
+from fuzzyarm.show.response import Response
 from fuzzyarm.show.terms import visible_range
 from fuzzyarm.text.numbers import column_of_numbers
 
@@ -48,21 +50,6 @@ _SPACE = 41
 
 _MOST_NUMBERS = 17
 """Rows or columns of a table up to which its cells have numbers."""
-
-
-@dataclass(frozen=True, slots=True)
-class _Side:
-    """One input or output of what is drawn: its name, its words and its range."""
-
-    name: str
-    description: str
-    low: float
-    high: float
-
-    @property
-    def label(self) -> str:
-        """The words at the axis."""
-        return axis_label(self.name, self.description)
 
 
 _FAILS: dict[str, Any] = {"color": COLOURS[3], "markersize": 9, "markeredgecolor": "white"}
@@ -91,7 +78,7 @@ def surface_figure(
     """
     rulebase = rulebase.model
     outputs = [rulebase.output(output)] if output else list(rulebase.outputs)
-    responses = [Response(rulebase, target, at or {}, fails) for target in outputs]
+    responses = [ResponseFigure(Response(rulebase, target, at or {}, fails)) for target in outputs]
     heights = [each.height for each in responses]
     figure = new_figure(max(each.width for each in responses), sum(heights))
     parts = figure.subfigures(len(outputs), 1, height_ratios=heights, squeeze=False)[:, 0]
@@ -100,112 +87,62 @@ def surface_figure(
     return figure
 
 
-class Response:
-    """One output of a rule base over the inputs that it depends on.
+class ResponseFigure:
+    """A response in a figure, and how large it is there.
 
     Parameters
     ----------
-    rulebase : RuleBase
-        Whose output.
-    output : Output
+    response : Response
         What is drawn.
-    at : mapping of str to float
-        Values of inputs: held fixed, or marked.
-    fails : sequence of Verdict
-        On properties that fail, of any output.
     """
 
-    def __init__(
-        self,
-        rulebase: RuleBase,
-        output: Output,
-        at: Mapping[str, float],
-        fails: Sequence[Verdict] = (),
-    ) -> None:
-        from fuzzyarm.inference.plan import part_for
-
-        inputs = part_for(rulebase, [output.name]).inputs or rulebase.inputs
-        self._rulebase, self._output = rulebase, output
-        self._fails = [
-            verdict for verdict in fails if verdict.output == output.name and verdict.points
-        ]
-        hidden = [variable.name for variable in inputs[2:]]
-        if self._fails and hidden and not at:  # the slice that has the first of them
-            at = {name: self._fails[0].points[0][name] for name in hidden}
-        self._at = {each.name: at[each.name] for each in inputs if each.name in at}
-        self._free, self._fixed = _free_and_fixed(inputs, self._at)
+    def __init__(self, response: Response) -> None:
+        self.response = response
 
     @property
     def width(self) -> float:
         """Of its picture, inches."""
-        return 6.4 if len(self._free) == 1 else 9.6
+        return 6.4 if self.response.is_line else 9.6
 
     @property
     def height(self) -> float:
         """Of its picture, inches."""
-        return 3.6 if len(self._free) == 1 else 4.3
+        return 3.6 if self.response.is_line else 4.3
 
     def draw(self, part: Any) -> None:
         """Draw it into a figure or a part of one."""
-        import numpy as np
-
-        sides = [_Side(v.name, v.description, *visible_range(v)) for v in self._free]
-        target = _Side(
-            self._output.name, self._output.description, self._output.low, self._output.high
+        response = self.response
+        count = self._count()
+        panel = response.panel(
+            [_points(variable, count, edges=response.is_line) for variable in response.free]
         )
-        line = len(sides) == 1
-        count = self._count(line=line)
-        points = [_points(variable, count, edges=line) for variable in self._free]
-        grid = np.ix_(*points)
-        inputs = {
-            **self._fixed,
-            **{side.name: values for side, values in zip(sides, grid, strict=True)},
-        }
-        found = with_gaps(self._rulebase, self._output, inputs)
-        values = np.broadcast_to(found, [point.size for point in points])
-        notes = [_fixed_words(self._fixed), "blank: no rule fires" if _has_gaps(values) else ""]
+        curve = panel.parts[0]
+        values = curve.values if isinstance(curve, Cells) else curve.y  # type: ignore[union-attr]
+        notes = [panel.title, "blank: no rule fires" if _has_gaps(values) else ""]
         title = "\n".join(wrapped(note, LABEL, 0.42 * self.width) for note in notes if note)
-        if line:
-            axes = part.subplots()
-            _line(axes, sides[0], target, points[0], values, title)
-            if sides[0].name in self._at:
-                axes.axvline(self._at[sides[0].name], color="#111111", linewidth=1)
-            for (x,), height, number in self._failures():
-                _mark(axes, x, height, number)
-            _name_failures(axes, self._fails)
-            return
-        marks = [self._at[side.name] for side in sides if side.name in self._at]
-        _plane(part, sides, target, points, values, title, marks)
-        space, flat = part.axes[:2]
-        for (y, x), height, number in self._failures():
-            space.plot(y, x, height, "X", **_FAILS, zorder=10)
-            _mark(flat, x, y, number)
-        _name_failures(flat, self._fails)
+        failures = response.failures()
+        if isinstance(curve, Cells):
+            _plane(part, panel, curve, title)
+            space, flat = part.axes[:2]
+            for failure in failures:
+                y, x = failure.point
+                space.plot(y, x, failure.height, "X", **_FAILS, zorder=10)
+                _mark(flat, x, y, failure.number)
+        else:
+            flat = part.subplots()
+            _line(flat, panel, title)
+            for failure in failures:
+                _mark(flat, failure.point[0], failure.height, failure.number)
+        _name_failures(flat, response.fails)
 
-    def _count(self, *, line: bool) -> int:
+    def _count(self) -> int:
         """Return how many even points there are along a side."""
         from fuzzyarm.inference.effort import points_within
-        from fuzzyarm.inference.plan import part_for
 
-        part = part_for(self._rulebase, [self._output.name])
-        if line:
+        part = self.response.part
+        if self.response.is_line:
             return points_within(part, _SECONDS, least=_FEWEST, most=_LINE)
         return math.isqrt(points_within(part, _SECONDS, least=_FEWEST**2, most=_PLANE**2))
-
-    def _failures(self) -> list[tuple[list[float], float, int]]:
-        """Return where properties fail on what is drawn, the output there, and which property."""
-        import numpy as np
-
-        names, found = [variable.name for variable in self._free], []
-        every = [(point, k) for k, verdict in enumerate(self._fails, 1) for point in verdict.points]
-        for point, number in every:
-            if any(point[name] != x for name, x in self._fixed.items()):
-                continue
-            inputs = {name: np.array([point[name]]) for name in (*names, *self._fixed)}
-            value = float(np.ravel(with_gaps(self._rulebase, self._output, inputs))[0])
-            height = value if math.isfinite(value) else self._output.low
-            found.append(([point[name] for name in names], height, number))
-        return found
 
 
 def _points(variable: Variable, count: int, *, edges: bool) -> Any:
@@ -242,40 +179,6 @@ def _name_failures(axes: Axes, fails: Sequence[Verdict]) -> None:
         )  # fmt: skip
 
 
-def with_gaps(rulebase: RuleBase, output: Output, inputs: Mapping[str, Any]) -> Any:
-    """Return the inference, NaN where no rule fires and the file states no value for that."""
-    from fuzzyarm.inference import infer
-
-    if not isinstance(output.no_rule, str):
-        return infer(rulebase, inputs, outputs=[output.name])[output.name]
-    gaps = tuple(replace(o, no_rule=math.nan) if o is output else o for o in rulebase.outputs)
-    held = {o.name: 0.5 * (o.low + o.high) for o in gaps if o.no_rule == "hold"}
-    model = replace(rulebase, outputs=gaps)
-    return infer(model, inputs, held=held, outputs=[output.name])[output.name]
-
-
-def _free_and_fixed(
-    inputs: Sequence[Variable], at: Mapping[str, float]
-) -> tuple[list[Variable], dict[str, float]]:
-    if len(inputs) <= 2:
-        return list(inputs), {}
-    free = [variable for variable in inputs if variable.name not in at][:2]
-    for variable in inputs:  # all are named: the first two vary all the same
-        if len(free) < 2 and variable not in free:
-            free.append(variable)
-    free.sort(key=inputs.index)
-    fixed = {}
-    for variable in inputs:
-        if variable not in free:
-            low, high = visible_range(variable)
-            fixed[variable.name] = at.get(variable.name, 0.5 * (low + high))
-    return free, fixed
-
-
-def _fixed_words(fixed: Mapping[str, float]) -> str:
-    return ", ".join(f"{name} = {number_words(x, 4)}" for name, x in fixed.items())
-
-
 def table_figure(table: LookupTable, at: Mapping[str, float] | None = None) -> Figure:
     """Return a lookup table as steps (one input) or as a map of its cells with their levels.
 
@@ -306,63 +209,42 @@ class TablePicture:
 
     def __init__(self, table: LookupTable, at: Mapping[str, float]) -> None:
         self._table, self._at = table, at
-        self._sides = [_Side(a.name, a.description, *a.ends) for a in table.axes]
-        if len(self._sides) == 1:
+        self._panel = table_panel(table, at)
+        cells = self._panel.parts[0]
+        self._cells = cells if isinstance(cells, Cells) else None
+        if self._cells is None:
             return
-        pages = table.axes[:-2]
-        self._index = tuple(
-            a.cell(at.get(a.name, a.levels[len(a.levels) // 2]), "nearest") for a in pages
-        )
-        self._values = table.values[self._index]
-        self._texts = _cell_texts(self._values)
+        values = self._cells.values
+        self._texts = _cell_texts(values)
         cell = max(text_width(text, 7) for text in self._texts) + 0.09 if self._texts else 0.0
-        small = max(self._values.shape) <= 9
-        self._room = max(cell * self._values.shape[1], 4.0 if small else 4.6), 3.4 if small else 4.4
+        small = max(values.shape) <= 9
+        self._room = max(cell * values.shape[1], 4.0 if small else 4.6), 3.4 if small else 4.4
 
     @property
     def width(self) -> float:
         """Of its picture, inches."""
-        return 6.4 if len(self._sides) == 1 else self._room[0] + 2.0
+        return 6.4 if self._cells is None else self._room[0] + 2.0
 
     @property
     def height(self) -> float:
         """Of its picture, inches."""
-        return 3.9 if len(self._sides) == 1 else self._room[1] + 1.2
+        return 3.9 if self._cells is None else self._room[1] + 1.2
 
     def draw(self, part: Any) -> None:
         """Draw it into a figure or a part of one."""
-        table, sides, at = self._table, self._sides, self._at
-        target = _Side(table.output, table.description, *table.reach)
-        axes = part.subplots()
-        if len(sides) == 1:
-            _table_line(axes, table, sides[0], target, at)
+        panel, cells, axes = self._panel, self._cells, part.subplots()
+        if cells is None:
+            _table_line(axes, self._table, panel, self._at)
             return
-        fixed = {a.name: a.levels[i] for a, i in zip(table.axes[:-2], self._index, strict=True)}
         width, height = self._room
-        marks = [at[side.name] for side in sides[-2:] if side.name in at]
-        image = _cells(axes, table, self._values, self._texts, marks)
-        for axis, drawn, room in (
-            (table.axes[-2], axes.yaxis, height),
-            (table.axes[-1], axes.xaxis, width),
-        ):
-            thin_ticks(drawn, [number_words(x, 4) for x in axis.levels], room, 8)
-        title = wrapped(_page_words(table, self._index, fixed), LABEL, width)
-        label_axes(axes, sides[-1].label, sides[-2].label, title)
-        bar = colour_bar(part, image, axes, target.label, shrink=0.9)
+        image = _cells(axes, panel, cells, (self._table.low, self._table.high), self._texts)
+        for levels, drawn, room in ((cells.y, axes.yaxis, height), (cells.x, axes.xaxis, width)):
+            thin_ticks(drawn, [number_words(x, 4) for x in levels], room, 8)
+        across, up = (axis_label(axis.name, axis.about) for axis in (panel.across, panel.up))
+        label_axes(axes, across, up, wrapped(panel.title, LABEL, width))
+        label = axis_label(cells.value.name, cells.value.about)
+        bar = colour_bar(part, image, axes, label, shrink=0.9)
         bar.outline.set_visible(False)
-
-
-def _page_words(table: LookupTable, index: tuple[int, ...], fixed: Mapping[str, float]) -> str:
-    """Say which page of a table is drawn, and how to see the others."""
-    pages = table.shape[:-2]
-    if math.prod(pages) <= 1:
-        return _fixed_words(fixed)
-    number = 0
-    for size, position in zip(pages, index, strict=True):
-        number = number * size + position
-    others = ",".join(f"{name}=…" for name in fixed)
-    count = math.prod(pages)
-    return f"{_fixed_words(fixed)}: page {number + 1} of {count}; --at {others} draws another"
 
 
 def _cell_texts(values: Any) -> list[str]:
@@ -372,56 +254,56 @@ def _cell_texts(values: Any) -> list[str]:
     return column_of_numbers([float(number_words(float(x), 4)) for x in values.ravel()])
 
 
-def _table_line(
-    axes: Axes, table: LookupTable, side: _Side, target: _Side, at: Mapping[str, float]
-) -> None:
+def _table_line(axes: Axes, table: LookupTable, panel: Panel, at: Mapping[str, float]) -> None:
+    """Draw what a table gives between its levels as well, and its levels as dots."""
     import numpy as np
 
-    xs = np.linspace(
-        min(side.low, table.axes[0].levels[0]), max(side.high, table.axes[0].levels[-1]), 2001
-    )
-    _line(axes, side, target, xs, table.lookup(xs), f"looked up by {table.default_mode}")
-    if len(table.axes[0].levels) <= 60:
-        axes.plot(table.axes[0].levels, table.values, "o", color=COLOURS[3], markersize=4)
-    if side.name in at:
-        axes.axvline(at[side.name], color="#111111", linewidth=1)
+    levels, (low, high) = table.axes[0].levels, table.axes[0].ends
+    xs = np.linspace(min(low, levels[0]), max(high, levels[-1]), 2001)
+    marks = [part for part in panel.parts if isinstance(part, Level)]
+    line = Line(xs, table.lookup(xs), "first", 1.8)
+    _line(axes, replace(panel, parts=[line]), f"looked up by {table.default_mode}")
+    if len(levels) <= 60:
+        axes.plot(levels, table.values, "o", color=COLOURS[3], markersize=4)
+    for mark in marks:
+        axes.axvline(mark.at, color="#111111", linewidth=1)
 
 
-def _line(axes: Axes, side: _Side, target: _Side, xs: Any, values: Any, title: str) -> None:
-    axes.plot(xs, values, color=COLOURS[0], linewidth=1.8)
+def _line(axes: Axes, panel: Panel, title: str) -> None:
+    for part in panel.parts:
+        if isinstance(part, Line):
+            axes.plot(part.x, part.y, color=COLOURS[0], linewidth=part.width)
     tidy(axes)
-    label_axes(axes, side.label, target.label, title)
-    set_range(axes, side.low, side.high)
+    across, up = (axis_label(axis.name, axis.about) for axis in (panel.across, panel.up))
+    label_axes(axes, across, up, title)
+    set_range(axes, *ends_of(panel.across))
+    for part in panel.parts:
+        if isinstance(part, Level):
+            axes.axvline(part.at, color="#111111", linewidth=1)
 
 
-def _plane(
-    part: Any,
-    sides: list[_Side],
-    target: _Side,
-    points: list[Any],
-    values: Any,
-    title: str,
-    at: list[float],
-) -> None:
+def _plane(part: Any, panel: Panel, cells: Cells, title: str) -> None:
     """Draw a surface in space on the left, its map with contour lines on the right."""
     import numpy as np
     from matplotlib.ticker import FuncFormatter, MaxNLocator
 
+    values = cells.values
     least, most = _ends(values)
     scale = scale_of([least, most])
     limits = {"cmap": colour_map(scale), "vmin": scale.low, "vmax": scale.high}
     grid = part.add_gridspec(1, 2, width_ratios=[1.15, 1.0])
     space = part.add_subplot(grid[0], projection="3d")
-    rows, columns = points
-    y, x = rows[:, None], columns[None, :]
-    chosen = [_meshes(points[k], side) for k, side in enumerate(sides)]
+    rows, columns = cells.y, cells.x
+    y, x = np.asarray(rows)[:, None], np.asarray(columns)[None, :]
+    chosen = [_meshes(rows, panel.up), _meshes(columns, panel.across)]
     mesh = np.ix_(*chosen)
     space.plot_surface(
         (y + 0 * x)[mesh], (x + 0 * y)[mesh], values[mesh], rstride=1, cstride=1,
         linewidth=0.15, edgecolor="#00000055", antialiased=True, **limits,
     )  # fmt: skip
     space.view_init(elev=28, azim=-128)
-    names = [safe(shortened(side.name, LABEL, 1.0)) for side in (*sides, target)]
+    axes = (panel.up, panel.across, cells.value)
+    names = [safe(shortened(axis.name, LABEL, 1.0)) for axis in axes]
     label_axes(space, names[0], names[1])
     space.set_zlabel(names[2], fontsize=LABEL)
     space.zaxis.set_rotate_label(False)  # matplotlib would write it from the top down
@@ -445,13 +327,25 @@ def _plane(
     if most - least > 1e-12:
         lines = flat.contour(columns, rows, values, levels=9, colors="#222222", linewidths=0.6)
         _name_lines(flat, lines)
-    if len(at) == 2:
-        flat.plot(at[1], at[0], "o", markersize=8, color="white", markeredgecolor="black")
+    for mark in _marks(panel):
+        flat.plot(mark.x[0], mark.y[0], "o", markersize=8, color="white", markeredgecolor="black")
     flat.tick_params(labelsize=8)
     short_numbers(flat.xaxis)
     short_numbers(flat.yaxis)
-    colour_bar(part, image, flat, target.label, shrink=0.95)
-    label_axes(flat, sides[1].label, sides[0].label, title)
+    up, across, value = (axis_label(axis.name, axis.about) for axis in axes)
+    colour_bar(part, image, flat, value, shrink=0.95)
+    label_axes(flat, across, up, title)
+
+
+def _marks(panel: Panel) -> list[Dots]:
+    return [part for part in panel.parts if isinstance(part, Dots) and part.sign == "o"]
+
+
+def ends_of(axis: Axis) -> tuple[float, float]:
+    """Return the ends of an axis that has both."""
+    assert axis.low is not None
+    assert axis.high is not None
+    return axis.low, axis.high
 
 
 def _has_gaps(values: Any) -> bool:
@@ -469,12 +363,15 @@ def _ends(values: Any) -> tuple[float, float]:
 
 
 def _cells(
-    axes: Axes, table: LookupTable, values: Any, texts: Sequence[str], at: Sequence[float]
+    axes: Axes,
+    panel: Panel,
+    cells: Cells,
+    ends: tuple[float | None, float | None],
+    texts: Sequence[str],
 ) -> Any:
     """Draw the cells of a table as it stands in a file: first row on top, all cells alike."""
-    low = table.low if table.low is not None and math.isfinite(table.low) else None
-    high = table.high if table.high is not None and math.isfinite(table.high) else None
-    scale = scale_of([float(values.min()), float(values.max())], low, high)
+    values = cells.values
+    scale = scale_of([float(values.min()), float(values.max())], *ends)
     image = axes.imshow(
         values, cmap=colour_map(scale), vmin=scale.low, vmax=scale.high, aspect="auto"
     )
@@ -482,8 +379,8 @@ def _cells(
         i, j = divmod(k, values.shape[1])
         ink = scale.ink(float(values[i, j]))
         axes.text(j, i, text, ha="center", va="center", fontsize=7, color=ink)
-    if len(at) == 2:
-        i, j = (a.cell(x, table.default_mode) for a, x in zip(table.axes[-2:], at, strict=True))
+    for mark in _marks(panel):
+        j, i = list(cells.x).index(mark.x[0]), list(cells.y).index(mark.y[0])
         axes.plot(j, i, "s", markersize=22, fillstyle="none", color="black", markeredgewidth=2)
     axes.xaxis.set_label_position("top")
     axes.xaxis.tick_top()
@@ -496,12 +393,13 @@ def _short(x: float) -> str:
     return f"{x:.3g}".replace("e+0", "e").replace("e-0", "e-")
 
 
-def _meshes(points: Any, side: _Side) -> Any:
+def _meshes(points: Any, axis: Axis) -> Any:
     """Return the indices of points for a surface in space: even ones, and the bends among them."""
     import numpy as np
 
-    even = np.linspace(side.low, side.high, _SPACE)
-    regular = np.linspace(side.low, side.high, _PLANE)
+    ends = ends_of(axis)
+    even = np.linspace(*ends, _SPACE)
+    regular = np.linspace(*ends, _PLANE)
     bends = np.flatnonzero(~np.isin(points, regular))
     # Very many bends are as good as even, and would take long.
     bends = bends if bends.size <= _SPACE else bends[:0]

@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fuzzyarm.picture import COLOURS
+from fuzzyarm.show.figures.panels import draw_panel, plain_powers
 from fuzzyarm.show.figures.style import label_axes, new_figure, safe, tidy
+from fuzzyarm.show.search import cost_panel, spreads
 from fuzzyarm.tuning.tuned import front_of
 
 if TYPE_CHECKING:
@@ -33,29 +35,14 @@ def tuning_figure(tuned: Tuned, title: str = "") -> Figure:
     panels = 3 if with_front else 2
     figure = new_figure(4.2 * panels, 3.6)
     axes = list(np.atleast_1d(figure.subplots(1, panels)))
-    _draw_curve(axes[0], tuned)
+    searches = {name: found for name, found, _ in _searches(tuned)}
+    draw_panel(axes[0], cost_panel(searches, tuned.cost), (4.2, 3.6))
     if with_front:
         _draw_front(axes[1], tuned)
     _draw_rows(axes[-1], tuned)
     if title:
         figure.suptitle(safe(title), fontsize=10)
     return figure
-
-
-def _draw_curve(axes: Axes, tuned: Tuned) -> None:
-    for name, found, colour in _searches(tuned):
-        trials = np.arange(1, len(found.trials) + 1)
-        costs = np.array([trial.score.cost for trial in found.trials])
-        curve = np.array(found.curve)
-        ceiling = 20.0 * np.nanmin(curve[np.isfinite(curve)]) if np.isfinite(curve).any() else 1.0
-        shown = costs <= ceiling
-        axes.plot(trials[shown], costs[shown], ".", color=colour, markersize=1.5, alpha=0.25)
-        axes.step(trials, np.where(curve <= ceiling, curve, np.nan), color=colour, label=name)
-    best = [value for _, found, _ in _searches(tuned) for value in found.curve]
-    _spread(axes, "y", [value for value in best if math.isfinite(value)])
-    axes.legend(fontsize=7, frameon=False)
-    label_axes(axes, "trials", safe(tuned.cost), "cost of trials, and the best so far")
-    tidy(axes)
 
 
 def _searches(tuned: Tuned) -> list[tuple[str, Found, str]]:
@@ -90,17 +77,9 @@ def _draw_front(axes: Axes, tuned: Tuned) -> None:
 
 def _spread(axes: Axes, which: str, values: list[float]) -> None:
     """Give an axis steps of the logarithm where values spread widely, with plain numbers."""
-    from matplotlib.ticker import FuncFormatter
-
-    if not values or min(values) <= 0.0 or max(values) < 5.0 * min(values):
-        return
-    axes.set(**{f"{which}scale": "log"})
-    axis = axes.xaxis if which == "x" else axes.yaxis
-    formatter = FuncFormatter(lambda value, _position: f"{value:.4g}")
-    axis.set_major_formatter(formatter)
-    if max(values) < 100.0 * min(values):
-        axis.set_minor_formatter(formatter)
-    axes.tick_params(axis=which, which="minor", labelsize=6)  # type: ignore[arg-type]
+    if spreads(values):
+        axes.set(**{f"{which}scale": "log"})
+        plain_powers(axes, which, narrow=max(values) < 100.0 * min(values))
 
 
 def _draw_rows(axes: Axes, tuned: Tuned) -> None:

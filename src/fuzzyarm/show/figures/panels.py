@@ -1,0 +1,168 @@
+"""Charts in figures of matplotlib: parts of a picture, panels, a whole chart."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from fuzzyarm.picture import (
+    Area,
+    Axis,
+    Band,
+    Cells,
+    Chart,
+    ChartPart,
+    Dots,
+    Drawing,
+    Level,
+    Line,
+    Panel,
+    Part,
+    Words,
+    colour_of,
+)
+from fuzzyarm.show.figures.labels import columns_that_fit, shortened, wrapped
+from fuzzyarm.show.figures.style import LABEL, head, label_axes, new_figure, safe, tidy
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+# --- A thing to scale ---
+
+
+def draw_thing(axes: Axes, drawing: Drawing) -> None:
+    """Draw a thing to scale, without axes."""
+    left, right, bottom, top = drawing.stage
+    axes.set_xlim(left, right)
+    axes.set_ylim(bottom, top)
+    axes.set_aspect("equal")
+    axes.axis("off")
+    for part in drawing.parts:
+        _draw_thing_part(axes, part)
+
+
+def _draw_thing_part(axes: Axes, part: Part) -> None:
+    from matplotlib.patches import Polygon
+
+    if isinstance(part, Words):
+        axes.text(part.x, part.y, safe(part.text), fontsize=part.size)
+        return
+    colour = colour_of(part.tone)
+    if isinstance(part, Line):
+        axes.plot(part.x, part.y, color=colour, linewidth=part.width, solid_capstyle="round")
+    elif isinstance(part, Area):
+        corners = list(zip(part.x, part.y, strict=True))
+        axes.add_patch(Polygon(corners, color=colour, linewidth=0))
+    else:
+        axes.plot(part.x, part.y, part.sign, color=colour, markersize=part.size)
+
+
+# --- A chart ---
+
+KEY = 8
+"""Points of the letters of a key."""
+
+
+def chart_figure(chart: Chart) -> Figure:
+    """Return a chart as a figure."""
+    figure = new_figure(*chart.size)
+    rows, columns = len(chart.rows), max(map(len, chart.rows), default=0)
+    if rows and columns:
+        places = figure.subplots(rows, columns, squeeze=False, sharex=bool(chart.below))
+        room = chart.size[0] / columns, chart.size[1] / rows
+        for row, line in zip(places, chart.rows, strict=True):
+            for axes, panel in zip(row, [*line, *[None] * (columns - len(line))], strict=True):
+                if panel is None:
+                    axes.set_visible(False)
+                else:
+                    draw_panel(axes, panel, room)
+        for axes in places[-1]:
+            axes.set_xlabel(chart.below, fontsize=LABEL) if chart.below else None
+        if chart.key:
+            _key_below(figure, places.ravel(), chart.size[0])
+    if chart.title:
+        head(figure, chart.title, size=10, weight="normal")
+    return figure
+
+
+def _key_below(figure: Figure, places: Any, width: float) -> None:
+    """Write the key of the panel with the most labels below all panels."""
+    handles, labels = max(
+        (axes.get_legend_handles_labels() for axes in places), key=lambda pair: len(pair[1])
+    )
+    figure.legend(
+        handles, labels, fontsize=KEY, frameon=False, loc="outside lower center",
+        ncols=columns_that_fit(labels, KEY, width - 0.2),
+    )  # fmt: skip
+
+
+def draw_panel(axes: Axes, panel: Panel, room: tuple[float, float] = (3.4, 3.4)) -> None:
+    """Draw a panel that has so much room, inches."""
+    for part in panel.parts:
+        draw_part(axes, part)
+    tidy(axes)
+    for which, axis in (("x", panel.across), ("y", panel.up)):
+        if axis.logarithmic:
+            axes.set(**{f"{which}scale": "log"})
+    if (panel.across.low, panel.across.high) != (None, None):
+        axes.set_xlim(panel.across.low, panel.across.high)
+    if (panel.up.low, panel.up.high) != (None, None):
+        axes.set_ylim(panel.up.low, panel.up.high)
+    for which, axis in (("x", panel.across), ("y", panel.up)):
+        if axis.logarithmic:
+            low, high = axes.get_xlim() if which == "x" else axes.get_ylim()
+            plain_powers(axes, which, narrow=high < 100.0 * low)
+    across, up = _words(panel.across, 0.85 * room[0]), _words(panel.up, 0.6 * room[1], 2)
+    label_axes(axes, across, up, panel.title)
+    if panel.key:
+        axes.legend(fontsize=KEY, frameon=False, loc=panel.key)  # type: ignore[call-overload]
+
+
+def plain_powers(axes: Axes, which: str, *, narrow: bool) -> None:
+    """Write plain numbers along a logarithmic axis; on a narrow one between its powers, too."""
+    from matplotlib.ticker import FuncFormatter
+
+    axis = axes.xaxis if which == "x" else axes.yaxis
+    formatter = FuncFormatter(lambda value, _position: f"{value:.4g}")
+    axis.set_major_formatter(formatter)
+    if narrow:
+        axis.set_minor_formatter(formatter)
+    axes.tick_params(axis=which, which="minor", labelsize=6)  # type: ignore[arg-type]
+
+
+def _words(axis: Axis, room: float, most: int = 4) -> str:
+    return safe(wrapped(axis.words, LABEL, room, most)) if axis.name else ""
+
+
+def draw_part(axes: Axes, part: ChartPart) -> None:
+    """Draw one part in the coordinates of axes; cells have figures of their own."""
+    if isinstance(part, Cells):
+        return
+    colour = colour_of(part.tone)
+    if isinstance(part, Level):
+        line = axes.axvline if part.upright else axes.axhline
+        line(part.at, color=colour, linewidth=part.width, linestyle=part.dash)
+    elif isinstance(part, Line):
+        axes.plot(
+            part.x, part.y, color=colour, linewidth=part.width, linestyle=part.dash,
+            label=_label(part.label), drawstyle="steps-post" if part.steps else "default",
+        )  # fmt: skip
+    elif isinstance(part, Dots):
+        edge: dict[str, Any] = {"markeredgewidth": part.edge} if part.edge else {}
+        axes.plot(
+            part.x, part.y, part.sign, color=colour, markersize=part.size,
+            label=_label(part.label), alpha=_alpha(part.opacity), **edge,
+        )  # fmt: skip
+    elif isinstance(part, Band):
+        axes.fill_between(
+            part.x, part.low, part.high, color=colour, alpha=part.opacity, linewidth=0,
+            label=_label(part.label),
+        )  # fmt: skip
+
+
+def _label(text: str) -> str | None:
+    return safe(shortened(text, KEY, 4.0)) if text else None
+
+
+def _alpha(opacity: float) -> float | None:
+    return opacity if opacity < 1.0 else None
