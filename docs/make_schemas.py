@@ -834,7 +834,23 @@ class Output(NamedTuple):
     schema: Schema
 
 
+CITED = record(
+    "the entries",
+    fuzzyarm=by_name({"type": "string"}, "fields of the entry of the program"),
+    sources=rows(
+        record(
+            "a publication",
+            key=text("of the entry"),
+            kind=text("of BibTeX: article, incollection …"),
+            fields=by_name({"type": "string"}, "its fields, in their order"),
+            of=names("what it is the source of"),
+        ),
+        "in the order in which methods are met",
+    ),
+)
+
 OUTPUTS = (
+    Output("cite", "cite FILE", "publications of the methods of a file", CITED),
     Output(
         "check", "check FILE…", "findings of all files", rows(FINDING, "in the order of the files")
     ),

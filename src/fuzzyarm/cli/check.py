@@ -20,7 +20,6 @@ from fuzzyarm.cli.command import (
     command,
     finding_data,
     flag,
-    json_of,
     print_error,
     print_findings,
     print_json,
@@ -51,7 +50,8 @@ _CHECK = """Find mistakes and doubts in rule bases and tables.
 Prints each finding with its position, the source line, a caret and, where there is one, what
 was probably meant. Exit status 1 if any file has an error (with --strict: or a warning).
 A comment `# allow NAME` on a line silences the finding of that name there; docs/checks.md
-explains every name. A controller is checked on the shipped plant that has its axes, or with
+explains every name. --format github adds a line to each finding which GitHub shows beside the
+code. A controller is checked on the shipped plant that has its axes, or with
 --plant on that one, where a port that it lacks is an error. Of a folder every rule base and
 .lut file in it is checked, and in the folders below it, but for hidden ones, Python
 environments, what a .gitignore leaves out and .xml files that are not FML; `-` checks the text
@@ -76,6 +76,8 @@ def _check(arguments: argparse.Namespace) -> int:
         diagnostics += review.diagnostics
         if not arguments.json:
             _print_review(path, review, quiet=arguments.quiet)
+            if arguments.format == "github":
+                write_text("".join(map(_annotation, review.diagnostics)))
             if arguments.verbose and review.rulebase is not None and not review.failed:
                 print(f"{path}: {_engine_of(review.rulebase)}")
     if arguments.json:
@@ -131,6 +133,23 @@ def _review_stdin(on: PlantOf | None) -> Review:
         return check_text(decoded(sys.stdin.buffer.read(), "<stdin>"), "<stdin>", on)
     except RuleBaseError as error:
         return Review("", error.diagnostics)
+
+
+def _annotation(finding: Diagnostic) -> str:
+    """Return a finding as a command that GitHub shows beside the line."""
+    level = {"error": "error", "warning": "warning"}.get(finding.severity.value, "notice")
+    data = finding_data(finding)
+    place = {"file": data["path"], "line": data["line"], "col": data["column"]}
+    place["title"] = data["name"]
+    properties = ",".join(f"{key}={_escaped(str(value), ':,')}" for key, value in place.items())
+    return f"::{level} {properties}::{_escaped(finding.message)}\n"
+
+
+def _escaped(text: str, more: str = "") -> str:
+    """Return text as GitHub wants it: what ends a command or a property as its code."""
+    for character in "%\r\n" + more:
+        text = text.replace(character, f"%{ord(character):02X}")
+    return text
 
 
 def _print_review(path: str, review: Review, *, quiet: bool) -> None:
@@ -222,7 +241,14 @@ COMMANDS = (
         flag("--strict", "let warnings fail too"),
         flag("--quiet -q", "print findings only"),
         flag("--verbose -v", "also say what of a rule base the kernel does not cover"),
-        json_of("the findings"),
+        argument(
+            "--format FORMAT",
+            "text, or github: also as annotations",
+            choices=("text", "github"),
+            default="text",
+            either="as",
+        ),
+        flag("--json", "print the findings as JSON", either="as"),
     ),
     command(
         "fmt",

@@ -308,6 +308,7 @@ def _register() -> None:
         names={"fll": "WeightedAverage", "fcl": "COGS, COGF", "jfl": "COGS, COGF", "fml": "WA"}
         | {"fis": "wtaver", "matlab": "wtaver", "octave": "wtaver"},
         elsewhere="wtaver cogs weightedaverage",
+        sources=("takagi1985",),
     )
     kind(
         "weighted-sum",
@@ -323,6 +324,7 @@ def _register() -> None:
         doc="the average of the positions at which monotonic sets reach their strengths",
         inverts=True,
         names={"fll": "WeightedAverage", "fcl": "COGS", "fis": "wtaver"},  # of monotonic sets
+        sources=("tsukamoto1979",),
     )
     kind(
         "karnik-mendel",
@@ -330,16 +332,19 @@ def _register() -> None:
         doc="the middle of the centroid of an interval type-2 set",
         names={"pyit2fls": "KM_algorithm, EKM_algorithm, EIASC_algorithm"}
         | {"t2fis": "km, ekm, iasc, eiasc, eods, karnikmendel, karnik-mendel"},
+        sources=("karnik2001",),
     )
     kind(
         "karnik-mendel-left",
         lambda left: left,
         doc="the left end of the centroid of an interval type-2 set",
+        sources=("karnik2001",),
     )
     kind(
         "karnik-mendel-right",
         lambda right: right,
         doc="the right end of the centroid of an interval type-2 set",
+        sources=("karnik2001",),
     )
     kind(
         "nie-tan",

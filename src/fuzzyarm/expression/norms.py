@@ -97,6 +97,7 @@ def _register_tnorms() -> None:
         op.minimum,
         dual="max",
         doc="the smaller",
+        sources=("zadeh1965",),
         positive=True,
         lines=lambda w: ((0.0, 1.0), (w, 0.0)),
         names={"fll": "Minimum", "fis": "min", "fcl": "MIN", "jfl": "MIN"}
@@ -165,6 +166,7 @@ def _register_snorms() -> None:
         op.maximum,
         dual="min",
         doc="the larger",
+        sources=("zadeh1965",),
         names={"fll": "Maximum", "fis": "max", "fcl": "MAX", "jfl": "MAX"}
         | {"matlab": "max", "octave": "max", "skfuzzy": "fmax", "fml": "MAX"},
     )

@@ -79,6 +79,8 @@ class Kind:
         named does not know the kind.
     own : bool
         Whether a user registered it.
+    sources : tuple of str
+        Who described it first: keys of :data:`fuzzyarm.text.sources.SOURCES`.
     """
 
     name: str
@@ -87,6 +89,7 @@ class Kind:
     doc: str = ""
     names: Mapping[str, str] = field(default_factory=dict)
     own: bool = False
+    sources: tuple[str, ...] = ()
 
     arguments: ClassVar[tuple[str, ...]] = ("x",)
 

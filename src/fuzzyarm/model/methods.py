@@ -1,0 +1,55 @@
+"""Which methods a rule base uses, with their publications: norms, sets, defuzzifiers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from fuzzyarm.expression.kinds import DEFUZZIFIERS, SNORMS, TNORMS
+from fuzzyarm.model.rulebase import AnyRuleBase, RuleBase
+
+__all__ = ["methods_of"]
+
+RULES_OVER_SETS = ("mamdani1975",)
+"""Rules whose conclusions are sets that are cut and united."""
+
+
+def methods_of(rulebase: AnyRuleBase) -> dict[str, list[str]]:
+    """Return the publications of what a rule base uses, and what each is the source of.
+
+    Parameters
+    ----------
+    rulebase : RuleBase or RuleBaseBuilder
+        Any.
+
+    Returns
+    -------
+    dict of str to list of str
+        Keys of :data:`fuzzyarm.text.sources.SOURCES` to names of methods, both in the order in
+        which they are met. Methods without a publication there are left out.
+
+    Examples
+    --------
+    >>> import fuzzyarm
+    >>> rulebase = fuzzyarm.load_rulebase(fuzzyarm.shipped("pd7.frb"))
+    >>> methods_of(rulebase)
+    {'mamdani1975': ['rules over sets'], 'zadeh1965': ['and min', 'aggregation max']}
+    """
+    found: dict[str, list[str]] = {}
+    for sources, name in _methods(rulebase.model):
+        for source in sources:
+            if name not in found.setdefault(source, []):
+                found[source].append(name)
+    return found
+
+
+def _methods(rulebase: RuleBase) -> Iterator[tuple[tuple[str, ...], str]]:
+    outputs = [(output, DEFUZZIFIERS[output.defuzzifier.method]) for output in rulebase.outputs]
+    sets = [output for output, kind in outputs if not kind.weighs]
+    if sets:
+        yield RULES_OVER_SETS, "rules over sets"
+    for block in rulebase.blocks:
+        yield TNORMS[block.conjunction].sources, f"and {block.conjunction}"
+    for output in sets:
+        yield SNORMS[output.aggregation].sources, f"aggregation {output.aggregation}"
+    for _, kind in outputs:
+        yield kind.sources, f"defuzzifier {kind.name}"

@@ -1,0 +1,89 @@
+"""Whom to cite: publications of what a file uses, and none that was not looked up."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+import fuzzyarm
+from fuzzyarm.cli import main
+from fuzzyarm.expression.kinds import DEFUZZIFIERS, HEDGES, SHAPES, SNORMS, TNORMS
+from fuzzyarm.language import parse
+from fuzzyarm.model.methods import RULES_OVER_SETS, methods_of
+from fuzzyarm.text.sources import SOURCES
+
+ROOT = Path(__file__).parents[2]
+
+BASE = """rulebase x
+input e 0 .. 1
+output u 0 .. 1
+term e A: ramp 0 1
+term e B: ramp 1 0
+term u A: {a}
+term u B: {b}
+inference and {norm}
+inference u: defuzzifier {way}
+rule if e is A then u is A
+rule if e is B then u is B
+"""
+
+
+@pytest.mark.parametrize(
+    ("norm", "a", "b", "way", "keys"),
+    [
+        ("min", "singleton 0", "singleton 1", "weighted-average", ["zadeh1965", "takagi1985"]),
+        ("product", "singleton 0", "singleton 1", "weighted-average", ["takagi1985"]),
+        ("product", "ramp 0 1", "ramp 1 0", "tsukamoto", ["tsukamoto1979"]),
+        ("product", "ramp 0 1", "ramp 1 0", "centroid", ["mamdani1975", "zadeh1965"]),
+    ],
+)
+def test_a_rule_base_has_the_sources_of_what_it_uses(norm, a, b, way, keys):
+    rulebase = parse(BASE.format(norm=norm, a=a, b=b, way=way)).rulebase
+    assert list(methods_of(rulebase)) == keys
+
+
+def test_every_key_of_a_record_is_a_source_and_every_source_is_used():
+    records = [*DEFUZZIFIERS.values(), *TNORMS.values(), *SNORMS.values(), *SHAPES.values(),
+               *HEDGES.values()]  # fmt: skip
+    named = {key for record in records for key in record.sources} | set(RULES_OVER_SETS)
+    assert named == set(SOURCES)
+
+
+def test_an_entry_is_complete():
+    for key, source in SOURCES.items():
+        assert {"author", "title", "year", "pages"} <= set(source.fields), key
+        assert source.fields["year"] in key
+        text = source.bibtex(key)
+        assert re.fullmatch(r"@\w+\{\w+,\n(  \w+ += \{[^{}]+\},\n)+\}", text), text
+
+
+def test_the_command_prints_each_entry_once(capsys):
+    assert main(["cite", str(ROOT / "rulebases" / "stfc.frb")]) == 0
+    printed = capsys.readouterr().out
+    assert re.findall(r"^@\w+\{(\w+),$", printed, re.MULTILINE) == [
+        "fuzzyarm", "mamdani1975", "zadeh1965",
+    ]  # fmt: skip
+    assert f"Version {fuzzyarm.__version__}" in printed
+
+
+def test_a_table_says_nothing_of_methods(capsys):
+    assert main(["cite", str(ROOT / "rulebases" / "thesis-6.1.lut")]) == 1
+    assert capsys.readouterr().err.endswith("does not say by which methods it was made\n")
+
+
+def test_the_version_to_cite_is_that_of_the_package():
+    assert f"\nversion: {fuzzyarm.__version__}\n" in (ROOT / "CITATION.cff").read_text()
+
+
+def test_findings_as_annotations(tmp_path, capsys):
+    path = tmp_path / "a,b.frb"
+    path.write_text("rulebase x\ninput e 0 .. 1\noutput u 0 .. 1\nterms e, u: triangles A B\n"
+                    "rule if e is A then u is C\nrule if e is B then u is B\n")  # fmt: skip
+    assert main(["check", "--format", "github", "--quiet", str(path)]) == 1
+    printed = capsys.readouterr().out
+    place = str(path).replace(",", "%2C")
+    assert printed == (
+        f"::error file={place},line=5,col=26,title=unknown-term::no term of 'u' is called 'C'\n"
+    )
