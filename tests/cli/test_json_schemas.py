@@ -66,8 +66,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 CALLS = {
-    "check": [["check", "faulty.frb"], ["check", PD7]],
     "cite": [["cite", TIPPER2]],
+    "check": [["check", "faulty.frb"], ["check", PD7]],
     "eval": [["eval", PD7, "e=1", "ce=2"]],
     "eval-explain": [
         ["eval", PD7, "e=1", "ce=2", "--explain"],
