@@ -4,16 +4,8 @@ from __future__ import annotations
 
 import argparse
 
-from fuzzyarm.cli.command import (
-    WordError,
-    argument,
-    command,
-    json_of,
-    load_controller,
-    load_sheet,
-    print_json,
-    say,
-)
+from fuzzyarm.api import load
+from fuzzyarm.cli.command import WordError, argument, command, json_of, print_json, say
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.text.sources import SOURCES, Source
 from fuzzyarm.version import __version__
@@ -53,17 +45,17 @@ def _run(arguments: argparse.Namespace) -> int:
 
 def _methods(path: str) -> dict[str, list[str]]:
     """Return the sources of a file: of a controller those of the rule bases that it uses."""
+    from fuzzyarm.controller.text import ControllerText
     from fuzzyarm.model.methods import methods_of
 
-    controller = load_controller(path)
-    if controller is not None:
-        sheets = [sheet for listed in controller.sheets.values() for sheet in listed]
+    model = load(path)
+    if isinstance(model, ControllerText):
+        sheets = [sheet for listed in model.sheets.values() for sheet in listed]
         rulebases = [sheet for sheet in sheets if isinstance(sheet, RuleBase)]
-    else:
-        model = load_sheet(path)
-        if not isinstance(model, RuleBase):
-            raise WordError(f"{path} is a table, which does not say by which methods it was made")
+    elif isinstance(model, RuleBase):
         rulebases = [model]
+    else:
+        raise WordError(f"{path} is a table, which does not say by which methods it was made")
     merged: dict[str, list[str]] = {}
     for rulebase in rulebases:
         for key, of in methods_of(rulebase).items():
