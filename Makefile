@@ -10,7 +10,7 @@ PIP    := $(BIN)/python -m pip --disable-pip-version-check install --quiet
 DESIGNER := editors/designer
 NPM      := npm --prefix $(DESIGNER) --no-audit --no-fund --no-update-notifier --loglevel=error
 
-.PHONY: demo test native wheels lint lint-page page-tools unit quick docs bench mutants fuzz editors designer types lock clean help
+.PHONY: demo test native wheels lint lint-page page-tools unit quick docs lessons bench mutants fuzz editors designer types lock clean help
 
 help:
 	@echo "make demo   set up and run the whole story on rulebases/pd7.frb"
@@ -26,6 +26,7 @@ help:
 	@echo "make editors  compile, test and package the extension for VS Code (needs node)"
 	@echo "make designer  build what the designer's page needs of other packages (needs node)"
 	@echo "make types  print the messages of the designer as types for its page"
+	@echo "make lessons  the lessons as notebooks and marimo files, in build/lessons"
 	@echo "make lock   renew the lock files (needs uv)"
 
 demo: $(VENV)/.run
@@ -63,6 +64,9 @@ quick: $(VENV)/.dev
 docs: $(VENV)/.dev
 	$(BIN)/python -m sphinx -W --keep-going -q -b html docs build/docs
 	@echo "build/docs/index.html"
+
+lessons: $(VENV)/.run
+	$(BIN)/python tools/make_lessons.py build/lessons
 
 bench: $(VENV)/.dev
 	$(BIN)/python benchmarks/$(if $(BEFORE),beside.py --before $(BEFORE),run_all.py)

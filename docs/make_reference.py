@@ -191,6 +191,7 @@ PURPOSES = {
     ),
     "Evaluate, tabulate, prove": (
         "fuzzyarm.inference", "fuzzyarm.table", "fuzzyarm.proof", "fuzzyarm.closed_loop",
+        "fuzzyarm.grading",
     ),
     "Controllers, plants, runs": (
         "fuzzyarm.controller", "fuzzyarm.plant", "fuzzyarm.picture", "fuzzyarm.loop",

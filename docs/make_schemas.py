@@ -849,7 +849,38 @@ CITED = record(
     ),
 )
 
+GRADED = record(
+    "the rows",
+    lines=rows(
+        record(
+            "a demand",
+            text=text("an expect or prove line"),
+            points=whole("what it is worth"),
+            about_=text("what a student is told of it"),
+        ),
+        "in the order of the file",
+    ),
+    submissions=rows(
+        record(
+            "a submission",
+            name=text("its file, without the suffix"),
+            points=whole("the sum of what passed"),
+            fault=text("why it cannot be read; empty where it can"),
+            results=rows(
+                record(
+                    "what became of a demand",
+                    verdict=text("on it", "passed", "failed", "undecided"),
+                    says=text("why; empty where it passed"),
+                ),
+                "one for each demand; none where the submission cannot be read",
+            ),
+        ),
+        "in the order of their names",
+    ),
+)
+
 OUTPUTS = (
+    Output("grade", "grade DIR", "who passes what", GRADED),
     Output("cite", "cite FILE", "publications of the methods of a file", CITED),
     Output(
         "check", "check FILE…", "findings of all files", rows(FINDING, "in the order of the files")

@@ -66,6 +66,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 CALLS = {
+    "grade": [["grade", str(ROOT / "examples" / "assignments" / "fan")]],
     "cite": [["cite", TIPPER2]],
     "check": [["check", "faulty.frb"], ["check", PD7]],
     "eval": [["eval", PD7, "e=1", "ce=2"]],

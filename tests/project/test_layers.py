@@ -31,6 +31,7 @@ ORDER = (
     "export",
     "proof",
     "api",
+    "grading",
     "loop",
     "closed_loop",
     "control",
