@@ -6,20 +6,18 @@ import os
 import warnings
 from collections import Counter
 from collections.abc import Callable, Mapping
-from dataclasses import replace
-from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from fuzzyarm.errors import FuzzyarmError, WordError
+from fuzzyarm.frozen import NamedTuple, replace
 from fuzzyarm.language import Parsed, parse, read_text
 from fuzzyarm.language.check import CHECKS, check, judged
 from fuzzyarm.language.reading import text_to_show
 from fuzzyarm.model.rulebase import RuleBase
-from fuzzyarm.table import SUFFIXES
 from fuzzyarm.text import above
 from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Severity, render_all
-from fuzzyarm.text.folders import READABLE
+from fuzzyarm.text.folders import READABLE, TABLES
 from fuzzyarm.text.names import typed
 from fuzzyarm.text.shown import one_line
 
@@ -74,7 +72,7 @@ class UnknownKindError(FuzzyarmError, ValueError):
     def __init__(self, path: str) -> None:
         from fuzzyarm.formats.not_texts import called
 
-        known = ", ".join((*READABLE, *SUFFIXES))
+        known = ", ".join((*READABLE, *TABLES))
         message, hint = f"{path}: cannot tell what kind of file this is", f"known: {known}"
         if known_as := called(path):
             message, hint = f"{path}: this is {known_as[0]}, not a text", known_as[1]
@@ -138,7 +136,7 @@ def _load(path: str | os.PathLike[str]) -> RuleBase | LookupTable | ControllerTe
         if parsed.rulebase is None:
             raise RuleBaseError(parsed.diagnostics)
         return parsed.rulebase
-    if suffix in SUFFIXES:
+    if suffix in TABLES:
         from fuzzyarm.table import read_table
 
         return read_table(name)
@@ -171,7 +169,7 @@ def load_rulebase(path: str | os.PathLike[str]) -> RuleBase:
         from fuzzyarm.language import load_rulebase as load_text
 
         return load_text(path)
-    if suffix in SUFFIXES:
+    if suffix in TABLES:
         message = "a lookup table, not a rule base"
         raise WrongKindError(name, message, "fuzzyarm.read_table reads it")
     return _foreign(path, suffix, stacklevel=3)
@@ -272,6 +270,8 @@ def _name_and_suffix(path: str | os.PathLike[str]) -> tuple[str, str]:
 
 def _controller(model: ControllerModel, source: str, name: str) -> ControllerText:
     """Return a controller with the files that it uses."""
+    from pathlib import Path
+
     from fuzzyarm.controller.text import with_files
 
     text, faults = with_files(model, Path(name).parent, name)
@@ -427,6 +427,8 @@ def _of_controller(
     parsed: Parsed, path: str, on: PlantOf | None
 ) -> tuple[list[Diagnostic], list[Diagnostic]]:
     """Return what is wrong with a controller and its files, and what may be silenced."""
+    from pathlib import Path
+
     from fuzzyarm.controller.findings import doubts_of
     from fuzzyarm.controller.text import with_files
 

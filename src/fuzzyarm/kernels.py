@@ -26,13 +26,14 @@ import os
 import warnings
 from array import array
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from hashlib import sha256
-from pathlib import Path
 from threading import RLock
 from types import FunctionType, ModuleType
-from typing import Any, TypeVar, cast
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from fuzzyarm.errors import FuzzyarmError
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 SWITCH = "FUZZYARM_NATIVE"
 """Environment variable: ``0`` runs every kernel interpreted, ``baseline`` takes no instructions
@@ -106,10 +107,14 @@ def _warn(reason: str) -> None:
 
 def _is_checkout() -> bool:
     """Whether the sources may have been edited since the machine code was built."""
-    return (_HERE.parents[1] / "pyproject.toml").is_file()
+    return (_here().parents[1] / "pyproject.toml").is_file()
 
 
-_HERE = Path(__file__).resolve().parent
+def _here() -> Path:
+    from pathlib import Path
+
+    return Path(__file__).resolve().parent
+
 
 SOURCE_FOLDERS = (
     "expression", "inference", "table", "plant", "controller", "loop", "translation", "native",
@@ -119,9 +124,12 @@ SOURCE_FOLDERS = (
 
 def digest_of_sources() -> str:
     """Return a digest of all that machine code is made from."""
-    whole = sha256(Path(__file__).read_bytes())
+    from hashlib import sha256
+
+    here = _here()
+    whole = sha256((here / "kernels.py").read_bytes())
     for folder in SOURCE_FOLDERS:
-        for path in sorted((_HERE / folder).glob("*.[pc]*")):
+        for path in sorted((here / folder).glob("*.[pc]*")):
             if path.suffix in {".py", ".c"}:
                 whole.update(path.read_bytes())
     return whole.hexdigest()

@@ -14,6 +14,7 @@ ORDER = (
     "extras",
     "errors",
     "lazy",
+    "frozen",
     "text",
     "kernels",
     "expression",
@@ -259,6 +260,28 @@ def test_nothing_heavy_is_loaded_for_light_work(statement):
     code = f"import sys\n{statement}\nprint([m for m in {HEAVY} if m in sys.modules])"
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert run.stdout.splitlines()[-1] == "[]"
+
+
+SLOW = (
+    "dataclasses",
+    "inspect",
+    "pathlib",
+    "hashlib",
+    "fractions",
+    "fuzzyarm.language.controllers",
+)
+"""What is slow to import beside a check of a rule base, which does not need it."""
+
+
+def test_a_check_of_a_rule_base_loads_little():
+    """It takes three times as long as `import argparse` (docs/performance.md)."""
+    code = (
+        "import sys; before = set(sys.modules); from fuzzyarm.cli import main;"
+        "from fuzzyarm import shipped; main(['check', '--quiet', str(shipped('pd7.frb'))]);"
+        f"print([m for m in {SLOW} if m in sys.modules and m not in before])"
+    )
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert run.stdout.splitlines()[-1] == "['pathlib']"  # by `shipped`
 
 
 def test_only_the_command_line_prints():

@@ -12,9 +12,10 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext, suppress
 from functools import partial
-from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn, TextIO
+from typing import TYPE_CHECKING, Any, NoReturn, TextIO
 
 from fuzzyarm import errors
+from fuzzyarm.frozen import NamedTuple
 from fuzzyarm.text.diagnostic import Diagnostic, render_all, split_lines
 from fuzzyarm.text.jsonable import jsonable
 from fuzzyarm.text.names import near_hint, printable

@@ -25,15 +25,14 @@ numbers of values, of samples, of straight lines and of panels of curves.
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 from fuzzyarm.expression.evaluation import evaluate, gradient
-from fuzzyarm.expression.nodes import Constant, Node, Symbol, symbols
+from fuzzyarm.expression.nodes import Constant, Node, Symbol, argument_names, symbols
 from fuzzyarm.expression.records import Kind, KindError, Registry
+from fuzzyarm.frozen import NamedTuple, dataclass
 
 __all__ = ["ASPECTS", "DEFUZZIFIERS", "Aspect", "DefuzzifierKind", "defuzzifier"]
 
@@ -102,7 +101,7 @@ class DefuzzifierKind(Kind):
     def symbols(self) -> tuple[str, ...]:
         """The numbers that its value is made of, in the order of its arguments."""
         assert self.function is not None
-        return tuple(inspect.signature(self.function).parameters)
+        return argument_names(self.function)
 
     @cached_property
     def of(self) -> str:

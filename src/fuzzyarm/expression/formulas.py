@@ -19,7 +19,6 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -36,6 +35,7 @@ from fuzzyarm.expression.nodes import (
     symbol,
 )
 from fuzzyarm.expression.operations import OPERATIONS
+from fuzzyarm.frozen import dataclass, field
 
 __all__ = [
     "CONSTANTS",

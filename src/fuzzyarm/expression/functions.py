@@ -12,7 +12,6 @@ import builtins
 import linecache
 import math
 from collections.abc import Callable, Sequence
-from hashlib import sha256
 from typing import Any
 
 from fuzzyarm.expression.evaluation import evaluate
@@ -111,6 +110,8 @@ def row_function(source: str, name: str) -> Callable[..., None]:
 
     Roundings are those of NumPy, which return floats.
     """
+    from hashlib import sha256
+
     import numpy as np
 
     space = _namespace() | {word: getattr(np, word) for word in _STEPS} | {"__name__": __name__}

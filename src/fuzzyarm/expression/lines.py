@@ -23,7 +23,9 @@ import math
 from bisect import bisect_left
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import Any
+
+from fuzzyarm.frozen import NamedTuple
 
 __all__ = [
     "Corner", "Line", "Lines", "degree_on_corners", "lines_through", "sampled_degrees",

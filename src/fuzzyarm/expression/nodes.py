@@ -266,6 +266,17 @@ def substituted(root: Node, part: Node, instead: Node) -> Node:
     return nodes[root]
 
 
+def argument_names(function: Callable[..., object]) -> tuple[str, ...]:
+    """Return the names of the arguments of a definition, in order."""
+    code = getattr(function, "__code__", None)
+    if code is not None:  # a plain function says so itself: `inspect` is slow to import
+        names: tuple[str, ...] = code.co_varnames[: code.co_argcount]
+        return names
+    import inspect
+
+    return tuple(inspect.signature(function).parameters)
+
+
 def trace(function: Callable[..., Number], names: Iterable[str]) -> Node:
     """Run a definition on symbols, and return what it computes.
 

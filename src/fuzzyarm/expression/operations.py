@@ -16,9 +16,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from functools import wraps
-from typing import Any, NamedTuple
+from typing import Any
 
 from fuzzyarm.expression.nodes import Node, Number, apply, constant
+from fuzzyarm.frozen import NamedTuple
 
 __all__ = ["OPERATIONS", "Interval", "Operation"]
 

@@ -13,7 +13,6 @@ import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from itertools import count
-from typing import NamedTuple
 
 from fuzzyarm.expression.nodes import (
     Apply,
@@ -26,6 +25,7 @@ from fuzzyarm.expression.nodes import (
     symbol,
 )
 from fuzzyarm.expression.operations import OPERATIONS, Operation
+from fuzzyarm.frozen import NamedTuple
 
 __all__ = [
     "JAVASCRIPT",

@@ -23,17 +23,16 @@ an option         by its word: a number or a time (0 where it is not given), 1 o
 
 from __future__ import annotations
 
-import inspect
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, Literal, NamedTuple
 
 from fuzzyarm.expression import op
-from fuzzyarm.expression.nodes import Node, trace
+from fuzzyarm.expression.nodes import Node, argument_names, trace
 from fuzzyarm.expression.operations import EVERYTHING, Interval
 from fuzzyarm.expression.records import Kind, KindError, Registry
+from fuzzyarm.frozen import dataclass, field
 
 __all__ = [
     "SOURCES",
@@ -210,7 +209,9 @@ class SourceKind(Kind):
         """Arguments of the update: what it remembers, :data:`ALWAYS`, then the others."""
         functions = [each for each in (self.function, *(s.next for s in self.states)) if each]
         names = [*(state.name for state in self.states), *ALWAYS]
-        names += (name for function in functions for name in _arguments(function) if name != VALUE)
+        names += (
+            name for function in functions for name in argument_names(function) if name != VALUE
+        )
         return tuple(dict.fromkeys(names))
 
     @cached_property
@@ -218,12 +219,12 @@ class SourceKind(Kind):
         """What the update gives."""
         if self.function is None:
             raise TypeError(f"'{self.name}' has no update")
-        return trace(self.function, _arguments(self.function))
+        return trace(self.function, argument_names(self.function))
 
     @cached_property
     def nexts(self) -> tuple[Node, ...]:
         """What each state is next: expressions over :data:`VALUE` and the arguments."""
-        return tuple(trace(state.next, _arguments(state.next)) for state in self.states)
+        return tuple(trace(state.next, argument_names(state.next)) for state in self.states)
 
     @property
     def inputs(self) -> tuple[str, ...]:
@@ -264,10 +265,6 @@ class SourceKind(Kind):
             _number(given.get(state.start)) if isinstance(state.start, str) else state.start
             for state in self.states
         ]
-
-
-def _arguments(function: Callable[..., X]) -> tuple[str, ...]:
-    return tuple(inspect.signature(function).parameters)
 
 
 def _number(value: Setting | None) -> float:

@@ -10,10 +10,11 @@ import math
 from bisect import bisect_right
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import product
-from typing import Any, NamedTuple
+from typing import Any
 
 from fuzzyarm.expression.kinds import SNORMS, TNORMS
 from fuzzyarm.expression.lines import Lines
+from fuzzyarm.frozen import NamedTuple
 from fuzzyarm.inference.defuzzify import defuzzify_at_point
 from fuzzyarm.inference.errors import (
     MissingInputError,

@@ -6,7 +6,6 @@ Only the standard library is used here, so importing it is instant.
 from typing import TYPE_CHECKING
 
 from fuzzyarm.language.reading import Parsed, format_text, load_rulebase, parse, read_text
-from fuzzyarm.language.writer import write
 from fuzzyarm.lazy import lazily
 from fuzzyarm.model.rulebase import (
     And,
@@ -66,5 +65,8 @@ __all__ = [
     "write",
 ]
 
+if TYPE_CHECKING:
+    from fuzzyarm.language.writer import write
+
 if not TYPE_CHECKING:
-    __getattr__, __dir__ = lazily(__name__, {}, __all__)
+    __getattr__, __dir__ = lazily(__name__, {"writer": ("write",)}, __all__)

@@ -5,15 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Sequence
 from contextlib import suppress
-from dataclasses import replace
 
 from fuzzyarm.expression.sources import Setting
+from fuzzyarm.frozen import replace
 from fuzzyarm.language.controller_doubts import doubts_of_lines
-from fuzzyarm.language.controllers import ControllerHeading, PeriodNode, SetPointNode
+from fuzzyarm.language.controllers import PeriodNode, SetPointNode
 from fuzzyarm.language.declarations import Scope
 from fuzzyarm.language.loop_claims import LoopClaimNode
 from fuzzyarm.language.signals import amount_text, time_text
-from fuzzyarm.language.statements import Broken, StatementNode
+from fuzzyarm.language.statements import Broken, ControllerHeading, StatementNode
 from fuzzyarm.language.tokens import name_text
 from fuzzyarm.model.claims import LoopClaim
 from fuzzyarm.model.controller import (

@@ -53,7 +53,8 @@ from fuzzyarm.language.signals import (
     sum_text,
     time_text,
 )
-from fuzzyarm.language.tokens import STARTERS, Cursor, name_text
+from fuzzyarm.language.statements import CONTROLLER
+from fuzzyarm.language.tokens import Cursor, name_text
 from fuzzyarm.model.controller import (
     SOURCES,
     TIMES,
@@ -78,20 +79,11 @@ __all__ = [
     "CONTROLLER_STATEMENTS",
     "CONTROLLER_WORDS",
     "SIGNAL",
-    "ControllerHeading",
     "PeriodNode",
     "SetPointNode",
 ]
 
 # --- Lines that are no record of the model, but a field of it ---
-
-
-class ControllerHeading(NamedTuple):
-    """``controller NAME "description"``."""
-
-    name: Word
-    description: str | None
-    span: Span = NOWHERE
 
 
 class PeriodNode(NamedTuple):
@@ -209,17 +201,7 @@ _TUNE = Row(
 CONTROLLER_STATEMENTS: dict[str, StatementKind] = {
     record.word: record
     for record in (
-        StatementKind(
-            "controller",
-            "the name of the controller and what it is for",
-            Row(
-                ControllerHeading,
-                Keyword("controller"),
-                Name("name", "the name of the controller", declares(Kind.CONTROLLER)),
-                Text("description"),
-            ),
-            outline="controller",
-        ),
+        CONTROLLER,
         StatementKind(
             "use",
             "a rule base or a table, for all axes or one for each",
@@ -423,8 +405,6 @@ CONTROLLER_STATEMENTS: dict[str, StatementKind] = {
     )
 }
 """Every statement of a controller by the word that starts it."""
-
-STARTERS.add("controller")
 
 CONTROLLER_WORDS: dict[str, str] = {
     word: doc for record in CONTROLLER_STATEMENTS.values() for word, doc in record.words.items()

@@ -9,14 +9,16 @@ from __future__ import annotations
 import re
 from collections import ChainMap
 from collections.abc import Callable, Hashable, Mapping, Sequence
+from functools import cache
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import Any
 
 from fuzzyarm.expression.kinds import HEDGES
-from fuzzyarm.language.controllers import CONTROLLER_STATEMENTS, SIGNAL
+from fuzzyarm.frozen import NamedTuple
 from fuzzyarm.language.phrases import aligned
 from fuzzyarm.language.rows import ROWS, StatementKind, lines_below, text_of
 from fuzzyarm.language.statements import (
+    CONTROLLER,
     STATEMENTS,
     BlockNode,
     Broken,
@@ -71,21 +73,37 @@ _ALLOW = re.compile(r"#\s*allow\s+([\w-]+(?:\s*,\s*[\w-]+)*)")
 
 Records = Mapping[str, StatementKind]
 
-SECTIONS: Mapping[str, Records] = {
-    "rulebase": ChainMap(STATEMENTS, {"controller": CONTROLLER_STATEMENTS["controller"]}),
-    "controller": {
-        **{word: record for word, record in CONTROLLER_STATEMENTS.items() if word != SIGNAL},
-        "rulebase": STATEMENTS["rulebase"],
-    },
-}
-"""The words that start a statement below each heading; without one a file is a rule base."""
+HEADINGS = ("rulebase", "controller")
+"""The words that begin a section of a file; without one it is a rule base."""
+
+
+@cache
+def statements_below(heading: str) -> Records:
+    """Return the statements below a heading by the words that start them.
+
+    Those of a controller are imported when one is read: a check of a rule base, which is over
+    in some tens of milliseconds, would wait for them for a third of its time.
+    """
+    if heading == "rulebase":
+        return ChainMap(STATEMENTS, {CONTROLLER.word: CONTROLLER})
+    from fuzzyarm.language.controllers import CONTROLLER_STATEMENTS, SIGNAL
+
+    words = {word: record for word, record in CONTROLLER_STATEMENTS.items() if word != SIGNAL}
+    return {**words, "rulebase": STATEMENTS["rulebase"]}
+
+
+def _signals() -> StatementKind:
+    """Return the statement without a word of its own, which stands below ``axis``."""
+    from fuzzyarm.language.controllers import CONTROLLER_STATEMENTS, SIGNAL
+
+    return CONTROLLER_STATEMENTS[SIGNAL]
 
 
 def section_at(lines: Sequence[Line], number: int) -> str:
-    """Return the heading, a key of :data:`SECTIONS`, that a line stands below."""
+    """Return the heading, one of :data:`HEADINGS`, that a line stands below."""
     for line in reversed(lines[: number - 1]):
         word = line.tokens[0].text if line.tokens and line.tokens[0].kind == "name" else ""
-        if word in SECTIONS:
+        if word in HEADINGS:
             return word
     return "rulebase"
 
@@ -144,7 +162,7 @@ def _group_lines(
     """
     groups: list[_Group] = []
     waiting: list[str] = []
-    records = SECTIONS["rulebase"]
+    heading = "rulebase"
     in_axis = False  # a line with an equals sign is a signal there
     for line in lines:
         if len(diagnostics) > MAX_DIAGNOSTICS:
@@ -154,15 +172,16 @@ def _group_lines(
                 waiting.append(line.comment)
             continue
         first = line.tokens[0]
-        record = _record_of(line, records, groups, in_axis=in_axis)
+        record = _record_of(line, heading, groups, in_axis=in_axis)
         if record is not None:
             groups.append(_Group(record, line.tokens, tuple(waiting), line.comment))
-            records = SECTIONS.get(record.word, records)
-            in_axis = record.word == "axis" or (in_axis and record.word not in SECTIONS)
+            heading = record.word if record.word in HEADINGS else heading
+            in_axis = record.word == "axis" or (in_axis and record.word not in HEADINGS)
         elif groups and groups[-1].takes(line):
             groups[-1].extend(line, waiting)
         else:
-            hint, replacement = _likely_statement(first.text, records)
+            records = statements_below(heading)
+            hint, replacement = _likely_statement(first.text, heading)
             diagnostics.append(
                 Diagnostic(
                     "unknown-statement",
@@ -178,32 +197,32 @@ def _group_lines(
             meant = first._replace(kind="name", text=replacement)
             tokens = (meant, *line.tokens[1:])
             groups.append(_Group(records[replacement], tokens, tuple(waiting), line.comment))
-            records = SECTIONS.get(replacement, records)
-            in_axis = replacement == "axis" or (in_axis and replacement not in SECTIONS)
+            heading = replacement if replacement in HEADINGS else heading
+            in_axis = replacement == "axis" or (in_axis and replacement not in HEADINGS)
         waiting = []
     while waiting and waiting[-1] == "":
         waiting.pop()
     return groups, tuple(waiting)
 
 
-def _likely_statement(word: str, records: Records) -> tuple[str, str | None]:
-    """Return what a word that starts no statement here was probably meant for."""
-    for heading, others in SECTIONS.items():
-        if others is not records and word in others:
-            return f"it stands below a line  {heading} NAME", None
-    return near_hint(word, records)
+def _likely_statement(word: str, heading: str) -> tuple[str, str | None]:
+    """Return what a word that starts no statement below a heading was probably meant for."""
+    for other in HEADINGS:
+        if other != heading and word in statements_below(other):
+            return f"it stands below a line  {other} NAME", None
+    return near_hint(word, statements_below(heading))
 
 
 def _record_of(
-    line: Line, records: Records, groups: Sequence[_Group], *, in_axis: bool
+    line: Line, heading: str, groups: Sequence[_Group], *, in_axis: bool
 ) -> StatementKind | None:
     """Return the statement that a line starts, None where it starts none."""
     first = line.tokens[0]
-    record = records.get(first.text) if first.kind == "name" else None
+    record = statements_below(heading).get(first.text) if first.kind == "name" else None
     if in_axis and _is_signal(line, known=record is not None):
-        return CONTROLLER_STATEMENTS[SIGNAL]
-    if record is None and records is SECTIONS["controller"] and _is_stray(line, groups):
-        return CONTROLLER_STATEMENTS[SIGNAL]  # its axis is what is missing
+        return _signals()
+    if record is None and heading == "controller" and _is_stray(line, groups):
+        return _signals()  # its axis is what is missing
     return record
 
 

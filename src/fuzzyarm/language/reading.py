@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import os
-from dataclasses import replace
-from typing import NamedTuple
+from typing import TYPE_CHECKING
 
 from fuzzyarm.expression.records import failures
-from fuzzyarm.language.controller_meaning import elaborate_controller
-from fuzzyarm.language.controllers import ControllerHeading
+from fuzzyarm.frozen import NamedTuple, replace
 from fuzzyarm.language.document import (
     Document,
     ParseMemory,
@@ -17,8 +15,7 @@ from fuzzyarm.language.document import (
     size_fault,
 )
 from fuzzyarm.language.meaning import UNNAMED, elaborate
-from fuzzyarm.language.statements import Broken, Heading
-from fuzzyarm.model.controller import ControllerModel
+from fuzzyarm.language.statements import Broken, ControllerHeading, Heading
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.text.diagnostic import (
     MAX_CHARACTERS,
@@ -28,6 +25,9 @@ from fuzzyarm.text.diagnostic import (
     Span,
 )
 from fuzzyarm.text.shown import one_line
+
+if TYPE_CHECKING:
+    from fuzzyarm.model.controller import ControllerModel
 
 # --- Reading ---
 
@@ -115,6 +115,8 @@ def parse(text: str, path: str = "<text>", memory: ParseMemory | None = None) ->
         partial, findings = elaborate(meant, memory)
         findings = [finding for finding in findings if finding.line not in mended]
     if ControllerHeading in heads:
+        from fuzzyarm.language.controller_meaning import elaborate_controller
+
         nodes = [statement.node for statement in meant.statements]
         whole, more = elaborate_controller(nodes, partial if Heading in heads else None)
         findings += [finding for finding in more if finding.line not in mended]

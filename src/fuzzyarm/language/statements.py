@@ -14,9 +14,9 @@ parts: grids (:mod:`fuzzyarm.language.rules`) and ``prove``.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
-from typing import Any, NamedTuple, Protocol
+from typing import Any, Protocol
 
+from fuzzyarm.frozen import NamedTuple, replace
 from fuzzyarm.language.parts import (
     Break,
     Column,
@@ -63,10 +63,12 @@ from fuzzyarm.text.numbers import number_text
 from fuzzyarm.text.placed import Figure, Word
 
 __all__ = [
+    "CONTROLLER",
     "STATEMENTS",
     "BlockNode",
     "Broken",
     "CellNode",
+    "ControllerHeading",
     "EvenTermsNode",
     "ExpectNode",
     "GridNode",
@@ -100,6 +102,14 @@ class StatementNode(Protocol):
 
 class Heading(NamedTuple):
     """``rulebase NAME "description"``."""
+
+    name: Word
+    description: str | None
+    span: Span = NOWHERE
+
+
+class ControllerHeading(NamedTuple):
+    """``controller NAME "description"``."""
 
     name: Word
     description: str | None
@@ -747,7 +757,23 @@ STATEMENTS: dict[str, StatementKind] = {
 }
 """Every statement by the word that starts it."""
 
-STARTERS.update(STATEMENTS)
+CONTROLLER = StatementKind(
+    "controller",
+    "the name of the controller and what it is for",
+    Row(
+        ControllerHeading,
+        Keyword("controller"),
+        Name("name", "the name of the controller", declares(Kind.CONTROLLER)),
+        Text("description"),
+    ),
+    outline="controller",
+)
+"""The heading below which the statements of :mod:`fuzzyarm.language.controllers` stand.
+
+It is here so that a rule base is read without them.
+"""
+
+STARTERS.update({*STATEMENTS, CONTROLLER.word})
 
 WORDS: dict[str, str] = {word: doc for r in STATEMENTS.values() for word, doc in r.words.items()}
 """The other words of the statements, with one line of help where it is needed."""

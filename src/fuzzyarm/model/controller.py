@@ -12,10 +12,10 @@ The records are the nodes of the syntax tree as well: names and numbers of a tex
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from fuzzyarm.expression.sources import SOURCES, OptionKind, Setting, SourceKind
+from fuzzyarm.frozen import dataclass, field
 from fuzzyarm.model.claims import LoopClaim
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.text.diagnostic import NOWHERE, Span

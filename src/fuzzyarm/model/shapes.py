@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Sequence
-from fractions import Fraction
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
 from fuzzyarm.expression.lines import Line, Lines
@@ -26,6 +26,9 @@ from fuzzyarm.model.rulebase import (
     Shape,
     Variable,
 )
+
+if TYPE_CHECKING:
+    from fractions import Fraction
 
 __all__ = [
     "EVEN_SHAPES",
@@ -243,6 +246,8 @@ def first_above(lower: Shape, upper: Shape, low: float, high: float) -> float | 
         features |= {x for each in (lower, upper) for x in bends(each) if math.isfinite(x)}
         return first_sample_above(one, other, low, high, features)
     start, end = _finite(low, high, features)
+    from fractions import Fraction
+
     bottom, top, allowed = polyline(lower), polyline(upper), Fraction(CLOSE)
     for x in sorted({x for x in features if start < x < end} | {start, end}):
         sides = [side for side in (-1, 1) if (x > start if side < 0 else x < end)]
@@ -278,6 +283,8 @@ def _finite(low: float, high: float, features: Collection[float]) -> tuple[float
 
 def _beside(line: Sequence[tuple[float, float]], x: float, side: int) -> Fraction:
     """Return the height of a line through corners just left (side -1) or right of `x`, exactly."""
+    from fractions import Fraction
+
     before = [c for c in line if (c[0] < x if side < 0 else c[0] <= x)]
     after = [c for c in line if (c[0] >= x if side < 0 else c[0] > x)]
     if not before or not after:

@@ -13,10 +13,11 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.text.folders import TABLES
 from fuzzyarm.text.mistaken import TABLE, OfKind
 from fuzzyarm.text.shown import Drawn, Plotted, one_line
 
-SUFFIXES = (".lut", ".csv", ".npz", ".json")
+SUFFIXES = TABLES
 """The formats of files that are read back to an identical table."""
 
 # --- An axis: its levels, its bins, and the cell that a number falls into ---

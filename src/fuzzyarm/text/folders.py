@@ -6,8 +6,8 @@ import os
 import re
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
-from pathlib import Path
-from typing import NamedTuple
+
+from fuzzyarm.frozen import NamedTuple
 
 FOREIGN = (".fll", ".fcl", ".fis", ".fml")
 """Suffixes of rule bases of other programs that are written as well."""
@@ -17,6 +17,9 @@ SUFFIXES = (".frb", *FOREIGN)
 
 READABLE = (*SUFFIXES, ".t2fis", ".xml")
 """Suffixes of all rule bases that are read. They stand here for who does not load the readers."""
+
+TABLES = (".lut", ".csv", ".npz", ".json")
+"""Suffixes of lookup tables; they stand here likewise."""
 
 PACKAGES = ("node_modules", "__pycache__", "site-packages")
 """Folders of packages, whoever made them."""
@@ -71,6 +74,8 @@ def _is_of_packages(entry: os.DirEntry[str]) -> bool:
 
 def _patterns_above(folder: str) -> tuple[_Pattern, ...]:
     """Return the patterns of the folders above, up to the root of the repository."""
+    from pathlib import Path
+
     above = []
     path = Path(folder).resolve()
     for each in (path, *path.parents):

@@ -10,13 +10,12 @@ from pathlib import Path
 from typing import NamedTuple
 
 from fuzzyarm.controller.text import ControllerText, sheet_path
-from fuzzyarm.language.controllers import ControllerHeading
 from fuzzyarm.language.document import Document
 from fuzzyarm.language.phrases import ShapeNode, aligned
 from fuzzyarm.language.queries.fixes import Edit, apply_edits
 from fuzzyarm.language.reading import format_text, parse, read_text
 from fuzzyarm.language.rows import columns_of, text_of
-from fuzzyarm.language.statements import EvenTermsNode, Heading, TermNode
+from fuzzyarm.language.statements import ControllerHeading, EvenTermsNode, Heading, TermNode
 from fuzzyarm.language.writer import write
 from fuzzyarm.model.controller import ControllerModel, GainModel, Use
 from fuzzyarm.model.rulebase import RuleBase, Shape, Term

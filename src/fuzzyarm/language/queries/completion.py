@@ -15,7 +15,7 @@ from typing import Any, NoReturn
 
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, Registry, Shape
 from fuzzyarm.language.controllers import CONTROLLER_STATEMENTS, SIGNAL
-from fuzzyarm.language.document import SECTIONS, section_at
+from fuzzyarm.language.document import section_at, statements_below
 from fuzzyarm.language.phrases import SETTINGS, Kind, Setting, parameter_names
 from fuzzyarm.language.queries.reading import NOTHING, Facts, Reading, asked_variable
 from fuzzyarm.language.statements import LOOKUP_ROW, STATEMENTS, GridNode, RowNode
@@ -467,7 +467,7 @@ def _offered(
 def _in_controller(
     reading: Reading, line: int, tokens: tuple[Token, ...], facts: Facts, *, indented: bool
 ) -> list[Candidate]:
-    records = SECTIONS["controller"]
+    records = statements_below("controller")
     if not tokens:
         wanted = ("zoom", "learn", "drive") if indented else tuple(records)
         return [Candidate(word, "keyword", word, records[word].doc) for word in wanted]

@@ -6,7 +6,6 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
-from fuzzyarm.language.controllers import ControllerHeading
 from fuzzyarm.language.phrases import Kind
 from fuzzyarm.language.queries.fixes import Edit, apply_edits
 from fuzzyarm.language.queries.lines import (
@@ -29,6 +28,7 @@ from fuzzyarm.language.queries.references import rename
 from fuzzyarm.language.rows import lines_below, text_of
 from fuzzyarm.language.rules import CellNode, GridNode, RuleNode
 from fuzzyarm.language.statements import (
+    ControllerHeading,
     EvenTermsNode,
     Heading,
     TermNode,
