@@ -13,6 +13,11 @@ the text is formatted and its comments stay; other files have no place for them.
 
 A table becomes the rules whose terms come nearest; what they cannot express is said.
 
+    fuzzyarm convert light.fis move.fis tree.frb --connect "light/out -> move/level"
+
+Several files become one rule base, as a `fistree` of MATLAB chains them: --connect leads an output
+of one to an input of another, or joins two inputs. Files are called by their names without suffix.
+
     fuzzyarm convert project.py -o rules/
 
 A script of scikit-fuzzy, pyfuzzylite, simpful, fuzzylogic or pyit2fls is run, in a process of its
@@ -73,14 +78,25 @@ _WRITTEN_FOR = sorted({program for programs in PRODUCERS.values() for program in
 
 
 def _run(arguments: argparse.Namespace) -> int:
-    if Path(arguments.source).suffix.lower() == SCRIPT:
+    # The last of all names is the file to write, which argparse cannot know.
+    names = [*arguments.source, *filter(None, [arguments.target])]
+    *sources, last = names if len(names) > 1 else [*names, None]
+    arguments.source, arguments.target = sources[0], last
+    if Path(arguments.source).suffix.lower() == SCRIPT and len(sources) < 2:
         return _convert_script(arguments)
     if arguments.target is None:
         COMMANDS[0].parser().error("the file to write, OUT, is missing")
     target = suffix_of(arguments.target)
-    if _same_file(arguments.source, arguments.target):
+    if any(_same_file(source, arguments.target) for source in sources):
         print_error(f"{arguments.target}: the file to read and the file to write are the same")
         return 1
+    if arguments.connect or len(sources) > 1:
+        return _convert_tree(arguments, sources, target)
+    return _convert_one(arguments, target)
+
+
+def _convert_one(arguments: argparse.Namespace, target: str) -> int:
+    """Write one file as another."""
     if Path(arguments.source).suffix.lower() in SUFFIXES:
         return _convert_table(arguments, target)
     imported = read(
@@ -117,6 +133,76 @@ def _exported(arguments: argparse.Namespace, rulebase: RuleBase, target: str) ->
         lossy=arguments.lossy,
         strict=arguments.strict,
     )
+
+
+def _convert_tree(arguments: argparse.Namespace, sources: Sequence[str], target: str) -> int:
+    """Chain several rule bases to one, and write it."""
+    from fuzzyarm.formats.trees import tree
+
+    usage = COMMANDS[0].parser().error
+    if len(sources) < 2:
+        usage("--connect takes two files or more, and the file to write")
+    if not arguments.connect:
+        usage('several files become one by connections: --connect "A/OUT -> B/IN"')
+    stems = [Path(source).stem for source in sources]
+    for stem in stems:
+        if stems.count(stem) > 1:
+            usage(f"two files are called '{stem}', and connections could mean either")
+    rulebases: dict[str, RuleBase] = {}
+    diagnostics: list[Diagnostic] = []
+    for source, stem in zip(sources, stems, strict=True):
+        imported = read(
+            source,
+            producer=arguments.producer,
+            lossy=arguments.lossy,
+            strict=arguments.strict,
+        )
+        diagnostics += imported.diagnostics
+        if imported.rulebase is None:
+            _report_of_tree(arguments, sources, diagnostics, written=False)
+            return 1
+        rulebases[stem] = imported.rulebase
+    name = Path(arguments.target).stem
+    joint = tree(rulebases, arguments.connect, name, lossy=arguments.lossy, strict=arguments.strict)
+    exported = None
+    if joint.rulebase is not None:
+        exported = write(
+            joint.rulebase,
+            target,
+            producer=arguments.consumer,
+            lossy=arguments.lossy,
+            strict=arguments.strict,
+        )
+    diagnostics += findings_of(joint, exported, arguments.target)
+    text = None if exported is None else exported.text
+    if text is not None:
+        write_atomically(arguments.target, text)
+    _report_of_tree(arguments, sources, diagnostics, written=text is not None)
+    return int(text is None)
+
+
+def _report_of_tree(
+    arguments: argparse.Namespace,
+    sources: Sequence[str],
+    found: Sequence[Diagnostic],
+    *,
+    written: bool,
+) -> None:
+    """Say what was found in each file, then in how they are connected."""
+    # Rules of a tree stand nowhere in the files: what is said of several of them is said once.
+    found = list(dict.fromkeys(replace(d, path=d.path or arguments.target) for d in found))
+    if arguments.json:
+        data = _as_json(arguments, Imported(None, (), "tree"), found, written=written)
+        print_json({**data, "sources": list(sources)}, 2)
+    else:
+        for source in (*sources, arguments.target):
+            own = [each for each in found if each.path == source]
+            shown = [each for each in own if each.is_error or not arguments.quiet]
+            _say_findings(shown, source, to_errors=not written)
+    if not written:
+        print_error(f"{arguments.target}: not written")
+    elif not (arguments.quiet or arguments.json):
+        say(f"{arguments.target}: written, {_summary(found)}")
 
 
 def _convert_table(arguments: argparse.Namespace, target: str) -> int:
@@ -343,13 +429,17 @@ def _report(
         say(f"{arguments.target}: written{summary}")
 
 
-def _summary(found: list[Diagnostic]) -> str:
+def _summary(found: Sequence[Diagnostic]) -> str:
     warnings = sum(d.severity == "warning" for d in found)
     return "nothing lost" if not warnings else f"{warnings} warning(s)"
 
 
 def _as_json(
-    arguments: argparse.Namespace, imported: Imported, found: list[Diagnostic], *, written: bool
+    arguments: argparse.Namespace,
+    imported: Imported,
+    found: Sequence[Diagnostic],
+    *,
+    written: bool,
 ) -> dict[str, object]:
     return {
         "source": arguments.source,
@@ -365,8 +455,17 @@ COMMANDS = (
         "convert",
         __doc__,
         _run,
-        argument("source IN", ".frb, .fll, .fcl or .fis; a table; or a script, .py"),
-        argument("target OUT", ".frb, .fll, .fcl or .fis", nargs="?"),
+        argument(
+            "source IN",
+            ".frb, .fll, .fcl, .fis or .fml; a table; or a script, .py; several to connect",
+            nargs="+",
+        ),
+        argument("target OUT", ".frb, .fll, .fcl, .fis or .fml", nargs="?"),
+        argument(
+            "--connect CONNECTION",
+            "from an output to an input, as in 'a/out -> b/in'; as often as needed",
+            action="append",
+        ),
         flag("--lossy", "go on where numbers will differ", either="mode"),
         flag("--strict", "refuse small differences too", either="mode"),
         argument("--from", "the program IN was written for", dest="producer", choices=_READ_AS),

@@ -25,6 +25,7 @@ from fuzzyarm.formats.registry import (
     text_in,
     write,
 )
+from fuzzyarm.formats.trees import tree
 from fuzzyarm.lazy import lazily
 from fuzzyarm.text.folders import FOREIGN, READABLE, SUFFIXES
 
@@ -46,6 +47,7 @@ __all__ = [
     "same_model",
     "suffix_of",
     "text_in",
+    "tree",
     "write",
     "write_fcl",
     "write_fis",

@@ -73,7 +73,10 @@ def sections(text: str, findings: Findings) -> list[Section]:
             found.append(Section(match.group(1).lower(), int(digits or 0), line.span))
             name = line.part(*match.span(1))
             if name.text.lower() == "fistree":
-                message = "a tree of systems is not supported; each of its systems can be read"
+                message = (
+                    "a tree of systems in one file is not supported; with a file for each of its "
+                    "systems, convert --connect makes one rule base of them"
+                )
                 raise FaultError(message, line, "unsupported-type")
             if name.text.capitalize() not in _SECTIONS:
                 findings.unknown("syntax", "the section", name, _SECTIONS)

@@ -595,6 +595,16 @@ def needed(made: Plan, names: Iterable[str]) -> tuple[set[str], set[int]]:
         outputs, rules = outputs | read, more
 
 
+def read_by(made: Plan, output: str) -> set[str]:
+    """Return the outputs that one output depends on directly."""
+    rules = [
+        rule
+        for _, rule in made.outputs[output].contributions
+        if made.rules[rule].rule.weight != 0.0
+    ]
+    return _read(made, [output], rules) & made.outputs.keys()
+
+
 def _read(made: Plan, outputs: Iterable[str], rules: Iterable[int]) -> set[str]:
     """Return the variables that rules read, and formulas of consequents."""
     antecedents = [made.rules[rule].rule.antecedent for rule in rules]

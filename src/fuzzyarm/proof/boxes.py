@@ -6,6 +6,9 @@ shape), so does every firing strength (norms and hedges are monotone), and the v
 cannot be decided is gone. The bounds are first order in the size of a box: sound, and slow where
 the output has a plateau. Where it jumps they are those on both sides of the jump.
 
+An output that rules read (a chain) has bounds over the same boxes, which are stretches for those
+rules. That both depend on the same inputs is lost within a box, and found again as boxes get small.
+
 Source: R. E. Moore, *Interval Analysis*, 1966.
 """
 
@@ -22,7 +25,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
-from fuzzyarm.inference.plan import OutputPlan, Plan, PlannedRule, needed, plan
+from fuzzyarm.inference.plan import OutputPlan, Plan, PlannedRule, plan, read_by
 from fuzzyarm.model.rulebase import And, Expression, Hedge, Hedged, Is, RuleBase
 from fuzzyarm.model.shapes import corners as corners_of_variable
 from fuzzyarm.proof.arithmetic import Array, Stop
@@ -40,6 +43,9 @@ FINEST = 2.0**-12
 
 MOST = 3_000_000
 """Boxes looked at before the search is given up."""
+
+MOST_CHAINED = 100_000
+"""The same where rules read other outputs, whose bounds are found anew for each box."""
 
 AT_ONCE = 200_000
 """Numbers of the aggregates of the boxes that are looked at together: they fit into the cache."""
@@ -96,17 +102,29 @@ class Boxes:
                 for each in rulebase.outputs
             ),
         )
-        self._degrees = Degrees(self.plan.rulebase, self.names)
-        self._bounds_of: Crisp = crisp(self.output, self.names, stop)
+        # Outputs that the rules or values of this one read; there are no circles.
+        self._chained = {
+            name: Boxes(rulebase, name, ends, stop) for name in sorted(read_by(self.plan, output))
+        }
+        self._degrees = Degrees(self.plan.rulebase, self.names, list(self._chained))
+        self._bounds_of: Crisp = crisp(self.output, [*self.names, *self._chained], stop)
+        self.most = MOST_CHAINED if self._chained else MOST
         self.chunk = max(16, AT_ONCE // self._bounds_of.width)
         self.tried = 16 if self.output.integrated else 256  # boxes at whose corners it is evaluated
         low, high = self.output.output.low, self.output.output.high
         self.range = high - low if math.isfinite(high - low) else 1.0
 
+    @property
+    def says_no_rule(self) -> bool:
+        """Whether a number stands where no rule fires."""
+        no_rule = self.output.output.no_rule
+        return isinstance(no_rule, int | float) and not math.isnan(no_rule)
+
     def over(self, ends: Sequence[tuple[float, float]], stop: Stop) -> Boxes:
         """Return the same over another box: what is known of sets and terms stays known."""
         other = copy(self)
         other.ends, other.stop = ends, stop
+        other._chained = {name: boxes.over(ends, stop) for name, boxes in self._chained.items()}
         return other
 
     # ── questions ────────────────────────────────────────────────────────────────────
@@ -169,7 +187,7 @@ class Boxes:
         seen = 0
         while len(low):
             seen += len(low)
-            if seen > MOST:
+            if seen > self.most:
                 raise UnprovableError("whether some rule fires everywhere is open: too many boxes")
             judged = []
             for start in range(0, len(low), self.chunk):
@@ -192,11 +210,12 @@ class Boxes:
 
     def _judge(self, low: Array, high: Array, *, valued: bool) -> tuple[Array, Array]:
         """Tell where a rule fires all over a box, and where none does anywhere in it."""
-        strengths = self._strengths(low, high)
+        low, high, open_ = self._with_chained(low, high)
+        strengths = self._strengths(low, high, open_)
         if not valued:
             return _most(strengths, 0) > 0.0, _most(strengths, 1) == 0.0
         least, _, may_lack = self._bounds_of(strengths, low, high)
-        return ~may_lack, np.isnan(least)
+        return ~(may_lack | open_), np.isnan(least)
 
     # ── the search ───────────────────────────────────────────────────────────────────
 
@@ -265,7 +284,7 @@ class Boxes:
             low, high, tops = low[open_], high[open_], tops[open_]
             if len(low):
                 self.stop.say(len(low), float(tops.max()) - best)
-            if self.stop.now or seen > MOST or (len(low) and self._is_fine(low, high)):
+            if self.stop.now or seen > self.most or (len(low) and self._is_fine(low, high)):
                 return _Found(
                     max(done, float(tops.max(initial=done))), best, where, seen, not len(low)
                 )
@@ -323,7 +342,8 @@ class Boxes:
     # ── one step: from a box to bounds of the output ─────────────────────────────────
 
     def _value_bounds(self, low: Array, high: Array) -> Interval:
-        strengths = self._strengths(low, high)
+        low, high, open_ = self._with_chained(low, high)
+        strengths = self._strengths(low, high, open_)
         least, most, may_lack = self._bounds_of(strengths, low, high)
         output = self.output.output
         nothing = np.isnan(least)
@@ -335,10 +355,35 @@ class Boxes:
             value = float(output.no_rule)  # which is not brought into the range
             least = np.where(may_lack, np.fmin(least, value), least)
             most = np.where(may_lack, np.fmax(most, value), most)
-        return least, most
+        return np.where(open_, -np.inf, least), np.where(open_, np.inf, most)
 
-    def _strengths(self, low: Array, high: Array) -> list[tuple[int, Interval]]:
-        """Return (member, bounds of its firing strength), rule by rule."""
+    def _with_chained(self, low: Array, high: Array) -> tuple[Array, Array, Array]:
+        """Return boxes with the bounds of the outputs that are read, and where one may have none.
+
+        Such a box is open: it has to be cut until a rule fires all over it.
+        """
+        open_ = np.zeros(len(low), dtype=bool)
+        columns: list[Interval] = []
+        for boxes in self._chained.values():
+            least, most = boxes._value_bounds(low, high)
+            if not boxes.says_no_rule:
+                open_ |= ~boxes._judge(low, high, valued=True)[0]
+            unbounded = ~np.isfinite(least) | ~np.isfinite(most)
+            open_ |= unbounded
+            widen = WIDENED * boxes.range
+            columns.append(
+                (np.where(unbounded, 0.0, least - widen), np.where(unbounded, 0.0, most + widen))
+            )
+        if not columns:
+            return low, high, open_
+        return (
+            np.column_stack([low, *(least for least, _ in columns)]),
+            np.column_stack([high, *(most for _, most in columns)]),
+            open_,
+        )
+
+    def _strengths(self, low: Array, high: Array, open_: Array) -> list[tuple[int, Interval]]:
+        """Return (member, bounds of its firing strength) of each rule: anything in open boxes."""
         degrees = self._degrees.over(low, high)
         found: dict[int, Interval] = {}
         made = []
@@ -348,6 +393,7 @@ class Boxes:
                 least, most = self._truth(planned.rule.antecedent, planned, degrees)
                 weight = planned.rule.weight
                 least, most = widened(least * weight, most * weight)
+                least, most = np.where(open_, 0.0, least), np.where(open_, abs(weight), most)
                 found[rule] = (
                     np.where(least > planned.threshold, least, 0.0),
                     np.where(most > planned.threshold, most, 0.0),
@@ -376,10 +422,6 @@ class Boxes:
 
     def _demand_covered(self) -> None:
         output = self.output.output
-        outputs, _ = needed(self.plan, [output.name])
-        if len(outputs) > 1:
-            chain = ", ".join(sorted(outputs - {output.name}))
-            raise UnprovableError(f"'{output.name}' depends on another output ({chain})")
         if not self.output.contributions:
             raise UnprovableError(f"no rule concludes '{output.name}'")
         way = output.defuzzifier

@@ -64,29 +64,41 @@ def hedged(hedges: Sequence[Hedge], degree: Interval) -> Interval:
 
 
 class Degrees:
-    """Bounds of memberships over stretches, each found once."""
+    """Bounds of memberships over stretches, each found once.
 
-    def __init__(self, rulebase: RuleBase, names: Sequence[str]) -> None:
+    The stretches of `others`, which stand behind those of `names`, differ from box to box: they
+    are not remembered.
+    """
+
+    def __init__(
+        self, rulebase: RuleBase, names: Sequence[str], others: Sequence[str] = ()
+    ) -> None:
         self.rulebase = rulebase
-        self.names = list(names)
+        self.names = [*names, *others]
+        self._others = set(others)
         self._known: dict[tuple[str, str], dict[tuple[float, float], tuple[float, float]]] = {}
 
     def over(self, low: Array, high: Array) -> Callable[[Is], Interval]:
         """Return what gives the bounds of a proposition over boxes."""
         stretches: dict[int, tuple[list[tuple[float, float]], Array]] = {}
-        for i in range(len(self.names)):
+        made: dict[tuple[str, str], Interval] = {}
+        columns = {name: i for i, name in enumerate(self.names)}
+        for i in range(len(self.names) - len(self._others)):
             both = np.stack([low[:, i], high[:, i]], axis=1)
             distinct, back = np.unique(both, axis=0, return_inverse=True)
             pairs = [(float(a), float(b)) for a, b in distinct]
             stretches[i] = pairs, back.reshape(-1)
-        made: dict[tuple[str, str], Interval] = {}
 
         def degree(part: Is) -> Interval:
             key = part.variable, part.term
             if key not in made:
-                pairs, back = stretches[self.names.index(part.variable)]
-                known = self._known.setdefault(key, {})
+                i = columns[part.variable]
                 shape = self.rulebase.variable(part.variable).term(part.term).shape
+                if part.variable in self._others:
+                    made[key] = membership_over(shape, low[:, i], high[:, i])
+                    return made[key]
+                pairs, back = stretches[i]
+                known = self._known.setdefault(key, {})
                 of_stretch = membership_bounder(shape)
                 for pair in pairs:
                     if pair not in known:
@@ -122,6 +134,21 @@ def membership_bounder(shape: Shape) -> Callable[[float, float], tuple[float, fl
         return max(0.0, least - SLACK), min(shape.height, most + SLACK)
 
     return of_stretch
+
+
+def membership_over(shape: Shape, low: Array, high: Array) -> Interval:
+    """Return the bounds of a membership over one stretch for each box."""
+    if shape.kind == "formula" or not SHAPES[shape.kind].straight:
+        of_stretch = membership_bounder(shape)
+        ends = np.array([of_stretch(float(a), float(b)) for a, b in zip(low, high, strict=True)])
+        return ends[:, 0], ends[:, 1]
+    lines = SHAPES[shape.kind].lines(*shape.parameters, height=shape.height)
+    least, most = (end(lines.over(low), lines.over(high)) for end in (np.minimum, np.maximum))
+    for x, y in polyline(shape):
+        inside = (low <= x) & (x <= high)
+        least = np.where(inside, np.minimum(least, y), least)
+        most = np.where(inside, np.maximum(most, y), most)
+    return np.maximum(least - SLACK, 0.0), np.where(most > 0.0, most + SLACK, 0.0)
 
 
 def _straight_bounder(shape: Shape) -> Callable[[float, float], tuple[float, float]]:

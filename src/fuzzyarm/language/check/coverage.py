@@ -105,7 +105,7 @@ def _grid(grid: GridNode, subject: Subject) -> Iterator[Diagnostic]:
     when = f" when {grid.condition}" if grid.condition else ""
     for what, variable, words in labels:
         present = set(words)
-        terms = subject.rulebase.variable(variable).terms
+        terms = next(v for v in reversed(subject.families) if v.name == variable).terms
         absent = [term.name for term in terms if term.name not in present]
         if absent:
             many = "s" if len(absent) > 1 else ""

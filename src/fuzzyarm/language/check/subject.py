@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cached_property
 
 from fuzzyarm.expression.kinds import SHAPES
@@ -18,6 +19,7 @@ from fuzzyarm.model.rulebase import (
     Rule,
     RuleBase,
     RuleBlock,
+    propositions,
 )
 from fuzzyarm.model.shapes import centre, membership_function, polyline, probe_points
 
@@ -71,6 +73,30 @@ class Subject:
     def rules_for(self, output: Output) -> list[tuple[RuleBlock, Rule]]:
         """Return the rules that set `output`, each with its block."""
         return self._by_output.get(output.name, [])
+
+    @cached_property
+    def read_terms(self) -> set[tuple[str, str]]:
+        """The terms, each with its variable, that conditions name."""
+        parts = (part for rule in self.rules for part in propositions(rule.antecedent))
+        return {(part.variable, part.term) for part in parts}
+
+    @cached_property
+    def families(self) -> list[Input | Output]:
+        """The variables, each with terms that belong together.
+
+        An output that later rules read by other terms than it is concluded by stands there twice:
+        with the terms of the ones, and with those of the others.
+        """
+        concluded = {(c.variable, c.term) for rule in self.rules for c in rule.consequents}
+        found: list[Input | Output] = list(self.rulebase.inputs)
+        for output in self.rulebase.outputs:
+            read = tuple(t for t in output.terms if (output.name, t.name) in self.read_terms)
+            if not read or any((output.name, term.name) in concluded for term in read):
+                found.append(output)
+            else:
+                others = tuple(term for term in output.terms if term not in read)
+                found += [replace(output, terms=others), replace(output, terms=read)]
+        return found
 
     def probes(self, variable: Input) -> list[Cell]:
         """Return :func:`probe` of an input, worked out once."""

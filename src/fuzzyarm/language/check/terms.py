@@ -302,7 +302,7 @@ def _supports(rule: Rule, subject: Subject) -> list[tuple[float, float]]:
 
 def crossed_terms(subject: Subject) -> Iterator[Diagnostic]:
     """Yield ``crossed-terms`` for a term that lies elsewhere than in its place in the list."""
-    for variable in (*subject.rulebase.inputs, *subject.rulebase.outputs):
+    for variable in subject.families:
         found = crossing(variable)
         if found is None:
             continue
@@ -324,7 +324,7 @@ def crossed_terms(subject: Subject) -> Iterator[Diagnostic]:
 def uneven_terms(subject: Subject) -> Iterator[Diagnostic]:
     """Yield ``broken-partition`` and ``uneven-mirror``."""
     tuning = subject.rulebase.tuning or Tuning()
-    for variable in (*subject.rulebase.inputs, *subject.rulebase.outputs):
+    for variable in subject.families:
         if crossing(variable) is not None:  # one slip, one finding
             continue
         tunings = [peaks for peaks in tuning.peaks if variable.name in peaks.variables]
