@@ -37,9 +37,8 @@ from fuzzyarm.language import load_rulebase
 from fuzzyarm.language.queries import coloured, complete, fixes, hover, read
 from fuzzyarm.loop import Options, Sensor, Signal, simulate
 from fuzzyarm.plant import find_plant, pick_and_place
-from fuzzyarm.show.figures import inference_figure, rulebase_figure
+from fuzzyarm.show.figures import draw_runs, inference_figure, rulebase_figure
 from fuzzyarm.show.figures.animation import animate
-from fuzzyarm.show.figures.run import draw_runs
 
 ROOT = Path(__file__).parents[1]
 PICTURES = ROOT / "docs" / "pictures"

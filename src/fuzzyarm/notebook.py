@@ -137,7 +137,7 @@ def _variable_figure(variable: Any) -> Figure:
 
 
 def _run_figure(run: Any) -> Figure:
-    from fuzzyarm.show.figures.run import draw_runs
+    from fuzzyarm.show.figures.panels import draw_runs
 
     return draw_runs([run])
 

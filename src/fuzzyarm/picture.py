@@ -82,6 +82,8 @@ class Line:
         What it is; empty where that need not be said.
     steps : bool
         Whether it goes level from each point to the next one.
+    opacity : float
+        From 0 to 1.
     """
 
     x: Numbers
@@ -91,6 +93,7 @@ class Line:
     dash: str = "-"
     label: str = ""
     steps: bool = False
+    opacity: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -103,11 +106,14 @@ class Area:
         Its corners.
     tone : str
         Its colour.
+    opacity : float
+        From 0 to 1; in a chart.
     """
 
     x: Numbers
     y: Numbers
     tone: str = "first"
+    opacity: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -322,7 +328,7 @@ class Cells:
 
 _Kind = TypeVar("_Kind")
 
-ChartPart: TypeAlias = Line | Band | Dots | Level | Cells
+ChartPart: TypeAlias = Line | Area | Band | Dots | Level | Cells
 
 
 @dataclass(frozen=True)
@@ -378,6 +384,8 @@ class Chart:
     below : str
         What all panels have across, written below the last ones alone; empty where each has its
         own.
+    heading : bool
+        Whether the title is a heading, in larger letters.
     """
 
     rows: Sequence[Sequence[Panel | None]]
@@ -385,6 +393,7 @@ class Chart:
     title: str = ""
     key: bool = False
     below: str = ""
+    heading: bool = False
 
 
 def series(index: int) -> tuple[str, str]:

@@ -27,6 +27,7 @@ ORDER = (
     "inference",
     "table",
     "picture",
+    "figure_files",
     "plant",
     "controller",
     "export",

@@ -17,7 +17,8 @@ from fuzzyarm.language import parse
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.proof import NoSectorError, Prover, UnprovableError, sector, slopes_at
 from fuzzyarm.proof.controllers import DriveProof, prove_drives
-from fuzzyarm.show.figures.sector import controller_sectors, rulebase_sectors, sector_figure
+from fuzzyarm.show.figures.panels import chart_figure
+from fuzzyarm.show.sector import controller_sectors, rulebase_sectors, sector_chart
 
 RULES = """rulebase r
 input e -1 .. 1
@@ -281,7 +282,7 @@ def test_pictures_show_what_is_proved(
         both = each.values * each.form
         assert (each.low * each.form**2 <= both + 1e-6).all()
         assert (both <= each.high * each.form**2 + 1e-6).all()
-    assert len(sector_figure(pictures[:2]).axes) == 2
+    assert len(chart_figure(sector_chart(pictures[:2])).axes) == 2
 
 
 def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

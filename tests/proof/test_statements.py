@@ -243,7 +243,7 @@ def test_where_a_property_fails_is_marked_and_pasted(
     assert capture(document) == 2
     figures = []
     monkeypatch.setattr(
-        "fuzzyarm.show.figures.style.save_figure", lambda figure, _: figures.append(figure)
+        "fuzzyarm.figure_files.save_figure", lambda figure, _: figures.append(figure)
     )
     assert main(["plot", str(path), "-o", str(tmp_path / "p.png"), "--what", "surface"]) == 0
     (figure,) = figures

@@ -75,12 +75,12 @@ Examples
 
 def _compare(asked: CompareWords) -> int:
     from fuzzyarm.controller.own import find_controllers
+    from fuzzyarm.figure_files import require_figure_suffix
     from fuzzyarm.loop.experiments import follows, with_plant
     from fuzzyarm.study.comparison import compared_names
-    from fuzzyarm.study.figures import figure_format
 
     if asked.plot:
-        figure_format(asked.plot)  # a mistake in the name is told before the runs
+        require_figure_suffix(asked.plot)  # a mistake in the name is told before the runs
     names = asked.controllers or compared_names()
     controllers = find_controllers(names)
     asked, plant = with_plant(asked, controllers)
@@ -349,7 +349,7 @@ def _compare_references(
 
 def _plot_runs(runs: list[Run], path: str) -> None:
     """Draw runs beside one another."""
-    from fuzzyarm.show.figures.run import draw_runs
+    from fuzzyarm.show.figures.panels import draw_runs
     from fuzzyarm.study.figures import save_figure
 
     save_figure(draw_runs(runs), Path(path))

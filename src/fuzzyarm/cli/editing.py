@@ -77,7 +77,7 @@ def _watch(arguments: argparse.Namespace) -> int:
 
 def _demand_sense(arguments: argparse.Namespace) -> None:
     if arguments.figure:
-        from fuzzyarm.show.figures.style import require_figure_suffix
+        from fuzzyarm.figure_files import require_figure_suffix
 
         require_figure_suffix(arguments.figure)
     if arguments.table and Path(arguments.file).suffix.lower() == ".lut":

@@ -122,7 +122,7 @@ def _check(asked: LearnWords) -> None:
 
         require_suffix(asked.out, SUFFIXES)
     if asked.plot:
-        from fuzzyarm.show.figures.style import require_figure_suffix
+        from fuzzyarm.figure_files import require_figure_suffix
 
         require_figure_suffix(asked.plot)
     if asked.animate:
@@ -213,8 +213,8 @@ class _Watched:
         asked = self.asked
         if not (asked.plot or asked.animate):
             return
+        from fuzzyarm.figure_files import save_figure
         from fuzzyarm.show.figures import learning
-        from fuzzyarm.show.figures.style import save_figure
 
         names, like = self.trainee.axes, self.trainee.like
         if asked.plot:

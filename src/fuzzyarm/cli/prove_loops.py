@@ -211,26 +211,28 @@ def _judged(
 
 def _require_figure(arguments: argparse.Namespace) -> None:
     if arguments.plot is not None:
-        from fuzzyarm.show.figures.style import require_figure_suffix
+        from fuzzyarm.figure_files import require_figure_suffix
 
         require_figure_suffix(arguments.plot)
 
 
 def _draw_tube(way: Tube, statement: str, path: str, claim: LoopClaim | None = None) -> None:
-    from fuzzyarm.show.figures.loop_tube import tube_figure
-    from fuzzyarm.show.figures.style import save_figure
+    from fuzzyarm.figure_files import save_figure
+    from fuzzyarm.show.figures.panels import chart_figure
+    from fuzzyarm.show.tube import tube_chart
 
-    save_figure(tube_figure(way, statement, claim), path)
+    save_figure(chart_figure(tube_chart(way, statement, claim)), path)
 
 
 def _draw(controller: ControllerText, verdict: LoopVerdict, path: str) -> None:
     if verdict.tube is not None:
         _draw_tube(verdict.tube, str(verdict).splitlines()[0], path, verdict.claim)
         return
-    from fuzzyarm.show.figures.loop_region import region_figure
-    from fuzzyarm.show.figures.style import save_figure
+    from fuzzyarm.figure_files import save_figure
+    from fuzzyarm.show.figures.panels import chart_figure
+    from fuzzyarm.show.region import region_chart
 
-    save_figure(region_figure(controller, verdict), path)
+    save_figure(chart_figure(region_chart(controller, verdict)), path)
 
 
 def check(arguments: argparse.Namespace) -> int:

@@ -63,7 +63,7 @@ def print_sectors(arguments: argparse.Namespace, tolerance: float | None, budget
     if len(arguments.files) > 1:
         raise WordError("--sector takes one file")
     if arguments.plot is not None:
-        from fuzzyarm.show.figures.style import require_figure_suffix
+        from fuzzyarm.figure_files import require_figure_suffix
 
         require_figure_suffix(arguments.plot)
     path = arguments.files[0]
@@ -107,10 +107,13 @@ def _of_rulebase(
             except FuzzyarmError as error:
                 failed.append(f"along {form_text(weights)}: {error}")
     if arguments.plot is not None and sectors:
-        from fuzzyarm.show.figures.sector import rulebase_sectors, sector_figure
-        from fuzzyarm.show.figures.style import save_figure
+        from fuzzyarm.figure_files import save_figure
+        from fuzzyarm.show.figures.panels import chart_figure
+        from fuzzyarm.show.sector import rulebase_sectors, sector_chart
 
-        save_figure(sector_figure(rulebase_sectors(rulebase, name, sectors)), arguments.plot)
+        save_figure(
+            chart_figure(sector_chart(rulebase_sectors(rulebase, name, sectors))), arguments.plot
+        )
     if arguments.json:
         print_json({"sectors": [_sector_data(each) for each in sectors], "open": failed}, 2)
     else:
@@ -195,12 +198,13 @@ def drives_of(
     with progress() as tell:
         proofs = prove_drives(controller, plant, budget=budget, tell=tell)
     if arguments.plot is not None:
-        from fuzzyarm.show.figures.sector import controller_sectors, sector_figure
-        from fuzzyarm.show.figures.style import save_figure
+        from fuzzyarm.figure_files import save_figure
+        from fuzzyarm.show.figures.panels import chart_figure
+        from fuzzyarm.show.sector import controller_sectors, sector_chart
 
         pictures = controller_sectors(controller, proofs, plant)
         if pictures:
-            save_figure(sector_figure(pictures), arguments.plot)
+            save_figure(chart_figure(sector_chart(pictures)), arguments.plot)
     if not arguments.json:
         for each, axes in _grouped(proofs):
             say(*_drive_lines(path, each, axes, sectors_only=arguments.sector))

@@ -152,7 +152,7 @@ sinusoidal error); a rule base of error and rate, or a controller on a plant, a 
 
 
 def _plot(arguments: argparse.Namespace) -> int:
-    from fuzzyarm.show.figures.style import require_figure_suffix, save_figure
+    from fuzzyarm.figure_files import require_figure_suffix, save_figure
 
     require_figure_suffix(arguments.out)
     if arguments.what in LOOP_FIGURES:

@@ -149,9 +149,9 @@ def _sweep(asked: SimulateWords) -> int:
 def _require_pictures(asked: SimulateWords) -> None:
     """Tell a mistake in the name of a picture before the run."""
     if asked.plot:
-        from fuzzyarm.study.figures import figure_format
+        from fuzzyarm.figure_files import require_figure_suffix
 
-        figure_format(asked.plot)
+        require_figure_suffix(asked.plot)
     if asked.animate:
         from fuzzyarm.show.figures.animation import require_animation
 
@@ -299,7 +299,7 @@ def _metric_lines(result: Run) -> list[str]:
 
 
 def _plot(results: list[Run], path: str) -> None:
-    from fuzzyarm.show.figures.run import draw_runs
+    from fuzzyarm.show.figures.panels import draw_runs
     from fuzzyarm.study.figures import save_figure
 
     save_figure(draw_runs(results), Path(path))

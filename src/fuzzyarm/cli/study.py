@@ -53,9 +53,9 @@ def _reproduce(arguments: argparse.Namespace) -> int:
         print("fuzzyarm reproduce: --runs takes 0 to 100000", file=sys.stderr)
         return 2
     if arguments.overview:
-        from fuzzyarm.study.figures import figure_format
+        from fuzzyarm.figure_files import require_figure_suffix
 
-        figure_format(arguments.overview)  # a mistake in the name is told before the runs
+        require_figure_suffix(arguments.overview)  # a mistake in the name is told before the runs
     # Nothing is printed while the bar is on the screen: it would swallow it.
     results = list(_watched(rows, arguments.runs))
     if arguments.plot:

@@ -110,7 +110,7 @@ def _require_sensible(asked: SweepWords) -> None:
     if asked.map and not asked.plot:
         raise WordError("--map is drawn to the file of --plot, and none is given")
     if asked.plot:
-        from fuzzyarm.show.figures.style import require_figure_suffix
+        from fuzzyarm.figure_files import require_figure_suffix
 
         require_figure_suffix(asked.plot)
     demand_places(asked.plot)

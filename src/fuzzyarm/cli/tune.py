@@ -188,7 +188,7 @@ def _require_sensible(asked: TuneWords) -> None:
     if asked.out:
         require_suffix(asked.out, (".frb",))
     if asked.plot:
-        from fuzzyarm.show.figures.style import require_figure_suffix
+        from fuzzyarm.figure_files import require_figure_suffix
 
         require_figure_suffix(asked.plot)
     demand_places(asked.out, asked.plot)

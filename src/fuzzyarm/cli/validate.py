@@ -42,7 +42,7 @@ _FEW = 20
 
 def _run(arguments: argparse.Namespace) -> int:
     if arguments.plot:
-        from fuzzyarm.show.figures.style import require_figure_suffix
+        from fuzzyarm.figure_files import require_figure_suffix
 
         require_figure_suffix(arguments.plot)
     rulebase = load_rules(arguments.model, "validate")

@@ -237,7 +237,7 @@ def _table(
 
 
 def _picture(model: Sheet, suffix: str, how: Making, options: Mapping[str, Field]) -> bytes:
-    from fuzzyarm.show.figures.style import figure_bytes
+    from fuzzyarm.figure_files import figure_bytes
     from fuzzyarm.show.figures.whole import model_figure
 
     what = str(options.get("what") or "all")

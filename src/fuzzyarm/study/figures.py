@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-import errno
-import io
 import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from fuzzyarm import figure_files
 from fuzzyarm.controller.catalogue import CATALOGUE
-from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.loop.run import Run
 from fuzzyarm.study.beyond import NAMES as BEYOND
 from fuzzyarm.study.beyond import Beyond
 from fuzzyarm.study.comparison import Compared, Cost
 from fuzzyarm.study.published import RMS_PLACES, PublishedRow
 from fuzzyarm.study.reproduce import Reproduced
-from fuzzyarm.text.files import write_atomically
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -70,29 +67,6 @@ def draw_profiles(runs: Sequence[Run], title: str) -> Figure:
     return figure
 
 
-class FigureFormatError(FuzzyarmError, ValueError):
-    """Figures are not drawn in the format of this `suffix`."""
-
-    def __init__(self, suffix: str) -> None:
-        super().__init__(f"no figure format '{suffix}'", hint=f"one of {', '.join(FORMATS)}")
-        self.suffix = suffix
-
-
-FORMATS = ("png", "svg", "pdf", "jpg", "webp")
-"""In which figures are written."""
-
-
-def figure_format(path: str | Path) -> str:
-    """Return the format that the suffix of `path` asks for; refuse others, and a missing folder."""
-    suffix = Path(path).suffix.lstrip(".").lower()
-    if suffix not in FORMATS:
-        raise FigureFormatError(suffix)
-    folder = Path(path).parent
-    if not folder.is_dir():
-        raise FileNotFoundError(errno.ENOENT, "no such folder", str(folder))
-    return suffix
-
-
 def save_figure(figure: Figure, path: str | Path) -> None:
     """Write a figure in the format of its suffix, whole or not at all.
 
@@ -103,9 +77,7 @@ def save_figure(figure: Figure, path: str | Path) -> None:
     path : path-like
         Its suffix is the format.
     """
-    buffer = io.BytesIO()
-    figure.savefig(buffer, format=figure_format(path), dpi=130)
-    write_atomically(path, buffer.getvalue())
+    figure_files.save_figure(figure, path, dpi=130)
 
 
 # --- Figures of many rows: chapters, and all controllers beside each other ---

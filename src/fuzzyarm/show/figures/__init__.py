@@ -8,9 +8,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from fuzzyarm.figure_files import FigureFileError, save_figure
 from fuzzyarm.lazy import lazily
 from fuzzyarm.show.figures.analysis import describing_figure, portrait_figure
 from fuzzyarm.show.figures.diagram import controller_figure, diagram_figure
+from fuzzyarm.show.figures.panels import draw_runs
 from fuzzyarm.show.figures.residuals import validation_figure
 from fuzzyarm.show.figures.rulebase import (
     inference_figure,
@@ -18,8 +20,6 @@ from fuzzyarm.show.figures.rulebase import (
     rulebase_figure,
     variable_figure,
 )
-from fuzzyarm.show.figures.run import draw_runs
-from fuzzyarm.show.figures.style import FigureFileError, save_figure
 from fuzzyarm.show.figures.surface import surface_figure, table_figure
 
 __all__ = [

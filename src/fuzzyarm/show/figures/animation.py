@@ -15,8 +15,7 @@ from fuzzyarm.picture import TONES
 from fuzzyarm.plant.drawings import Scene, drawing_of, is_drawn
 from fuzzyarm.show.drawing import run_words, time_words
 from fuzzyarm.show.figures.labels import columns_that_fit
-from fuzzyarm.show.figures.panels import draw_part, draw_thing
-from fuzzyarm.show.figures.run import draw_runs
+from fuzzyarm.show.figures.panels import draw_part, draw_runs, draw_thing
 from fuzzyarm.show.figures.style import new_figure, safe
 from fuzzyarm.show.run import summary_panels
 from fuzzyarm.text.files import write_atomically

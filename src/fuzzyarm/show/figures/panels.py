@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.picture import (
     Area,
     Axis,
-    Band,
     Cells,
     Chart,
     ChartPart,
@@ -22,10 +22,13 @@ from fuzzyarm.picture import (
 )
 from fuzzyarm.show.figures.labels import columns_that_fit, shortened, wrapped
 from fuzzyarm.show.figures.style import LABEL, head, label_axes, new_figure, safe, tidy
+from fuzzyarm.show.run import run_chart
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+    from fuzzyarm.loop import Run
 
 # --- A thing to scale ---
 
@@ -81,7 +84,8 @@ def chart_figure(chart: Chart) -> Figure:
         if chart.key:
             _key_below(figure, places.ravel(), chart.size[0])
     if chart.title:
-        head(figure, chart.title, size=10, weight="normal")
+        look: dict[str, Any] = {} if chart.heading else {"size": 10, "weight": "normal"}
+        head(figure, chart.title, **look)
     return figure
 
 
@@ -146,6 +150,7 @@ def draw_part(axes: Axes, part: ChartPart) -> None:
         axes.plot(
             part.x, part.y, color=colour, linewidth=part.width, linestyle=part.dash,
             label=_label(part.label), drawstyle="steps-post" if part.steps else "default",
+            alpha=_alpha(part.opacity),
         )  # fmt: skip
     elif isinstance(part, Dots):
         edge: dict[str, Any] = {"markeredgewidth": part.edge} if part.edge else {}
@@ -153,7 +158,9 @@ def draw_part(axes: Axes, part: ChartPart) -> None:
             part.x, part.y, part.sign, color=colour, markersize=part.size,
             label=_label(part.label), alpha=_alpha(part.opacity), **edge,
         )  # fmt: skip
-    elif isinstance(part, Band):
+    elif isinstance(part, Area):
+        axes.fill(part.x, part.y, color=colour, alpha=part.opacity, linewidth=0)
+    else:
         axes.fill_between(
             part.x, part.low, part.high, color=colour, alpha=part.opacity, linewidth=0,
             label=_label(part.label),
@@ -166,3 +173,19 @@ def _label(text: str) -> str | None:
 
 def _alpha(opacity: float) -> float | None:
     return opacity if opacity < 1.0 else None
+
+
+def draw_runs(runs: Sequence[Run], title: str = "") -> Figure:
+    """Draw runs of the same plant: a column for each tracked output.
+
+    Each column has the output with its reference, the error, and the drives of its axis with
+    their limits, over time.
+
+    Parameters
+    ----------
+    runs : sequence of Run
+        At least one; on one plant.
+    title : str, optional
+        Above the figure; by default the plant and what it follows.
+    """
+    return chart_figure(run_chart(runs, title))

@@ -1,19 +1,14 @@
-"""The look that all figures share, and writing them whole or not at all."""
+"""The look that all figures share."""
 
 from __future__ import annotations
 
-import contextlib
 import io
-from collections.abc import Iterator
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.picture import COLOURS
 from fuzzyarm.show.drawing import Scale
 from fuzzyarm.show.figures.labels import wrapped
-from fuzzyarm.text.files import write_atomically
 from fuzzyarm.text.names import printable
 
 if TYPE_CHECKING:
@@ -119,92 +114,3 @@ def colour_bar(part: Any, image: Any, axes: Axes, label: str, *, shrink: float) 
     bar.ax.tick_params(labelsize=8)
     short_numbers(bar.ax.yaxis)
     return bar
-
-
-# --- Write a figure whole or not at all ---
-
-SUFFIXES = (".png", ".svg", ".pdf")
-
-_METADATA: dict[str, dict[str, str | None]] = {
-    ".png": {"Software": "fuzzyarm"},
-    ".svg": {"Date": None, "Creator": "fuzzyarm"},
-    ".pdf": {"CreationDate": None, "Creator": "fuzzyarm"},
-}
-
-
-class FigureFileError(FuzzyarmError, ValueError):
-    """A file name that tells no format for a figure."""
-
-    def __init__(self, path: Path) -> None:
-        self.path = path
-        super().__init__(
-            f"'{path.name}' does not have the suffix of a figure",
-            hint=f"known: {', '.join(SUFFIXES)}",
-        )
-
-
-def require_figure_suffix(path: str | Path) -> None:
-    """Raise FigureFileError unless `path` ends in .png, .svg or .pdf."""
-    if Path(path).suffix.lower() not in SUFFIXES:
-        raise FigureFileError(Path(path))
-
-
-def save_figure(figure: Figure, path: str | Path, *, dpi: int = 150) -> None:
-    """Write `figure` to a ``.png``, ``.svg`` or ``.pdf`` file; the same figure, the same bytes.
-
-    Parameters
-    ----------
-    figure : Figure
-        Any of matplotlib.
-    path : path-like
-        Its suffix is the format.
-    dpi : int
-        Dots per inch of a ``.png``.
-
-    Raises
-    ------
-    FigureFileError
-        For any other suffix.
-    OSError
-        If the folder cannot be written.
-    """
-    require_figure_suffix(path)
-    write_atomically(path, figure_bytes(figure, Path(path).suffix.lower(), dpi=dpi))
-
-
-def figure_bytes(figure: Figure, suffix: str, *, dpi: int = 150) -> bytes:
-    """Return the content of a file of `figure`; the same figure, the same bytes.
-
-    Parameters
-    ----------
-    figure : Figure
-        Any of matplotlib.
-    suffix : str
-        ``.png``, ``.svg`` or ``.pdf``.
-    dpi : int
-        Dots per inch of a ``.png``.
-    """
-    import matplotlib as mpl
-
-    out = io.BytesIO()
-    with mpl.rc_context({"svg.hashsalt": "fuzzyarm", "svg.fonttype": "none"}), _settled(figure):
-        figure.savefig(out, format=suffix[1:], dpi=dpi, metadata=_METADATA[suffix])
-    return out.getvalue()
-
-
-@contextlib.contextmanager
-def _settled(figure: Figure) -> Iterator[None]:
-    """Lay a figure out once, to a millionth: the last digits of the solver are those of chance."""
-    engine = figure.get_layout_engine()
-    if engine is None:
-        yield
-        return
-    engine.execute(figure)
-    figure.set_layout_engine("none")
-    for axes in figure.axes:
-        axes.set_position([round(part, 6) for part in axes.get_position(original=True).bounds])  # type: ignore[arg-type]
-        axes.set_in_layout(True)
-    try:
-        yield
-    finally:
-        figure.set_layout_engine(engine)

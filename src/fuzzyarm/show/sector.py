@@ -9,16 +9,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fuzzyarm.model.units import product, read_unit, unit_text
-from fuzzyarm.picture import COLOURS
+from fuzzyarm.picture import COLOURS, Axis, Band, Chart, ChartPart, Level, Line, Panel
 from fuzzyarm.proof.sector import form_text
 from fuzzyarm.show.drawing import number_words
-from fuzzyarm.show.figures.labels import wrapped
-from fuzzyarm.show.figures.style import LABEL, label_axes, new_figure, safe, tidy
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
     from fuzzyarm.controller.text import ControllerText
     from fuzzyarm.model.rulebase import RuleBase
     from fuzzyarm.plant.plant import Plant
@@ -119,7 +114,7 @@ def _form_words(drive: DriveProof, sector: DriveSector) -> str:
     return words if unit is None else f"{words}, {unit_text(unit)}"
 
 
-def sector_figure(pictures: Sequence[SectorPicture]) -> Figure:
+def sector_chart(pictures: Sequence[SectorPicture]) -> Chart:
     """Return each sector beside its values: a line, or the band that they fill over σ.
 
     Parameters
@@ -128,44 +123,33 @@ def sector_figure(pictures: Sequence[SectorPicture]) -> Figure:
         At least one.
     """
     columns = min(len(pictures), 3)
-    rows = -(-len(pictures) // columns)
-    figure = new_figure(3.6 * columns if columns > 1 else 5.6, 3.4 * rows)
-    axes = figure.subplots(rows, columns, squeeze=False).ravel()
-    for part, picture in zip(axes, pictures, strict=False):
-        _draw(part, picture)
-    for part in axes[len(pictures) :]:
-        part.set_visible(False)
-    return figure
+    panels = [_panel(picture) for picture in pictures]
+    rows = [panels[k : k + columns] for k in range(0, len(panels), columns)]
+    return Chart(rows, (3.6 * columns if columns > 1 else 5.6, 3.4 * len(rows)))
 
 
-def _draw(axes: Axes, picture: SectorPicture) -> None:
+def _panel(picture: SectorPicture) -> Panel:
     sound = np.isfinite(picture.values)
     form, values = picture.form[sound], picture.values[sound]
     far = float(np.abs(form).max())
     top = 1.15 * max(float(np.abs(values).max()), 1e-300)
     ends = np.array([-far, 0.0, far])
-    axes.fill_between(
-        ends, np.minimum(picture.low * ends, picture.high * ends),
-        np.maximum(picture.low * ends, picture.high * ends), color=COLOURS[5], alpha=0.22, lw=0,
-    )  # fmt: skip
-    for gain, colour in ((picture.low, COLOURS[2]), (picture.high, COLOURS[3])):
+    edges = picture.low * ends, picture.high * ends
+    parts: list[ChartPart] = [Band(ends, np.minimum(*edges), np.maximum(*edges), COLOURS[5], 0.22)]
+    for gain, tone, edge in zip((picture.low, picture.high), COLOURS[2:4], edges, strict=True):
         label = f"{number_words(gain, 5)} σ" if gain else "0"
-        axes.plot(ends, gain * ends, color=colour, linewidth=1.3, linestyle="--", label=label)
+        parts.append(Line(ends, edge, tone, 1.3, "--", label))
     if picture.one:
-        axes.plot(form, values, color=COLOURS[0], linewidth=1.8, label=safe(picture.up))
+        parts.append(Line(form, values, COLOURS[0], 1.8, label=picture.up))
     else:
-        _band(axes, form, values, far, picture.up)
-    tidy(axes)
-    axes.set_ylim(-top, top)
-    axes.set_xlim(-1.02 * far, 1.02 * far)
-    axes.axhline(0.0, color="#999999", linewidth=0.6)
-    axes.axvline(0.0, color="#999999", linewidth=0.6)
-    label_axes(axes, safe(wrapped(f"σ = {picture.across}", LABEL, 2.9)), safe(picture.up))
-    axes.legend(fontsize=8, frameon=False, loc="upper left")
+        parts.append(_filled(form, values, far, picture.up))
+    parts += [Level(0.0, tone="wanted"), Level(0.0, upright=True, tone="wanted")]
+    across = Axis(f"σ = {picture.across}", low=-1.02 * far, high=1.02 * far)
+    return Panel(parts, across, Axis(picture.up, low=-top, high=top), key="upper left")
 
 
-def _band(axes: Axes, form: Any, values: Any, far: float, name: str) -> None:
-    """Fill what the values cover: the least and the greatest u / σ over each stretch of σ."""
+def _filled(form: Any, values: Any, far: float, name: str) -> Band:
+    """Return what the values cover: the least and the greatest u / σ over each stretch of σ."""
     count = 2 * max(10, int(0.3 * len(form) ** 0.5))  # enough points for each stretch
     edges = np.linspace(-far, far, count + 1)
     away = np.abs(form) > 1e-6 * far
@@ -176,8 +160,5 @@ def _band(axes: Axes, form: Any, values: Any, far: float, name: str) -> None:
     np.maximum.at(most, number, ratio)
     some = least <= most
     middles = (0.5 * (edges[1:] + edges[:-1]))[some]
-    ends = np.clip(np.stack([least[some], most[some]]) * middles, values.min(), values.max())
-    axes.fill_between(
-        middles, *ends,
-        color=COLOURS[0], alpha=0.55, lw=0, label=safe(name),
-    )  # fmt: skip
+    low, high = np.clip(np.stack([least[some], most[some]]) * middles, values.min(), values.max())
+    return Band(middles, low, high, COLOURS[0], 0.55, name)
