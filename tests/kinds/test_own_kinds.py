@@ -188,6 +188,7 @@ WORKS = [
     ("eval", "{own}", *AT, "--defuzzifier", "bisector"),
     ("eval", "{own}", *AT, "--defuzzifier", "mean-of-maximum"),
     ("eval", "{own}", *AT, "--defuzzifier", "weighted-average"),
+    ("cite", "{own}"),
     ("show", "{own}"),
     ("show", "{own}", "--at", "e=1.3,ce=-2.2"),
     ("show", "{own}", "--json"),
@@ -232,6 +233,7 @@ QUICK = ("sampled", "and", "hedge")
 NO_RULE_BASE = {
     "compare",
     "demo",
+    "grade",
     "identify",
     "learn",
     "lsp",
