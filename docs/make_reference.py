@@ -195,14 +195,16 @@ PURPOSES = {
     ),
     "Controllers, plants, runs": (
         "fuzzyarm.controller", "fuzzyarm.plant", "fuzzyarm.picture", "fuzzyarm.loop",
-        "fuzzyarm.tuning", "fuzzyarm.study", "fuzzyarm.control",
+        "fuzzyarm.tuning", "fuzzyarm.study", "fuzzyarm.control", "fuzzyarm.requests",
     ),
     "From data": ("fuzzyarm.learning", "fuzzyarm.sklearn"),
     "Show and export": (
         "fuzzyarm.show", "fuzzyarm.show.figures", "fuzzyarm.notebook", "fuzzyarm.designer",
-        "fuzzyarm.export",
+        "fuzzyarm.export", "fuzzyarm.figure_files",
     ),
-    "What other tools are made of": ("fuzzyarm.language.check", "fuzzyarm.language.queries"),
+    "What other tools are made of": (
+        "fuzzyarm.language.check", "fuzzyarm.language.queries", "fuzzyarm.frozen",
+    ),
 }  # fmt: skip
 """Packages with a page of their own, by what one wants of them."""
 
