@@ -11,6 +11,9 @@ import json
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import fuzzyarm.requests
+from fuzzyarm.requests import Request
+from fuzzyarm.requests.schema import schema_of as schema_of_request
 from fuzzyarm.text.files import write_atomically
 
 HERE = Path(__file__).parent
@@ -1154,7 +1157,17 @@ def page() -> str:
         lines = list(_table(output.schema, ""))
         if lines:
             parts.append("\n".join(["| property | |", "|---|---|", *lines]) + "\n")
+    links = (f"[`{kind.__name__}`](schemas/{request_name(kind)}.json)" for kind in requests())
+    parts.append(PAGE_END.format(", ".join(links)))
     return "\n".join(parts)
+
+
+PAGE_END = """## What is asked for
+
+What a command takes is a record of `fuzzyarm.requests`, from which its options are made; calls from
+Python take one, too: `fuzzyarm.tune(TuneRequest(file="servo.frb", evals=100))`. As JSON Schemas:
+{}.
+"""
 
 
 def _table(schema: Schema, path: str) -> list[str]:
@@ -1171,12 +1184,34 @@ def _table(schema: Schema, path: str) -> list[str]:
     return lines
 
 
+# --- What is asked for ---
+
+
+def requests() -> list[type[Request]]:
+    """Return the records of all jobs."""
+    kinds = (getattr(fuzzyarm.requests, name) for name in fuzzyarm.requests.__all__)
+    jobs = (kind for kind in kinds if kind is not Request and issubclass(kind, Request))
+    return sorted(jobs, key=lambda kind: kind.__name__)
+
+
+def request_name(kind: type[Request]) -> str:
+    """Return the name of the file with the schema of a request: ``request-tune``."""
+    return f"request-{kind.__name__.removesuffix('Request').lower()}"
+
+
+def request_text(kind: type[Request]) -> str:
+    """Return the schema of a request as it stands in its file."""
+    return json.dumps(schema_of_request(kind), indent=1, ensure_ascii=False) + "\n"
+
+
 def main() -> None:
     """Write the schemas and the page."""
     folder = HERE / "schemas"
     folder.mkdir(exist_ok=True)
     for output in OUTPUTS:
         write_atomically(folder / f"{output.name}.json", schema_text(output))
+    for kind in requests():
+        write_atomically(folder / f"{request_name(kind)}.json", request_text(kind))
     write_atomically(HERE / "json.md", page())
 
 

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from fuzzyarm.model.controller import ControllerModel
     from fuzzyarm.plant.plant import Plant
     from fuzzyarm.proof import Verdict
+    from fuzzyarm.requests.making import CompileRequest
     from fuzzyarm.table import LookupTable
 
 
@@ -261,6 +262,16 @@ def load_sampled(path: str) -> LookupTable:
     from fuzzyarm.table import compile_table
 
     return compile_table(model, source=path)
+
+
+def table_asked(asked: CompileRequest) -> LookupTable:
+    """Return the table that a request asks for; `fuzzyarm.compile_table` asks for it here."""
+    from fuzzyarm.proof.compiled import compiled, making_of
+    from fuzzyarm.requests.making import ExportRequest
+
+    rulebase = load_rules(asked.file, "compile_table")
+    how = making_of(asked.as_kind(ExportRequest))
+    return compiled(rulebase, asked.output, how).table
 
 
 def _name_and_suffix(path: str | os.PathLike[str]) -> tuple[str, str]:

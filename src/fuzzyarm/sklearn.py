@@ -23,7 +23,8 @@ except ModuleNotFoundError as error:
     raise MissingExtraError("data", "fuzzyarm.sklearn") from error
 
 from fuzzyarm.learning.data import Samples
-from fuzzyarm.learning.fit import Fit, Options, fit, outputs_of
+from fuzzyarm.learning.fit import Fit, fit, outputs_of
+from fuzzyarm.learning.fit_options import Options
 
 __all__ = ["FuzzyClassifier", "FuzzyRegressor"]
 

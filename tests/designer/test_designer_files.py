@@ -249,8 +249,8 @@ def test_what_cannot_be_exported_is_refused_in_words(folder):
     assert "not exported as .exe" in refused(PD7, ".exe")
     assert "levels 'x'" in refused(PD7, ".lut", {"levels": "x"})
     assert "exclude each other" in refused(PD7, ".lut", {"levels": "9", "tolerance": "1"})
-    assert "not a number" in refused(PD7, ".lut", {"round": "<b>"})
-    assert "not one of" in refused(PD7, ".h", {"mode": "cubic"})
+    assert refused(PD7, ".lut", {"round": "<b>"}) == "round must be a number, not '<b>'"
+    assert "mode must be bins, nearest or linear" in refused(PD7, ".h", {"mode": "cubic"})
     assert "cannot begin an identifier" in refused(PD7, ".h", {"name": "int"})
     inputs = [f"x{k}" for k in range(12)]
     wide = "rulebase wide\n" + "".join(f"input {n} 0 .. 1\n" for n in inputs) + "output y 0 .. 1\n"

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypedDict, Unpack
 
 from fuzzyarm.api import Review, check_parsed
 from fuzzyarm.builder.lines import (
@@ -60,6 +60,7 @@ from fuzzyarm.language.statements import (
 from fuzzyarm.language.writer import write
 from fuzzyarm.model.rulebase import AnyRuleBase, Defuzzifier, Input, Output, RuleBase, outline
 from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Span, split_lines
+from fuzzyarm.text.keywords import demand_keywords
 from fuzzyarm.text.names import shortened
 from fuzzyarm.text.shown import Plotted, one_line
 
@@ -71,6 +72,28 @@ if TYPE_CHECKING:
 
 _OF_THE_WHOLE = ("missing-heading", "no-inputs", "no-outputs", "no-rules")
 """Findings of what is missing, which no argument has brought."""
+
+
+class OutputSettings(TypedDict, total=False):
+    """Settings of an output.
+
+    Attributes
+    ----------
+    aggregation : str
+        How the cut sets of several rules become one: an S-norm. ``max`` by default.
+    defuzzifier : str or Defuzzifier
+        ``"centroid(101, midpoints)"``, ``"weighted-average"``, …; the exact centroid by
+        default.
+    no_rule : float or str
+        The value where no rule fires, ``"hold"`` or, by default, ``"error"``.
+    outside : str
+        As of an input.
+    """
+
+    aggregation: str | None
+    defuzzifier: str | Defuzzifier | None
+    no_rule: float | str | None
+    outside: str | None
 
 
 class RuleBaseBuilder(AnyRuleBase):
@@ -221,24 +244,17 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
         description: str = "",
         *,
         terms: Terms = (),
-        aggregation: str | None = None,
-        defuzzifier: str | Defuzzifier | None = None,
-        no_rule: float | str | None = None,
-        outside: str | None = None,
+        **settings: Unpack[OutputSettings],
     ) -> VariableBuilder:
         """Declare an output.
 
         Parameters
         ----------
-        name, low, high, description, terms, outside
+        name, low, high, description, terms
             As of :meth:`input`. Terms may be values too: ``"linear 2*e - 1"``.
-        aggregation : str, optional
-            How the cut sets of several rules become one: an S-norm. ``max`` by default.
-        defuzzifier : str or Defuzzifier, optional
-            ``"centroid(101, midpoints)"``, ``"weighted-average"``, …; the exact centroid by
-            default.
-        no_rule : float or str, optional
-            The value where no rule fires, ``"hold"`` or, by default, ``"error"``.
+        **settings
+            ``aggregation``, ``defuzzifier``, ``no_rule``, ``outside``; see
+            :class:`~fuzzyarm.builder.rulebase.OutputSettings`.
 
         Returns
         -------
@@ -250,13 +266,9 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
         RuleBaseError, ArgumentError
             As :meth:`input`.
         """
-        settings = {
-            "aggregation": aggregation,
-            "defuzzifier": defuzzifier,
-            "no_rule": no_rule,
-            "outside": outside,
-        }
-        return self._declare("output", name, low, high, description, terms, settings)
+        demand_keywords("output", settings, OutputSettings)
+        lines = {name: settings.get(name) for name in OutputSettings.__annotations__}
+        return self._declare("output", name, low, high, description, terms, lines)
 
     def _declare(
         self,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,43 +16,44 @@ if TYPE_CHECKING:
     from fuzzyarm.export.routine import Routine
     from fuzzyarm.model.rulebase import RuleBase
     from fuzzyarm.proof.compiled import Making
+    from fuzzyarm.requests.making import ExportRequest
     from fuzzyarm.table import CompileReport, LookupTable
 
 
-def write_for_board(arguments: argparse.Namespace, place: str, how: Making) -> None:
+def write_for_board(asked: ExportRequest, out: str, how: Making, *, as_json: bool) -> None:
     """Write a folder for an IDE and say what is in it."""
     from fuzzyarm.export.arduino import board_folder
     from fuzzyarm.export.boards import board_named
     from fuzzyarm.export.names import identifier
     from fuzzyarm.text.whole_folders import demand_own, write_folder
 
-    board = board_named(arguments.board or "uno")
+    board = board_named(asked.board or "uno")
     if how.precision not in (None, board.precision) and not board.has_double:
         raise WordError(
             f"--precision {how.precision} does not apply: {board.named} has no double",
             hint="leave it out, or take a --board with one: due, pico, esp32",
         )
     how = replace(how, precision=how.precision or (None if how.q else board.precision))
-    stem = identifier(how.name or Path(arguments.file).stem)
-    demand_own(arguments.out)
+    stem = identifier(how.name or Path(asked.file).stem)
+    demand_own(out)
     with busy("compiling") as progress:
-        controller = controller_if_any(arguments.file)
+        controller = controller_if_any(asked.file)
         if controller is not None:
             from fuzzyarm.proof.compiled import controller_program
 
             program, reports = controller_program(
                 controller, how, how.precision or "mixed", progress
             )
-            folder = board_folder(program, stem, board, place)
+            folder = board_folder(program, stem, board, asked.place or "arduino")
         else:
-            routines, reports = _routines(load_sheet(arguments.file), board, how, progress)
-            folder = board_folder(routines, stem, board, place)
-    write_folder(arguments.out, folder.files)
-    if arguments.json:
-        print_json(_data(folder, arguments.out), 2)
+            routines, reports = _routines(load_sheet(asked.file), board, how, progress)
+            folder = board_folder(routines, stem, board, asked.place or "arduino")
+    write_folder(out, folder.files)
+    if as_json:
+        print_json(_data(folder, out), 2)
         return
-    lines = [line for report in reports for line in report_lines(report, arguments.out)]
-    say(*lines, *_lines(folder, arguments.out))
+    lines = [line for report in reports for line in report_lines(report, out)]
+    say(*lines, *_lines(folder, out))
 
 
 def _routines(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import ast
 import math
 import os
 import re
@@ -138,7 +139,7 @@ def _in_own_words(message: str) -> str:
         from fuzzyarm.requests.fields import unknown_choice
 
         choices = [word.strip(_QUOTES) for word in choice[2].split(", ")]
-        return str(unknown_choice(name, choice[1].strip(_QUOTES), choices))
+        return str(unknown_choice(name, ast.literal_eval(choice[1]), choices))
     return message
 
 

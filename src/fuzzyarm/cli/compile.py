@@ -33,29 +33,23 @@ with --table looked up in tables that are made as above.
 
 from __future__ import annotations
 
-import argparse
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import replace
-from datetime import UTC, datetime
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.api import controller_if_any, load_sheet
+from fuzzyarm.cli.arguments import request_command
 from fuzzyarm.cli.command import (
     WordError,
-    argument,
     busy,
-    command,
-    flag,
-    group,
-    json_of,
-    out,
     print_json,
-    read_number,
     require_suffix,
     say,
 )
+from fuzzyarm.requests.fields import Request, option
+from fuzzyarm.requests.making import ExportRequest
 from fuzzyarm.show.compiled import controller_lines, export_lines, report_lines, table_words
 
 if TYPE_CHECKING:
@@ -63,9 +57,20 @@ if TYPE_CHECKING:
     from fuzzyarm.export import Exported, ExportedController
     from fuzzyarm.export.routine import Routine
     from fuzzyarm.model.rulebase import RuleBase
-    from fuzzyarm.proof.compiled import Making
     from fuzzyarm.table import CompileReport, LookupTable
-    from fuzzyarm.table.compiler import Levels
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Output(Request):
+    """Where a command writes, and how it says it."""
+
+    out: str = option("-o --out OUT", "the file to write")
+    json: bool = option("--json", "print the report as JSON", False)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ExportWords(ExportRequest, _Output):
+    """All that ``fuzzyarm compile`` takes."""
 
 
 _EXPORTS = (".h", ".c", ".st", ".xml", ".scl", ".py")
@@ -80,216 +85,177 @@ _CONTROLLERS_ONLY = ("fmi", "platforms", "certificate")
 _MADE_TABLES_ONLY = ("levels", "tolerance", "round", "date", "mode")
 
 
-def _run(arguments: argparse.Namespace) -> int:
+def _run(asked: ExportWords) -> int:
     from fuzzyarm.table import SUFFIXES
     from fuzzyarm.table.files import LATEX
 
     tables = (*SUFFIXES, LATEX)
-    arguments.out = str(Path(arguments.out))  # ./x.lut is x.lut
-    place = getattr(arguments, "for")
-    if place is not None:
-        _write_for_board(arguments, place)
+    asked = asked.replaced(out=str(Path(asked.out)))  # ./x.lut is x.lut
+    if asked.place is not None:
+        _write_for_board(asked)
         return 0
-    _forbid(arguments, ("board",), "without --for nothing is made for a board")
-    suffix = require_suffix(arguments.out, (*tables, *_EXPORTS, _UNIT, *_MODULES))
+    _forbid(asked, ("board",), "without --for nothing is made for a board")
+    suffix = require_suffix(asked.out, (*tables, *_EXPORTS, _UNIT, *_MODULES))
     if suffix != ".xml":
-        _forbid(arguments, ("format",), f"{Path(arguments.out).name} is not an .xml")
+        _forbid(asked, ("format",), f"{Path(asked.out).name} is not an .xml")
     if suffix in _MODULES:
-        _write_module(arguments)
+        _write_module(asked)
         return 0
     exports = suffix not in tables
-    controller = controller_if_any(arguments.file) if exports else None
+    controller = controller_if_any(asked.file) if exports else None
     if controller is not None:
-        _export_controller(controller, suffix, arguments)
+        _export_controller(controller, suffix, asked)
         return 0
     if suffix == _UNIT:
         hint = "fuzzyarm new NAME --kind controller writes one"
-        raise WordError(
-            f"an .fmu is made from a controller, which {arguments.file} is not", hint=hint
-        )
+        raise WordError(f"an .fmu is made from a controller, which {asked.file} is not", hint=hint)
     if not exports:
-        _forbid(arguments, _SOURCE_ONLY, f"{Path(arguments.out).name} is a table")
-    _forbid(arguments, _CONTROLLERS_ONLY, f"{arguments.file} is not exported as a controller")
-    _compile_sheet(arguments, exports=exports)
+        _forbid(asked, _SOURCE_ONLY, f"{Path(asked.out).name} is a table")
+    _forbid(asked, _CONTROLLERS_ONLY, f"{asked.file} is not exported as a controller")
+    _compile_sheet(asked, exports=exports)
     return 0
 
 
-def _write_for_board(arguments: argparse.Namespace, place: str) -> None:
+def _write_for_board(asked: ExportWords) -> None:
     """Write a folder for Arduino or PlatformIO."""
     from fuzzyarm.cli.boards import write_for_board
+    from fuzzyarm.proof.compiled import making_of
 
     _forbid(
-        arguments,
+        asked,
         ("ends", "fmi", "platforms", "certificate", "format"),
-        f"--for {place} makes a folder for a board",
+        f"--for {asked.place} makes a folder for a board",
     )
-    if arguments.table and arguments.direct:
+    if asked.table and asked.direct:
         raise WordError("--table and --direct exclude each other")
-    with _of_file(arguments.file):
-        write_for_board(arguments, place, _making(arguments))
+    with _of_file(asked.file):
+        write_for_board(asked, asked.out, making_of(asked), as_json=asked.json)
 
 
-def _write_module(arguments: argparse.Namespace) -> None:
+def _write_module(asked: ExportWords) -> None:
     """Write a rule base as a module of JavaScript."""
     from fuzzyarm.export.javascript import rule_base_module
     from fuzzyarm.model.rulebase import RuleBase
     from fuzzyarm.text.files import write_atomically
 
-    model = load_sheet(arguments.file)
+    model = load_sheet(asked.file)
     if not isinstance(model, RuleBase):
-        raise WordError(f"a module of JavaScript is made of a rule base, not {arguments.file}")
+        raise WordError(f"a module of JavaScript is made of a rule base, not {asked.file}")
     refused = (*_TABLES_ONLY, *_CONTROLLERS_ONLY, "table", "precision", "output", "name")
-    _forbid(arguments, refused, "JavaScript infers the rules of all outputs")
-    text = rule_base_module(model, arguments.file)
-    write_atomically(arguments.out, text)
+    _forbid(asked, refused, "JavaScript infers the rules of all outputs")
+    text = rule_base_module(model, asked.file)
+    write_atomically(asked.out, text)
     names = ", ".join(variable.name for variable in model.inputs)
-    if arguments.json:
-        print_json({"file": arguments.out, "bytes": len(text.encode())}, 2)
+    if asked.json:
+        print_json({"file": asked.out, "bytes": len(text.encode())}, 2)
     else:
-        say(f"{arguments.out}: infer({{{names}}}), {len(text.encode())} bytes")
+        say(f"{asked.out}: infer({{{names}}}), {len(text.encode())} bytes")
 
 
-def _compile_sheet(arguments: argparse.Namespace, *, exports: bool) -> None:
+def _compile_sheet(asked: ExportWords, *, exports: bool) -> None:
     """Compile a rule base or a table."""
     from fuzzyarm.model.rulebase import RuleBase
 
-    model = load_sheet(arguments.file)
+    model = load_sheet(asked.file)
     if not isinstance(model, RuleBase):
-        _forbid(arguments, _RULES_ONLY, f"{arguments.file} is a table already")
-        if arguments.output not in (None, model.output):
+        _forbid(asked, _RULES_ONLY, f"{asked.file} is a table already")
+        if asked.output not in (None, model.output):
             has = f"it has {model.output}"
-            raise WordError(f"the table has no output '{arguments.output}': {has}")
+            raise WordError(f"the table has no output '{asked.output}': {has}")
         if exports:
-            _export(model, arguments)
+            _export(model, asked)
         else:
-            _rewrite(model, arguments)
-    elif arguments.direct:
-        if arguments.table:
+            _rewrite(model, asked)
+    elif asked.direct:
+        if asked.table:
             raise WordError("--table and --direct exclude each other")
-        _forbid(arguments, (*_TABLES_ONLY, "ends"), "with --direct there is no table")
-        _export(model, arguments)
+        _forbid(asked, (*_TABLES_ONLY, "ends"), "with --direct there is no table")
+        _export(model, asked)
     elif exports:
-        _forbid(arguments, ("ends",), "make the two tables first; each becomes source text")
-        _export(model, arguments)
-    elif arguments.ends:
-        _compile_ends(model, arguments)
+        _forbid(asked, ("ends",), "make the two tables first; each becomes source text")
+        _export(model, asked)
+    elif asked.ends:
+        _compile_ends(model, asked)
     else:
-        report = _compile(model, arguments.output, arguments)
-        _write(report.table, arguments)
-        if arguments.json:
-            print_json(_report_data(report, arguments.out), 2)
+        report = _compile(model, asked.output, asked)
+        _write(report.table, asked)
+        if asked.json:
+            print_json(_report_data(report, asked.out), 2)
         else:
-            say(*report_lines(report, arguments.out))
+            say(*report_lines(report, asked.out))
 
 
-def _compile_ends(model: RuleBase, arguments: argparse.Namespace) -> None:
+def _compile_ends(model: RuleBase, asked: ExportWords) -> None:
     """Write a table of each end of an interval type-2 output, with the end in its name."""
     from fuzzyarm.expression.kinds import DEFUZZIFIERS
     from fuzzyarm.table.compiler import choose_output
 
-    output = choose_output(model, arguments.output)
+    output = choose_output(model, asked.output)
     if output.defuzzifier.record.of != "ends":
         raise WordError(f"--ends are those of karnik-mendel, and '{output.name}' is one number")
-    out, data = Path(arguments.out), []
+    out, data = Path(asked.out), []
     for end in ("left", "right"):
         way = replace(output.defuzzifier, method=DEFUZZIFIERS.plain(end))
         one = replace(output, defuzzifier=way)
         outputs = tuple(one if each is output else each for each in model.outputs)
-        arguments.out = str(out.with_name(f"{out.stem}-{end}{out.suffix}"))
-        report = _compile(replace(model, outputs=outputs), output.name, arguments)
-        _write(report.table, arguments)
-        if arguments.json:
-            data.append(_report_data(report, arguments.out))
+        asked = asked.replaced(out=str(out.with_name(f"{out.stem}-{end}{out.suffix}")))
+        report = _compile(replace(model, outputs=outputs), output.name, asked)
+        _write(report.table, asked)
+        if asked.json:
+            data.append(_report_data(report, asked.out))
         else:
-            say(f"{arguments.out}: the {end} end", *report_lines(report, arguments.out))
-    if arguments.json:
+            say(f"{asked.out}: the {end} end", *report_lines(report, asked.out))
+    if asked.json:
         print_json(data, 2)
 
 
-def _forbid(arguments: argparse.Namespace, words: tuple[str, ...], why: str) -> None:
-    for word in words:
-        if getattr(arguments, word) not in (None, False):
-            raise WordError(f"--{word} does not apply: {why}")
+def _forbid(asked: ExportWords, names: tuple[str, ...], why: str) -> None:
+    if known := asked.given(names):
+        raise WordError(f"{known.spelling} does not apply: {why}")
 
 
-def _making(arguments: argparse.Namespace) -> Making:
-    """Return what the options say."""
-    from fuzzyarm.proof.compiled import Making
+def _compile(model: RuleBase, output: str | None, asked: ExportWords) -> CompileReport:
+    from fuzzyarm.proof.compiled import compiled, making_of
 
-    def number(text: str | None, option: str) -> float | None:
-        return None if text is None else read_number(text, option)
-
-    return Making(
-        source=arguments.file,
-        output=arguments.output,
-        levels=None if arguments.levels is None else _levels(arguments.levels),
-        tolerance=number(arguments.tolerance, "--tolerance"),
-        rounding=number(arguments.round, "--round"),
-        mode=arguments.mode,
-        date=datetime.now(UTC).date().isoformat() if arguments.date else None,
-        direct=arguments.direct,
-        table=arguments.table,
-        q=arguments.q,
-        precision=arguments.precision,
-        name=arguments.name,
-        fmi=arguments.fmi or 2,
-        platforms=arguments.platforms,
-        xml=arguments.format or "plcopen",
-    )
-
-
-def _levels(text: str) -> Levels | Mapping[str, Levels]:
-    from fuzzyarm.table.axis import TableError
-    from fuzzyarm.table.levels import read_levels
-
-    try:
-        return read_levels(text)
-    except TableError as error:
-        raise WordError(f"--{error.message}") from None
-
-
-def _compile(model: RuleBase, output: str | None, arguments: argparse.Namespace) -> CompileReport:
-    from fuzzyarm.proof.compiled import compiled
-
-    how = _making(arguments)
+    how = making_of(asked)
     with busy("compiling") as progress:
         return compiled(model, output, how, progress)
 
 
-def _rewrite(table: LookupTable, arguments: argparse.Namespace) -> None:
+def _rewrite(table: LookupTable, asked: ExportWords) -> None:
     """Write a table in another format."""
-    if arguments.mode is not None:
-        table = replace(table, mode=arguments.mode)
-    _write(table, arguments)
-    if arguments.json:
-        print_json({**_table_data(table, arguments.out), "mode": table.default_mode}, 2)
+    if asked.mode is not None:
+        table = replace(table, mode=asked.mode)
+    _write(table, asked)
+    if asked.json:
+        print_json({**_table_data(table, asked.out), "mode": table.default_mode}, 2)
     else:
-        say(table_words(table, arguments.out))
+        say(table_words(table, asked.out))
 
 
-def _write(table: LookupTable, arguments: argparse.Namespace) -> None:
+def _write(table: LookupTable, asked: ExportWords) -> None:
     from fuzzyarm.table.files import write_table
 
-    write_table(table, arguments.out)
+    write_table(table, asked.out)
 
 
-def _export(model: RuleBase | LookupTable, arguments: argparse.Namespace) -> None:
+def _export(model: RuleBase | LookupTable, asked: ExportWords) -> None:
     """Write source text and say how accurate and how large it is."""
-    from fuzzyarm.proof.compiled import source_of
+    from fuzzyarm.proof.compiled import making_of, source_of
     from fuzzyarm.text.files import write_atomically
 
-    if arguments.precision is not None and arguments.q is not None:
+    if asked.precision is not None and asked.q is not None:
         raise WordError("--precision does not apply with --q: whole numbers have no precision")
-    how = _making(arguments)
-    with busy("compiling") as progress, _of_file(arguments.file):
-        exported, reports = source_of(model, arguments.out, how, progress)
+    how = making_of(asked)
+    with busy("compiling") as progress, _of_file(asked.file):
+        exported, reports = source_of(model, asked.out, how, progress)
     for where, text in exported.files:
         write_atomically(where, text)
-    if arguments.json:
-        tables = [_report_data(report, arguments.out) for report in reports]
+    if asked.json:
+        tables = [_report_data(report, asked.out) for report in reports]
         print_json({**_export_data(exported), "tables": tables}, 2)
         return
-    lines = [line for report in reports for line in report_lines(report, arguments.out)]
+    lines = [line for report in reports for line in report_lines(report, asked.out)]
     say(*lines, *export_lines(exported))
 
 
@@ -315,34 +281,32 @@ def _certified(path: str, controller: ControllerText) -> str:
     return f"{verdict.statement}, {how}; certificate {verdict.certificate.seal}"
 
 
-def _export_controller(
-    controller: ControllerText, suffix: str, arguments: argparse.Namespace
-) -> None:
+def _export_controller(controller: ControllerText, suffix: str, asked: ExportWords) -> None:
     """Write a controller as a program and say what it is."""
-    from fuzzyarm.proof.compiled import program_of
+    from fuzzyarm.proof.compiled import making_of, program_of
 
-    if arguments.table and arguments.direct:
+    if asked.table and asked.direct:
         raise WordError("--table and --direct exclude each other")
-    if not arguments.table:
-        _forbid(arguments, _MADE_TABLES_ONLY, "without --table no table is made of rules")
-    _forbid(arguments, ("output",), "a controller is exported as a whole")
+    if not asked.table:
+        _forbid(asked, _MADE_TABLES_ONLY, "without --table no table is made of rules")
+    _forbid(asked, ("output",), "a controller is exported as a whole")
     if suffix != _UNIT:
-        _forbid(arguments, ("fmi", "platforms"), f"{Path(arguments.out).name} is not an FMU")
-    elif arguments.precision not in (None, "float64"):
+        _forbid(asked, ("fmi", "platforms"), f"{Path(asked.out).name} is not an FMU")
+    elif asked.precision not in (None, "float64"):
         raise WordError("an FMU computes in double precision: --precision float64")
-    how = _making(arguments)
-    if arguments.certificate is not None:
-        if arguments.table or arguments.q:
+    how = making_of(asked)
+    if asked.certificate is not None:
+        if asked.table or asked.q:
             raise WordError("the certificate is of the rules, not of a table or of whole numbers")
-        how = replace(how, proofs=(_certified(arguments.certificate, controller),))
-    with busy("exporting") as progress, _of_file(arguments.file):
-        exported, reports = program_of(controller, arguments.out, how, progress)
+        how = replace(how, proofs=(_certified(asked.certificate, controller),))
+    with busy("exporting") as progress, _of_file(asked.file):
+        exported, reports = program_of(controller, asked.out, how, progress)
     exported.write()
-    if arguments.json:
-        tables = [_report_data(report, arguments.out) for report in reports]
+    if asked.json:
+        tables = [_report_data(report, asked.out) for report in reports]
         print_json({**_controller_data(exported), "tables": tables}, 2)
         return
-    lines = [line for report in reports for line in report_lines(report, arguments.out)]
+    lines = [line for report in reports for line in report_lines(report, asked.out)]
     say(*lines, *controller_lines(exported))
 
 
@@ -389,7 +353,7 @@ def _export_data(exported: Exported) -> dict[str, Any]:
             {
                 "call": call,
                 "output": routine.output.name,
-                "arguments": [argument.name for argument in routine.arguments],
+                "asked": [argument.name for argument in routine.arguments],
                 "type": C_TYPES[routine.kind],
                 "worst": routine.accuracy.worst,
                 "points": routine.accuracy.points,
@@ -435,44 +399,4 @@ def _controller_data(exported: ExportedController) -> dict[str, Any]:
     }
 
 
-COMMANDS = (
-    command(
-        "compile",
-        __doc__,
-        _run,
-        argument("file FILE", "a rule base (.frb, .fll, .fcl, .fis), a table or a controller"),
-        out("OUT", "the file to write"),
-        argument("--output NAME", "which output, if there are several"),
-        argument("--levels SPEC", "49, or '-6 .. 6 step 1', or 'e = 49, ce = 25'", either="size"),
-        argument("--tolerance T", "find the smallest even grid within T", either="size"),
-        argument("--round STEP", "round the values; 0 for not at all"),
-        argument("--mode", "how to look up", choices=("bins", "nearest", "linear")),
-        flag("--ends", "two tables: of the left and the right end of an interval type-2 output"),
-        flag("--date", "put today's date into the table"),
-        json_of("the report"),
-        *group(
-            "source text (.h, .c, .st, .xml, .scl) and units (.fmu)",
-            flag(
-                "--direct", "infer the rules, without a table: the default without lookup settings"
-            ),
-            flag("--table", "look tables up instead of inferring the rules"),
-            argument("--fmi", "version of FMI, 2 by default", type=int, choices=(2, 3)),
-            argument(
-                "--platforms LIST", "of an FMU: linux64,win64,darwin64 and others, by ziglang"
-            ),
-            argument("--q", "fixed point: int16 or int8", type=int, choices=(15, 7)),
-            argument(
-                "--precision",
-                "mixed (float outside, double inside where needed) by default",
-                choices=("mixed", "float32", "float64"),
-            ),
-            argument("--name IDENT", "begins every identifier"),
-            argument(
-                "--format", "of an .xml: plcopen by default", choices=("plcopen", "iec61131-10")
-            ),
-            argument("--for", "a folder for an IDE", choices=("arduino", "platformio")),
-            argument("--board NAME", "of --for: uno (default), nano, mega, due, pico, esp32"),
-            argument("--certificate CERT", "of a controller: what it proves goes into the head"),
-        ),
-    ),
-)
+COMMANDS = (request_command("compile", __doc__, _run, ExportWords),)

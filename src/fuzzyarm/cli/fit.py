@@ -21,169 +21,88 @@ Examples
 
 from __future__ import annotations
 
-import argparse
-import math
-import os
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fuzzyarm.api import load_sheet
+from fuzzyarm.cli.arguments import request_command
 from fuzzyarm.cli.command import (
     EXIT_INTERRUPTED,
-    WordError,
-    argument,
     attempted,
     busy,
-    command,
     counted,
     demand_places,
-    flag,
-    group,
-    json_of,
-    out,
     print_error,
     print_json,
     require_suffix,
     saved,
     say,
 )
+from fuzzyarm.requests.fields import Request, option
+from fuzzyarm.requests.learn import FitRequest
 from fuzzyarm.text.columns import in_columns
-from fuzzyarm.text.folders import READABLE
 
 if TYPE_CHECKING:
     from fuzzyarm.learning.data import Samples
-    from fuzzyarm.learning.fit import Fit, Options
-
-_OF_MODELS = (*READABLE, ".lut", ".json", ".npz")
-"""Suffixes of what is sampled rather than read as samples."""
+    from fuzzyarm.learning.fit import Fit
+    from fuzzyarm.learning.fit_options import Options
 
 
-def _run(arguments: argparse.Namespace) -> int:
-    require_suffix(arguments.out, (".frb",))
-    demand_places(arguments.out)
-    options = _options(arguments)
-    samples = _samples(arguments)
-    test = _test(arguments, samples)
-    for note in samples.notes:
-        say(f"note: {note}", to_errors=True)
+@dataclass(frozen=True, kw_only=True)
+class _Output(Request):
+    """What a command prints and writes of a model."""
+
+    out: str = option("-o --out FILE.frb", "where to write the rule base")
+    json: bool = option("--json", "print the report as JSON", False)
+
+
+@dataclass(frozen=True, kw_only=True)
+class FitWords(FitRequest, _Output):
+    """All that ``fuzzyarm fit`` takes."""
+
+
+def _run(asked: FitWords) -> int:
+    require_suffix(asked.out, (".frb",))
+    demand_places(asked.out)
+    from fuzzyarm.learning.asked import is_model, options_asked, samples_asked, test_asked
     from fuzzyarm.learning.fit import fit
     from fuzzyarm.text.files import write_atomically
 
-    with busy(f"fitting {arguments.data}") as tell:
-        made = fit(samples, options, tell)
-    file, fault = saved(arguments.out, lambda path: write_atomically(path, made.text))
-    arguments.out = file
+    asked = asked.replaced(name=asked.name or Path(asked.out).stem)
+    options = options_asked(asked)
+    samples = samples_asked(asked)
+    test = test_asked(asked, samples)
+    for note in samples.notes:
+        say(f"note: {note}", to_errors=True)
+    with busy(f"fitting {asked.data}") as tell:
+        model = fit(samples, options, tell)
+    file, fault = saved(asked.out, lambda path: write_atomically(path, model.text))
     faults = [fault] if fault else []
-    report = _report(arguments, samples, made)
+    report = _report(file, samples, model)
     if test is not None:
-        faults += attempted(lambda: report.update(test=_tested(samples, made, test)))
-    if _is_model(arguments.data):
-        faults += attempted(lambda: report.update(fidelity=_fidelity(samples, made)))
-    if arguments.json:
+        faults += attempted(lambda: report.update(test=_tested(samples, model, test)))
+    if is_model(asked.data):
+        faults += attempted(lambda: report.update(fidelity=_fidelity(samples, model)))
+    if asked.json:
         print_json(report)
     else:
-        say(*_lines(samples, made, report, options))
-    for each in faults:
-        print_error(each)
-    if made.limits:
-        print_error(_broken_off(made.limits))
-        if "time" not in made.limits:
+        say(*_lines(samples, model, report, options))
+    for sentence in faults:
+        print_error(sentence)
+    if model.limits:
+        print_error(_broken_off(model.limits))
+        if "time" not in model.limits:
             return EXIT_INTERRUPTED
     return 1 if faults else 0
-
-
-# --- Words ---
-
-
-def _options(arguments: argparse.Namespace) -> Options:
-    from fuzzyarm.learning.fit import Options
-    from fuzzyarm.loop.reference import read_time
-
-    words = _words(arguments.words) if arguments.words else Options.words
-    name = arguments.name or Path(arguments.out).stem
-    if arguments.words and (arguments.terms or arguments.start != "grid"):
-        raise WordError("--words is for Wang and Mendel's rules, --terms and --start are not")
-    return Options(
-        method="wang-mendel" if arguments.words else "sugeno",
-        start=arguments.start,
-        rules=arguments.rules,
-        terms=_numbers(arguments.terms, "--terms") if arguments.terms else None,
-        words=words,
-        shrinkage=arguments.shrink,
-        move={"yes": True, "no": False, "auto": None}[arguments.move],
-        merge=arguments.merge,
-        series=arguments.series,
-        parts=arguments.folds,
-        digits=arguments.digits,
-        outside=arguments.outside or ("clamp" if _is_model(arguments.data) else "extend"),
-        seed=arguments.seed,
-        nested={"yes": True, "no": False, "auto": None}[arguments.nested],
-        seconds=read_time(arguments.time, "--time") if arguments.time else math.inf,
-        name=name,
-    )
-
-
-def _words(text: str) -> tuple[int, int]:
-    """Return the range in ``7`` or ``3..15``."""
-    low, dots, high = text.partition("..")
-    try:
-        return int(low), int(high if dots else low)
-    except ValueError:
-        raise WordError(f"--words takes a number or a range such as 3..15, not '{text}'") from None
-
-
-def _numbers(text: str, option: str) -> tuple[int, ...]:
-    try:
-        return tuple(int(part) for part in text.split(","))
-    except ValueError:
-        raise WordError(f"{option} takes numbers such as 2,2,1, not '{text}'") from None
-
-
-# --- Samples ---
-
-
-def _samples(arguments: argparse.Namespace) -> Samples:
-    path: str = arguments.data
-    if _is_model(path):
-        return _samples_of_model(path, arguments)
-    from fuzzyarm.learning.data import Columns, read_samples
-
-    inputs = tuple(arguments.inputs.split(",")) if arguments.inputs else None
-    return read_samples(path, Columns(arguments.target, inputs))
-
-
-def _is_model(path: str) -> bool:
-    return os.path.splitext(path)[1].lower() in _OF_MODELS
-
-
-def _samples_of_model(path: str, arguments: argparse.Namespace) -> Samples:
-    from fuzzyarm.learning.data import rulebase_samples, table_samples
-    from fuzzyarm.model.rulebase import RuleBase
-
-    if arguments.inputs:
-        raise WordError("--inputs is for samples: a surrogate has the inputs of what it stands for")
-    model = load_sheet(path)
-    if isinstance(model, RuleBase):
-        return rulebase_samples(model, arguments.target, seed=arguments.seed, source=path)
-    return table_samples(model, path)
-
-
-def _test(arguments: argparse.Namespace, samples: Samples) -> Samples | None:
-    if not arguments.test:
-        return None
-    from fuzzyarm.learning.data import Columns, read_samples
-
-    test = read_samples(arguments.test, Columns(samples.target, samples.names))
-    return test.in_classes(samples.classes)
 
 
 # --- What is printed ---
 
 
-def _report(arguments: argparse.Namespace, samples: Samples, made: Fit) -> dict[str, Any]:
+def _report(file: str, samples: Samples, made: Fit) -> dict[str, Any]:
     """Return what was learned as JSON data."""
     return {
-        "file": arguments.out,
+        "file": file,
         "samples": len(samples),
         "inputs": list(samples.names),
         "target": samples.target,
@@ -281,65 +200,4 @@ def _pair(model: float, linear: float) -> tuple[str, str]:
     return f"{model:.4g}", f"{linear:.4g}"
 
 
-COMMANDS = (
-    command(
-        "fit",
-        __doc__,
-        _run,
-        argument("data DATA", "samples (.csv, .parquet), or a table or rule base to stand for"),
-        out("FILE.frb", "where to write the rule base"),
-        argument("--target NAME", "the column to learn; the last one by default"),
-        argument("--inputs A,B,...", "the columns to learn from; all others by default"),
-        argument("--test FILE", "samples to be judged by, beside linear regression"),
-        flag("--series", "the samples are in the order of time: cross-validate in blocks"),
-        argument("--name NAME", "name of the rule base; by default that of the file"),
-        json_of("the report"),
-        *group(
-            "the model",
-            argument("--rules N", "largest number of rules", type=int, default=16),
-            argument(
-                "--start",
-                "where the partition starts from",
-                choices=("grid", "fcm", "subtractive"),
-                default="grid",
-            ),
-            argument("--terms N,N,...", "number of terms of each input, instead of a search"),
-            argument(
-                "--shrink L", "shrinkage of conclusions, instead of a search; 0 is none", type=float
-            ),
-            argument(
-                "--move",
-                "move the terms (by variable projection); auto: where it pays",
-                choices=("auto", "yes", "no"),
-                default="auto",
-            ),
-            argument(
-                "--merge S",
-                "likeness of clusters' terms that become one, 0 to 1",
-                type=float,
-                default=0.7,
-            ),
-            argument("--words N[..N]", "Wang and Mendel's rules over so many words"),
-            argument(
-                "--digits N", "significant digits of the numbers of terms", type=int, default=4
-            ),
-            argument(
-                "--outside",
-                "what happens beyond the ranges: extend, of a surrogate clamp",
-                choices=("extend", "clamp", "error"),
-            ),
-        ),
-        *group(
-            "the search",
-            argument("--folds N", "parts of the cross-validation", type=int, default=5),
-            argument(
-                "--nested",
-                "go the whole way again without each part, to judge it; auto: up to 1000 samples",
-                choices=("auto", "yes", "no"),
-                default="auto",
-            ),
-            argument("--time TIME", "at most so long, as in 90s or 10min; the best until then"),
-            argument("--seed N", "seed of everything that is drawn", type=int, default=0),
-        ),
-    ),
-)
+COMMANDS = (request_command("fit", __doc__, _run, FitWords),)

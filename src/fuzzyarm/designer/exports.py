@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from fuzzyarm.designer.grounds import form_of
 from fuzzyarm.designer.names import clean_name, in_words
 from fuzzyarm.designer.requests import ExportWork, Field
 from fuzzyarm.errors import FuzzyarmError
@@ -23,12 +24,12 @@ from fuzzyarm.inference.block import NotCoveredError
 from fuzzyarm.language.queries import Reading
 from fuzzyarm.lsp.session import Session
 from fuzzyarm.model.rulebase import RuleBase
-from fuzzyarm.proof.compiled import Making, compiled, program_of, source_of
+from fuzzyarm.proof.compiled import Making, compiled, making_of, program_of, source_of
+from fuzzyarm.requests.making import ExportRequest
 from fuzzyarm.show.compiled import controller_lines, export_lines, report_lines, table_words
 from fuzzyarm.table import SUFFIXES as TABLES
 from fuzzyarm.table import LookupTable
 from fuzzyarm.table.files import LATEX, table_as
-from fuzzyarm.table.levels import read_levels
 from fuzzyarm.text.diagnostic import RuleBaseError
 from fuzzyarm.text.folders import FOREIGN
 
@@ -125,7 +126,7 @@ def files_of(
     suffix : str
         One of `kinds_of`.
     options : dict
-        From the page, see `making_of`; ``what`` of a picture is ``all``, ``terms`` or ``surface``.
+        See `making_asked`; ``what`` of a picture is ``all``, ``terms`` or ``surface``.
     progress : callable
         Called with a word on what is going on; what it raises ends it.
 
@@ -138,7 +139,7 @@ def files_of(
         raise ExportRefusedError(f"{Path(session.path).name} is not exported as {suffix}")
     model = model_of(session)
     out = clean_name(Path(session.path).name, suffix)
-    how = making_of(session, options)
+    how = making_asked(session, options)
     if isinstance(model, RuleBase | LookupTable):
         return _sheet(session, model, out, how, options, progress)
     # What a head says of its source is read from the file: that is the text as it is now.
@@ -160,42 +161,13 @@ def _content(session: Session) -> bytes:
     return session.text.encode()
 
 
-def making_of(session: Session, options: Mapping[str, Field]) -> Making:
+def making_asked(session: Session, options: Mapping[str, Field]) -> Making:
     """Return what the fields of a dialog say; an empty field is as without the option."""
-
-    def number(word: str) -> float | None:
-        text = str(options.get(word) or "").strip()
-        try:
-            return float(text) if text else None
-        except ValueError:
-            raise ExportRefusedError(f"'{text[:40]}' is not a number") from None
-
-    def one_of(word: str, *known: str) -> str | None:
-        text = str(options.get(word) or "")
-        if text and text not in known:
-            raise ExportRefusedError(f"'{text[:40]}' is not one of {', '.join(known)}")
-        return text or None
-
-    levels = str(options.get("levels") or "").strip()
-    q = one_of("q", "15", "7")
-    way = one_of("way", "table", "direct")
-    tolerance = number("tolerance")
-    if levels and tolerance is not None:
-        raise ExportRefusedError("levels and a tolerance exclude each other")
-    return Making(
-        source=Path(session.path).name,
-        output=str(options.get("output") or "") or None,
-        levels=read_levels(levels) if levels else None,
-        tolerance=tolerance,
-        rounding=number("round"),
-        mode=one_of("mode", "bins", "nearest", "linear"),
-        direct=way == "direct",
-        table=way == "table",
-        q=int(q) if q else None,
-        precision=None if q else one_of("precision", "mixed", "float32", "float64"),
-        name=str(options.get("name") or "").strip() or None,
-        fmi=int(one_of("fmi", "2", "3") or 2),
-    )
+    name, way = Path(session.path).name, options.get("way")
+    given = {**options, "file": name, "direct": way == "direct", "table": way == "table"}
+    if given.get("q"):
+        given["precision"] = None
+    return making_of(form_of(ExportRequest, **given))
 
 
 def _sheet(

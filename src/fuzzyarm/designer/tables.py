@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fuzzyarm.designer.exports import ExportRefusedError, making_of, model_of
+from fuzzyarm.designer.exports import ExportRefusedError, making_asked, model_of
 from fuzzyarm.designer.names import OutsideError
 from fuzzyarm.designer.requests import Axes, TableErrorWork
 from fuzzyarm.errors import FuzzyarmError
@@ -128,7 +128,7 @@ def table_error(session: Session, asked: TableErrorWork, job: Job) -> None:
         table, mode = model, str(options.get("mode") or model.default_mode)
         lines: list[str] = [words] if words else []
     elif isinstance(model, RuleBase):
-        rulebase, how = model, making_of(session, options)
+        rulebase, how = model, making_asked(session, options)
         report = compiled(rulebase, how.output, how, job.progress)
         table, mode, lines = report.table, how.mode or report.table.default_mode, []
     else:

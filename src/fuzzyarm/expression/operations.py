@@ -311,10 +311,7 @@ _COMPARISONS = "comparisons"
 def _function(
     name: str,
     scalar: Callable[..., float],
-    array: str,
-    python: str,
-    c: str,
-    st: str,
+    words: tuple[str, str, str, str],
     bounds: Bounds,
     partials: Partials | None = None,
     *,
@@ -322,7 +319,11 @@ def _function(
     exact: bool = False,
     js: str = "",
 ) -> Operation:
-    """Return a record whose text is a call in every language; `js` where it is not as in C."""
+    """Return a record whose text is a call, in the `words` of NumPy, Python, C and Structured Text.
+
+    `js` is that of JavaScript, where it is not as in C.
+    """
+    array, python, c, st = words
     holes = ", ".join(f"{{{i}}}" for i in range(arity))
 
     def call(word: str) -> str:
@@ -359,11 +360,11 @@ _TABLE = (
         exact=True, sort=_SUMS,
     ),
     _function(
-        "remainder", _quiet(math.fmod), "fmod", "fmod", "fmod", "", _remainder_bounds,
+        "remainder", _quiet(math.fmod), ("fmod", "fmod", "fmod", ""), _remainder_bounds,
         lambda a, b: (_ONE, -_call("truncate", a / b)), arity=2, js="remainder",
     ),
     _function(
-        "power", _power, "power", "pow", "pow", "EXPT", _power_bounds, _power_partials, arity=2,
+        "power", _power, ("power", "pow", "pow", "EXPT"), _power_bounds, _power_partials, arity=2,
         js="power",
     ),
     Operation(
@@ -382,80 +383,82 @@ _TABLE = (
     ),
     # Functions.
     _function(
-        "absolute", abs, "abs", "abs", "fabs", "ABS", _even(abs),
+        "absolute", abs, ("abs", "abs", "fabs", "ABS"), _even(abs),
         _of_one(lambda a: _where_node(a < 0.0, -1.0, 1.0)), exact=True, js="Math.abs",
     ),
     _function(
-        "sqrt", _quiet(math.sqrt), "sqrt", "sqrt", "sqrt", "SQRT", _rising(math.sqrt, 0.0),
+        "sqrt", _quiet(math.sqrt), ("sqrt", "sqrt", "sqrt", "SQRT"), _rising(math.sqrt, 0.0),
         _of_one(lambda a: 0.5 / _call("sqrt", a)),
     ),
     _function(
-        "exp", _quiet(math.exp), "exp", "exp", "exp", "EXP", _rising(_quiet(math.exp)),
+        "exp", _quiet(math.exp), ("exp", "exp", "exp", "EXP"), _rising(_quiet(math.exp)),
         _of_one(lambda a: _call("exp", a)),
     ),
     _function(
-        "log", _logarithm(math.log), "log", "log", "log", "LN",
+        "log", _logarithm(math.log), ("log", "log", "log", "LN"),
         _rising(_logarithm(math.log), 0.0), _of_one(lambda a: 1.0 / a),
     ),
     _function(
-        "log10", _logarithm(math.log10), "log10", "log10", "log10", "LOG",
+        "log10", _logarithm(math.log10), ("log10", "log10", "log10", "LOG"),
         _rising(_logarithm(math.log10), 0.0), _of_one(lambda a: 1.0 / (math.log(10.0) * a)),
     ),
     _function(
-        "sin", _quiet(math.sin), "sin", "sin", "sin", "SIN", _wave(math.sin, 0.5 * math.pi),
+        "sin", _quiet(math.sin), ("sin", "sin", "sin", "SIN"), _wave(math.sin, 0.5 * math.pi),
         _of_one(lambda a: _call("cos", a)),
     ),
     _function(
-        "cos", _quiet(math.cos), "cos", "cos", "cos", "COS", _wave(math.cos, 0.0),
+        "cos", _quiet(math.cos), ("cos", "cos", "cos", "COS"), _wave(math.cos, 0.0),
         _of_one(lambda a: -_call("sin", a)),
     ),
     _function(
-        "tan", _quiet(math.tan), "tan", "tan", "tan", "TAN", _tangent_bounds,
+        "tan", _quiet(math.tan), ("tan", "tan", "tan", "TAN"), _tangent_bounds,
         _of_one(lambda a: 1.0 + _call("tan", a) ** 2),
     ),
     _function(
-        "asin", _quiet(math.asin), "arcsin", "asin", "asin", "ASIN", _within(math.asin, -1.0, 1.0),
+        "asin", _quiet(math.asin), ("arcsin", "asin", "asin", "ASIN"),
+        _within(math.asin, -1.0, 1.0),
         _of_one(lambda a: 1.0 / _call("sqrt", 1.0 - a * a)),
     ),
     _function(
-        "acos", _quiet(math.acos), "arccos", "acos", "acos", "ACOS", _within(math.acos, -1.0, 1.0),
+        "acos", _quiet(math.acos), ("arccos", "acos", "acos", "ACOS"),
+        _within(math.acos, -1.0, 1.0),
         _of_one(lambda a: -1.0 / _call("sqrt", 1.0 - a * a)),
     ),
     _function(
-        "atan", math.atan, "arctan", "atan", "atan", "ATAN", _rising(math.atan),
+        "atan", math.atan, ("arctan", "atan", "atan", "ATAN"), _rising(math.atan),
         _of_one(lambda a: 1.0 / (1.0 + a * a)),
     ),
     _function(
-        "atan2", math.atan2, "arctan2", "atan2", "atan2", "",
+        "atan2", math.atan2, ("arctan2", "atan2", "atan2", ""),
         lambda y, x: Interval(-math.pi, math.pi), _atan2_partials, arity=2,
     ),
     _function(
-        "sinh", _sinh, "sinh", "sinh", "sinh", "", _rising(_sinh),
+        "sinh", _sinh, ("sinh", "sinh", "sinh", ""), _rising(_sinh),
         _of_one(lambda a: _call("cosh", a)),
     ),
     _function(
-        "cosh", _quiet(math.cosh), "cosh", "cosh", "cosh", "", _even(_quiet(math.cosh)),
+        "cosh", _quiet(math.cosh), ("cosh", "cosh", "cosh", ""), _even(_quiet(math.cosh)),
         _of_one(lambda a: _call("sinh", a)),
     ),
     _function(
-        "tanh", math.tanh, "tanh", "tanh", "tanh", "", _rising(math.tanh),
+        "tanh", math.tanh, ("tanh", "tanh", "tanh", ""), _rising(math.tanh),
         _of_one(lambda a: 1.0 - _call("tanh", a) ** 2),
     ),
     _function(
-        "floor", _whole(math.floor), "floor", "floor", "floor", "", _rising(_whole(math.floor)),
+        "floor", _whole(math.floor), ("floor", "floor", "floor", ""), _rising(_whole(math.floor)),
         exact=True,
     ),
     _function(
-        "ceil", _whole(math.ceil), "ceil", "ceil", "ceil", "", _rising(_whole(math.ceil)),
+        "ceil", _whole(math.ceil), ("ceil", "ceil", "ceil", ""), _rising(_whole(math.ceil)),
         exact=True,
     ),
     _function(  # of two equally near whole numbers the even one, in every language
-        "round", _whole(round), "round", "rint", "rint", "", _rising(_whole(round)), exact=True,
+        "round", _whole(round), ("round", "rint", "rint", ""), _rising(_whole(round)), exact=True,
         js="rint",
     ),
     _function(
-        "truncate", _whole(math.trunc), "trunc", "trunc", "trunc", "", _rising(_whole(math.trunc)),
-        exact=True,
+        "truncate", _whole(math.trunc), ("trunc", "trunc", "trunc", ""),
+        _rising(_whole(math.trunc)), exact=True,
     ),
     # Conditions, and the choice by one. `then` and `otherwise` are evaluated as needed.
     Operation(

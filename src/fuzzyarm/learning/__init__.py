@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING
 from fuzzyarm.lazy import lazily
 
 # Of the same names as their modules, so that they have to stand here first.
-from fuzzyarm.learning.fit import Fit, FitError, Options, fit
+from fuzzyarm.learning.fit import Fit, FitError, fit
+from fuzzyarm.learning.fit_options import Options
 from fuzzyarm.learning.wang_mendel import wang_mendel
 
 if TYPE_CHECKING:

@@ -19,7 +19,9 @@ import numpy as np
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.inference.arrays import infer_arrays
 from fuzzyarm.language import parse
+from fuzzyarm.learning.asked import options_asked, samples_asked
 from fuzzyarm.learning.data import Samples, folds
+from fuzzyarm.learning.fit_options import Options
 from fuzzyarm.learning.limits import MOST_COEFFICIENTS, Clock
 from fuzzyarm.learning.starts import grid_premises, merged, pruned
 from fuzzyarm.learning.structure import (
@@ -52,6 +54,8 @@ from fuzzyarm.learning.written import (
     sugeno_rulebase,
 )
 from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.requests.bounds import MOST_FITTED_DIGITS, MOST_RULES
+from fuzzyarm.requests.learn import FitRequest
 from fuzzyarm.text.diagnostic import MAX_OUTPUTS
 from fuzzyarm.text.names import printable
 from fuzzyarm.text.shown import one_line
@@ -66,7 +70,6 @@ MOST_SEARCHED = 3000
 WORSE_AS_TEXT = 0.01
 """Part of the error by which rounding may make a model worse; else it gets more digits."""
 
-MOST_DIGITS = 12
 MOST_NESTED = 1000
 """Samples up to which the cross-validation is nested where nothing is said: with 300 of them the
 error by which a structure was chosen is some 2 % too small, with 40 up to a quarter."""
@@ -76,77 +79,9 @@ OUTER = 5
 
 Judged = Literal["nested", "fixed", "by the choice"]
 
-MOST_RULES = 1000
-"""Of a Sugeno model: more of them nobody reads."""
-
 
 class FitError(FuzzyarmError, ValueError):
     """Samples or options from which no model can be made."""
-
-
-@dataclass(frozen=True)
-class Options:
-    """How a model is found.
-
-    Attributes
-    ----------
-    method : str
-        ``sugeno`` or ``wang-mendel``.
-    start : str
-        Of a Sugeno model: ``grid``, ``fcm`` or ``subtractive``.
-    rules : int
-        Of a Sugeno model, at most.
-    terms : tuple of int or None
-        Terms of each input of a grid; None: chosen by cross-validation.
-    words : tuple of int
-        The fewest and the most words of Wang and Mendel; cross-validation chooses.
-    shrinkage : float or None
-        Of consequents towards the linear model; None: chosen by cross-validation.
-    move : bool or None
-        Whether the terms are moved by variable projection; None: where cross-validation
-        says that it pays.
-    merge : float
-        How much alike gaussians of clusters must be to become one, see
-        :func:`~fuzzyarm.learning.starts.merged`.
-    series : bool
-        Whether the samples are in the order of time.
-    parts : int
-        Of the cross-validation.
-    digits : int
-        Of the numbers of terms; more are taken where rounding would show.
-    outside : str
-        ``extend``, ``clamp`` or ``error``: what a Sugeno model does beyond its ranges.
-    evaluations : int
-        Of the model while its terms are moved, at most.
-    seed : int
-        Of all that is drawn.
-    nested : bool or None
-        Whether the whole way is judged by a cross-validation around it; None: up to
-        :data:`MOST_NESTED` samples, where the choice of a structure makes a difference.
-    seconds : float
-        Wall time, at most; the best until then is taken.
-    name, description : str
-        Of the rule base.
-    """
-
-    method: str = "sugeno"
-    start: str = "grid"
-    rules: int = 16
-    terms: tuple[int, ...] | None = None
-    words: tuple[int, int] = (7, 7)
-    shrinkage: float | None = None
-    move: bool | None = None
-    merge: float = 0.7
-    series: bool = False
-    parts: int = 5
-    digits: int = 4
-    outside: str = "extend"
-    evaluations: int = 80
-    seed: int = 0
-    nested: bool | None = None
-    seconds: float = math.inf
-    name: str = "model"
-    description: str = ""
 
 
 @dataclass(frozen=True, repr=False)
@@ -216,7 +151,7 @@ class Fit:
 
 
 def fit(
-    samples: Samples,
+    samples: Samples | FitRequest,
     options: Options | None = None,
     on_step: Callable[[str], None] = lambda _words: None,
 ) -> Fit:
@@ -224,8 +159,8 @@ def fit(
 
     Parameters
     ----------
-    samples : Samples
-        From :mod:`fuzzyarm.learning.data`.
+    samples : Samples or FitRequest
+        From :mod:`fuzzyarm.learning.data`. A request alone says all that ``fuzzyarm fit`` does.
     options : Options, optional
         How it is found.
     on_step : callable
@@ -241,6 +176,11 @@ def fit(
     FitError
         If there are too few samples, or an option makes no sense.
     """
+    if isinstance(samples, FitRequest):
+        if options is not None:
+            raise TypeError("fit() takes a request alone, which says all of it")
+        options = options_asked(samples)
+        samples = samples_asked(samples)
     chosen = options or Options()
     _check(samples, chosen)
     clock = Clock(chosen.seconds)
@@ -260,7 +200,7 @@ def _check(samples: Samples, options: Options) -> None:
     for name, value, least, most in (
         ("rules", options.rules, 1, MOST_RULES),
         ("parts of the cross-validation", options.parts, 2, 100),
-        ("digits", options.digits, 1, MOST_DIGITS),
+        ("digits", options.digits, 1, MOST_FITTED_DIGITS),
         ("evaluations", options.evaluations, 1, 100_000),
     ):
         if not least <= value <= most:
@@ -530,7 +470,8 @@ def _written(samples: Samples, options: Options, way: _Way, error: Error, clock:
         rulebase = sugeno_rulebase(premises, samples, shrinkage, spread, layout)
         residual = samples.outputs - outputs_of(rulebase, samples)
         floor = 1e-4 * float(scaling.range.max())
-        if rms(residual) <= (1.0 + WORSE_AS_TEXT) * max(wanted, floor) or digits >= MOST_DIGITS:
+        limit = (1.0 + WORSE_AS_TEXT) * max(wanted, floor)
+        if rms(residual) <= limit or digits >= MOST_FITTED_DIGITS:
             break
         digits += 1
     strengths = premises.strengths(samples.inputs)

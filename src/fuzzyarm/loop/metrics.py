@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -114,6 +114,17 @@ def metric_unit(metric: str, error: str, drives: Sequence[str]) -> str:
     return own_error if metric in ERRORS else own[metric]
 
 
+class Counted(NamedTuple):
+    """What the loop counts in every control period: samples do not tell it."""
+
+    chatter: float = 0.0
+    rms_periods: float = math.nan
+    rms_path: float = math.nan
+
+
+_NOTHING = Counted()
+
+
 def metrics_of(
     time: Vector,
     reference: Vector,
@@ -122,8 +133,7 @@ def metrics_of(
     limits: list[tuple[float, float]],
     period: float,
     maximum: Literal["magnitude", "positive"] = "magnitude",
-    chatter: float = 0.0,
-    between: tuple[float, float] = (math.nan, math.nan),
+    counted: Counted = _NOTHING,
 ) -> Metrics:
     """Measure the run of an axis.
 
@@ -139,10 +149,8 @@ def metrics_of(
         Time from sample to sample, s.
     maximum : {"magnitude", "positive"}, optional
         See :func:`fuzzyarm.loop.loop.signed_maximum`.
-    chatter : float, optional
-        As the loop has it: samples do not tell.
-    between : pair of float, optional
-        The same of `rms_periods` and `rms_path`.
+    counted : Counted, optional
+        What the loop has counted.
     """
     if not len(errors):
         none = math.nan
@@ -171,8 +179,7 @@ def metrics_of(
         float(np.sqrt(np.mean(drives**2))) if drives.size else 0.0,
         float(np.abs(np.diff(drives, axis=0)).sum() / span) if drives.size else 0.0,
         float(held.mean()),
-        chatter,
-        *between,
+        *counted,
     )
 
 

@@ -37,7 +37,7 @@ from fuzzyarm.loop.course import (
     range_notes,
 )
 from fuzzyarm.loop.loop import HELD, LED, SQUARES, final, rms, signed_maximum
-from fuzzyarm.loop.metrics import METRICS, Metrics, metric_unit, metrics_of
+from fuzzyarm.loop.metrics import METRICS, Counted, Metrics, metric_unit, metrics_of
 from fuzzyarm.loop.open_run import OpenRun
 from fuzzyarm.loop.program import (
     Program,
@@ -243,8 +243,11 @@ class Run(Plotted):
                 [self.limits[name] for name in names],
                 self.period,
                 self.conventions.maximum,
-                self.chatter.get(names[0], 0.0) if names else 0.0,
-                (float(self.rms_periods[column]), float(self.rms_path[column])),
+                Counted(
+                    self.chatter.get(names[0], 0.0) if names else 0.0,
+                    float(self.rms_periods[column]),
+                    float(self.rms_path[column]),
+                ),
             )
         return found
 

@@ -7,14 +7,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.proof.tables import table_proof
+from fuzzyarm.requests.fields import RequestError
+from fuzzyarm.requests.making import ExportRequest
+from fuzzyarm.table.axis import TableError
 from fuzzyarm.table.compiler import Levels, choose_output
 from fuzzyarm.table.fidelity import CompileReport, compile_with_report
+from fuzzyarm.table.levels import read_levels
 
 if TYPE_CHECKING:
     from fuzzyarm.controller.text import ControllerText
@@ -27,6 +32,7 @@ __all__ = [
     "compiled",
     "controller_program",
     "infers",
+    "making_of",
     "program_of",
     "routines_for",
     "source_of",
@@ -95,6 +101,43 @@ class Making:
     platforms: str | None = None
     xml: str = "plcopen"
     proofs: tuple[str, ...] = ()
+
+
+def making_of(asked: ExportRequest) -> Making:
+    """Return what a request says of how something is made.
+
+    Raises
+    ------
+    RequestError
+        If the levels are not understood, or a tolerance is given beside them.
+    """
+    if asked.levels is not None and asked.tolerance is not None:
+        raise RequestError("tolerance", "and levels exclude each other")
+    return Making(
+        source=asked.file,
+        output=asked.output,
+        levels=None if asked.levels is None else _levels(asked.levels),
+        tolerance=asked.tolerance,
+        rounding=asked.round,
+        mode=asked.mode,
+        date=datetime.now(UTC).date().isoformat() if asked.date else None,
+        direct=asked.direct,
+        table=asked.table,
+        q=asked.q,
+        precision=asked.precision,
+        name=asked.name,
+        fmi=asked.fmi or 2,
+        platforms=asked.platforms,
+        xml=asked.format or "plcopen",
+    )
+
+
+def _levels(text: str) -> Levels | Mapping[str, Levels]:
+    try:
+        return read_levels(text)
+    except TableError as error:
+        message = error.message.removeprefix("levels ")
+        raise RequestError("levels", message, hint=error.hint) from None
 
 
 def infers(model: RuleBase | LookupTable, how: Making) -> bool:

@@ -13,11 +13,14 @@ from fuzzyarm.lazy import lazily
 if TYPE_CHECKING:
     from fuzzyarm.requests.fields import Request, RequestError
     from fuzzyarm.requests.learn import FitRequest, LearnRequest
+    from fuzzyarm.requests.making import CompileRequest, ExportRequest
     from fuzzyarm.requests.runs import CompareRequest, SimulateRequest, SweepRequest
     from fuzzyarm.requests.tune import TuneRequest
 
 __all__ = [
     "CompareRequest",
+    "CompileRequest",
+    "ExportRequest",
     "FitRequest",
     "LearnRequest",
     "Request",
@@ -33,6 +36,7 @@ if not TYPE_CHECKING:
         {
             "fields": ("Request", "RequestError"),
             "learn": ("FitRequest", "LearnRequest"),
+            "making": ("CompileRequest", "ExportRequest"),
             "runs": ("CompareRequest", "SimulateRequest", "SweepRequest"),
             "tune": ("TuneRequest",),
         },

@@ -103,7 +103,6 @@ class _Said(NamedTuple):
     is_idle: bool
     is_negatable: bool
     is_repeated: bool
-    short: str
 
 
 def option(
@@ -144,7 +143,6 @@ def option(
         more.pop("idle", False),
         more.pop("negatable", False),
         more.pop("repeated", False),
-        more.pop("short", ""),
     )
     if more:
         raise TypeError(f"a field does not say {', '.join(more)}")

@@ -9,7 +9,7 @@ from dataclasses import replace
 from fractions import Fraction
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,10 +17,15 @@ from numpy.typing import NDArray
 from fuzzyarm.model.rulebase import AnyRuleBase, Input, Output, RuleBase
 from fuzzyarm.table.axis import Axis, TableError
 from fuzzyarm.table.table import LookupTable
+from fuzzyarm.text import above
 from fuzzyarm.text.diagnostic import MAX_LEVELS
+from fuzzyarm.text.mistaken import OfKind
 from fuzzyarm.text.names import near_hint
 from fuzzyarm.text.numbers import evenly, number_text
 from fuzzyarm.version import __version__
+
+if TYPE_CHECKING:
+    from fuzzyarm.requests.making import CompileRequest
 
 DEFAULT_LEVELS = 13
 """Even levels of an input for which neither the file nor the caller asks for others."""
@@ -42,7 +47,7 @@ Levels = int | Sequence[float]
 
 
 def compile_table(
-    rulebase: AnyRuleBase,
+    rulebase: AnyRuleBase | CompileRequest,
     output: str | None = None,
     *,
     levels: Levels | Mapping[str, Levels] | None = None,
@@ -55,9 +60,9 @@ def compile_table(
 
     Parameters
     ----------
-    rulebase : RuleBase
-        Its ``lookup`` settings say the levels, bins and rounding; an input without any gets
-        13 even levels over its range.
+    rulebase : RuleBase or CompileRequest
+        A request alone says all of it. Else the ``lookup`` settings of the rule base say levels,
+        bins and rounding; an input without any gets 13 even levels over its range.
     output : str, optional
         The output to sample; may be left out if there is only one.
     levels : int, sequence of float, or mapping of name to either, optional
@@ -86,6 +91,12 @@ def compile_table(
     FuzzyarmError
         What the inference raises, for instance where no rule fires.
     """
+    if not isinstance(rulebase, OfKind):
+        from fuzzyarm.requests.making import CompileRequest
+
+        if isinstance(rulebase, CompileRequest):
+            table: LookupTable = above.function("table_asked")(rulebase)
+            return table
     rulebase = rulebase.model
     target = choose_output(rulebase, output)
     axes = choose_axes(rulebase, levels, target.name)

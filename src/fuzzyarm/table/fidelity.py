@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
+from typing import TypedDict, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +26,7 @@ from fuzzyarm.table.compiler import (
     needed_inputs,
 )
 from fuzzyarm.table.table import LookupTable
+from fuzzyarm.text.keywords import demand_keywords
 from fuzzyarm.text.numbers import outward_text
 from fuzzyarm.text.shown import one_line
 
@@ -487,35 +489,49 @@ class CompileReport:
         return one_line(self, f"{self.table!r}: {known}")
 
 
+class ReportKeywords(TypedDict, total=False):
+    """Keywords of `compile_with_report`.
+
+    Attributes
+    ----------
+    tolerance : float
+        Instead of `levels`: find the smallest even grid, equally many levels for every
+        input, whose linear interpolation differs nowhere on a dense grid by more than this,
+        and nowhere at all where `proof` knows a bound. The levels, bins and rounding of the
+        file are then not used.
+    progress : callable
+        Called with a word on what is going on.
+    proof : callable
+        From a table and a mode to what the difference nowhere exceeds, or None:
+        :func:`fuzzyarm.proof.table_proof`.
+    levels, rounding, mode, source, date
+        As for :func:`fuzzyarm.table.compile_table`.
+    """
+
+    levels: Levels | Mapping[str, Levels] | None
+    rounding: float | None
+    mode: str | None
+    tolerance: float | None
+    source: str | Path | None
+    date: str | None
+    progress: Callable[[str], None] | None
+    proof: Proof | None
+
+
 def compile_with_report(
     rulebase: AnyRuleBase,
     output: str | None = None,
-    *,
-    levels: Levels | Mapping[str, Levels] | None = None,
-    rounding: float | None = None,
-    mode: str | None = None,
-    tolerance: float | None = None,
-    source: str | Path | None = None,
-    date: str | None = None,
-    progress: Callable[[str], None] | None = None,
-    proof: Proof | None = None,
+    **keywords: Unpack[ReportKeywords],
 ) -> CompileReport:
     """Compile a table and measure it against direct inference.
 
     Parameters
     ----------
-    tolerance : float, optional
-        Instead of `levels`: find the smallest even grid, equally many levels for every
-        input, whose linear interpolation differs nowhere on a dense grid by more than this,
-        and nowhere at all where `proof` knows a bound. The levels, bins and rounding of the
-        file are then not used.
-    progress : callable, optional
-        Called with a word on what is going on.
-    proof : callable, optional
-        From a table and a mode to what the difference nowhere exceeds, or None:
-        :func:`fuzzyarm.proof.table_proof`.
-    rulebase, output, levels, rounding, mode, source, date
+    rulebase, output
         As for :func:`fuzzyarm.table.compile_table`.
+    **keywords
+        ``levels``, ``rounding``, ``mode``, ``tolerance``, ``source``, ``date``, ``progress``,
+        ``proof``; see :class:`~fuzzyarm.table.fidelity.ReportKeywords`.
 
     Returns
     -------
@@ -527,7 +543,10 @@ def compile_with_report(
     TableError
         As `compile_table`; also if no grid within the limits meets the tolerance.
     """
-    rulebase = rulebase.model
+    demand_keywords("compile_with_report", keywords, ReportKeywords)
+    rulebase, tolerance = rulebase.model, keywords.get("tolerance")
+    levels, rounding = keywords.get("levels"), keywords.get("rounding")
+    mode, progress, proof = keywords.get("mode"), keywords.get("progress"), keywords.get("proof")
     if tolerance is not None:
         count = smallest_even_grid(rulebase, output, tolerance, progress=progress, proof=proof)
         levels, rounding, mode = count, 0.0, "linear"
@@ -537,8 +556,8 @@ def compile_with_report(
         levels=levels,
         rounding=rounding,
         mode=mode,
-        source=source,
-        date=date,
+        source=keywords.get("source"),
+        date=keywords.get("date"),
     )
     fidelities = measure_fidelity(table, rulebase)
     if proof is not None:
