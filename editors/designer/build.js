@@ -3,6 +3,7 @@
 //   page/vendor/codemirror.js   the editor, from the packages pinned here
 //   page/vendor/uplot.js, .css  charts over time, likewise
 //   page/built/mailed.js        the page without a server (exported.js), as one script
+//   page/built/playground.js    the page with its own Python (playground/app.js), as one script
 //
 // `node build.js --check` writes nothing and fails where a file is not what its sources say. The modules of the
 // page with a server are served as they are: from this machine they are there at once, and a trace names their lines.
@@ -45,6 +46,14 @@ const BUILDS = [
     banner: { js: "// @ts-nocheck: built by editors/designer/build.js from exported.js and what it imports" },
     plugins: [engineInFront],
     format: "iife", // no name of it meets one of the engine
+    absWorkingDir: at(PAGE),
+  },
+  {
+    entryPoints: [at(`${PAGE}/playground/app.js`)],
+    outfile: at(`${PAGE}/built/playground.js`),
+    banner: { js: "// @ts-nocheck: built by editors/designer/build.js from playground/app.js and what it imports" },
+    plugins: [engineInFront],
+    format: "iife",
     absWorkingDir: at(PAGE),
   },
 ];

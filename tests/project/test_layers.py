@@ -49,6 +49,7 @@ ORDER = (
     "watch",
     "designer",
     "native",
+    "playground",
     "cli",
 )
 """Every package, and every module beside them: each imports only what stands before it."""

@@ -32,6 +32,36 @@ declare namespace Page {
     [name: string]: any;
   }
 
+  /** What a line calls: when it is there, with a text that it brings, and when it is lost. */
+  interface Ends {
+    opened(): void;
+    heard(text: string): void;
+    closed(again: boolean): void;
+  }
+
+  type Line = (ends: Ends) => { send(text: string): void; isOpen(): boolean; drop(): void };
+
+  /** What a window knows at once. */
+  interface Start {
+    files: string[];
+    first: string;
+    only: boolean;
+    largest: number;
+    imports: string[];
+    nonce: string;
+  }
+
+  /** What a page has that is not that of the server: its line, and what it does with a desk that is new. */
+  interface Around {
+    line?: Line;
+    /** Whether texts are kept when the window is closed. */
+    keeps?: boolean;
+    gone?(): string;
+    buttons?(hand: Hand): HTMLElement[];
+    begin?(desk: any): void;
+    listed?(names: string[]): void;
+  }
+
   /** Two numbers: an end and the other, or a place. */
   type Pair = [number, number];
 }

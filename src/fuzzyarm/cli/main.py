@@ -35,6 +35,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "check": ("check", "find mistakes and doubts in rule bases and tables"),
     "fmt": ("check", "rewrite rule bases in canonical form"),
     "designer": ("designer", "a rule base as text and picture, in a browser"),
+    "playground": ("playground", "the designer as files for any web server, with its own Python"),
     "watch": ("editing", "draw a file again whenever it is saved"),
     "lsp": ("editing", "the language server for editors"),
     "eval": ("eval", "the outputs at one point, and why"),

@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 
 __all__ = ["ExportRefusedError", "Offered", "export", "kinds_of", "model_of"]
 
-SOURCES = (".h", ".c", ".st")
+SOURCES = (".h", ".c", ".st", ".xml")
 Sheet = RuleBase | LookupTable
 
 PICTURES = (".png", ".svg", ".pdf")

@@ -11,6 +11,7 @@ import logging
 from typing import Any
 
 from fuzzyarm.designer.names import in_words
+from fuzzyarm.designer.threads import IN_A_PAGE
 from fuzzyarm.errors import FuzzyarmError
 
 __all__ = ["LOG", "error_of", "internal_words"]
@@ -35,5 +36,7 @@ def error_of(error: Exception, doing: str) -> dict[str, Any]:
 
 def internal_words(error: BaseException, doing: str) -> str:
     """Write the trace of a fault into the log; return a sentence for the page."""
+    if IN_A_PAGE and isinstance(error, ModuleNotFoundError):  # no fault: a page has few packages
+        return f"{error.name} is needed here, and this page does not have it; a computer has"
     LOG.error("internal error: %s", doing, exc_info=error)
     return f"internal error: {error!r}; the log of the designer has its trace"

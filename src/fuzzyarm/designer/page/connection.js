@@ -1,21 +1,46 @@
-// The connection with the server: one socket, which comes back by itself. What is said is JSON; see server.py.
+// The connection with what answers the page: a line that comes back by itself. What is said is JSON; see open_files.py.
 
 import { S } from "./strings.js";
 
 const AGAIN = 700; // ms until the next try
 
+/**
+ * A line to the server that this page comes from.
+ *
+ * A line is a function of what is to be called when it is there, when it brings a text, and when it is lost, and whether
+ * it is to be tried again then.
+ *
+ * @type {Page.Line}
+ */
+export function socketLine({ opened, heard, closed }) {
+  const address = new URL("socket", location.href);
+  address.protocol = "ws:";
+  address.hash = "";
+  const socket = new WebSocket(address);
+  socket.onopen = opened;
+  socket.onmessage = (event) => heard(event.data);
+  socket.onclose = () => closed(true);
+  return {
+    send: (text) => socket.send(text),
+    isOpen: () => socket.readyState === WebSocket.OPEN,
+    drop: () => socket.close(),
+  };
+}
+
 /** Connect; `opened` is called whenever there is a connection, `closed` when it is lost, `take` with what comes. */
-export function connect({ opened, closed, take }) {
-  return new Connection({ opened, closed, take }).api();
+export function connect({ opened, closed, take }, line = socketLine) {
+  return new Connection({ opened, closed, take }, line).api();
 }
 
 class Connection {
-  constructor({ opened, closed, take }) {
+  constructor({ opened, closed, take }, line) {
     this.opened = opened;
     this.closed = closed;
     this.take = take;
+    this.makeLine = line;
 
-    this.socket = null;
+    /** @type {ReturnType<Page.Line>} */
+    this.line = null;
     this.asked = 0;
     this.begun = false; // whether there has ever been a connection
     this.early = []; // what is said before
@@ -52,15 +77,17 @@ class Connection {
         else queueMicrotask(() => hear({ end: "failed", message: S.gone }));
         return { say: (words) => this.send({ ...words, do: "say", id }), stop: () => this.send({ do: "stop", id }) };
       },
-      isOpen: () => this.socket?.readyState === WebSocket.OPEN,
-      drop: () => this.socket.close(),
+      isOpen: this.isOpen,
+      drop: () => this.line.drop(),
     };
   }
 
+  isOpen = () => Boolean(this.line?.isOpen());
+
   send = (message) => {
     if (!this.begun) return this.early.push(message) > 0;
-    if (this.socket?.readyState !== WebSocket.OPEN) return false;
-    this.socket.send(JSON.stringify(message));
+    if (!this.isOpen()) return false;
+    this.line.send(JSON.stringify(message));
     return true;
   };
 
@@ -73,26 +100,26 @@ class Connection {
   };
 
   open = () => {
-    const address = new URL("socket", location.href);
-    address.protocol = "ws:";
-    address.hash = "";
-    this.socket = new WebSocket(address);
-    this.socket.onopen = () => {
-      this.begun = true;
-      this.opened();
-      for (const message of this.early.splice(0)) this.send(message);
-    };
-    this.socket.onmessage = (event) => {
-      const message = JSON.parse(event.data);
-      (this.ANSWERS[message.is] ?? this.take)(message);
-    };
-    this.socket.onclose = () => {
-      for (const resolve of this.answers.values()) resolve({ error: S.gone });
-      this.answers.clear();
-      for (const hear of this.jobs.values()) hear({ end: "failed", message: S.gone });
-      this.jobs.clear();
-      this.closed();
-      setTimeout(this.open, AGAIN);
-    };
+    this.line = this.makeLine({ opened: this.begin, heard: this.hear, closed: this.end });
+  };
+
+  begin = () => {
+    this.begun = true;
+    this.opened();
+    for (const message of this.early.splice(0)) this.send(message);
+  };
+
+  hear = (text) => {
+    const message = JSON.parse(text);
+    (this.ANSWERS[message.is] ?? this.take)(message);
+  };
+
+  end = (again) => {
+    for (const resolve of this.answers.values()) resolve({ error: S.gone });
+    this.answers.clear();
+    for (const hear of this.jobs.values()) hear({ end: "failed", message: S.gone });
+    this.jobs.clear();
+    this.closed();
+    if (again) setTimeout(this.open, AGAIN);
   };
 }

@@ -63,6 +63,7 @@ class Desk {
       },
       edited: (now) => {
         this.mark(this.saved !== null && (this.apart || now !== this.saved));
+        this.store.emit("edited");
       },
       saved: () => this.saved,
       writes: () => this.writes,
@@ -113,7 +114,7 @@ class Desk {
     const chooser = this.page.only ? el("strong", { textContent: this.file }) : this.files;
     // Where there is no file there is nothing to be typed and saved.
     const controls = [
-      ...(this.file ? [chooser, this.save, this.status] : [this.status]),
+      ...(this.file ? [chooser, this.save, ...(this.page.buttons?.(this.hand) ?? []), this.status] : [this.status]),
       el("span", { class: "space" }),
     ];
     const { root, turn } = frame(this.store, this.hand, this.file ? this.text.section : null, controls, this.views);
@@ -194,6 +195,7 @@ class Desk {
       redo: this.text.redo,
       save: this.link.save,
       say: this.link.say,
+      tell: this.tell,
       bring: (dropped) => this.bring(dropped),
       offer: (names) => {
         const all = names.includes(this.file) ? names : [this.file, ...names]; // one that has gone is still shown
@@ -206,7 +208,7 @@ class Desk {
         if (this.text.state().epoch) this.open(); // what was on its way under the old name has not arrived
       },
       lose: () => {
-        if (!this.lost) this.tell(S.gone);
+        if (!this.lost) this.tell(this.page.gone?.() ?? S.gone);
         this.lost = true;
       },
       close: () => {

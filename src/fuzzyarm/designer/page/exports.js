@@ -11,7 +11,7 @@ const GROUPS = [
   ["pages", [".html"]],
   ["others", [".fis", ".fll", ".fcl", ".fml"]],
 ];
-const SOURCES = [".h", ".c", ".st"];
+const SOURCES = [".h", ".c", ".st", ".xml"];
 
 /**
  * The pane of the exports of the file that is open.

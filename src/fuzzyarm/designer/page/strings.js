@@ -110,6 +110,7 @@ export const S = {
     ".h": "C header",
     ".c": "C, two files",
     ".st": "Structured Text",
+    ".xml": "PLCopen XML",
     ".fmu": "FMU",
     ".mjs": "JavaScript",
     ".lut": "Table .lut",
@@ -673,4 +674,31 @@ export const S = {
   tooManyRules: "There are too many rules to be drawn.",
   readOnly: "This page needs no server. Corners can be dragged; the text follows.",
   madeBy: (version) => `made by fuzzyarm ${version}`,
+  playground: {
+    loading: "Python is being loaded; what you type is kept, and checked when it is there.",
+    doing: {
+      python: "Python is being started; what you type is kept, and checked when it is there.",
+      fuzzyarm: "fuzzyarm is being loaded; what you type is kept, and checked when it is there.",
+    },
+    failed: (why) =>
+      `Python does not run here: ${why}. Your text is kept in this browser; load the page again to try anew.`,
+    notLoaded: "its files could not be loaded",
+    noWebAssembly:
+      "This browser has no WebAssembly, which checking and running need; here are your texts, and nothing is lost.",
+    noWorker: "This browser has no workers, which checking and running need; here are your texts, and nothing is lost.",
+    noServer:
+      "A browser loads Python from a web server only, not from a file: type  python -m http.server  in this folder, and open the address that it prints.",
+    damagedLink: "The link is damaged: the file that it carried cannot be read. Your own files are as they were.",
+    notKept: "This browser's storage is full: the text lasts only as long as this page is open. Download it.",
+    notLasting: "This browser keeps nothing: download what you want to keep.",
+    link: "Link",
+    linkHint: "an address that carries this file",
+    linkNote: "Whoever opens this address has the file; it is not sent to a server.",
+    linkTooLong: "The file is too long for an address. Download it, and send it as a file.",
+    address: "Address",
+    copy: "Copy",
+    notCopied: "The browser does not let the page copy: copy the address by hand.",
+    download: "Download",
+    downloadHint: "save the text as a file",
+  },
 };

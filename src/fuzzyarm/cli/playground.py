@@ -1,0 +1,47 @@
+"""The designer as a folder of files, for any web server: a page with its own Python.
+
+The folder needs no program behind it: text with findings, pictures, tables, runs of the shipped
+plants, conversion and code are made in the browser of whoever opens it, by the modules of fuzzyarm
+in Pyodide and by the kernels as WebAssembly. Nothing is loaded from elsewhere. FILEs are what a
+visitor finds there.
+
+Pyodide is fetched by npm, or taken from a folder. The kernels are compiled where the extra
+platforms is installed; without it runs are plain Python, and slow.
+
+  fuzzyarm playground -o site
+  fuzzyarm playground -o site servo.frb --pyodide node_modules/pyodide
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from fuzzyarm.cli.command import argument, command, say
+from fuzzyarm.extras import installing
+
+
+def _run(arguments: argparse.Namespace) -> int:
+    from fuzzyarm.playground.folder import wasm_kernels, write_playground
+
+    pyodide = None if arguments.pyodide is None else Path(arguments.pyodide)
+    folder = Path(arguments.out)
+    made = write_playground(folder, [Path(file) for file in arguments.files], pyodide, wasm_kernels)
+    say(f"{arguments.out}: {made.size:,} bytes in {made.count} files, for any web server, such as")
+    say(f"  python -m http.server --directory {arguments.out}")
+    if not made.kernels:
+        say(f"without machine code: runs are slow; {installing('platforms')}", to_errors=True)
+    return 0
+
+
+COMMANDS = (
+    command(
+        "playground",
+        __doc__,
+        _run,
+        argument("files FILE", "a .frb or .lut file that a visitor finds", nargs="*"),
+        argument("-o --out DIR", "the folder", required=True),
+        argument("--pyodide FOLDER", "a folder with Pyodide's files (default: npm fetches them)"),
+    ),
+)
+"""The commands of this module."""

@@ -1,0 +1,62 @@
+"""The part of NumPy that a page needs, in plain Python, for a Python that has none.
+
+Pyodide's own package has no NumPy, and no registry that an installation reaches has a wheel of it.
+What the playground asks of it is little: some hundred functions over arrays that are small, for
+what is large goes through kernels, which are WebAssembly (:mod:`fuzzyarm.native`) and read these
+arrays as they read NumPy's. :func:`install` puts this package where ``import numpy`` finds it;
+where there is a NumPy it does nothing. A name that is not here is missed with a sentence that says
+so.
+
+``tests/playground/test_arrays.py`` compares all of it with NumPy itself, to the bit.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+from types import ModuleType
+from typing import Any
+
+from fuzzyarm.errors import FuzzyarmError
+
+__all__ = ["MissingNumPyError", "install", "stand_in"]
+
+
+class MissingNumPyError(FuzzyarmError, AttributeError):
+    """Something of NumPy that this page does not have."""
+
+
+class _Any:
+    """What an annotation names: it is never looked at."""
+
+    def __class_getitem__(cls, _of: Any) -> type:
+        return cls
+
+
+def stand_in() -> tuple[ModuleType, ModuleType]:
+    """Return this package as NumPy has it, and the module of its annotations."""
+    from fuzzyarm.playground.arrays import array, functions, kinds, random
+
+    module, typing = ModuleType("numpy", __doc__), ModuleType("numpy.typing")
+    parts = {**vars(functions), **{name: getattr(kinds, name) for name in kinds.__all__}}
+    vars(module).update({name: part for name, part in parts.items() if not name.startswith("_")})
+    vars(module).update(ndarray=array.ndarray, intp=kinds.int64, complex128=_Any, dtype=kinds.dtype)
+
+    def missing(name: str) -> Any:
+        if name.startswith("__"):
+            raise AttributeError(name)
+        raise MissingNumPyError(f"numpy.{name} is needed here, and this page has no NumPy")
+
+    vars(typing).update(NDArray=_Any, ArrayLike=_Any)
+    vars(module).update(__getattr__=missing, __path__=[], __version__="2.0")
+    vars(module).update(typing=typing, random=random)
+    return module, typing
+
+
+def install() -> bool:
+    """Put this package in the place of NumPy, if there is none; return whether it was."""
+    if "numpy" in sys.modules or importlib.util.find_spec("numpy") is not None:
+        return False
+    module, typing = stand_in()
+    sys.modules |= {"numpy": module, "numpy.typing": typing, "numpy.random": module.random}
+    return True

@@ -1,0 +1,44 @@
+"""fuzzyarm as an archive for the Python of a page: its modules, its rule bases, no machine code."""
+
+from __future__ import annotations
+
+import io
+import zipfile
+from collections.abc import Iterator
+from pathlib import Path
+
+from fuzzyarm.shipped_files import shipped_folder
+
+__all__ = ["archive"]
+
+PACKAGE = Path(__file__).resolve().parents[1]
+
+APART = frozenset(
+    {"cli", "native", "watch", "notebook.py", "sklearn.py", "live", "study", "designer/page"}
+)
+"""What a page has no use for: commands, compilers, other libraries, and the page's own files."""
+
+WHEN = (1980, 1, 1, 0, 0, 0)
+"""Of all files: the same sources make the same archive."""
+
+
+def _members() -> Iterator[tuple[str, bytes]]:
+    for path in sorted(PACKAGE.rglob("*")):
+        inside = path.relative_to(PACKAGE).as_posix()
+        parts = inside.split("/")
+        if {"/".join(parts[:k]) for k in range(1, len(parts) + 1)} & APART:
+            continue
+        if path.suffix in {".py", ".js", ".typed"} and "__pycache__" not in parts:
+            yield f"fuzzyarm/{inside}", path.read_bytes()
+    for path in sorted(shipped_folder().iterdir()):
+        if path.suffix in {".frb", ".lut"}:
+            yield f"fuzzyarm/shipped/{path.name}", path.read_bytes()
+
+
+def archive() -> bytes:
+    """Return the archive, as of a wheel of fuzzyarm without machine code."""
+    whole = io.BytesIO()
+    with zipfile.ZipFile(whole, "w", zipfile.ZIP_DEFLATED) as file:
+        for name, content in _members():
+            file.writestr(zipfile.ZipInfo(name, WHEN), content, zipfile.ZIP_DEFLATED)
+    return whole.getvalue()

@@ -1,0 +1,152 @@
+"""The arrays that stand in for NumPy in a page agree with NumPy, to the bit."""
+
+import json
+import math
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from fuzzyarm.playground.arrays.module import MissingNumPyError, install, stand_in
+
+own, _ = stand_in()
+
+A = [[1.5, -2.0, 0.1], [3.25, math.nan, 7.0]]
+B = [0.3, -0.7, 2.5]
+LONG = [math.sin(k) * 10.0 ** (k % 7 - 3) for k in range(1001)]
+
+SAME = {
+    "arithmetic": lambda x: (x.array(A) + B) * 2 - x.array(B) / [2.0, 0.0, -3.0],
+    "powers": lambda x: x.array(B) ** 2 + x.sqrt(x.abs(x.array(B))),
+    "whole numbers": lambda x: x.arange(12).reshape(3, 4).T[::2, 1:] // 2 % 3,
+    "half a division": lambda x: x.array([1.0, -1.0, 0.0]) / 0.0,
+    "promotion": lambda x: x.array(B, x.float32) + x.array([1, 2, 3], x.int16),
+    "more promotion": lambda x: x.array(B, x.float32) + x.arange(3),
+    "single precision": lambda x: (x.array(LONG, x.float32) * x.float32(0.1)).astype(float),
+    "a number beside singles": lambda x: x.array(B, x.float32) * 0.1,
+    "comparisons": lambda x: (x.array(A) > 0.0) & ~(x.array(A) >= 3.0) | x.isnan(x.array(A)),
+    "where": lambda x: x.where(x.isnan(x.array(A)), -1.0, A),
+    "where, a place": lambda x: x.where(x.array([0, 1, 1])),
+    "sums": lambda x: [x.sum(x.array(LONG)), x.array(LONG).sum(), x.mean(x.array(LONG))],
+    "sums of singles": lambda x: x.array(LONG, x.float32).reshape(7, 143).sum(axis=0),
+    "sums along rows": lambda x: x.array(LONG).reshape(7, 143).sum(axis=1),
+    "sums across rows": lambda x: x.array(LONG).reshape(7, 143).sum(axis=0),
+    "running sums": lambda x: [x.cumsum(x.array(LONG)), x.add.accumulate(x.array(LONG))],
+    "running sums of singles": lambda x: x.add.accumulate(
+        x.array(LONG, x.float32).reshape(7, 143), axis=0, dtype=x.float32
+    ),
+    "extremes": lambda x: [x.array(A).max(axis=1), x.min(x.array(B)), x.array(A).argmax(axis=0)],
+    "extremes of stretches": lambda x: x.maximum.reduceat(x.array(LONG), x.array([0, 10, 500])),
+    "extremes with a start": lambda x: x.max(x.array([]), initial=0.0),
+    "differences": lambda x: [x.diff(x.array(A), axis=0), x.diff(x.array(B))],
+    "order": lambda x: [x.sort(x.array(LONG)), x.argsort(x.array(B)), x.unique([3, 1, 3])],
+    "places": lambda x: [x.argwhere(x.array(A) > 1.0), x.flatnonzero(x.array([0, 2, 0, 1]))],
+    "place in order": lambda x: x.unravel_index(7, (3, 4)),
+    "search": lambda x: x.searchsorted(x.array([0.0, 1.0, 2.0]), [0.0, 0.5, 2.0, 9.0], "right"),
+    "interpolation": lambda x: x.interp(x.array([-1.0, 0.25, 9.0]), [0.0, 1.0, 2.0], B),
+    "lines": lambda x: [x.linspace(-6.0, 6.0, 61), x.linspace(0.1, 0.7, 7), x.linspace(1, 1, 3)],
+    "grids": lambda x: x.broadcast_to(x.ix_(B, [1.0, 2.0])[0] * x.ix_(B, [1.0, 2.0])[1], (3, 2)),
+    "meshes": lambda x: x.meshgrid(B, [1.0, 2.0]),
+    "indices": lambda x: x.array(A)[[0, 1], [2, 0]],
+    "indices beside stretches": lambda x: x.arange(24).reshape(2, 3, 4)[:, [0, 2], 1:],
+    "new axes": lambda x: x.array(B)[:, None] * x.array(B)[None, :],
+    "a mask": lambda x: x.array(A)[~x.isnan(x.array(A))],
+    "next numbers": lambda x: x.nextafter(x.array(B), math.inf),
+    "next singles": lambda x: x.nextafter(x.array(B, x.float32), x.float32(-math.inf)),
+    "next of nothing": lambda x: x.nextafter(x.zeros(2, x.float32), x.float32(1.0)),
+    "rounding": lambda x: [x.rint(x.array([0.5, 1.5, -0.4])), x.round(x.array(LONG), 3)],
+    "clipping": lambda x: [x.clip(x.array(B), -0.5, 1.0), x.array(B).clip(0.0, 1.0)],
+    "put together": lambda x: [
+        x.concatenate([B, [1.0]]), x.stack([B, B], axis=1), x.column_stack([B, B]),
+        x.vstack([B, B]), x.hstack([x.array(A), x.array(A)]), x.append(B, 1.0),
+    ],
+    "repeated": lambda x: [x.repeat(x.array(B), 2), x.repeat(x.array(A), [1, 2], axis=0)],
+    "axes": lambda x: [x.moveaxis(x.arange(24).reshape(2, 3, 4), 2, 0), x.array(A).T],
+    "taken": lambda x: [
+        x.take(x.array(A), 1, axis=1),
+        x.take_along_axis(x.array(A), x.array([[2, 0, 1], [0, 0, 0]]), 1),
+    ],
+    "a product of rows": lambda x: x.dot(x.array([[1.0, 2.0], [3.0, 4.0]]), x.array([0.5, 0.25])),
+    "counts": lambda x: x.bincount(x.array([0, 2, 2, 5])),
+    "numbers at random": lambda x: [
+        x.random.default_rng(7).random(5), x.random.default_rng(1).uniform(-6.0, 6.0, 4),
+        x.random.default_rng(0).integers(0, 49, 20), x.random.default_rng(3).choice(B, 9),
+    ],
+    "a large seed": lambda x: x.random.default_rng(2**200 + 17).random(3),
+}  # fmt: skip
+
+
+def plain(value):
+    """Return what can be compared: kinds and bits."""
+    if isinstance(value, list | tuple):
+        return [plain(each) for each in value]
+    if getattr(value, "shape", ()):
+        return [str(value.dtype), list(value.shape), repr(value.tolist())]
+    return repr(float(value))
+
+
+@pytest.mark.parametrize("what", SAME)
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+def test_a_function_gives_the_bits_of_numpy(what):
+    with np.errstate(all="ignore"):
+        assert plain(SAME[what](own)) == plain(SAME[what](np))
+
+
+def test_a_view_shares_its_memory():
+    array = own.zeros((3, 4))
+    array[1:, ::2] = 7.0
+    array.view(own.int64)[0, 0] = 1
+    assert array.tolist() == [[5e-324, 0, 0, 0], [7, 0, 7, 0], [7, 0, 7, 0]]
+    other = own.asanyarray(memoryview(bytearray(16)).cast("d"))
+    other[1] = 2.0
+    assert other.data.tolist() == [0.0, 2.0]
+
+
+@pytest.mark.parametrize("value", [0.1, 1e-5, 3.0, 1.17e38, -2.5e-7, 16777216.0, math.inf])
+def test_a_single_is_written_as_numpy_writes_it(value):
+    assert str(own.float32(value)) == str(np.float32(value))
+
+
+def test_what_is_not_there_is_missed_by_name():
+    with pytest.raises(MissingNumPyError, match=r"numpy\.linalg is needed here, and this page has"):
+        own.linalg  # noqa: B018
+    with pytest.raises(NotImplementedError, match="noise is drawn by NumPy"):
+        own.random.default_rng(1).standard_normal(3)
+
+
+def test_where_there_is_numpy_it_stays():
+    assert install() is False
+    assert sys.modules["numpy"] is np
+
+
+EXPORT = """
+import importlib.util, json, sys
+if sys.argv[1] == "without":
+    find = importlib.util.find_spec
+    importlib.util.find_spec = lambda name, *more: None if name == "numpy" else find(name, *more)
+    from fuzzyarm.playground.arrays.module import install
+    assert install()
+from fuzzyarm.export import export_files, routines_of
+from fuzzyarm.language import load_rulebase
+from fuzzyarm.shipped_files import shipped
+rules = load_rulebase(shipped("tipper.frb"))
+files = [file for name in ("tipper.c", "tipper.st")
+         for file in export_files(routines_of(rules), name).files]
+print(json.dumps([text for _, text in files]))
+"""
+
+
+@pytest.mark.slow
+def test_code_is_the_same_without_numpy():
+    found = [
+        json.loads(
+            subprocess.run(
+                [sys.executable, "-W", "ignore", "-c", EXPORT, word],
+                capture_output=True, text=True, check=True, env={"FUZZYARM_NATIVE": "0"},
+            ).stdout
+        )
+        for word in ("with", "without")
+    ]  # fmt: skip
+    assert found[0] == found[1]
+    assert [len(text) > 1000 for text in found[0]] == [True, True, True]

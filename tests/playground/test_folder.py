@@ -1,0 +1,126 @@
+"""The folder of a playground, and what it refuses."""
+
+import io
+import json
+import zipfile
+
+import pytest
+
+from fuzzyarm.cli.main import main
+from fuzzyarm.playground import folder as written
+from fuzzyarm.playground import pyodide as fetching
+from fuzzyarm.playground.folder import BEGIN_WITH, write_playground
+from fuzzyarm.playground.package import archive
+from fuzzyarm.playground.pyodide import FILES
+
+
+@pytest.fixture
+def pyodide(tmp_path):
+    """Something that looks like Pyodide."""
+    folder = tmp_path / "pyodide"
+    folder.mkdir()
+    for name in FILES:
+        (folder / name).write_text(name, encoding="utf-8")
+    (folder / "package.json").write_text('{"version": "314.0.7"}', encoding="utf-8")
+    return folder
+
+
+def test_the_folder_has_all_that_the_page_asks_for(tmp_path, pyodide):
+    made = write_playground(tmp_path / "site", pyodide=pyodide, kernels=lambda: b"wasm")
+    files = {path.relative_to(made.folder).as_posix() for path in made.folder.rglob("*.*")}
+    assert made.count == len(files)
+    assert {"index.html", "playground.js", "page.css", "python.js", "offline.js"} <= files
+    assert {f"python/{name}" for name in (*FILES, "fuzzyarm.zip", "_kernels.so")} <= files
+    page = (made.folder / "index.html").read_text(encoding="utf-8")
+    start = json.loads(page.split('id="start">')[1].split("</script>")[0])
+    assert sorted(start["texts"]) == sorted(BEGIN_WITH)
+    assert start["python"] == {"kernels": True, "numpy": ""}
+    assert "default-src &#x27;none&#x27;" in page
+    offline = (made.folder / "offline.js").read_text(encoding="utf-8")
+    listed = json.loads(offline.split("/** @type {any} */ (")[2].split(");")[0])
+    assert set(listed) == files - {"offline.js"} | {"./"}
+
+
+def test_the_same_sources_make_the_same_folder(tmp_path, pyodide):
+    folders = [tmp_path / "one", tmp_path / "two"]
+    for folder in folders:
+        write_playground(folder, pyodide=pyodide)
+    names = [path.relative_to(folders[0]) for path in folders[0].rglob("*.*")]
+    assert all((folders[0] / n).read_bytes() == (folders[1] / n).read_bytes() for n in names)
+
+
+def test_a_wheel_of_numpy_beside_pyodide_is_taken(tmp_path, pyodide):
+    (pyodide / "numpy-2.4.6-cp314-cp314-pyemscripten_2026_0_wasm32.whl").write_bytes(b"")
+    made = write_playground(tmp_path / "site", pyodide=pyodide)
+    assert len(list(made.folder.glob("python/numpy-*.whl"))) == 1
+    assert "python/numpy-2.4.6" in (made.folder / "index.html").read_text(encoding="utf-8")
+
+
+def test_the_archive_has_what_a_page_runs_and_no_machine_code():
+    names = zipfile.ZipFile(io.BytesIO(archive())).namelist()
+    assert {"fuzzyarm/playground/host.py", "fuzzyarm/shipped/pd7.frb"} <= set(names)
+    assert not [name for name in names if name.startswith("fuzzyarm/cli/") or ".so" in name]
+
+
+def test_files_of_ones_own_are_what_a_visitor_finds(tmp_path, pyodide, capsys, monkeypatch):
+    monkeypatch.setattr(written, "wasm_kernels", lambda: None)
+    mine = tmp_path / "mine.frb"
+    mine.write_text('rulebase mine "</script>"\n', encoding="utf-8")
+    words = ["playground", "-o", str(tmp_path / "site"), "--pyodide", str(pyodide), str(mine)]
+    assert main(words) == 0
+    said = capsys.readouterr()
+    assert "python -m http.server --directory" in said.out
+    assert "without machine code" in said.err
+    page = (tmp_path / "site/index.html").read_text(encoding="utf-8")
+    assert "mine.frb" in page
+    assert page.count("</script>") == 2
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["a.fis"], "a.fis is neither a .frb nor a .lut file"),
+        (["a.frb"], "a.frb"),
+        (["x.frb", "sub/x.frb"], "two files are called x.frb"),
+        (["binary.frb"], "binary.frb"),
+    ],
+)
+def test_files_that_are_not_taken_are_said(words, said, tmp_path, pyodide, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "sub").mkdir()
+    for name in ("x.frb", "sub/x.frb"):
+        (tmp_path / name).write_text("rulebase x\n", encoding="utf-8")
+    (tmp_path / "binary.frb").write_bytes(b"\xff\xfe\x00\x80" * 9)
+    assert main(["playground", "-o", "site", "--pyodide", str(pyodide), *words]) == 1
+    err = capsys.readouterr().err
+    assert said in err
+    assert "Traceback" not in err
+    assert not (tmp_path / "site").exists()
+
+
+def test_a_folder_without_pyodide_is_said(tmp_path, pyodide, capsys):
+    empty = tmp_path / "empty"
+    (empty / "node_modules").mkdir(parents=True)
+    pyodide.rename(empty / "node_modules/pyodide")
+    assert main(["playground", "-o", str(tmp_path / "s"), "--pyodide", str(empty)]) == 1
+    err = capsys.readouterr().err
+    assert "does not have pyodide.mjs of Pyodide" in err
+    assert "node_modules/pyodide" in err
+
+
+def test_an_old_pyodide_is_said(tmp_path, pyodide, capsys):
+    (pyodide / "package.json").write_text('{"version": "0.26.4"}', encoding="utf-8")
+    assert main(["playground", "-o", str(tmp_path / "s"), "--pyodide", str(pyodide)]) == 1
+    assert "has Pyodide 0.26; at least 314.0 is needed" in capsys.readouterr().err
+
+
+def test_without_npm_a_copy_is_asked_for(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(fetching.shutil, "which", lambda name: None)
+    assert main(["playground", "-o", str(tmp_path / "s")]) == 1
+    assert "fetched by npm, which is not installed" in capsys.readouterr().err
+
+
+def test_a_file_in_the_place_of_the_folder_is_said(tmp_path, pyodide, capsys):
+    (tmp_path / "s").write_text("", encoding="utf-8")
+    assert main(["playground", "-o", str(tmp_path / "s"), "--pyodide", str(pyodide)]) == 1
+    assert "is not a folder" in capsys.readouterr().err

@@ -1,0 +1,109 @@
+"""What answers in a page, run without one."""
+
+import asyncio
+import base64
+import json
+
+import pytest
+
+from fuzzyarm.designer.jobs import Downloads
+from fuzzyarm.playground.host import LARGEST_TEXT, USED, begin, warm
+from fuzzyarm.shipped_files import shipped
+
+TIPPER = shipped("tipper.frb").read_text(encoding="utf-8")
+
+
+class Page:
+    """Says things to a host, and waits for what it says."""
+
+    def __init__(self, folder, files):
+        self.said, self.downloads = [], Downloads()
+        self.hear = begin(files, self.take, self.downloads, folder / "files")
+
+    def take(self, text):
+        self.said.append(json.loads(text))
+
+    async def tell(self, wanted, **message):
+        """Say something, and return the first answer that is wanted."""
+        known = len(self.said)
+        self.hear(json.dumps(message))
+        for _ in range(2000):
+            for each in self.said[known:]:
+                if wanted(each):
+                    return each
+            await asyncio.sleep(0.01)
+        raise AssertionError(self.said[known:])
+
+
+def kind(name):
+    return lambda message: message["is"] == name
+
+
+async def test_a_text_is_checked_while_it_is_typed(tmp_path):
+    page = Page(tmp_path, {"tipper.frb": TIPPER})
+    opened = await page.tell(kind("opened"), do="open", file="tipper.frb")
+    assert opened["text"] == TIPPER
+    updates = [{"clientID": "x", "changes": [[0, "nonsense", ""], len(TIPPER)]}]
+    found = await page.tell(
+        lambda m: m["is"] == "findings" and m["version"] == 1,
+        do="push", file="tipper.frb", version=opened["version"], updates=updates,
+    )  # fmt: skip
+    assert "error" in found["summary"]
+
+
+async def test_what_is_exported_is_given_to_the_page(tmp_path):
+    page = Page(tmp_path, {"tipper.frb": TIPPER})
+    await page.tell(kind("opened"), do="open", file="tipper.frb")
+    news = await page.tell(
+        lambda m: m.get("files"), do="start", file="tipper.frb", id=1, what="export", suffix=".h"
+    )
+    key = news["files"][0]["href"].split("/")[1]
+    name, content = page.downloads.find(key)
+    assert (name, b"tipper" in content) == ("tipper.h", True)
+
+
+async def test_a_file_of_another_program_is_converted(tmp_path):
+    page = Page(tmp_path, {})
+    fis = b"[System]\nName='x'\nType='mamdani'\n[Input1]\nnonsense"
+    answer = await page.tell(
+        lambda m: m.get("id") == 1, do="folder", id=1, what="import", name="x.fis",
+        data=base64.b64encode(fis).decode(),
+    )  # fmt: skip
+    assert answer["error"]
+    picture = base64.b64encode(b"\x89PNG\x00\xff\xfe" * 40).decode()
+    answer = await page.tell(
+        lambda m: m.get("id") == 2, do="folder", id=2, what="import", name="a.frb", data=picture
+    )
+    assert "UTF-8" in answer["error"] or "text" in answer["error"]
+
+
+async def test_a_huge_text_is_not_checked_and_says_so(tmp_path):
+    page = Page(tmp_path, {"huge.frb": "# x\n" * (LARGEST_TEXT // 4 + 1)})
+    failed = await page.tell(kind("failed"), do="open", file="huge.frb")
+    assert "this page checks at most 500,000" in failed["message"]
+    assert "nothing of it is lost" in failed["message"]
+
+
+async def test_names_that_no_file_can_have_are_left_out(tmp_path):
+    page = Page(tmp_path, {"../a.frb": "", "a/b.frb": "", "b.frb": TIPPER, "half.frb": "\ud800"})
+    answer = await page.tell(lambda m: m.get("id") == 1, do="folder", id=1, what="list")
+    assert [each["name"] for each in answer["files"]] == ["b.frb"]
+    assert sorted(path.name for path in tmp_path.rglob("*.frb")) == ["b.frb"]
+
+
+@pytest.mark.slow
+async def test_the_motor_runs(tmp_path):
+    names = ("servo.frb", "pd7.frb")
+    page = Page(tmp_path, {name: shipped(name).read_text(encoding="utf-8") for name in names})
+    await page.tell(kind("opened"), do="open", file="servo.frb")
+    news = await page.tell(
+        lambda m: m.get("news") == "reached", do="start", file="servo.frb", id=3, what="run",
+        plant="motor", until="0.2s", speed=None,
+    )  # fmt: skip
+    assert news["id"] == 3
+    await page.tell(lambda m: m.get("end") == "stopped", do="stop", id=3)
+
+
+def test_what_a_page_will_want_is_there():
+    warm()
+    assert len(set(USED)) == len(USED)
