@@ -10,6 +10,9 @@ PIP    := $(BIN)/python -m pip --disable-pip-version-check install --quiet
 DESIGNER := editors/designer
 NPM      := npm --prefix $(DESIGNER) --no-audit --no-fund --no-update-notifier --loglevel=error
 
+# Where Python may not keep what it compiles, every test process would compile all modules anew.
+unexport PYTHONDONTWRITEBYTECODE
+
 .PHONY: demo test native wheels lint lint-page page-tools unit quick docs lessons bench mutants fuzz editors designer types lock clean help
 
 help:
