@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING
@@ -12,6 +12,7 @@ from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.language.tokens import name_text
 from fuzzyarm.model.rulebase import RuleBase, Shape, Variable
 from fuzzyarm.model.shapes import corner_points, membership
+from fuzzyarm.picture import Band, Line
 from fuzzyarm.show.drawing import block, fitted, marker, number_words, ruler
 from fuzzyarm.text.numbers import number_text
 
@@ -76,6 +77,42 @@ def visible_range(variable: Variable) -> tuple[float, float]:
     low = variable.low if math.isfinite(variable.low) else min(corners, default=-1.0)
     high = variable.high if math.isfinite(variable.high) else max(corners, default=1.0)
     return (low, high) if low < high else (low - 1.0, low + 1.0)
+
+
+# --- A membership function as parts of a picture ---
+
+
+def membership_line(
+    shape: Shape, low: float, high: float, count: int, *, upright: bool = True
+) -> Line:
+    """Return a membership function at `count` even places and at its corners.
+
+    Where edges are to be `upright` it is taken at both sides of a corner as well. Where it is
+    zero on both sides it is not a number: no line lies on the axis.
+    """
+    xs = _places((shape,), low, high, count, upright=upright)
+    ys = [membership(shape, x) for x in xs]
+    around = zip([0.0, *ys[:-1]], ys, [*ys[1:], 0.0], strict=True)
+    return Line(xs, [math.nan if not any(near) else near[1] for near in around])
+
+
+def footprint(upper: Shape, lower: Shape, low: float, high: float, count: int) -> Band:
+    """Return what lies between both membership functions of a term of interval type 2."""
+    xs = _places((upper, lower), low, high, count)
+    below, above = ([membership(shape, x) for x in xs] for shape in (lower, upper))
+    return Band(xs, below, above, opacity=0.25)
+
+
+def _places(
+    shapes: Sequence[Shape], low: float, high: float, count: int, *, upright: bool = True
+) -> list[float]:
+    """Return even places and all corners, with both sides of them for upright edges."""
+    xs = [low + (high - low) * i / (count - 1) for i in range(count)]
+    for shape in shapes:
+        for x in corner_points(shape):
+            sides = (math.nextafter(x, -math.inf), math.nextafter(x, math.inf)) if upright else ()
+            xs += [x, *sides]
+    return sorted(x for x in xs if low <= x <= high)
 
 
 _WIDEST = 61
@@ -188,11 +225,9 @@ class TermPlots:
     def _blocks(self, shape: Shape, width: int) -> str:
         """Return the membership in `width` blocks; a peak between two shows on the nearer one."""
         low, high = visible_range(self.variable)
-        points = [low + (high - low) * i / (width - 1) for i in range(width)]
-        degrees = [membership(shape, x) for x in points]
-        step = points[1] - points[0]
-        for x in corner_points(shape):
-            i = round((x - points[0]) / step)
-            if 0 <= i < width and points[0] <= x <= points[-1]:
-                degrees[i] = max(degrees[i], membership(shape, x))
-        return "".join(map(block, degrees))
+        line = membership_line(shape, low, high, width, upright=False)
+        heights, step = [0.0] * width, low + (high - low) / (width - 1) - low
+        for x, y in zip(line.x, line.y, strict=True):
+            column = round((x - low) / step)
+            heights[column] = max(heights[column], 0.0 if math.isnan(y) else y)
+        return "".join(map(block, heights))

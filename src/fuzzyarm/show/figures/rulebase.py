@@ -8,9 +8,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from fuzzyarm.model.rulebase import AnyRuleBase, Output, RuleBase, Shape, Term, Variable
-from fuzzyarm.model.shapes import centre, corner_points, membership
-from fuzzyarm.picture import COLOURS
+from fuzzyarm.model.rulebase import AnyRuleBase, Output, RuleBase, Term, Variable
+from fuzzyarm.model.shapes import centre, membership
+from fuzzyarm.picture import COLOURS, series
 from fuzzyarm.show.drawing import number_words
 from fuzzyarm.show.figures.labels import (
     GAP,
@@ -21,6 +21,7 @@ from fuzzyarm.show.figures.labels import (
     thinned,
     wrapped,
 )
+from fuzzyarm.show.figures.panels import draw_part
 from fuzzyarm.show.figures.style import (
     LABEL,
     axis_label,
@@ -33,7 +34,7 @@ from fuzzyarm.show.figures.style import (
 )
 from fuzzyarm.show.figures.surface import ResponseFigure
 from fuzzyarm.show.response import Response
-from fuzzyarm.show.terms import is_set, shape_words, visible_range
+from fuzzyarm.show.terms import footprint, is_set, membership_line, shape_words, visible_range
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -201,11 +202,15 @@ def _draw_term(axes: Axes, term: Term, k: int, low: float, high: float) -> None:
         x = term.shape.parameters[0]
         axes.vlines(x, 0, term.shape.height, colors=style["color"], linewidth=2)
         axes.plot([x], [term.shape.height], "o", color=style["color"], markersize=4)
-    else:
-        xs, ys = _curve(term.shape, low, high)
-        axes.plot(xs, ys, linewidth=1.6, **style)
-        if term.lower is not None:  # between the two lies the footprint of uncertainty
-            _fill_footprint(axes, term, low, high, style)
+        return
+    tone, dash = series(k)
+    line = membership_line(term.shape, low, high, _POINTS)
+    draw_part(axes, replace(line, tone=tone, width=1.6, dash=dash))
+    if term.lower is not None:  # between the two lies the footprint of uncertainty
+        band = footprint(term.shape, term.lower, low, high, _POINTS)
+        draw_part(axes, replace(band, tone=tone))
+        line = membership_line(term.lower, low, high, _POINTS)
+        draw_part(axes, replace(line, tone=tone, width=0.9))
 
 
 def _placed_names(variable: Variable, width: float) -> tuple[tuple[_Name, ...], bool, float]:
@@ -261,36 +266,6 @@ def _value_words(variable: Variable, rulebase: RuleBase | None, width: float) ->
         left = len(lines) - _MOST_LINES + 1
         lines[_MOST_LINES - 1 :] = [f"… and {left} more lines"]
     return tuple(lines)
-
-
-def _fill_footprint(
-    axes: Axes, term: Term, low: float, high: float, style: Mapping[str, Any]
-) -> None:
-    """Draw the lower membership function, and fill what is between it and the upper one."""
-    assert term.lower is not None
-    xs = _positions((term.shape, term.lower), low, high)
-    below, above = ([membership(shape, x) for x in xs] for shape in (term.lower, term.shape))
-    axes.fill_between(xs, below, above, color=style["color"], alpha=0.25, linewidth=0)
-    xs, below = _curve(term.lower, low, high)
-    axes.plot(xs, below, color=style["color"], linewidth=0.9)
-
-
-def _positions(shapes: Sequence[Shape], low: float, high: float) -> list[float]:
-    """Return even positions and both sides of every corner."""
-    xs = [low + (high - low) * i / (_POINTS - 1) for i in range(_POINTS)]
-    for shape in shapes:
-        for x in corner_points(shape):
-            xs += [math.nextafter(x, -math.inf), x, math.nextafter(x, math.inf)]
-    return sorted(x for x in xs if low <= x <= high)
-
-
-def _curve(shape: Shape, low: float, high: float) -> tuple[list[float], list[float]]:
-    """Return points on the curve, with both sides of every corner, so that edges are upright."""
-    xs = _positions((shape,), low, high)
-    ys = [membership(shape, x) for x in xs]
-    # Where a term is zero on both sides as well, no line lies on the axis.
-    around = zip([0.0, *ys[:-1]], ys, [*ys[1:], 0.0], strict=True)
-    return xs, [math.nan if not any(near) else near[1] for near in around]
 
 
 # --- A whole rule base on one page ---
