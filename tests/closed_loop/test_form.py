@@ -11,18 +11,19 @@ from scipy.optimize import linprog
 
 import fuzzyarm
 from fuzzyarm.closed_loop import check_certificate, read_claim
+from fuzzyarm.closed_loop.checked_loop import checked_loop
+from fuzzyarm.closed_loop.checker import refutation
 from fuzzyarm.closed_loop.claims import problem_of
-from fuzzyarm.closed_loop.form_maker import FormMaker
 from fuzzyarm.closed_loop.runs import run_of
-from fuzzyarm.closed_loop.verification import verified
 from fuzzyarm.closed_loop.witnesses import contradiction
-from fuzzyarm.proof.arithmetic import Stop
 
 
 def of(file, plant):
     text = fuzzyarm.load(fuzzyarm.shipped(file))
     certificate = fuzzyarm.prove(text, "stable", plant=plant).certificate
-    return text, FormMaker(problem_of(text, read_claim("stable", plant)), Stop()), certificate
+    problem = problem_of(text, read_claim("stable", plant))
+    loop = checked_loop(problem, certificate.states, certificate.evidence)
+    return text, problem, loop, certificate
 
 
 @pytest.fixture(scope="module")
@@ -34,7 +35,7 @@ def floats(matrix):
     return np.array([[float(x) for x in row] for row in matrix])
 
 
-def samples(maker, certificate, count):
+def samples(problem, certificate, count):
     """Return states of runs from within the region, and the states a period later."""
     p = floats(certificate.p)
     root = np.linalg.inv(np.linalg.cholesky(p)).T
@@ -43,9 +44,9 @@ def samples(maker, certificate, count):
     for _ in range(count):
         way = generator.standard_normal(len(p))
         way *= generator.uniform() / np.linalg.norm(way)
-        start = dict(zip(maker.problem.states, map(float, root @ way), strict=True))
-        run = run_of(maker.problem, start, {}, steps=8, duration=4 * maker.problem.period)
-        z = np.array([run.outputs[name] for name in maker.problem.states]).T
+        start = dict(zip(problem.states, map(float, root @ way), strict=True))
+        run = run_of(problem, start, {}, steps=8, duration=4 * problem.period)
+        z = np.array([run.outputs[name] for name in problem.states]).T
         pairs += list(pairwise(z[:3]))
     return pairs
 
@@ -87,15 +88,13 @@ def with_entry(matrix, i, j, factor):
 
 
 def test_every_period_of_simulate_is_one_of_the_form(servo):
-    _, maker, certificate = servo
-    form = maker.form(certificate.choice)
-    assert misfit(form, samples(maker, certificate, cases(15, 1000))) < 1e-7
+    _, problem, form, certificate = servo
+    assert misfit(form, samples(problem, certificate, cases(15, 1000))) < 1e-7
 
 
 def test_a_damaged_form_is_seen(servo):
-    _, maker, certificate = servo
-    form = maker.form(certificate.choice)
-    pairs = samples(maker, certificate, 25)
+    _, problem, form, certificate = servo
+    pairs = samples(problem, certificate, 25)
     size = form.size
     for i, j in product(range(size), range(size)):
         if form.a[i][j]:
@@ -105,36 +104,25 @@ def test_a_damaged_form_is_seen(servo):
     assert misfit(replace(form, blocks=narrow), pairs) > 1e-5
 
 
-class Mistaken(FormMaker):
-    """It takes another loop for its own: as a mistake in the making of forms would."""
-
-    def __init__(self, problem, form):
-        super().__init__(problem)
-        self.other = form
-
-    def form(self, choice, *, continuous=False):
-        return self.other
-
-
 def test_a_form_of_another_loop_is_contradicted_by_runs(servo):
-    text, maker, certificate = servo
-    assert contradiction(maker, certificate) == ""
+    text, problem, loop, certificate = servo
+    assert contradiction(problem, loop, certificate) == ""
     slow = replace(text, model=replace(text.model, period=0.08))  # unstable
-    mistaken = Mistaken(problem_of(slow, certificate.claim), maker.form(certificate.choice))
-    against, _ = verified(mistaken, certificate)
-    assert against == ""  # search and checker would both believe it
-    assert "the run from" in contradiction(mistaken, certificate)
+    assert refutation(loop, certificate.p, certificate.multipliers) == ""  # as if it were this one
+    other = problem_of(slow, certificate.claim)
+    assert "the run from" in contradiction(other, loop, certificate)
 
 
 def test_a_function_that_rises_is_contradicted(servo):
-    _, maker, certificate = servo
+    _, problem, loop, certificate = servo
     tilted = [list(row) for row in certificate.p]
     tilted[0][1] = tilted[1][0] = -tilted[0][1]  # V rises along most runs
-    assert "lets V rise" in contradiction(maker, replace(certificate, p=tuple(map(tuple, tilted))))
+    damaged = replace(certificate, p=tuple(map(tuple, tilted)))
+    assert "lets V rise" in contradiction(problem, loop, damaged)
 
 
 def test_a_checked_certificate_has_been_asked_by_runs(servo, monkeypatch):
-    text, _, certificate = servo
+    text, _, _, certificate = servo
     assert check_certificate(certificate, text).proved
     monkeypatch.setattr(
         "fuzzyarm.closed_loop.verdicts.contradiction", lambda *_: "the run from here leaves it"

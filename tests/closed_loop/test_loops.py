@@ -19,11 +19,9 @@ from fuzzyarm.closed_loop.certificate import _seal
 from fuzzyarm.closed_loop.checker import is_positive_definite, refutation
 from fuzzyarm.closed_loop.claims import problem_of
 from fuzzyarm.closed_loop.form import Form
-from fuzzyarm.closed_loop.form_maker import FormMaker
 from fuzzyarm.closed_loop.linear import candidate
 from fuzzyarm.closed_loop.verification import verified
 from fuzzyarm.controller import ControllerText
-from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language import parse
 from fuzzyarm.loop import Sensor
 from fuzzyarm.model.controller import Amount
@@ -347,14 +345,14 @@ def numbers_in(data, path=()):
     for key, value in data.items() if isinstance(data, dict) else enumerate(data):
         if isinstance(value, dict | list):
             yield from numbers_in(value, (*path, key))
-        elif isinstance(value, str) and path[:1] in (("p",), ("multipliers",), ("choice",)):
+        elif isinstance(value, str) and path[:1] in (("p",), ("multipliers",), ("loop",)):
             yield (*path, key)
 
 
 def test_a_certificate_that_is_damaged_in_one_number_is_rejected(servo, servo_verdict, written):
     with open(written, encoding="utf-8") as file:
         whole = file.read()
-    maker = FormMaker(problem_of(servo, servo_verdict.certificate.claim))
+    problem = problem_of(servo, servo_verdict.certificate.claim)
     places = list(numbers_in(json.loads(whole)))
     assert len(places) > 10
     for place in places:
@@ -374,8 +372,8 @@ def test_a_certificate_that_is_damaged_in_one_number_is_rejected(servo, servo_ve
         with open(written, "w", encoding="utf-8") as file:
             json.dump(data, file)
         try:
-            against, _ = verified(maker, read_certificate(written))
-        except FuzzyarmError as error:  # it is not a certificate, or the form is refused
+            against, *_ = verified(problem, read_certificate(written))
+        except CertificateError as error:
             against = str(error)
         assert against, place
 

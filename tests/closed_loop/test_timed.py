@@ -10,6 +10,7 @@ from budget import cases
 
 import fuzzyarm
 from fuzzyarm.closed_loop import LoopProofError, prove_loop, read_claim
+from fuzzyarm.closed_loop.checked_loop import checked_loop
 from fuzzyarm.closed_loop.claims import problem_of
 from fuzzyarm.closed_loop.form_maker import FormMaker
 from fuzzyarm.closed_loop.runs import sampled_runs
@@ -112,7 +113,8 @@ def haven(servo):
     claim = read_claim("stable", "motor")
     certificate = prove_loop(servo, claim).certificate
     maker = FormMaker(problem_of(servo, claim))
-    return Haven(maker, certificate, claim), certificate
+    loop = checked_loop(maker.problem, certificate.states, certificate.evidence)
+    return Haven(maker, certificate, loop, claim), certificate
 
 
 def test_the_bound_of_v_holds_and_is_near(haven):
@@ -147,14 +149,15 @@ def test_boxes_outside_the_region_have_not_arrived(haven):
 def test_a_region_that_is_damaged_is_no_haven(servo, haven):
     _, certificate = haven
     maker = FormMaker(problem_of(servo, certificate.claim))
+    loop = checked_loop(maker.problem, certificate.states, certificate.evidence)
     p = [list(row) for row in certificate.p]
     p[0][0] /= 2
     damaged = replace(certificate, p=tuple(map(tuple, p)))
     with pytest.raises(LoopProofError, match="not proved"):
-        Haven(maker, damaged, certificate.claim)
+        Haven(maker, damaged, loop, certificate.claim)
     faster = replace(certificate, rate=min(Fraction(99, 100), 64 * certificate.rate))
     with pytest.raises(LoopProofError, match="not proved"):
-        Haven(maker, faster, certificate.claim)
+        Haven(maker, faster, loop, certificate.claim)
 
 
 def test_the_claim_of_stability_is_of_the_same_loop():

@@ -13,6 +13,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 
+from fuzzyarm.closed_loop.evidence import Gains
 from fuzzyarm.closed_loop.problem import LoopProofError
 from fuzzyarm.expression.nodes import Apply, Constant, Node, Symbol, postorder
 from fuzzyarm.model.rulebase import RuleBase
@@ -158,6 +159,13 @@ class AffineAlgebra:
         1: no limit is reached.
     is_search : bool
         While the rest is looked for: nothing is noted, and limits are not there.
+
+    Attributes
+    ----------
+    blocks, bounds : list
+        What has been noted.
+    gains, spread : list
+        The same for a certificate, see :class:`fuzzyarm.closed_loop.evidence.Evidence`.
     """
 
     def __init__(
@@ -172,6 +180,8 @@ class AffineAlgebra:
         self.grip, self.is_search = grip, is_search
         self.blocks: list[Block] = []
         self.bounds: list[Bound] = []
+        self.gains: list[Gains] = []
+        self.spread: list[tuple[int, int, Fraction, Fraction]] = []
 
     # --- arithmetic ---
 

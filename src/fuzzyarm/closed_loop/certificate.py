@@ -1,9 +1,9 @@
 """Certificates as files: what was chosen and found, all numbers as rationals, and a seal.
 
-A certificate says nothing that is believed: it names the controller, the plant and the claim, what
-a form of the loop may take for granted (:class:`~fuzzyarm.closed_loop.form.Choice`), P, the
-multipliers and the rate. :mod:`fuzzyarm.closed_loop.verdicts` makes the form anew from the files
-and asks :mod:`fuzzyarm.closed_loop.checker`.
+A certificate says nothing that is believed: it names the controller, the plant and the claim, says
+of the loop where it rests and which gains its rule bases have
+(:class:`~fuzzyarm.closed_loop.evidence.Evidence`), and has P, the multipliers and the rate.
+:mod:`fuzzyarm.closed_loop.checked_loop` derives the loop from the files and checks all of that.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from fuzzyarm.closed_loop.form import Choice, Matrix
+from fuzzyarm.closed_loop.evidence import Evidence, Gains
 from fuzzyarm.closed_loop.problem import LoopProofError
 from fuzzyarm.controller.text import ControllerText, sheet_files
 from fuzzyarm.loop.course import Sensor
@@ -31,7 +31,9 @@ __all__ = [
     "write_certificate",
 ]
 
-FORMAT = "fuzzyarm-certificate 2"
+FORMAT = "fuzzyarm-certificate 3"
+
+Matrix = tuple[tuple[Fraction, ...], ...]
 
 
 class CertificateError(LoopProofError):
@@ -50,8 +52,8 @@ class Certificate:
         The file of the controller, as it was given.
     fingerprints : dict of str to str
         SHA-256 of the controller's file and of those that it uses, by name.
-    choice : Choice
-        What the form takes for granted.
+    evidence : Evidence
+        What is said of the loop.
     continuous : bool
         Whether the loop is taken in continuous time.
     p : matrix of Fraction
@@ -71,7 +73,7 @@ class Certificate:
     claim: LoopClaim
     controller: str
     fingerprints: Mapping[str, str]
-    choice: Choice
+    evidence: Evidence
     continuous: bool
     p: Matrix
     multipliers: tuple[Fraction, ...]
@@ -104,12 +106,14 @@ class Certificate:
             "connect": dict(self.connect),
             "controller": self.controller,
             "sha256": dict(self.fingerprints),
-            "choice": {
-                "share": str(self.choice.share),
-                "grip": str(self.choice.grip),
-                "box": {name: str(half) for name, half in self.choice.box.items()},
-                "along": self.choice.along,
+            "loop": {
                 "continuous": self.continuous,
+                "memory": dict(self.evidence.memory),
+                "rest": {n: _texts(pair) for n, pair in self.evidence.rest.items()},
+                "gains": [_gains_data(gains) for gains in self.evidence.gains],
+                "spread": [[k, j, str(low), str(high)] for k, j, low, high in self.evidence.spread],
+                "grip": str(self.evidence.grip),
+                "box": {name: str(half) for name, half in self.evidence.box.items()},
             },
             "states": list(self.states),
             "p": [[str(x) for x in row] for row in self.p],
@@ -126,6 +130,44 @@ class Certificate:
 
 def _text(value: float) -> str:
     return str(Fraction(value))
+
+
+def _texts(values: tuple[Fraction, ...]) -> list[str]:
+    return [str(value) for value in values]
+
+
+def _gains_data(gains: Gains) -> dict[str, Any]:
+    return {
+        "region": {name: _texts(pair) for name, pair in gains.region.items()},
+        "between": _texts(gains.between),
+        "weights": {name: str(weight) for name, weight in gains.weights.items()},
+        "gains": {name: _texts(pair) for name, pair in gains.gains.items()},
+    }
+
+
+def _pairs(data: Any) -> dict[str, tuple[Fraction, Fraction]]:
+    return {str(name): _pair(pair) for name, pair in data.items()}
+
+
+def _pair(data: Any) -> tuple[Fraction, Fraction]:
+    low, high = map(Fraction, data)
+    return low, high
+
+
+def _gains(data: Any) -> Gains:
+    weights = {str(name): Fraction(weight) for name, weight in data["weights"].items()}
+    return Gains(_pairs(data["region"]), _pair(data["between"]), weights, _pairs(data["gains"]))
+
+
+def _evidence(data: Any) -> Evidence:
+    return Evidence(
+        {str(name): str(symbol) for name, symbol in data["memory"].items()},
+        _pairs(data["rest"]),
+        tuple(_gains(gains) for gains in data["gains"]),
+        tuple((int(k), int(j), *_pair(ends)) for k, j, *ends in data["spread"]),
+        Fraction(data["grip"]),
+        {str(name): Fraction(half) for name, half in data["box"].items()},
+    )
 
 
 def _seal(data: Mapping[str, Any]) -> str:
@@ -187,7 +229,7 @@ def read_certificate(path: str) -> Certificate:
 
 
 def _certificate(data: Mapping[str, Any]) -> Certificate:
-    claim, choice = data["claim"], data["choice"]
+    claim = data["claim"]
 
     def number(text: str) -> float:
         return float(Fraction(text))
@@ -212,13 +254,8 @@ def _certificate(data: Mapping[str, Any]) -> Certificate:
         ),
         str(data["controller"]),
         dict(data["sha256"]),
-        Choice(
-            Fraction(choice["share"]),
-            Fraction(choice["grip"]),
-            {str(name): Fraction(half) for name, half in choice["box"].items()},
-            bool(choice["along"]),
-        ),
-        bool(choice["continuous"]),
+        _evidence(data["loop"]),
+        bool(data["loop"]["continuous"]),
         tuple(tuple(Fraction(x) for x in row) for row in data["p"]),
         tuple(Fraction(x) for x in data["multipliers"]),
         Fraction(data["rate"]),

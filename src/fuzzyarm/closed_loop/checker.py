@@ -20,26 +20,57 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
+from typing import Protocol
 
-from fuzzyarm.closed_loop.form import Form
-
-__all__ = ["falls", "is_inside", "is_positive_definite", "refutation"]
+__all__ = ["Matrices", "falls", "is_inside", "is_positive_definite", "refutation"]
 
 Rows = Sequence[Sequence[Fraction]]
 Matrix = list[list[Fraction]]
+
+
+class Matrices(Protocol):
+    """A loop: ``z' = A z + B w, |wₖ| ≤ |Cₖ z + Dₖ w|``, within bounds."""
+
+    @property
+    def size(self) -> int:
+        """How many z there are."""
+
+    @property
+    def a(self) -> Rows:
+        """A."""
+
+    @property
+    def b(self) -> Rows:
+        """B."""
+
+    @property
+    def radius(self) -> Rows:
+        """How far the true ``[A B]`` may be from these numbers."""
+
+    @property
+    def blocks(self) -> Rows:
+        """``[Cₖ Dₖ]``."""
+
+    @property
+    def period(self) -> float:
+        """Of control, s; 0 in continuous time."""
+
+    def rows_within(self) -> Sequence[tuple[Sequence[Fraction], Fraction, str]]:
+        """Return rows g, limits and what they are: the loop is so where all |g z| ≤ limit."""
+
 
 BITS = 200
 """Of the entries of a matrix whose minors are found; what is rounded off is off the diagonal."""
 
 
 def refutation(
-    form: Form, p: Rows, multipliers: Sequence[Fraction], rate: Fraction = Fraction(0)
+    loop: Matrices, p: Rows, multipliers: Sequence[Fraction], rate: Fraction = Fraction(0)
 ) -> str:
     """Return why a certificate does not prove a form; empty where it does.
 
     Parameters
     ----------
-    form : Form
+    loop : Matrices
         The loop.
     p : rows of Fraction, shape (n, n)
         Of V.
@@ -48,16 +79,16 @@ def refutation(
     rate : Fraction
         ρ; of a loop in continuous time 0.
     """
-    n, m = form.size, len(form.blocks)
+    n, m = loop.size, len(loop.blocks)
     if len(p) != n or any(len(row) != n for row in p) or len(multipliers) != m:
         return "its matrices are not of the loop's size"
     if any(multiplier < 0 for multiplier in multipliers) or not 0 <= rate < 1:
         return "a multiplier or the rate is out of range"
     if any(p[i][j] != p[j][i] for i in range(n) for j in range(i)) or not is_positive_definite(p):
         return "its matrix is not symmetric and positive definite"
-    if not falls(form, p, multipliers, rate):
+    if not falls(loop, p, multipliers, rate):
         return "its function does not fall"
-    for row, limit, words in form.rows_within():
+    for row, limit, words in loop.rows_within():
         if not is_inside(p, row, limit):
             return f"its region leaves the bounds of {words}"
     return ""
@@ -74,52 +105,52 @@ def is_inside(
     )
 
 
-def falls(form: Form, p: Rows, multipliers: Sequence[Fraction], rate: Fraction) -> bool:
+def falls(loop: Matrices, p: Rows, multipliers: Sequence[Fraction], rate: Fraction) -> bool:
     """Tell whether V falls along the form, see 2. above."""
-    size = form.size + len(form.blocks)
-    if form.period:
-        total, spread = _fall_in_period(form, p, rate)
+    size = loop.size + len(loop.blocks)
+    if loop.period:
+        total, spread = _fall_in_period(loop, p, rate)
     elif rate:
         return False
     else:
-        total, spread = _fall_of_rate(form, p)
+        total, spread = _fall_of_rate(loop, p)
     for k, tau in enumerate(multipliers):
-        v = form.blocks[k]
+        v = loop.blocks[k]
         for i in range(size):
             if v[i]:
                 for j in range(size):
                     total[i][j] -= tau * v[i] * v[j]
-        total[form.size + k][form.size + k] += tau
+        total[loop.size + k][loop.size + k] += tau
     for i in range(size):
         total[i][i] -= sum(spread[i], Fraction(0))
     return is_positive_definite(total)
 
 
-def _fall_in_period(form: Form, p: Rows, rate: Fraction) -> tuple[Matrix, Matrix]:
+def _fall_in_period(loop: Matrices, p: Rows, rate: Fraction) -> tuple[Matrix, Matrix]:
     """Return (1 − ρ) P − [A B]ᵀ P [A B], and how far the true one may be from it."""
-    size = form.size + len(form.blocks)
-    move = [[*a, *b] for a, b in zip(form.a, form.b, strict=True)]
+    size = loop.size + len(loop.blocks)
+    move = [[*a, *b] for a, b in zip(loop.a, loop.b, strict=True)]
     carried = _product(p, move)
     after = _product(_transposed(move), carried)
     # |(M + E)ᵀ P (M + E) − Mᵀ P M| ≤ |Eᵀ P M| + its transpose + |Eᵀ P E|, entry by entry.
-    first = _product(_transposed(form.radius), _sizes(carried))
-    second = _product(_transposed(form.radius), _product(_sizes(p), form.radius))
+    first = _product(_transposed(loop.radius), _sizes(carried))
+    second = _product(_transposed(loop.radius), _product(_sizes(p), loop.radius))
     total = [[-after[i][j] for j in range(size)] for i in range(size)]
     spread = [[first[i][j] + first[j][i] + second[i][j] for j in range(size)] for i in range(size)]
-    for i in range(form.size):
-        for j in range(form.size):
+    for i in range(loop.size):
+        for j in range(loop.size):
             total[i][j] += (1 - rate) * p[i][j]
     return total, spread
 
 
-def _fall_of_rate(form: Form, p: Rows) -> tuple[Matrix, Matrix]:
+def _fall_of_rate(loop: Matrices, p: Rows) -> tuple[Matrix, Matrix]:
     """Return −(P [A B] + its transpose), and how far the true one may be from it."""
-    size = form.size + len(form.blocks)
-    carried = _product(p, [[*a, *b] for a, b in zip(form.a, form.b, strict=True)])
-    error = _product(_sizes(p), form.radius)
+    size = loop.size + len(loop.blocks)
+    carried = _product(p, [[*a, *b] for a, b in zip(loop.a, loop.b, strict=True)])
+    error = _product(_sizes(p), loop.radius)
     total = [[Fraction(0)] * size for _ in range(size)]
     spread = [[Fraction(0)] * size for _ in range(size)]
-    for i in range(form.size):
+    for i in range(loop.size):
         for j in range(size):
             total[i][j] -= carried[i][j]
             total[j][i] -= carried[i][j]

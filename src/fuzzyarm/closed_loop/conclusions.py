@@ -15,6 +15,7 @@ import numpy as np
 
 from fuzzyarm.closed_loop.affine import ONE, ZERO, Affine, AffineAlgebra, Rules, number
 from fuzzyarm.closed_loop.enclosure import Intervals
+from fuzzyarm.closed_loop.evidence import Gains
 from fuzzyarm.closed_loop.form import Choice
 from fuzzyarm.closed_loop.outward import around, end_of
 from fuzzyarm.closed_loop.problem import LoopProofError
@@ -31,10 +32,14 @@ Tables = Callable[[AffineAlgebra, LookupTable, Mapping[str, Affine]], Affine]
 
 
 class Conclusions:
-    """The rule bases and tables of one loop; what has been proved of them is kept."""
+    """The rule bases and tables of one loop; what has been proved of them is kept.
+
+    Where the rest is not exact (`is_exact`), inputs are only near 0: a sector is none.
+    """
 
     def __init__(self, stop: Stop) -> None:
         self.stop = stop
+        self.is_exact = True
         self._known: dict[object, object] = {}
 
     def _prover(self, sheet: RuleBase, output: str) -> Prover:
@@ -80,6 +85,11 @@ class Conclusions:
             raise LoopProofError("no rule fires at rest")
         return Fraction(value)
 
+    def near(self, sheet: RuleBase, output: str, inputs: Mapping[str, float]) -> float:
+        """Return an output at a point, as a float."""
+        at = {name: Fraction(x) for name, x in inputs.items()}
+        return float(self._value_at(self._prover(sheet, output), at))
+
     @staticmethod
     def _universes(prover: Prover) -> list[tuple[str, Fraction, Fraction]]:
         found = []
@@ -114,6 +124,43 @@ class Conclusions:
         prover = self._prover(sheet, output)
         rest = {name: variable.constant for name, variable in inputs.items()}
         value = self._value_at(prover, rest)
+        region = self._region(choice, algebra, prover, inputs)
+        if prover.without_value(region) is not None:
+            raise LoopProofError(f"'{sheet.name}' has no rule for some of its inputs near rest")
+        along = None
+        if choice.along and self.is_exact and not any(rest.values()) and value == 0:
+            along = self._sector(prover, region, [n for n in inputs if not inputs[n].is_constant])
+        if along is not None:
+            weights, low, high = along
+            gains = {"": (low, high)}
+            sigma = Affine(ZERO)
+            for name, weight in weights.items():
+                sigma = sigma.plus(inputs[name].deviation.scaled(weight))
+            parts = _gain(algebra, sigma, low, high, f"{sheet.name}, a gain in")
+        else:
+            weights, gains = {}, {}
+            parts = Affine(ZERO)
+            for name, variable in inputs.items():
+                if not variable.is_constant:
+                    low, high = gains[name] = self._slopes(prover, region, name)
+                    words = f"{sheet.name}, its slope along {name} in"
+                    parts = parts.plus(_gain(algebra, variable.deviation, low, high, words))
+        ends = self._range(prover, region)
+        moving = [name for name in inputs if not inputs[name].is_constant]
+        if moving:
+            exact = {
+                name: (max(Fraction(region[name][0]), low), min(Fraction(region[name][1]), high))
+                for name, low, high in self._universes(prover)
+                if name in moving
+            }
+            algebra.gains.append(Gains(exact, ends, weights, gains))
+        return Affine(value, parts.parts, *ends)
+
+    def _region(
+        self, choice: Choice, algebra: AffineAlgebra, prover: Prover, inputs: Mapping[str, Affine]
+    ) -> dict[str, tuple[float, float]]:
+        """Return where inputs are taken to be, which is noted."""
+        rest = {name: variable.constant for name, variable in inputs.items()}
         region: dict[str, tuple[float, float]] = {}
         for name, low, high in self._universes(prover):
             if inputs[name].is_constant:
@@ -124,27 +171,8 @@ class Conclusions:
             if half <= 0 or not low <= rest[name] - half <= rest[name] + half <= high:
                 raise LoopProofError(f"at rest '{name}' is at the end of its universe")
             region[name] = around(rest[name], half)
-            algebra.require(inputs[name], -half, half, f"'{name}' of {sheet.name}")
-        if prover.without_value(region) is not None:
-            raise LoopProofError(f"'{sheet.name}' has no rule for some of its inputs near rest")
-        along = None
-        if choice.along and not any(rest.values()) and value == 0:
-            along = self._sector(prover, region, [n for n in inputs if not inputs[n].is_constant])
-        if along is not None:
-            weights, low, high = along
-            sigma = Affine(ZERO)
-            for name, weight in weights.items():
-                sigma = sigma.plus(inputs[name].deviation.scaled(weight))
-            parts = _gain(algebra, sigma, low, high, f"{sheet.name}, a gain in")
-        else:
-            parts = Affine(ZERO)
-            for name, variable in inputs.items():
-                if not variable.is_constant:
-                    low, high = self._slopes(prover, region, name)
-                    words = f"{sheet.name}, its slope along {name} in"
-                    parts = parts.plus(_gain(algebra, variable.deviation, low, high, words))
-        ends = self._range(prover, region)
-        return Affine(value, parts.parts, *ends)
+            algebra.require(inputs[name], -half, half, f"'{name}' of {prover.rulebase.name}")
+        return region
 
     def _sector(
         self, prover: Prover, region: Mapping[str, tuple[float, float]], names: Sequence[str]
@@ -237,6 +265,7 @@ def _table_form(
             raise LoopProofError(f"at rest '{axis.name}' of a table is between two levels")
     values = np.asarray(sheet.values, float)
     total = Affine(ZERO)
+    region, gains = {}, {}
     for number_, (axis, (name, form)) in enumerate(zip(sheet.axes, inputs.items(), strict=True)):
         if form.is_constant:
             continue
@@ -251,8 +280,12 @@ def _table_form(
             Intervals.at(levels[1:]) - Intervals.at(levels[:-1])
         )
         low, high = Fraction(float(slopes.low.min())), Fraction(float(slopes.high.max()))
+        region[name] = (form.constant - half, form.constant + half)
+        gains[name] = (low, high)
         words = f"a table, its slope along {name} in"
         total = total.plus(_gain(algebra, form.deviation, low, high, words))
     value = Fraction(float(sheet.lookup(*rest)))
     ends = Fraction(float(values.min())), Fraction(float(values.max()))
+    if gains:
+        algebra.gains.append(Gains(region, ends, {}, gains))
     return Affine(value, total.parts, *ends)

@@ -17,6 +17,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 
 from fuzzyarm.closed_loop.affine import ONE, ZERO, Affine, Bound
+from fuzzyarm.closed_loop.evidence import Evidence
 from fuzzyarm.closed_loop.problem import LoopProofError
 from fuzzyarm.plant.plant import Address
 
@@ -79,6 +80,8 @@ class Form:
         What memory that starts with what it sees is, by states of the plant.
     period : float
         s; 0 for a loop in continuous time.
+    evidence : Evidence or None
+        What a certificate says of it.
     """
 
     names: tuple[str, ...]
@@ -92,6 +95,7 @@ class Form:
     outputs: Mapping[Address, Affine]
     seeds: Mapping[str, Affine]
     period: float
+    evidence: Evidence | None = None
 
     @property
     def size(self) -> int:

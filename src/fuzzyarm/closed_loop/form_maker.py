@@ -16,15 +16,21 @@ from fuzzyarm.closed_loop.affine import (
     variable,
 )
 from fuzzyarm.closed_loop.conclusions import Conclusions
+from fuzzyarm.closed_loop.evidence import Evidence
 from fuzzyarm.closed_loop.form import Choice, Form, row_of
 from fuzzyarm.closed_loop.outward import exact_bounds
 from fuzzyarm.closed_loop.problem import ControlPeriod, LoopProblem, LoopProofError
+from fuzzyarm.closed_loop.resting import rest_in_floats
 from fuzzyarm.closed_loop.sampled_plant import SampledPlant, require_still
+from fuzzyarm.export.steps import steps_of
 from fuzzyarm.expression.nodes import Symbol
 from fuzzyarm.plant.plant import Address
 from fuzzyarm.proof.arithmetic import Stop
 
 __all__ = ["FormMaker"]
+
+DOUBT = 1e-9
+"""How far the true rest is taken to be from one that was found in floats, at most."""
 
 
 class FormMaker:
@@ -36,6 +42,13 @@ class FormMaker:
         The loop.
     stop : Stop, optional
         When to give up.
+
+    Attributes
+    ----------
+    rest : dict of str to Fraction
+        Where states and memory rest.
+    is_exact : bool
+        Whether that is exact; else it is near a rest that is not rational.
 
     Raises
     ------
@@ -49,6 +62,7 @@ class FormMaker:
         self.equations = problem.equations
         self._conclusions = Conclusions(stop or Stop())
         self.fixed = [name for name in self._memory_names() if " excess " in name]
+        self.is_exact = True
         self.rest = self._rest()
         self.plant = SampledPlant(problem, self.rest)
 
@@ -109,10 +123,14 @@ class FormMaker:
     def _rest(self) -> dict[str, Fraction]:
         """Return where the loop rests: states and memory, exactly."""
         names = [*self.problem.states, *self.memory]
-        try:
+        if SampledPlant(self.problem, {}).is_affine:
             return self._rest_of_affine(names)
-        except NotAffineError:
-            return self._rest_at_set_point(names)
+        rest = self._rest_at_set_point(names)
+        if rest is None:
+            self.is_exact = self._conclusions.is_exact = False
+            near = rest_in_floats(self.problem, self.memory, self._conclusions.near)
+            rest = {name: Fraction(value) for name, value in near.items()}
+        return rest
 
     def _rest_of_affine(self, names: Sequence[str]) -> dict[str, Fraction]:
         algebra = self._algebra(Choice(), is_search=True)
@@ -135,8 +153,8 @@ class FormMaker:
         values |= dict(zip(self.equations.inputs, inputs.values(), strict=True))
         return [algebra.expression(root, values) for root in self.equations.rates]
 
-    def _rest_at_set_point(self, names: Sequence[str]) -> dict[str, Fraction]:
-        """Return the rest of a plant that is not affine: its set point and 0, if it rests there."""
+    def _rest_at_set_point(self, names: Sequence[str]) -> dict[str, Fraction] | None:
+        """Return the set point of a plant that is not affine, and 0, if it rests there."""
         problem, interface = self.problem, self.problem.site.interface
         rest = dict.fromkeys(names, ZERO)
         for address, root in zip(interface.outputs, self.equations.outputs, strict=True):
@@ -145,15 +163,13 @@ class FormMaker:
                     rest[name] = Fraction(problem.set_point[address])
         algebra = self._algebra(Choice(), is_search=True)
         states = {name: number(value) for name, value in rest.items()}
-        inputs, after, _ = self._one_period(algebra, states)
-        moves = self._rates(algebra, states, inputs)
+        try:
+            inputs, after, _ = self._one_period(algebra, states)
+            moves = self._rates(algebra, states, inputs)
+        except NotAffineError:
+            return None
         moves += [after[name].plus(states[name].scaled(-ONE)) for name in self.memory]
-        if any(move.constant for move in moves):
-            raise LoopProofError(
-                "the loop does not rest at its set point with everything else at 0",
-                hint="of a plant that is not affine that is the rest which is looked at",
-            )
-        return rest
+        return None if any(move.constant for move in moves) else rest
 
     # --- the form ---
 
@@ -181,11 +197,12 @@ class FormMaker:
         states = {name: variable(name, self.rest[name]) for name in names}
         inputs, after, outputs = self._one_period(algebra, states)
         for name in self.memory:
-            if after[name].constant != self.rest[name]:
+            if self.is_exact and after[name].constant != self.rest[name]:
                 raise NotAffineError(f"{name} does not rest")
         deviations = {name: variable(name) for name in names}
         drives = {f"u{k}": form.deviation for k, form in enumerate(inputs.values())}
-        self._check_rest(algebra, states, inputs)
+        if self.is_exact:
+            self._check_rest(algebra, states, inputs)
         rows, radius = self.plant.rows(choice, algebra, deviations, drives, inputs, continuous)
         rows += [after[name].deviation for name in self.memory]
         count = len(algebra.blocks)
@@ -205,6 +222,22 @@ class FormMaker:
             {**outputs, **inputs},
             self._seeds(choice),
             0.0 if continuous else self.problem.period,
+            self._evidence(choice, algebra),
+        )
+
+    def _evidence(self, choice: Choice, algebra: AffineAlgebra) -> Evidence:
+        """Return what a certificate says of this form."""
+        doubt = {
+            name: ZERO if self.is_exact else Fraction(DOUBT) * max(abs(x), ONE)
+            for name, x in self.rest.items()
+        }
+        return Evidence(
+            _program_names(self.problem, self.memory),
+            {name: (x, doubt[name]) for name, x in self.rest.items()},
+            tuple(algebra.gains),
+            tuple(algebra.spread),
+            choice.grip,
+            {} if self.plant.is_affine else dict(choice.box),
         )
 
     def _check_rest(
@@ -262,6 +295,28 @@ class FormMaker:
         if again != (inputs, after):
             raise NotAffineError(f"'{next(iter(begun))}' starts in a way of its own")
         return seeds
+
+
+def _program_names(problem: LoopProblem, memory: Sequence[str]) -> dict[str, str]:
+    """Return what memory is called in the program: only a guess, which the checker proves."""
+    states = [
+        name
+        for name, variable in steps_of(problem.text).variables.items()
+        if variable.sort == "state" and not name.endswith("_excess")
+    ]
+    program = iter(states)
+    names = {}
+    for name in memory:
+        label, _, what = name.partition(" ")
+        if what.startswith("late "):
+            names[name] = f"late:{label}:{what.removeprefix('late ')}"
+        elif what in ("sensed before", "sensed slope"):
+            names[name] = f"{what.removeprefix('sensed ')}:{label}"
+        elif what == "driven":
+            names[name] = f"driven:{label}"
+        else:
+            names[name] = next(program, "")
+    return names
 
 
 def _solved(rows: Sequence[Affine], names: Sequence[str]) -> list[Fraction] | None:

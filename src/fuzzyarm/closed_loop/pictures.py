@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fuzzyarm.closed_loop.checked_loop import CheckedLoop
 from fuzzyarm.closed_loop.claims import problem_of
-from fuzzyarm.closed_loop.form_maker import FormMaker
 from fuzzyarm.closed_loop.problem import LoopProblem
 from fuzzyarm.closed_loop.verdicts import LoopVerdict
-from fuzzyarm.closed_loop.verification import start_quadric
+from fuzzyarm.closed_loop.verification import start_quadric, verified
 from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.loop.course import Options
 from fuzzyarm.loop.run import Run
@@ -81,19 +81,21 @@ def region_planes(
         sensors=certificate.sensors,
         connect=certificate.connect,
     )
-    maker = FormMaker(problem)
+    against, _, loop = verified(problem, certificate)
+    if against or loop is None:
+        return []
     states = list(problem.states)
     pairs = [(0, 1), (2, 3)] if len(states) > 3 else [(0, 1), (1, 2)][: max(1, len(states) - 1)]
-    return [_plane(problem, maker, verdict, *pair) for pair in pairs if len(states) > 1]
+    return [_plane(problem, loop, verdict, *pair) for pair in pairs if len(states) > 1]
 
 
 def _plane(
-    problem: LoopProblem, maker: FormMaker, verdict: LoopVerdict, first: int, second: int
+    problem: LoopProblem, loop: CheckedLoop, verdict: LoopVerdict, first: int, second: int
 ) -> RegionPlane:
     certificate = verdict.certificate
     assert certificate is not None
     names = (problem.states[first], problem.states[second])
-    rest = np.array([float(maker.rest[name]) for name in problem.states])
+    rest = np.array([float(loop.rest[name]) for name in problem.states])
     middle = rest[[first, second]]
     p = np.array([[float(x) for x in row] for row in certificate.p])
     shadow = np.linalg.inv(np.linalg.inv(p)[np.ix_([first, second], [first, second])])
@@ -101,8 +103,7 @@ def _plane(
     circle = np.stack([np.cos(angle), np.sin(angle)])
     root = np.linalg.inv(np.linalg.cholesky(shadow)).T
     outline = (root @ circle).T + middle
-    form = maker.form(certificate.choice, continuous=certificate.continuous)
-    quadratic, linear, constant = start_quadric(maker, form, certificate.p, (first, second))
+    quadratic, linear, constant = start_quadric(problem, loop, certificate.p, (first, second))
     start = _outline(quadratic, linear, constant, circle)
     runs = []
     for way in start[:: max(1, len(start) // RUNS)][:RUNS]:

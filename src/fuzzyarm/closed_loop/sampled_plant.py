@@ -152,6 +152,8 @@ class SampledPlant:
                     of = self.problem.states[j] if j < count else self.equations.inputs[j - count]
                     words = f"the plant, {name} by {of} in {low:.6g} .. {high:.6g}"
                     row = row.plus(algebra.block(signal.scaled(radius), words))
+                    low_, high_ = Fraction(middle) - radius, Fraction(middle) + radius
+                    algebra.spread.append((k, j, low_, high_))
                 elif radius:
                     spread = spread.plus(_magnitudes(signal, radius))
             rows.append(row)
@@ -185,32 +187,6 @@ class SampledPlant:
         tail = 2.0 * norm ** (last + 1) / math.factorial(last + 1) * (1.0 + 1e-12)
         total = total + Intervals.between(np.full(unit.shape, -tail), np.full(unit.shape, tail))
         return total[:count]
-
-    def output_between_samples(
-        self, output: str, reach: Mapping[str, float]
-    ) -> tuple[float, float]:
-        """Return where an output can be from one sample to the next, for states within a reach.
-
-        Parameters
-        ----------
-        output : str
-            A port of the plant.
-        reach : mapping of str to float
-            By state, how far it is from rest at the sample.
-        """
-        equations, problem = self.equations, self.problem
-        interface = problem.site.interface
-        ranges = {"t": (-math.inf, math.inf)}
-        for key, span in zip(equations.parameters, problem.parameters.values(), strict=True):
-            ranges[key] = (span.low, span.high)
-        for key, name in zip(equations.states, problem.states, strict=True):
-            ranges[key] = around(self.rest[name], Fraction(reach[name]))
-        for key, port in zip(equations.inputs, interface.inputs.values(), strict=True):
-            ranges[key] = (port.low, port.high)
-        moving = self._around_motion(ranges)
-        at = list(interface.outputs).index(interface.port(output))
-        low, high = bounds_of(equations.outputs[at], moving)
-        return low, high
 
     def _around_motion(
         self, ranges: Mapping[str, tuple[float, float]]

@@ -9,16 +9,16 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from itertools import product
 
 import numpy as np
 
 from fuzzyarm.closed_loop.affine import NotAffineError
-from fuzzyarm.closed_loop.checker import falls
+from fuzzyarm.closed_loop.checker import Matrices, falls
 from fuzzyarm.closed_loop.form import Choice, Form, Matrix
 from fuzzyarm.closed_loop.form_maker import FormMaker
 from fuzzyarm.closed_loop.linear import Candidate, candidate
 from fuzzyarm.closed_loop.problem import LoopProofError
-from fuzzyarm.closed_loop.verification import start_vertices
 from fuzzyarm.model.claims import LoopClaim
 from fuzzyarm.proof.arithmetic import Stop
 from fuzzyarm.proof.bounds import UnprovableError
@@ -112,7 +112,7 @@ class _Search:
         if isinstance(form, str):
             yield form
             return
-        include = start_vertices(self.maker, form) if self._starts else []
+        include = _start_vertices(self.maker, form) if self._starts else []
         beyond = _beyond(form, include)
         if beyond:
             yield beyond
@@ -323,6 +323,30 @@ class _Search:
             yield best
 
 
+def _start_vertices(maker: FormMaker, form: Form) -> list[tuple[Fraction, ...]]:
+    """Return the corners of the start, as ways from rest; memory as it begins."""
+    start, begin = maker.problem.start, maker.begin
+    ends = [dict.fromkeys(map(Fraction, start[name])) for name in maker.problem.states]
+    if 2 ** sum(len(end) > 1 for end in ends) > 4096:
+        raise LoopProofError("a start of more than 12 intervals")
+    vertices = []
+    for corner in product(*ends):
+        states = dict(zip(maker.problem.states, corner, strict=True))
+        off = {name: x - form.rest[name] for name, x in states.items()}
+        z = list(off.values())
+        for name in form.names[len(states) :]:
+            seed = form.seeds.get(name)
+            if seed is None:
+                value = Fraction(begin[name])
+            else:
+                value = seed.constant + sum(
+                    (w * off[n] for n, w in seed.parts.items()), Fraction(0)
+                )
+            z.append(value - form.rest[name])
+        vertices.append(tuple(z))
+    return vertices
+
+
 def _beyond(form: Form, points: Sequence[Sequence[Fraction]]) -> str:
     """Return which bound of a form does not hold at some point; empty where all hold."""
     for row, limit, words in form.rows_within():
@@ -347,7 +371,7 @@ def _half_axes(p: Matrix, form: Form) -> dict[str, float]:
     return dict(zip(form.names, halves.tolist(), strict=True))
 
 
-def rate_of(form: Form, p: Matrix, multipliers: tuple[Fraction, ...]) -> Fraction:
+def rate_of(form: Matrices, p: Matrix, multipliers: tuple[Fraction, ...]) -> Fraction:
     """Return a share by which V falls in each period: a power of 2, then somewhat more.
 
     Parameters

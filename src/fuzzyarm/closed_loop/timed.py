@@ -18,6 +18,8 @@ from numpy.typing import NDArray
 
 from fuzzyarm.closed_loop.algebra import Number
 from fuzzyarm.closed_loop.certificate import Certificate
+from fuzzyarm.closed_loop.checked_loop import CheckedLoop
+from fuzzyarm.closed_loop.checked_motion import output_between_samples
 from fuzzyarm.closed_loop.checker import is_positive_definite, refutation
 from fuzzyarm.closed_loop.claims import claimed_port, problem_of
 from fuzzyarm.closed_loop.enclosure import EnclosureError, outward
@@ -184,6 +186,8 @@ class Haven:
         Of the loop.
     certificate : Certificate
         That it is stable as sampled; it is checked here once more.
+    loop : CheckedLoop
+        As the checker derived it.
     claim : LoopClaim
         What is to hold from there on.
 
@@ -193,17 +197,18 @@ class Haven:
         If the certificate proves nothing, or not even the rest of the loop fulfils the claim.
     """
 
-    def __init__(self, maker: FormMaker, certificate: Certificate, claim: LoopClaim) -> None:
+    def __init__(
+        self, maker: FormMaker, certificate: Certificate, loop: CheckedLoop, claim: LoopClaim
+    ) -> None:
         self.maker, self.claim = maker, claim
-        form = maker.form(certificate.choice)
         self.p, self.rate = certificate.p, certificate.rate
-        against = "it is of other states" if certificate.states != form.names else ""
+        against = "it is of other states" if certificate.states != loop.names else ""
         if certificate.continuous:
             against = "it is of the loop in continuous time"
-        against = against or refutation(form, self.p, certificate.multipliers, self.rate)
+        against = against or refutation(loop, self.p, certificate.multipliers, self.rate)
         if against:
             raise LoopProofError(f"the region is not proved: {against}")
-        self.form = form
+        self.loop = loop
         period = Fraction(maker.problem.period)
         self.first = int(Fraction(claim.begin) / period)
         plant = maker.problem.plant
@@ -211,8 +216,11 @@ class Haven:
         self.level = self._level()
         self.factor, self.slack = _factored(self.p)
         self.rests = [
-            outward(np.array(below(x)), np.array(above(x)))
-            for x in (form.rest[name] for name in form.names)
+            outward(
+                np.array(below(loop.rest[name] - loop.doubt[name])),
+                np.array(above(loop.rest[name] + loop.doubt[name])),
+            )
+            for name in loop.names
         ]
         self._fading: dict[int, float] = {}
         self._before: NDArray[np.float64] | None = None
@@ -223,14 +231,16 @@ class Haven:
             return 1.0
         for halvings in range(40):
             level = Fraction(1, 2**halvings)
-            reach = reach_of(self.form, level, self.p)
+            reach = reach_of(self.loop, level, self.p)
             if any(math.isinf(half) for half in reach.values()):
                 continue
             try:
-                low, high = self.maker.plant.output_between_samples(self.claim.output, reach)
+                span = output_between_samples(
+                    self.maker.problem, self.loop.within(reach), self.claim.output
+                )
             except (FuzzyarmError, EnclosureError):
                 continue
-            if self.claim.low <= low and high <= self.claim.high:
+            if Fraction(self.claim.low) <= span.low and span.high <= Fraction(self.claim.high):
                 return float(level)
         raise LoopProofError("at rest, and next to it, the claim is not proved")
 
@@ -281,7 +291,7 @@ class Haven:
         batch = states.shape[1]
         names = self.maker.problem.states
         z: list[Forms] = []
-        for name, rest in zip(self.form.names, self.rests, strict=True):
+        for name, rest in zip(self.loop.names, self.rests, strict=True):
             value = states[names.index(name)] if name in names else memory[name]
             own = value if isinstance(value, Forms) else Forms.at(np.full(batch, value))
             low, high = np.full(batch, rest.low), np.full(batch, rest.high)

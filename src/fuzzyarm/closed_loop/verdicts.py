@@ -1,7 +1,7 @@
 """Verdicts on claims about a loop: proved with a certificate, refuted by a run, or undecided.
 
 A search (floats, :mod:`fuzzyarm.closed_loop.search`) proposes certificates; *proved* is said only
-of one that :func:`verified` accepts, which makes the loop's form anew and asks the checker.
+of one that :func:`verified` accepts, which derives the loop by a way of its own.
 """
 
 from __future__ import annotations
@@ -20,12 +20,15 @@ from fuzzyarm.closed_loop.certificate import (
     fingerprints_of,
     read_certificate,
 )
+from fuzzyarm.closed_loop.checked_lines import PiecesOfRules
+from fuzzyarm.closed_loop.checked_loop import CheckedLoop
+from fuzzyarm.closed_loop.checker import refutation
 from fuzzyarm.closed_loop.claims import claim_text, problem_of
 from fuzzyarm.closed_loop.enclosure import EnclosureError
 from fuzzyarm.closed_loop.form_maker import FormMaker
 from fuzzyarm.closed_loop.problem import LoopProblem
 from fuzzyarm.closed_loop.runs import refuting_run
-from fuzzyarm.closed_loop.search import proposals, rate_of
+from fuzzyarm.closed_loop.search import Proposal, proposals, rate_of
 from fuzzyarm.closed_loop.timed import Haven, claim_of_stability, followed, in_the_way
 from fuzzyarm.closed_loop.tube import Tube
 from fuzzyarm.closed_loop.verification import verified
@@ -41,6 +44,9 @@ from fuzzyarm.text.diagnostic import NOWHERE
 from fuzzyarm.text.shown import Shown, one_line
 
 __all__ = ["LoopVerdict", "check_certificate", "prove_loop"]
+
+MOST_CHECKED = 8
+"""Proposals that are shown to the checker, the one of the largest region first."""
 
 PROVED, REFUTED, UNDECIDED = "proved", "refuted", "undecided"
 
@@ -208,6 +214,8 @@ class _Case:
         self.stop = Stop(budget, watch)
         self.attempts = 0
         self.rest: dict[str, float] | None = None
+        self.pieces = PiecesOfRules()
+        self.loop: CheckedLoop | None = None  # of the last certificate that was accepted
 
     def verdict(self) -> LoopVerdict:
         """Judge the claim."""
@@ -246,7 +254,8 @@ class _Case:
         stable = self._searched(maker, claim_of_stability(self.claim), self.stop.half())
         if stable.certificate is None:
             return None
-        haven = Haven(maker, stable.certificate, self.claim)
+        assert self.loop is not None
+        haven = Haven(maker, stable.certificate, self.loop, self.claim)
         way, reason = followed(
             problem, self.claim, budget=self.stop.left, tell=self._told_of_boxes, haven=haven
         )
@@ -292,69 +301,73 @@ class _Case:
         )
 
     def _searched(self, maker: FormMaker, claim: LoopClaim, stop: Stop) -> LoopVerdict:
-        best: tuple[float, LoopVerdict] | None = None
         wanted = (claim.low, claim.high) if claim.output else None
         reason = "no quadratic function was found that falls"
-        prints = fingerprints_of(self.text, self.text.path) if self.text.path else {}
-        for proposal in proposals(
-            maker,
-            claim,
-            stop,
-            continuous=self.continuous,
-            wanted=wanted,
-        ):
+        good: list[Proposal] = []
+        verdict: LoopVerdict | None = None
+        for proposal in proposals(maker, claim, stop, continuous=self.continuous, wanted=wanted):
             self.attempts += 1
             self.stop.say(self.attempts)
             if isinstance(proposal, str):
                 reason = proposal
                 continue
-            certificate = Certificate(
-                claim,
-                self.text.path,
-                prints,
-                proposal.choice,
-                self.continuous,
-                proposal.p,
-                proposal.multipliers,
-                proposal.rate,
-                proposal.form.names,
-                self._sensors_of(maker.problem),
-                dict(self.connect or {}),
-            )
-            against, facts = verified(maker, certificate, form=proposal.form)
+            form = proposal.form
+            against = refutation(form, proposal.p, proposal.multipliers, proposal.rate)
             if against:
                 reason = against
                 continue
-            if best is None or proposal.size > best[0]:
-                verdict = self._said(PROVED, certificate=certificate, **facts)
-                best = (proposal.size, verdict)
-            if claim.output:
-                break
-        if best is not None:
-            verdict = self._with_rate(maker, best[1])
-            assert verdict.certificate is not None
-            against = contradiction(maker, verdict.certificate)
-            if against:
-                return self._said(UNDECIDED, reason=f"a certificate is contradicted: {against}")
-            seconds = time.monotonic() - self.started
-            return replace(verdict, seconds=seconds, pieces=self.attempts)
+            good.append(proposal)
+            if claim.output:  # the first one will do
+                verdict, against = self._judged(maker, claim, proposal)
+                reason = against or reason
+                if verdict is not None:
+                    return verdict
+        if not claim.output:
+            # The search has seen its own form of the loop; the largest that the checker accepts.
+            for proposal in sorted(good, key=lambda made: -made.size)[:MOST_CHECKED]:
+                verdict, against = self._judged(maker, claim, proposal)
+                reason = against or reason
+                if verdict is not None:
+                    return verdict
         over = "time ran out" if stop.now else reason
         return self._said(UNDECIDED, reason=over, rest=_plain(maker.rest))
+
+    def _judged(
+        self, maker: FormMaker, claim: LoopClaim, proposal: Proposal
+    ) -> tuple[LoopVerdict | None, str]:
+        """Return what the checker, and runs as witnesses, say of a proposal."""
+        assert proposal.form.evidence is not None
+        prints = fingerprints_of(self.text, self.text.path) if self.text.path else {}
+        certificate = Certificate(
+            claim,
+            self.text.path,
+            prints,
+            proposal.form.evidence,
+            self.continuous,
+            proposal.p,
+            proposal.multipliers,
+            proposal.rate,
+            proposal.form.names,
+            self._sensors_of(maker.problem),
+            dict(self.connect or {}),
+        )
+        against, facts, loop = verified(maker.problem, certificate, self.pieces)
+        if against or loop is None:
+            return None, against
+        if not (certificate.rate or certificate.continuous):  # by how much V falls in each period
+            rate = rate_of(loop, certificate.p, certificate.multipliers)
+            certificate = replace(certificate, rate=rate)
+            facts["fall"] = _float_down(rate)
+        against = contradiction(maker.problem, loop, certificate)
+        if against:
+            return None, f"a certificate is contradicted: {against}"
+        self.loop = loop
+        return self._said(PROVED, certificate=certificate, **facts), ""
 
     @staticmethod
     def _sensors_of(problem: LoopProblem) -> dict[str, Sensor]:
         """Return the sensors of a loop as a certificate has them."""
         return {".".join(port): sensor for port, sensor in problem.sensors.items()}
-
-    def _with_rate(self, maker: FormMaker, verdict: LoopVerdict) -> LoopVerdict:
-        """Add by how much V falls in each period."""
-        certificate = verdict.certificate
-        assert certificate is not None
-        if certificate.rate or certificate.continuous:
-            return verdict
-        form = maker.form(certificate.choice)
-        rate = rate_of(form, certificate.p, certificate.multipliers)
-        return replace(verdict, certificate=replace(certificate, rate=rate), fall=_float_down(rate))
 
     def _attacked(self, problem: LoopProblem) -> LoopVerdict | None:
         """Return a refutation by a run, if one of some runs is one."""
@@ -432,17 +445,16 @@ def check_certificate(
             raise CertificateError(f"{name} is not the file that was proved")
     statement = claim_text(certificate.claim)
     try:
-        maker = FormMaker(
-            problem_of(
-                text,
-                certificate.claim,
-                plant=plant,
-                sensors=certificate.sensors,
-                connect=certificate.connect,
-            )
+        problem = problem_of(
+            text,
+            certificate.claim,
+            plant=plant,
+            sensors=certificate.sensors,
+            connect=certificate.connect,
         )
-        against, facts = verified(maker, certificate)
-        against = against or contradiction(maker, certificate)
+        against, facts, loop = verified(problem, certificate)
+        if loop is not None and not against:
+            against = contradiction(problem, loop, certificate)
     except (FuzzyarmError, EnclosureError) as error:
         against, facts = _sentence(error), {}
     verdict = UNDECIDED if against else PROVED

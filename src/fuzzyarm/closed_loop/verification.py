@@ -15,10 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.closed_loop.certificate import Certificate
+from fuzzyarm.closed_loop.checked_lines import PiecesOfRules
+from fuzzyarm.closed_loop.checked_loop import CheckedLoop, checked_loop
+from fuzzyarm.closed_loop.checked_motion import output_between_samples
 from fuzzyarm.closed_loop.checker import is_inside, refutation
-from fuzzyarm.closed_loop.form import Form
-from fuzzyarm.closed_loop.form_maker import FormMaker
-from fuzzyarm.closed_loop.problem import LoopProofError
+from fuzzyarm.closed_loop.outward import above, below
+from fuzzyarm.closed_loop.problem import LoopProblem, LoopProofError
 
 __all__ = ["power_up", "reach_of", "start_quadric", "start_vertices", "verified"]
 
@@ -28,51 +30,75 @@ def _plain(values: Mapping[str, Fraction]) -> dict[str, float]:
 
 
 def verified(
-    maker: FormMaker, certificate: Certificate, *, form: Form | None = None
-) -> tuple[str, dict[str, Any]]:
+    problem: LoopProblem, certificate: Certificate, pieces: PiecesOfRules | None = None
+) -> tuple[str, dict[str, Any], CheckedLoop | None]:
     """Return why a certificate does not prove its claim (empty: it does), and what it proves.
 
     Parameters
     ----------
-    maker : FormMaker
-        Of the loop.
+    problem : LoopProblem
+        The loop.
     certificate : Certificate
         Which.
-    form : Form, optional
-        The loop's form under the certificate's choice, where it has been made already.
+    pieces : PiecesOfRules, optional
+        Of its rule bases, where they have been cut already.
+
+    Returns
+    -------
+    against : str
+        Empty where it is proved.
+    facts : dict
+        Of a verdict.
+    loop : CheckedLoop or None
+        As the checker derived it.
     """
-    if form is None:
-        form = maker.form(certificate.choice, continuous=certificate.continuous)
-    if certificate.states != form.names:
-        return "it is of other states", {}
+    try:
+        loop = checked_loop(
+            problem, certificate.states, certificate.evidence,
+            continuous=certificate.continuous, pieces=pieces,
+        )  # fmt: skip
+    except (LoopProofError, KeyError) as error:
+        return (f"{error}" if isinstance(error, LoopProofError) else f"it lacks {error}"), {}, None
     p = certificate.p
-    against = refutation(form, p, certificate.multipliers, certificate.rate)
+    against = refutation(loop, p, certificate.multipliers, certificate.rate)
     if against:
-        return against, {}
+        return against, {}, loop
     level = Fraction(0)
     claim = certificate.claim
     if claim.start or claim.output:
-        for vertex in start_vertices(maker, form):
-            level = max(level, _value(p, vertex))
+        try:
+            level = max(_at_most(loop, p, vertex) for vertex in start_vertices(problem, loop))
+        except LoopProofError as error:
+            return str(error), {}, loop
         if level > 1:
-            return "its region does not hold the whole start", {}
-    reach = reach_of(form, Fraction(1), p)
+            return "its region does not hold the whole start", {}, loop
+    reach = reach_of(loop, Fraction(1), p)
     facts: dict[str, Any] = {
         "region": {
-            name: (float(form.rest[name]) - half, float(form.rest[name]) + half)
+            name: (float(loop.rest[name]) - half, float(loop.rest[name]) + half)
             for name, half in reach.items()
         },
-        "start_region": _along_alone(maker, form, p),
-        "rest": _plain(form.rest),
+        "start_region": _along_alone(problem, loop, p),
+        "rest": _plain(loop.rest),
         "fall": float(certificate.rate),
         "continuous": certificate.continuous,
-        "uncertain": form.words,
+        "uncertain": loop.words,
     }
     if claim.output:
-        against = _outside(maker, form, certificate, level)
-        if against:
-            return against, facts
-    return "", facts
+        against = _outside(problem, loop, certificate, level)
+    return against, facts, loop
+
+
+def _at_most(loop: CheckedLoop, p: Sequence[Sequence[Fraction]], z: Sequence[Fraction]) -> Fraction:
+    """Return V at most, where the rest is known but for its doubt."""
+    doubt = [loop.doubt[name] for name in loop.names]
+    moved = _value(p, z)
+    if any(doubt):
+        slope = [abs(sum((w * x for w, x in zip(row, z, strict=True)), Fraction(0))) for row in p]
+        sizes = [[abs(w) for w in row] for row in p]
+        moved += 2 * sum((s * r for s, r in zip(slope, doubt, strict=True)), Fraction(0))
+        moved += _value(sizes, doubt)
+    return moved
 
 
 def _value(p: Sequence[Sequence[Fraction]], z: Sequence[Fraction]) -> Fraction:
@@ -83,17 +109,16 @@ def _value(p: Sequence[Sequence[Fraction]], z: Sequence[Fraction]) -> Fraction:
     )  # fmt: skip
 
 
-def start_vertices(maker: FormMaker, form: Form) -> list[tuple[Fraction, ...]]:
+def start_vertices(problem: LoopProblem, loop: CheckedLoop) -> list[tuple[Fraction, ...]]:
     """Return the corners of the start, as deviations from rest; memory as the loop starts with it.
 
     Parameters
     ----------
-    maker : FormMaker
-        Of the loop.
-    form : Form
-        Of it.
+    problem : LoopProblem
+        The loop.
+    loop : CheckedLoop
+        As the checker derived it.
     """
-    problem = maker.problem
     ends = [
         tuple(
             dict.fromkeys((Fraction(problem.start[name].low), Fraction(problem.start[name].high)))
@@ -103,63 +128,66 @@ def start_vertices(maker: FormMaker, form: Form) -> list[tuple[Fraction, ...]]:
     if 2 ** sum(len(end) > 1 for end in ends) > 4096:
         raise LoopProofError("a start of more than 12 intervals")
     return [
-        _with_memory(maker, form, dict(zip(problem.states, corner, strict=True)))
+        _with_memory(loop, dict(zip(problem.states, corner, strict=True)))
         for corner in product(*ends)
     ]
 
 
-def _with_memory(
-    maker: FormMaker, form: Form, states: Mapping[str, Fraction]
-) -> tuple[Fraction, ...]:
+def _with_memory(loop: CheckedLoop, states: Mapping[str, Fraction]) -> tuple[Fraction, ...]:
     """Return z of the moment before the first period, of states of the plant."""
-    begin = maker.begin
     found = []
-    for name in form.names:
+    for name in loop.names:
         if name in states:
             value = states[name]
-        elif name in form.seeds:
-            seed = form.seeds[name]
-            value = seed.constant + sum(
-                (w * (states[of] - form.rest[of]) for of, w in seed.parts.items()), Fraction(0)
+        elif name in loop.seeds:
+            constant, parts = loop.seeds[name]
+            value = constant + sum(
+                (w * (states[of] - loop.rest[of]) for of, w in parts.items()), Fraction(0)
             )
+        elif name in loop.begin:
+            value = loop.begin[name]
         else:
-            value = Fraction(begin[name])
-        found.append(value - form.rest[name])
+            raise LoopProofError(f"'{name}' starts in a way of its own")
+        found.append(value - loop.rest[name])
     return tuple(found)
 
 
 def start_quadric(
-    maker: FormMaker, form: Form, p: Sequence[Sequence[Fraction]], states: Sequence[int]
+    problem: LoopProblem, loop: CheckedLoop, p: Sequence[Sequence[Fraction]], states: Sequence[int]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], float]:
     """Return Q, l, c with V - 1 = xᵀQx + l x + c where some states start x away from rest.
 
     Parameters
     ----------
-    maker : FormMaker
-        Of the loop.
-    form : Form
-        Of it.
+    problem : LoopProblem
+        The loop.
+    loop : CheckedLoop
+        As the checker derived it.
     p : rows of Fraction
         Of V.
     states : sequence of int
         Which states of the plant; the others begin at rest, the memory as it does.
     """
-    names = maker.problem.states
-    rest = {name: form.rest[name] for name in names}
-    base = np.array([float(x) for x in _with_memory(maker, form, rest)])
+    names = problem.states
+    rest = {name: loop.rest[name] for name in names}
+    base = np.array([float(x) for x in _with_memory(loop, rest)])
     ways = []
     for k in states:
         moved = {**rest, names[k]: rest[names[k]] + 1}
-        ways.append(np.array([float(x) for x in _with_memory(maker, form, moved)]) - base)
+        ways.append(np.array([float(x) for x in _with_memory(loop, moved)]) - base)
     way, plain = np.array(ways), np.array([[float(x) for x in row] for row in p])
     return way @ plain @ way.T, 2.0 * way @ plain @ base, float(base @ plain @ base) - 1.0
 
 
-def _along_alone(maker: FormMaker, form: Form, p: Sequence[Sequence[Fraction]]) -> dict[str, float]:
+def _along_alone(
+    problem: LoopProblem, loop: CheckedLoop, p: Sequence[Sequence[Fraction]]
+) -> dict[str, float]:
     """Return how far the loop may start along each state, the memory as it is at the start."""
-    values = {}
-    for k, name in enumerate(maker.problem.states):
-        quadratic, linear, c = start_quadric(maker, form, p, (k,))
+    values: dict[str, float] = {}
+    if set(loop.names) - {*problem.states, *loop.seeds, *loop.begin}:
+        return values
+    for k, name in enumerate(problem.states):
+        quadratic, linear, c = start_quadric(problem, loop, p, (k,))
         a, b = float(quadratic[0, 0]), float(linear[0])
         inside = b * b - 4.0 * a * c
         if c < 0.0 and inside >= 0.0:
@@ -169,13 +197,15 @@ def _along_alone(maker: FormMaker, form: Form, p: Sequence[Sequence[Fraction]]) 
     return values
 
 
-def reach_of(form: Form, level: Fraction, p: Sequence[Sequence[Fraction]]) -> dict[str, float]:
+def reach_of(
+    loop: CheckedLoop, level: Fraction, p: Sequence[Sequence[Fraction]]
+) -> dict[str, float]:
     """Return how far each state is from rest at most where V is at most a level."""
     inverse = np.linalg.inv(np.array([[float(x) for x in row] for row in p]))
     values = {}
-    for k, name in enumerate(form.names):
+    for k, name in enumerate(loop.names):
         half = math.sqrt(float(level) * max(float(inverse[k, k]), 0.0))
-        row = tuple(Fraction(int(i == k)) for i in range(form.size))
+        row = tuple(Fraction(int(i == k)) for i in range(loop.size))
         for wider in (1.0 + 1e-9, 1.0 + 1e-6, 1.01, 2.0):
             if level and is_inside(p, row, Fraction(half * wider), level):
                 half *= wider
@@ -186,18 +216,21 @@ def reach_of(form: Form, level: Fraction, p: Sequence[Sequence[Fraction]]) -> di
     return values
 
 
-def _outside(maker: FormMaker, form: Form, certificate: Certificate, level: Fraction) -> str:
+def _outside(
+    problem: LoopProblem, loop: CheckedLoop, certificate: Certificate, level: Fraction
+) -> str:
     """Return why an output may leave the claimed interval in the claimed time; empty: it cannot."""
     claim = certificate.claim
     if certificate.continuous:
         return "a claim about an output is proved of the sampled loop"
-    periods = int(Fraction(claim.begin) / Fraction(maker.problem.period)) if claim.begin else 0
+    periods = int(Fraction(claim.begin) / Fraction(problem.period)) if claim.begin else 0
     left = power_up(1 - certificate.rate, periods) * level
-    reach = reach_of(form, left, certificate.p)
+    reach = reach_of(loop, left, certificate.p)
     if any(math.isinf(half) for half in reach.values()):
         return "its region has no bounds"
-    low, high = maker.plant.output_between_samples(claim.output, reach)
-    if claim.low <= low and high <= claim.high:
+    span = output_between_samples(problem, loop.within(reach), claim.output)
+    low, high = below(span.low), above(span.high)
+    if Fraction(claim.low) <= span.low and span.high <= Fraction(claim.high):
         return ""
     when = f" {claim.begin:g} s after the start" if claim.begin else ""
     return f"{claim.output} stays in {low:.6g} .. {high:.6g}{when}, as far as the region says"

@@ -200,6 +200,8 @@ class Steps:
         Of one period.
     routines : dict of str to Routine
         Rule bases and tables that stay as they are, by the name of their function.
+    sheets : dict
+        By the same names, a rule base and its output, or a table.
     scales : dict
         Of routines in whole numbers, those of their inputs and of the result.
     grids : dict of str to Grid
@@ -219,6 +221,7 @@ class Steps:
     variables: dict[str, Variable] = field(default_factory=dict)
     steps: list[Step] = field(default_factory=list)
     routines: dict[str, Routine] = field(default_factory=dict)
+    sheets: dict[str, tuple[RuleBase, str] | LookupTable] = field(default_factory=dict)
     grids: dict[str, Grid] = field(default_factory=dict)
     grid_tables: dict[str, LookupTable] = field(default_factory=dict)
     learned: dict[str, Learned] = field(default_factory=dict)
@@ -566,6 +569,7 @@ class _Walk:
                         path=self._file_of(name, rulebase),
                     )
                 self.asked[key] = self._routine(f"{name}_{output.name}", routine)
+                self.made.sheets[self.asked[key]] = rulebase, output.name
             self.scratch[cell] = self._local()
             self.made.steps.append(Ask(self.scratch[cell], self.asked[key], inputs))
 
@@ -613,7 +617,9 @@ class _Walk:
         for known, routine in self.made.routines.items():
             if isinstance(routine, TableRoutine) and _same_table(routine.core, core):
                 return known
-        return self._routine(name, TableRoutine(core))
+        made = self._routine(name, TableRoutine(core))
+        self.made.sheets[made] = table
+        return made
 
     def _core(self, table: LookupTable, *, narrow: bool) -> FloatTable | FixedTable:
         if self.options.q is not None:

@@ -1,0 +1,110 @@
+"""The plant over a control period, its inputs held: enclosed in rationals, for the checker."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+
+from fuzzyarm.closed_loop.problem import LoopProblem, LoopProofError
+from fuzzyarm.closed_loop.slopes import Slope, slopes_of
+from fuzzyarm.closed_loop.spans import Span, exactly, hull
+
+__all__ = ["around_motion", "dot", "flow_over", "output_between_samples"]
+
+NOTHING = Fraction(0)
+
+
+def dot(row: Sequence[Span], column: Sequence[Span]) -> Span:
+    """Return a sum of products."""
+    total = exactly(NOTHING)
+    for x, y in zip(row, column, strict=True):
+        if x.low or x.high:
+            total = total.plus(x.times(y))
+    return total
+
+
+LAST = 16
+"""The highest power of the series of a motion at least."""
+
+
+def flow_over(jacobian: Sequence[Sequence[Span]], h: Span) -> list[list[Span]]:
+    """Return 1 + ∫J + ∬J J + … over a period: the k-th term lies in hᵏ/k! Jᵏ.
+
+    Whatever J does within its intervals; where J is constant this is its matrix exponential.
+    """
+    count, size = len(jacobian), len(jacobian[0])
+    zero = exactly(NOTHING)
+    step = [[x.times(h) for x in row] for row in jacobian]
+    step += [[zero] * size for _ in range(size - count)]
+    norm = max(sum((x.size for x in row), NOTHING) for row in step)
+    if norm > 12:
+        raise LoopProofError("a period is long beside the plant's motion")
+    last = LAST + 4 * math.ceil(norm)
+    total = [[exactly(Fraction(int(i == j))) for j in range(size)] for i in range(size)]
+    term = total
+    for k in range(1, last + 1):
+        share = exactly(Fraction(1, k))
+        columns = list(zip(*step, strict=True))
+        term = [[dot(row, column).times(share) for column in columns] for row in term]
+        total = [[x.plus(y) for x, y in zip(a, b, strict=True)]
+                 for a, b in zip(total, term, strict=True)]  # fmt: skip
+    # Terms fall by more than half from here on.
+    tail = 2 * norm ** (last + 1) / math.factorial(last + 1)
+    around = Span(-tail, tail)
+    return [[x.plus(around) for x in row] for row in total[:count]]
+
+
+def around_motion(problem: LoopProblem, ranges: Mapping[str, Span]) -> dict[str, Span]:
+    """Return a box that no motion leaves within a period which begins in the given one."""
+    equations = problem.equations
+    whole = Span(NOTHING, Fraction(problem.period))
+
+    def moved(box: Mapping[str, Span]) -> dict[str, Span]:
+        rates = slopes_of(equations.rates, {key: Slope(span, {}) for key, span in box.items()})
+        after = {
+            key: ranges[key].plus(whole.times(rate.value))
+            for key, rate in zip(equations.states, rates, strict=True)
+        }
+        return {**box, **after}
+
+    wide = dict(ranges)
+    for _ in range(20):
+        box = moved(wide)
+        if all(wide[key].holds(box[key]) for key in equations.states):
+            # Picard's operator takes `wide` into itself, so no motion leaves what it makes of it.
+            return moved(box)
+        for key in equations.states:
+            both = hull(wide[key], box[key])
+            more = both.radius / 100 + Fraction(1, 10**12)
+            wide[key] = Span(both.low - more, both.high + more)
+    raise LoopProofError("the motion within a period was not enclosed")
+
+
+def output_between_samples(problem: LoopProblem, around: Mapping[str, Span], output: str) -> Span:
+    """Return where an output can be from one sample to the next.
+
+    Parameters
+    ----------
+    problem : LoopProblem
+        The loop.
+    around : mapping of str to Span
+        By state, where it is at the sample.
+    output : str
+        A port of the plant.
+    """
+    equations, interface = problem.equations, problem.site.interface
+    ranges = {
+        key: Span(Fraction(span.low), Fraction(span.high))
+        for key, span in zip(equations.parameters, problem.parameters.values(), strict=True)
+    }
+    for key, name in zip(equations.states, problem.states, strict=True):
+        ranges[key] = around[name]
+    for key, port in zip(equations.inputs, interface.inputs.values(), strict=True):
+        if math.isinf(port.high - port.low):
+            raise LoopProofError("an input of the plant has no bound")
+        ranges[key] = Span(Fraction(port.low), Fraction(port.high))
+    moving = around_motion(problem, ranges)
+    root = equations.outputs[list(interface.outputs).index(interface.port(output))]
+    values = {key: Slope(span, {}) for key, span in moving.items()}
+    return slopes_of([root], values)[0].value

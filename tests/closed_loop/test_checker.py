@@ -1,0 +1,232 @@
+"""The checker: its numbers against Arb, its pieces at points, and that it is not the search."""
+
+import ast
+import random
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+import pytest
+from budget import cases
+
+import fuzzyarm
+from fuzzyarm.closed_loop import check_certificate, read_claim
+from fuzzyarm.closed_loop.checked_loop import checked_loop
+from fuzzyarm.closed_loop.checked_motion import flow_over
+from fuzzyarm.closed_loop.claims import problem_of
+from fuzzyarm.closed_loop.problem import LoopProofError
+from fuzzyarm.closed_loop.rule_pieces import RulePieces
+from fuzzyarm.closed_loop.slopes import Slope, slopes_of
+from fuzzyarm.closed_loop.spans import FUNCTIONS, Span, exactly
+from fuzzyarm.closed_loop.verification import verified
+from fuzzyarm.expression import op
+from fuzzyarm.expression.nodes import symbol
+from fuzzyarm.proof.prover import Prover
+from fuzzyarm.proof.sector import sector
+
+flint = pytest.importorskip("flint")
+
+
+# ── numbers ──────────────────────────────────────────────────────────────────────────
+
+
+@pytest.mark.parametrize("name", ["sqrt", "sin", "cos", "exp", "tanh"])
+def test_functions_hold_what_arb_says(name):
+    generator = random.Random(3)
+    with flint.ctx.workprec(300):
+        for _ in range(cases(60, 3000)):
+            low = generator.uniform(-4, 4) * 10.0 ** generator.randint(-6, 0)
+            high = low + abs(generator.gauss(0, 1)) * 10.0 ** generator.randint(-9, 0)
+            if name == "sqrt":
+                low, high = abs(low), abs(low) + high - low
+            span = FUNCTIONS[name](Span(Fraction(low), Fraction(high)))
+            for share in (0.0, 1.0, generator.random()):
+                at = Fraction(low) + (Fraction(high) - Fraction(low)) * Fraction(share)
+                value = getattr(flint.arb(ball(at)), name)()
+                assert not value < flint.arb(ball(span.low)), (name, low, high)
+                assert not value > flint.arb(ball(span.high)), (name, low, high)
+
+
+def ball(x):
+    return flint.fmpq(x.numerator, x.denominator)
+
+
+def test_points_are_enclosed_narrowly():
+    for name in ("sqrt", "sin", "cos", "exp", "tanh"):
+        span = FUNCTIONS[name](exactly(0.7))
+        assert span.high - span.low < Fraction(1, 10**20)
+
+
+def test_slopes_are_those_of_difference_quotients():
+    x, y = symbol("x"), symbol("y")
+    root = op.sin(x) * y / (x * x + 2.0) + op.maximum(x, y) * op.exp(-y) - op.sqrt(y)
+    generator = random.Random(4)
+    for _ in range(cases(20, 500)):
+        at = {"x": generator.uniform(-2, 2), "y": generator.uniform(0.1, 2)}
+        radius = generator.choice([0.0, 1e-3, 0.1])
+        values = {
+            name: Slope(
+                Span(Fraction(v) - Fraction(radius) / 2, Fraction(v) + Fraction(radius) / 2),
+                {name: exactly(1)},
+            )
+            for name, v in at.items()
+        }
+        (slope,) = slopes_of([root], values)
+
+        for name, v in at.items():
+            if abs(at["x"] - at["y"]) < 1e-5:
+                continue
+            ends = [value_of(root, {**at, name: v + off}) for off in (1e-6, -1e-6)]
+            quotient = (ends[0] - ends[1]) / 2e-6
+            assert float(slope.along[name].low) - 1e-6 <= quotient
+            assert quotient <= float(slope.along[name].high) + 1e-6
+
+
+def value_of(root, at):
+    points = {name: Slope(exactly(x), {}) for name, x in at.items()}
+    return float(slopes_of([root], points)[0].value.middle)
+
+
+def test_a_motion_is_the_matrix_exponential():
+    from scipy.linalg import expm
+
+    a = [[0.0, 1.0, 0.0], [0.0, -2.0, 35.0]]
+    found = flow_over([[exactly(x) for x in row] for row in a], exactly(0.1))
+    whole = expm(0.1 * np.array([*a, [0.0, 0.0, 0.0]]))
+    for row, expected in zip(found, whole[:2], strict=True):
+        for span, x in zip(row, expected, strict=True):
+            assert float(span.low) - 1e-12 <= x <= float(span.high) + 1e-12
+            assert span.high - span.low < Fraction(1, 10**15)
+
+
+# ── pieces ───────────────────────────────────────────────────────────────────────────
+
+
+@pytest.fixture(scope="module")
+def pd7():
+    rulebase = fuzzyarm.load(fuzzyarm.shipped("pd7.frb"))
+    whole = {v.name: (Fraction(v.low), Fraction(v.high)) for v in rulebase.inputs}
+    return rulebase, RulePieces(rulebase, "u"), whole
+
+
+@pytest.mark.slow
+def test_what_the_search_finds_of_a_rule_base_is_confirmed_and_no_more(pd7):
+    rulebase, pieces, whole = pd7
+    prover = Prover(rulebase, "u")
+    ones = {"e": Fraction(1), "ce": Fraction(1)}
+    gains = sector(prover, ones)
+    low, high = Fraction(gains.low), Fraction(gains.high)
+    slack = (high - low) / 1000
+    assert pieces.has_sector(whole, ones, low, high)
+    assert not pieces.has_sector(whole, ones, low + slack, high)
+    assert not pieces.has_sector(whole, ones, low, high - slack)
+    half = {name: (Fraction(-1, 4), Fraction(1, 4)) for name in whole}
+    slopes = prover.slope(dict.fromkeys(whole, (-0.25, 0.25)), "e")
+    steep = Fraction(slopes.low), Fraction(slopes.high)
+    assert pieces.has_slope(half, "e", *steep)
+    assert not pieces.has_slope(half, "e", steep[0], steep[1] * Fraction(99, 100))
+    bounds = prover.value({})
+    assert pieces.has_range(whole, Fraction(bounds.low), Fraction(bounds.high))
+    assert not pieces.has_range(whole, Fraction(bounds.low), Fraction(bounds.high) * Fraction(0.99))
+
+
+def test_values_and_slopes_hold_at_points(pd7):
+    rulebase, pieces, _ = pd7
+    generator = random.Random(5)
+    for _ in range(cases(8, 200)):
+        at = {name: generator.uniform(-0.99, 0.99) for name in ("e", "ce")}
+        around = {
+            n: (Fraction(x) - Fraction(1, 200), Fraction(x) + Fraction(1, 200))
+            for n, x in at.items()
+        }
+        value, slope = pieces.value(around), pieces.slope(around, "e")
+        assert value.low <= Fraction(float(fuzzyarm.infer(rulebase, **at)["u"])) <= value.high
+        off = 1e-4
+        ends = [fuzzyarm.infer(rulebase, e=at["e"] + way, ce=at["ce"])["u"] for way in (off, -off)]
+        assert (
+            float(slope.low) - 1e-6 <= (ends[0] - ends[1]) / (2 * off) <= float(slope.high) + 1e-6
+        )
+
+
+# ── the rest of the tanks ────────────────────────────────────────────────────────────
+
+
+@pytest.fixture(scope="module")
+def tanks():
+    text = fuzzyarm.load(fuzzyarm.shipped("tanks.frb"))
+    return text, fuzzyarm.prove(text, "stable at level2 = 0.2", plant="tanks")
+
+
+@pytest.mark.slow
+def test_a_loop_whose_rest_is_a_root_is_proved(tanks):
+    text, verdict = tanks
+    assert verdict.proved, str(verdict)
+    # k u = a √(2 g h) at rest, and all of u is the integral's.
+    power = 1.8e-5 * np.sqrt(2 * 9.81 * 0.2) / 4.5e-6
+    assert verdict.rest["tanks.i total"] == pytest.approx(power, abs=1e-8)
+    assert verdict.rest["level1"] == pytest.approx(0.2, abs=1e-8)
+    assert check_certificate(verdict.certificate, text).proved
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("change", ["moved", "narrow", "elsewhere"])
+def test_a_rest_that_is_not_there_is_refused(tanks, change):
+    text, verdict = tanks
+    evidence = verdict.certificate.evidence
+    rest = dict(evidence.rest)
+    middle, radius = rest["tanks.i total"]
+    rest["tanks.i total"] = {
+        "moved": (middle + 3 * radius, radius),
+        "narrow": (middle, Fraction(1, 10**30)),
+        "elsewhere": (middle + 1, radius),
+    }[change]
+    damaged = replace(verdict.certificate, evidence=replace(evidence, rest=rest))
+    against, *_ = verified(problem_of(text, damaged.claim), damaged)
+    assert "rest" in against
+
+
+# ── it is not the search ─────────────────────────────────────────────────────────────
+
+SEARCH = {
+    "affine", "conclusions", "enclosure", "form", "form_maker", "linear", "lmi", "outward",
+    "resting", "sampled_plant", "search", "zonotope", "readings", "flow", "follower", "planes",
+}  # fmt: skip
+CHECKER = {
+    "checker", "checked_loop", "checked_lines", "checked_motion", "program_walk", "rule_pieces",
+    "slopes", "spans", "evidence",
+}  # fmt: skip
+FROM_THE_PROBLEM = {"LoopProblem", "LoopProofError"}
+
+
+def test_the_checker_imports_nothing_of_the_search():
+    folder = Path(fuzzyarm.__file__).parent / "closed_loop"
+    for name in CHECKER:
+        tree = ast.parse((folder / f"{name}.py").read_text(encoding="utf-8"))
+        for node in ast.walk(tree):
+            module = node.module if isinstance(node, ast.ImportFrom) else ""
+            if not module or not module.startswith("fuzzyarm"):
+                continue
+            last = module.rsplit(".", 1)[-1]
+            if module.startswith("fuzzyarm.closed_loop"):
+                assert last not in SEARCH, (name, module)
+            if last == "problem":
+                assert {alias.name for alias in node.names} <= FROM_THE_PROBLEM, name
+            assert module not in ("fuzzyarm.proof.prover", "fuzzyarm.proof.sector"), name
+            assert module != "fuzzyarm.expression.evaluation", name
+
+
+@pytest.mark.slow
+def test_the_checker_says_what_it_does_not_read():
+    text = fuzzyarm.load(fuzzyarm.shipped("servo.frb"))
+    certificate = fuzzyarm.prove(text, "stable", plant="motor").certificate
+    problem = problem_of(text, read_claim("stable", "motor"))
+    evidence = certificate.evidence
+    for changed, words in (
+        (replace(evidence, gains=()), "nothing is claimed"),
+        (replace(evidence, gains=evidence.gains * 2), "not there"),
+        (replace(evidence, memory={"x": "state:shaft:voltage_excess"}), "other states"),
+        (replace(evidence, rest={}), "other states"),
+    ):
+        with pytest.raises(LoopProofError, match=words):
+            checked_loop(problem, certificate.states, changed)
