@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from fuzzyarm.closed_loop.algebra import Number, Zonotopes
 from fuzzyarm.closed_loop.enclosure import EnclosureError, Intervals, outward
 from fuzzyarm.closed_loop.flow import Flow, Step
+from fuzzyarm.closed_loop.linear_flow import linear_flow
 from fuzzyarm.closed_loop.planes import RulePlanes
 from fuzzyarm.closed_loop.problem import ControlPeriod, LoopProblem
 from fuzzyarm.closed_loop.readings import read, readable
@@ -196,7 +197,8 @@ class Follower:
             (points if value.low == value.high else moving)[symbol] = (name, value)
         numbers = {symbol: value.low for symbol, (_, value) in points.items()}
         self.parameters = list(moving)
-        self.flow = Flow([replace(root, numbers) for root in equations.rates])
+        rates = [replace(root, numbers) for root in equations.rates]
+        self.flow = linear_flow(rates, equations.inputs) or Flow(rates)
         self.outputs = [readable(replace(root, numbers)) for root in equations.outputs]
         self.weights = [_affine_weights(root, self.flow.states) for root in self.outputs]
         self.inputs = equations.inputs

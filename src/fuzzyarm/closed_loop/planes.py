@@ -331,25 +331,42 @@ def _bands(
 
 
 @cache
-def _moves(dimension: int, degree: int, stays: int, moves: int) -> list[tuple[Any, Any]]:
-    """Return, pass by pass, which coefficients change as a vertex moves, and by which.
+def _moves(dimension: int, degree: int) -> list[tuple[Any, Any]]:
+    """Return, pass by pass, which coefficients change as vertex 1 moves towards 0, and by which.
 
-    With the new vertex (1-s) vᵢ + s vⱼ in the place of vⱼ: c_γ ← (1-s) c_{γ - eⱼ + eᵢ} + s c_γ, for
-    all γⱼ ≥ r, for r = 1 … n (de Casteljau).
+    With the new vertex (1-s) v₀ + s v₁ in the place of v₁: c_γ ← (1-s) c_{γ - e₁ + e₀} + s c_γ, for
+    all γ₁ ≥ r, for r = 1 … n (de Casteljau).
     """
     indices = lattice(dimension, degree)
     number = {index: i for i, index in enumerate(indices)}
     passes = []
     for r in range(1, degree + 1):
-        changed = [index for index in indices if index[moves] >= r]
-        sources = []
-        for index in changed:
-            other = list(index)
-            other[moves] -= 1
-            other[stays] += 1
-            sources.append(number[tuple(other)])
+        changed = [index for index in indices if index[1] >= r]
+        sources = [number[index[0] + 1, index[1] - 1, *index[2:]] for index in changed]
         passes.append((np.array([number[each] for each in changed]), np.array(sources)))
     return passes
+
+
+@cache
+def _orders(dimension: int, degree: int) -> tuple[Any, Any]:
+    """Return the coefficients in the order in which two vertices come first, and the way back.
+
+    By the number ``i (d + 1) + j`` of the first two, i and j.
+    """
+    indices = lattice(dimension, degree)
+    number = {index: k for k, index in enumerate(indices)}
+    there = np.zeros(((dimension + 1) ** 2, len(indices)), dtype=int)
+    for i in range(dimension + 1):
+        for j in range(dimension + 1):
+            order = [i, j, *(k for k in range(dimension + 1) if k not in (i, j))]
+            if i == j:
+                continue
+            for k, index in enumerate(indices):
+                own = [0] * (dimension + 1)
+                for vertex, power in zip(order, index, strict=True):
+                    own[vertex] = power
+                there[i * (dimension + 1) + j, k] = number[tuple(own)]
+    return there, np.argsort(there, axis=1)
 
 
 def _cut_at(pieces: Quotients, heights: Vector) -> Quotients:
@@ -381,26 +398,26 @@ def _moved(
     pieces: Quotients, heights: Vector, stays: Vector, moves: Vector, share: Vector
 ) -> tuple[Quotients, Vector]:
     """Return pieces with one vertex moved along an edge to where a linear function is 0."""
-    quotients = pieces.take(np.arange(pieces.count))
+    dimension = pieces.corners.shape[2]
+    every = np.arange(pieces.count)
+    s = share[:, None]
+    quotients = pieces.take(every)
     assert quotients.error is not None
-    heights = heights.copy()
-    dimension = quotients.corners.shape[2]
     quotients.corners = quotients.corners.copy()
-    for i in range(dimension + 1):
-        for j in range(dimension + 1):
-            rows = np.flatnonzero((stays == i) & (moves == j))
-            if i == j or not rows.size:
-                continue
-            s = share[rows, None]
-            quotients.corners[rows, j] = (1.0 - s) * quotients.corners[
-                rows, i
-            ] + s * quotients.corners[rows, j]
-            heights[rows, j] = 0.0
-            for values in (quotients.upper, quotients.lower, quotients.error):
-                own = values[rows]
-                for changed, sources in _moves(dimension, quotients.degree, i, j):
-                    own[:, changed] = (1.0 - s) * own[:, sources] + s * own[:, changed]
-                values[rows] = own
+    quotients.corners[every, moves] = (1.0 - s) * quotients.corners[
+        every, stays
+    ] + s * quotients.corners[every, moves]
+    heights = heights.copy()
+    heights[every, moves] = 0.0
+    there, back = _orders(dimension, quotients.degree)
+    code = stays * (dimension + 1) + moves
+    values = np.stack([quotients.upper, quotients.lower, quotients.error], axis=1)
+    values = np.take_along_axis(values, there[code][:, None, :], axis=2)
+    part, rest = s[:, :, None], (1.0 - s)[:, :, None]
+    for changed, sources in _moves(dimension, quotients.degree):
+        values[:, :, changed] = rest * values[:, :, sources] + part * values[:, :, changed]
+    values = np.take_along_axis(values, back[code][:, None, :], axis=2)
+    quotients.upper, quotients.lower, quotients.error = (values[:, k] for k in range(3))
     return quotients, heights
 
 

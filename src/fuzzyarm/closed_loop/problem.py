@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Generic, Protocol, TypeVar
 
 import numpy as np
@@ -621,6 +621,7 @@ def _drive_name(axis: str, line: Drive, what: str) -> str:
     return f"{axis}.{line.port} {what} {line.span.line}"
 
 
+@cache
 def _seen(root: Node, kind: SourceKind, first: bool) -> Node:
     """Return an update where it is known whether states that start as NaN have seen anything."""
     for state in kind.states:

@@ -169,13 +169,13 @@ class _Search:
         for share in SHARES:
             here = -math.inf
             for along in (True, False):
-                for grip in self.grips:
-                    if self.stop.now:
+                if self.stop.now:
+                    return
+                for proposal in self._tried(Choice(share, self.grips[0], {}, along)):
+                    here = max(here, getattr(proposal, "size", -math.inf))
+                    yield proposal
+                    if _is_outside(proposal):  # and of a smaller share all the more
                         return
-                    for proposal in self._tried(Choice(share, grip, {}, along)):
-                        if isinstance(proposal, Proposal):
-                            here = max(here, proposal.size)
-                        yield proposal
                 if here > -math.inf:
                     yield from self._looser(share, along)
                     break
@@ -224,6 +224,8 @@ class _Search:
                     if isinstance(proposal, Proposal):
                         here = max(here, proposal.size)
                     yield proposal
+                    if _is_outside(proposal):
+                        return
                 if here > -math.inf:
                     break
             if here < best or self.stop.now:
@@ -347,12 +349,20 @@ def _start_vertices(maker: FormMaker, form: Form) -> list[tuple[Fraction, ...]]:
     return vertices
 
 
+BEYOND = "the start goes beyond "
+
+
+def _is_outside(proposal: Proposal | str) -> bool:
+    """Whether it says that the start goes beyond the universe of a rule base."""
+    return isinstance(proposal, str) and proposal.startswith(f"{BEYOND}'")
+
+
 def _beyond(form: Form, points: Sequence[Sequence[Fraction]]) -> str:
     """Return which bound of a form does not hold at some point; empty where all hold."""
     for row, limit, words in form.rows_within():
         for z in points:
             if abs(sum((g * x for g, x in zip(row, z, strict=True)), Fraction(0))) >= limit:
-                return f"the start goes beyond {words}"
+                return f"{BEYOND}{words}"
     return ""
 
 
