@@ -190,11 +190,12 @@ def test_a_rest_that_is_not_there_is_refused(tanks, change):
 
 SEARCH = {
     "affine", "conclusions", "enclosure", "form", "form_maker", "linear", "lmi", "outward",
-    "resting", "sampled_plant", "search", "zonotope", "readings", "flow", "follower", "planes",
+    "resting", "sampled_plant", "search", "linear_flow", "tube", "tube_maker", "timed",
+    "zonotope", "readings", "flow", "follower", "planes",
 }  # fmt: skip
 CHECKER = {
     "checker", "checked_loop", "checked_lines", "checked_motion", "program_walk", "rule_pieces",
-    "slopes", "spans", "evidence",
+    "slopes", "spans", "evidence", "tube_checker",
 }  # fmt: skip
 FROM_THE_PROBLEM = {"LoopProblem", "LoopProofError"}
 

@@ -178,7 +178,7 @@ def _judged(
 ) -> Iterator[LoopVerdict]:
     if not claims:
         return
-    from fuzzyarm.closed_loop import prove_loop, write_certificate
+    from fuzzyarm.closed_loop import prove_loop
 
     _require_figure(arguments)
     with progress() as tell:
@@ -190,23 +190,50 @@ def _judged(
             tell("", 0, 0.0)
             if not arguments.json:
                 say(*_lines(path, verdict))
-            if arguments.certificate is not None and verdict.certificate is not None:
-                write_certificate(verdict.certificate, arguments.certificate)
-                if not arguments.json:
-                    say(
-                        f"{arguments.certificate}: the certificate, {verdict.certificate.seal[:16]}"
-                    )
-            elif arguments.certificate is not None and verdict.proved:
-                say(
-                    f"{arguments.certificate}: not written: a tube has no certificate, it is"
-                    " followed anew",
-                    to_errors=True,
-                )
+            if arguments.certificate is not None and verdict.proved:
+                _certify(controller, verdict, arguments, budget)
             if arguments.plot is not None and (verdict.proved or verdict.tube is not None):
                 _draw(controller, verdict, arguments.plot)
                 if not arguments.json:
                     say(f"{arguments.plot}: drawn from {path}")
             yield verdict
+
+
+def _certify(
+    controller: ControllerText, verdict: LoopVerdict, arguments: argparse.Namespace, budget: float
+) -> None:
+    """Write the certificate of what is proved; of a tube it is made first."""
+    from fuzzyarm.closed_loop import (
+        Certificate,
+        LoopProofError,
+        certify_tube,
+        write_certificate,
+        write_tube_certificate,
+    )
+
+    out, claim = arguments.certificate, verdict.claim
+    assert claim is not None
+    if isinstance(verdict.certificate, Certificate):
+        write_certificate(verdict.certificate, out)
+        seal = verdict.certificate.seal
+    elif verdict.tube is not None and verdict.tube.arrival:
+        say(
+            f"{out}: not written: a tube as far as a region has none, it is followed anew",
+            to_errors=True,
+        )
+        return
+    else:
+        try:
+            tube = certify_tube(
+                controller, claim, budget=min(budget, 600.0), **_setup(claim, arguments)
+            )
+        except LoopProofError as error:
+            say(f"{out}: not written: {error}", to_errors=True)
+            return
+        write_tube_certificate(tube, out)
+        seal = tube.seal
+    if not arguments.json:
+        say(f"{out}: the certificate, {seal[:16]}")
 
 
 def _require_figure(arguments: argparse.Namespace) -> None:

@@ -18,6 +18,12 @@ from fuzzyarm.closed_loop.enclosure import EnclosureError
 from fuzzyarm.closed_loop.problem import LoopProofError, loop_problem
 from fuzzyarm.closed_loop.timed import loop_tube
 from fuzzyarm.closed_loop.tube import Demand, Tube, tube
+from fuzzyarm.closed_loop.tube_certificate import (
+    TubeCertificate,
+    certify_tube,
+    read_any_certificate,
+    write_tube_certificate,
+)
 from fuzzyarm.closed_loop.verdicts import LoopVerdict, check_certificate, prove_loop
 from fuzzyarm.lazy import lazily
 
@@ -29,16 +35,20 @@ __all__ = [
     "LoopProofError",
     "LoopVerdict",
     "Tube",
+    "TubeCertificate",
+    "certify_tube",
     "check_certificate",
     "claim_text",
     "loop_problem",
     "loop_tube",
     "prove",
     "prove_loop",
+    "read_any_certificate",
     "read_certificate",
     "read_claim",
     "tube",
     "write_certificate",
+    "write_tube_certificate",
 ]
 
 if not TYPE_CHECKING:

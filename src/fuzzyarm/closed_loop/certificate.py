@@ -10,7 +10,9 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping
+import math
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
@@ -84,26 +86,9 @@ class Certificate:
 
     def as_data(self) -> dict[str, Any]:
         """Return it as plain data, sealed."""
-        claim = self.claim
         data = {
             "format": FORMAT,
-            "claim": {
-                "plant": claim.plant,
-                "stable": claim.stable,
-                "at": [[name, _text(value)] for name, value in claim.at],
-                "parameters": [[n, _text(a), _text(b)] for n, a, b in claim.parameters],
-                "start": [[n, _text(a), _text(b)] for n, a, b in claim.start],
-                "output": claim.output,
-                "between": [_text(claim.low), _text(claim.high)],
-                "when": claim.when,
-                "from": _text(claim.begin),
-                "to": None if claim.end == float("inf") else _text(claim.end),
-            },
-            "sensors": {
-                port: [_text(s.delay), None if s.difference is None else _text(s.difference)]
-                for port, s in self.sensors.items()
-            },
-            "connect": dict(self.connect),
+            **loop_data(self.claim, self.sensors, self.connect),
             "controller": self.controller,
             "sha256": dict(self.fingerprints),
             "loop": {
@@ -128,8 +113,33 @@ class Certificate:
         return str(self.as_data()["seal"])
 
 
+def loop_data(
+    claim: LoopClaim, sensors: Mapping[str, Sensor], connect: Mapping[str, str]
+) -> dict[str, Any]:
+    """Return a claim, and of which loop it is, as plain data."""
+    return {
+        "claim": {
+            "plant": claim.plant,
+            "stable": claim.stable,
+            "at": [[name, _text(value)] for name, value in claim.at],
+            "parameters": [[n, _text(a), _text(b)] for n, a, b in claim.parameters],
+            "start": [[n, _text(a), _text(b)] for n, a, b in claim.start],
+            "output": claim.output,
+            "between": [_text(claim.low), _text(claim.high)],
+            "when": claim.when,
+            "from": _text(claim.begin),
+            "to": None if claim.end == float("inf") else _text(claim.end),
+        },
+        "sensors": {
+            port: [_text(s.delay), None if s.difference is None else _text(s.difference)]
+            for port, s in sensors.items()
+        },
+        "connect": dict(connect),
+    }
+
+
 def _text(value: float) -> str:
-    return str(Fraction(value))
+    return str(Fraction(value)) if math.isfinite(value) else str(value)
 
 
 def _texts(values: tuple[Fraction, ...]) -> list[str]:
@@ -214,44 +224,58 @@ def read_certificate(path: str) -> Certificate:
     CertificateError
         If it is not a certificate, or is damaged.
     """
+    return _certificate(read_sealed(path, FORMAT), path)
+
+
+def read_sealed(path: str, wanted: str) -> dict[str, Any]:
+    """Return the data of a sealed file of a format, without its seal.
+
+    Raises
+    ------
+    OSError
+        If it cannot be read.
+    CertificateError
+        If it is not of that format, or is damaged.
+    """
     try:
         data = json.loads(Path(path).read_text("utf-8"))
-        if not isinstance(data, dict) or data.get("format") != FORMAT:
-            raise CertificateError(f"{path} is not a certificate")
-        seal = data.pop("seal", None)
-        if seal != _seal(data):
-            raise CertificateError(f"{path} is damaged: its seal is not that of its contents")
-        return _certificate(data)
+    except ValueError as error:
+        raise CertificateError(f"{path} is not a certificate: {error}") from error
+    found = data.get("format") if isinstance(data, dict) else None
+    if found != wanted:
+        older = isinstance(found, str) and found.startswith("fuzzyarm-certificate")
+        what = f"of another version ({found}): prove it anew" if older else "not a certificate"
+        raise CertificateError(f"{path} is {what}")
+    seal = data.pop("seal", None)
+    if seal != sealed(data)["seal"]:
+        raise CertificateError(f"{path} is damaged: its seal is not that of its contents")
+    return dict(data)
+
+
+def sealed(data: Mapping[str, Any]) -> dict[str, Any]:
+    """Return data with the SHA-256 of all that it says."""
+    return {**data, "seal": _seal(data)}
+
+
+@contextmanager
+def refused(path: str) -> Iterator[None]:
+    """Say of what is not there, or not of its kind, that the file is not a certificate."""
+    try:
+        yield
+    except CertificateError:
+        raise
     except (KeyError, TypeError, ValueError, ZeroDivisionError, AttributeError) as error:
-        if isinstance(error, CertificateError):
-            raise
         raise CertificateError(f"{path} is not a certificate: {error}") from error
 
 
-def _certificate(data: Mapping[str, Any]) -> Certificate:
-    claim = data["claim"]
+def _certificate(data: Mapping[str, Any], path: str) -> Certificate:
+    with refused(path):
+        return _from_data(data)
 
-    def number(text: str) -> float:
-        return float(Fraction(text))
 
-    def stretches(rows: Any) -> tuple[tuple[str, float, float], ...]:
-        return tuple((str(n), number(a), number(b)) for n, a, b in rows)
-
-    low, high = map(number, claim["between"])
+def _from_data(data: Mapping[str, Any]) -> Certificate:
     return Certificate(
-        LoopClaim(
-            str(claim["plant"]),
-            bool(claim["stable"]),
-            tuple((str(n), number(x)) for n, x in claim["at"]),
-            stretches(claim["parameters"]),
-            stretches(claim["start"]),
-            str(claim["output"]),
-            low,
-            high,
-            claim["when"],
-            number(claim["from"]),
-            float("inf") if claim["to"] is None else number(claim["to"]),
-        ),
+        claim_of(data),
         str(data["controller"]),
         dict(data["sha256"]),
         _evidence(data["loop"]),
@@ -260,9 +284,43 @@ def _certificate(data: Mapping[str, Any]) -> Certificate:
         tuple(Fraction(x) for x in data["multipliers"]),
         Fraction(data["rate"]),
         tuple(data["states"]),
-        {
-            str(port): Sensor(delay=number(late), difference=None if d is None else number(d))
-            for port, (late, d) in data["sensors"].items()
-        },
+        sensors_of(data),
         {str(name): str(port) for name, port in data["connect"].items()},
     )
+
+
+def claim_of(data: Mapping[str, Any]) -> LoopClaim:
+    """Return the claim of a certificate's data."""
+    claim = data["claim"]
+    low, high = map(_number, claim["between"])
+    return LoopClaim(
+        str(claim["plant"]),
+        bool(claim["stable"]),
+        tuple((str(n), _number(x)) for n, x in claim["at"]),
+        _stretches(claim["parameters"]),
+        _stretches(claim["start"]),
+        str(claim["output"]),
+        low,
+        high,
+        claim["when"],
+        _number(claim["from"]),
+        float("inf") if claim["to"] is None else _number(claim["to"]),
+    )
+
+
+def sensors_of(data: Mapping[str, Any]) -> dict[str, Sensor]:
+    """Return the sensors of a certificate's data."""
+    return {
+        str(port): Sensor(delay=_number(late), difference=None if d is None else _number(d))
+        for port, (late, d) in data["sensors"].items()
+    }
+
+
+def _number(text: str) -> float:
+    if text in ("inf", "-inf"):
+        return float(text)
+    return float(Fraction(text))
+
+
+def _stretches(rows: Any) -> tuple[tuple[str, float, float], ...]:
+    return tuple((str(n), _number(a), _number(b)) for n, a, b in rows)

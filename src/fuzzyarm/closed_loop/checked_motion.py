@@ -55,10 +55,12 @@ def flow_over(jacobian: Sequence[Sequence[Span]], h: Span) -> list[list[Span]]:
     return [[x.plus(around) for x in row] for row in total[:count]]
 
 
-def around_motion(problem: LoopProblem, ranges: Mapping[str, Span]) -> dict[str, Span]:
-    """Return a box that no motion leaves within a period which begins in the given one."""
+def around_motion(
+    problem: LoopProblem, ranges: Mapping[str, Span], time: Fraction | None = None
+) -> dict[str, Span]:
+    """Return a box that no motion which begins in the given one leaves in a period, or a time."""
     equations = problem.equations
-    whole = Span(NOTHING, Fraction(problem.period))
+    whole = Span(NOTHING, Fraction(problem.period) if time is None else time)
 
     def moved(box: Mapping[str, Span]) -> dict[str, Span]:
         rates = slopes_of(equations.rates, {key: Slope(span, {}) for key, span in box.items()})

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fuzzyarm.closed_loop.certificate import Certificate
 from fuzzyarm.closed_loop.checked_loop import CheckedLoop
 from fuzzyarm.closed_loop.claims import problem_of
 from fuzzyarm.closed_loop.problem import LoopProblem
@@ -72,7 +73,7 @@ def region_planes(
         In place of the one that the claim names.
     """
     certificate = verdict.certificate
-    if certificate is None:
+    if not isinstance(certificate, Certificate):
         return []
     problem = problem_of(
         text,
@@ -93,7 +94,7 @@ def _plane(
     problem: LoopProblem, loop: CheckedLoop, verdict: LoopVerdict, first: int, second: int
 ) -> RegionPlane:
     certificate = verdict.certificate
-    assert certificate is not None
+    assert isinstance(certificate, Certificate)
     names = (problem.states[first], problem.states[second])
     rest = np.array([float(loop.rest[name]) for name in problem.states])
     middle = rest[[first, second]]

@@ -203,6 +203,12 @@ class SlopeNumbers:
     def rules(self, sheet: RuleBase, output: str, inputs: Mapping[str, Slope]) -> Slope:
         """Return what a rule base concludes."""
         pieces = self.pieces(sheet, output)
+        inputs = {
+            variable.name: inputs[variable.name]
+            if variable.outside == "extend"
+            else self.limit(inputs[variable.name], variable.low, variable.high)
+            for variable in sheet.inputs
+        }
         region = {name: (x.value.low, x.value.high) for name, x in inputs.items()}
         result = Slope(pieces.value(region), {})
         for name, x in inputs.items():

@@ -121,20 +121,19 @@ def _root(x: Span) -> Span:
 
 
 def _series(x: Fraction, first: int, step: int, sign: int) -> Span:
-    """Return Σ signᵏ xⁿ/n!, n = first + k step, with its tail: |x| has to be small."""
-    total, n = Fraction(0), first
-    term = x**first / math.factorial(first)
-    largest = Fraction(1)
+    """Return Σ signᵏ xⁿ/n!, n = first + k step, with its tail; in parts of 2⁻ᴮᴵᵀˢ."""
+    scaled = (x.numerator << BITS) // x.denominator
+    total, n = 0, first
+    term = scaled if first else 1 << BITS
     # The tail is below twice the first term left out, once |x| is less than half of n.
-    while abs(term) > Fraction(1, 1 << BITS) or n < 2 * abs(x):
-        total = _up(total + term)
-        largest = max(largest, abs(total), abs(term))
+    while abs(term) > 1 or n < 2 * abs(x):
+        total += term
         for k in range(n + 1, n + step + 1):
-            term = _up(term * x / k)
+            term = ((term * scaled) >> BITS) // k
         term, n = term * sign, n + step
-    # Each sum and each factor was rounded by a share of 2⁻ᴮᴵᵀˢ.
-    tail = 2 * abs(term) + largest * Fraction((n + 4) ** 2, 1 << BITS)
-    return Span(total - tail, total + tail)
+    # Each term is off by less than 2 (n + 1) parts that later ones multiply: by e^|x| in all.
+    off = 2 * abs(term) + 2 * (n + 2) ** 2 * 3 ** math.ceil(abs(x))
+    return Span(Fraction(total - off, 1 << BITS), Fraction(total + off, 1 << BITS))
 
 
 def _short(x: Fraction, *, up: bool) -> Fraction:

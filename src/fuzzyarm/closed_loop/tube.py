@@ -35,6 +35,9 @@ AT_ONCE = 64
 """Boxes that are followed side by side."""
 
 
+PARAMETERS_FIRST = 3
+"""How often parameters are halved before starts, of boxes that could not be followed."""
+
 Progress = Callable[[float, int], None]
 """Told of the share of the first box that is done, and of how many boxes are open."""
 
@@ -247,7 +250,8 @@ class _Search:
                     lost += group
                     halved = []
                 for box in halved:
-                    open_ += box.halves(self._dimension(box, weights[:, group.index(box)]))
+                    way = self._dimension(box, weights[:, group.index(box)], lost=course is None)
+                    open_ += box.halves(way)
                     count += 1
             if self.progress is not None:
                 self.progress(self.done, len(open_))
@@ -277,9 +281,17 @@ class _Search:
             first = self._followed(boxes[:middle], whole=whole)
             return first + self._followed(boxes[middle:], whole=whole)
 
-    @staticmethod
-    def _dimension(box: Box, weight: Vector) -> int:
-        """Return the dimension to halve: the one that widens the tube most, for its halvings."""
+    def _dimension(self, box: Box, weight: Vector, *, lost: bool) -> int:
+        """Return the dimension to halve: the one that widens the tube most, for its halvings.
+
+        Of a box that is `lost`, which could not be followed, parameters first: what starts are
+        apart fades, what parameters are apart acts in every period.
+        """
+        first = len(self.follower.wide)
+        if lost and first < len(box.low):
+            halvings = np.array(box.halvings[first:])
+            if halvings.min() < PARAMETERS_FIRST:
+                return first + int(halvings.argmin())
         return int(np.argmax((weight + 0.05) * 0.5 ** np.array(box.halvings)))
 
     def _answer(

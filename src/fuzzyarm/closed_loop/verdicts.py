@@ -18,7 +18,6 @@ from fuzzyarm.closed_loop.certificate import (
     Certificate,
     CertificateError,
     fingerprints_of,
-    read_certificate,
 )
 from fuzzyarm.closed_loop.checked_lines import PiecesOfRules
 from fuzzyarm.closed_loop.checked_loop import CheckedLoop
@@ -31,6 +30,7 @@ from fuzzyarm.closed_loop.runs import refuting_run
 from fuzzyarm.closed_loop.search import Proposal, proposals, rate_of
 from fuzzyarm.closed_loop.timed import Haven, claim_of_stability, followed, in_the_way
 from fuzzyarm.closed_loop.tube import Tube
+from fuzzyarm.closed_loop.tube_certificate import TubeCertificate, read_any_certificate
 from fuzzyarm.closed_loop.verification import verified
 from fuzzyarm.closed_loop.witnesses import contradiction
 from fuzzyarm.controller.text import ControllerText, read_controller
@@ -69,7 +69,7 @@ class LoopVerdict(Shown):
     start_region : dict of str to float
         By state of the plant, how far from rest the loop may start along it alone, everything
         else at rest and the controller as it starts.
-    certificate : Certificate or None
+    certificate : Certificate, TubeCertificate or None
         What proves it.
     rest : dict of str to float
         Where the loop rests.
@@ -101,7 +101,7 @@ class LoopVerdict(Shown):
     verdict: str
     region: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     start_region: Mapping[str, float] = field(default_factory=dict)
-    certificate: Certificate | None = None
+    certificate: Certificate | TubeCertificate | None = None
     rest: Mapping[str, float] = field(default_factory=dict)
     fall: float = 0.0
     continuous: bool = False
@@ -255,6 +255,7 @@ class _Case:
         if stable.certificate is None:
             return None
         assert self.loop is not None
+        assert isinstance(stable.certificate, Certificate)
         haven = Haven(maker, stable.certificate, self.loop, self.claim)
         way, reason = followed(
             problem, self.claim, budget=self.stop.left, tell=self._told_of_boxes, haven=haven
@@ -401,13 +402,15 @@ def _plain(values: Mapping[str, Fraction]) -> dict[str, float]:
 
 
 def check_certificate(
-    certificate: Certificate | str, text: ControllerText | None = None, plant: Plant | None = None
+    certificate: Certificate | TubeCertificate | str,
+    text: ControllerText | None = None,
+    plant: Plant | None = None,
 ) -> LoopVerdict:
     """Check a certificate, without any search.
 
     Parameters
     ----------
-    certificate : Certificate or str
+    certificate : Certificate, TubeCertificate or str
         Or its file.
     text : ControllerText, optional
         The controller; by default its file is read, from the folder at hand or from that of the
@@ -429,7 +432,7 @@ def check_certificate(
     place = Path(".")
     if isinstance(certificate, str):
         place = Path(certificate).parent
-        certificate = read_certificate(certificate)
+        certificate = read_any_certificate(certificate)
     if text is None:
         path = next(
             (p for p in (Path(certificate.controller), place / certificate.controller,
@@ -444,7 +447,12 @@ def check_certificate(
         if now.get(name) != fingerprint:
             raise CertificateError(f"{name} is not the file that was proved")
     statement = claim_text(certificate.claim)
+    facts: dict[str, Any] = {}
     try:
+        if isinstance(certificate, TubeCertificate):
+            return _checked(
+                statement, certificate, certificate.refutation(text, plant), facts, started
+            )
         problem = problem_of(
             text,
             certificate.claim,
@@ -457,6 +465,16 @@ def check_certificate(
             against = contradiction(problem, loop, certificate)
     except (FuzzyarmError, EnclosureError) as error:
         against, facts = _sentence(error), {}
+    return _checked(statement, certificate, against, facts, started)
+
+
+def _checked(
+    statement: str,
+    certificate: Certificate | TubeCertificate,
+    against: str,
+    facts: Mapping[str, Any],
+    started: float,
+) -> LoopVerdict:
     verdict = UNDECIDED if against else PROVED
     return LoopVerdict(
         statement,

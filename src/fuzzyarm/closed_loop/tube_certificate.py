@@ -1,0 +1,202 @@
+"""Certificates of claims for a bounded time, as files: sets of all runs, sample by sample."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+from fuzzyarm.closed_loop.certificate import (
+    Certificate,
+    CertificateError,
+    claim_of,
+    fingerprints_of,
+    loop_data,
+    read_certificate,
+    read_sealed,
+    refused,
+    sealed,
+    sensors_of,
+)
+from fuzzyarm.closed_loop.claims import claimed_port, problem_of
+from fuzzyarm.closed_loop.problem import LoopProofError
+from fuzzyarm.closed_loop.tube_checker import BoxProof, TubeLoop, TubeSet, tube_refutation
+from fuzzyarm.closed_loop.tube_maker import proof_boxes
+from fuzzyarm.controller.text import ControllerText
+from fuzzyarm.loop.course import Sensor
+from fuzzyarm.model.claims import LoopClaim
+from fuzzyarm.plant.plant import Plant
+from fuzzyarm.text.files import write_atomically
+
+__all__ = ["TubeCertificate", "certify_tube", "read_any_certificate", "write_tube_certificate"]
+
+FORMAT = "fuzzyarm-tube 1"
+
+
+@dataclass(frozen=True)
+class TubeCertificate:
+    """What proves a claim for a bounded time, if the checker says so.
+
+    Attributes
+    ----------
+    claim, controller, fingerprints, sensors, connect
+        As a :class:`fuzzyarm.closed_loop.Certificate` has them.
+    boxes : tuple of BoxProof
+        Parts of the starts, each with its sets.
+    """
+
+    claim: LoopClaim
+    controller: str
+    fingerprints: Mapping[str, str]
+    boxes: tuple[BoxProof, ...]
+    sensors: Mapping[str, Sensor] = field(default_factory=dict)
+    connect: Mapping[str, str] = field(default_factory=dict)
+
+    def as_data(self) -> dict[str, Any]:
+        """Return it as plain data, sealed."""
+        return sealed(
+            {
+                "format": FORMAT,
+                **loop_data(self.claim, self.sensors, self.connect),
+                "controller": self.controller,
+                "sha256": dict(self.fingerprints),
+                "boxes": [
+                    {
+                        "path": [[dimension, upper] for dimension, upper in box.path],
+                        "sets": [
+                            {"centre": _texts(own.centre), "rows": [_texts(r) for r in own.rows]}
+                            for own in box.sets
+                        ],
+                    }
+                    for box in self.boxes
+                ],
+            }
+        )
+
+    @property
+    def seal(self) -> str:
+        """SHA-256 of all that it says."""
+        return str(self.as_data()["seal"])
+
+    def refutation(self, text: ControllerText, plant: Plant | None = None) -> str:
+        """Return why it does not prove its claim; empty where it does.
+
+        Parameters
+        ----------
+        text : ControllerText
+            The controller.
+        plant : Plant, optional
+            In place of the one that the claim names.
+        """
+        if not self.claim.output or math.isinf(self.claim.end):
+            return "it is of a claim without an end"
+        problem = problem_of(
+            text, self.claim, plant=plant, sensors=self.sensors, connect=self.connect
+        )
+        port = claimed_port(problem, self.claim)
+        try:
+            return tube_refutation(TubeLoop(problem), self.claim, port, self.boxes)
+        except (LoopProofError, KeyError, ValueError, IndexError) as error:
+            return str(error)
+
+
+def _texts(values: tuple[Fraction, ...]) -> list[str]:
+    return [str(value) for value in values]
+
+
+def certify_tube(
+    text: ControllerText,
+    claim: LoopClaim,
+    *,
+    plant: Plant | None = None,
+    connect: Mapping[str, str] | None = None,
+    sensors: Mapping[str, Sensor] | None = None,
+    budget: float = 600.0,
+) -> TubeCertificate:
+    """Make a certificate of a claim for a bounded time.
+
+    Parameters
+    ----------
+    text, claim, plant, connect, sensors
+        As for :func:`fuzzyarm.closed_loop.prove_loop`.
+    budget : float
+        s.
+
+    Raises
+    ------
+    LoopProofError
+        If none was found: a tube may prove what the simpler sets of a certificate do not.
+    """
+    if not claim.output or math.isinf(claim.end):
+        raise LoopProofError("a tube is certified of a claim with an end", hint="during 0 .. 1 s")
+    problem = problem_of(text, claim, plant=plant, sensors=sensors, connect=connect)
+    boxes = proof_boxes(TubeLoop(problem), claim, claimed_port(problem, claim), budget)
+    if isinstance(boxes, str):
+        raise LoopProofError(f"no certificate was found: {boxes}")
+    named = {".".join(port): sensor for port, sensor in problem.sensors.items()}
+    prints = fingerprints_of(text, text.path) if text.path else {}
+    return TubeCertificate(claim, text.path, prints, boxes, named, dict(connect or {}))
+
+
+def write_tube_certificate(certificate: TubeCertificate, path: str) -> None:
+    """Write a certificate.
+
+    Parameters
+    ----------
+    certificate : TubeCertificate
+        Which.
+    path : str
+        The file, replaced as a whole.
+    """
+    data = json.dumps(certificate.as_data(), indent=0, ensure_ascii=False)
+    write_atomically(path, (data + "\n").encode())
+
+
+def read_any_certificate(path: str) -> Certificate | TubeCertificate:
+    """Read a certificate of a region or of a tube; whether it proves anything is not asked.
+
+    Parameters
+    ----------
+    path : str
+        The file.
+
+    Raises
+    ------
+    OSError
+        If it cannot be read.
+    CertificateError
+        If it is not a certificate, or is damaged.
+    """
+    try:
+        is_tube = json.loads(Path(path).read_text("utf-8")).get("format") == FORMAT
+    except (ValueError, AttributeError) as error:
+        raise CertificateError(f"{path} is not a certificate: {error}") from error
+    if not is_tube:
+        return read_certificate(path)
+    data = read_sealed(path, FORMAT)
+    with refused(path):
+        return TubeCertificate(
+            claim_of(data),
+            str(data["controller"]),
+            dict(data["sha256"]),
+            tuple(_box(box) for box in data["boxes"]),
+            sensors_of(data),
+            {str(name): str(port) for name, port in data["connect"].items()},
+        )
+
+
+def _box(data: Any) -> BoxProof:
+    return BoxProof(
+        tuple((int(dimension), bool(upper)) for dimension, upper in data["path"]),
+        tuple(
+            TubeSet(
+                tuple(Fraction(x) for x in own["centre"]),
+                tuple(tuple(Fraction(x) for x in row) for row in own["rows"]),
+            )
+            for own in data["sets"]
+        ),
+    )

@@ -1,0 +1,110 @@
+"""Certificates of tubes, made: sets that turn with the motion, and starts that are halved.
+
+Which sets are chosen is nothing that has to be believed: :mod:`fuzzyarm.closed_loop.tube_checker`
+asks of each whether it leads into the next one.
+"""
+
+from __future__ import annotations
+
+import time
+from fractions import Fraction
+
+import numpy as np
+
+from fuzzyarm.closed_loop.problem import LoopProofError
+from fuzzyarm.closed_loop.spans import Span
+from fuzzyarm.closed_loop.tube_checker import POINT, BoxProof, Period, TubeLoop, TubeSet, start_of
+from fuzzyarm.model.claims import LoopClaim
+
+__all__ = ["proof_boxes"]
+
+ROOM = 1.0 + 1e-6
+"""How much larger sets are than what comes of the last one."""
+
+SHORT = 1 << 60
+
+
+def proof_boxes(
+    loop: TubeLoop, claim: LoopClaim, port: str, budget: float
+) -> tuple[BoxProof, ...] | str:
+    """Return the boxes of a certificate, or why there are none.
+
+    Parameters
+    ----------
+    loop : TubeLoop
+        The loop.
+    claim : LoopClaim
+        For a bounded time.
+    port : str
+        What is claimed of, as the loop calls it.
+    budget : float
+        s.
+    """
+    until = time.monotonic() + budget
+    open_: list[tuple[tuple[int, bool], ...]] = [()]
+    done: list[BoxProof] = []
+    wide = [k for k, x in enumerate(loop.problem.start.values()) if x.low < x.high]
+    while open_:
+        path = open_.pop(0)
+        made = _followed(loop, claim, port, path, until)
+        if isinstance(made, BoxProof):
+            done.append(made)
+            continue
+        if time.monotonic() > until or not wide or len(path) > 12:
+            return made
+        # Along each of the states in turn, as the whole box was wide.
+        dimension = wide[len(path) % len(wide)]
+        open_ += [(*path, (dimension, False)), (*path, (dimension, True))]
+    return tuple(done)
+
+
+def _followed(
+    loop: TubeLoop, claim: LoopClaim, port: str, path: tuple[tuple[int, bool], ...], until: float
+) -> BoxProof | str:
+    spans = start_of(loop, path)
+    own = TubeSet(
+        tuple(x.middle for x in spans),
+        tuple(
+            tuple(Fraction(int(i == j)) / max(x.radius, POINT) for j in range(len(spans)))
+            for i, x in enumerate(spans)
+        ),
+    )
+    sets = []
+    h, k = Fraction(loop.problem.period), 0
+    try:
+        while h * k < Fraction(claim.end):
+            if time.monotonic() > until:
+                return "time ran out"
+            sets.append(own)
+            step = loop.period(own, first=k == 0)
+            where: Span = step.outputs[port]
+            if h * (k + 1) > Fraction(claim.begin) and not (
+                claim.low <= where.low and where.high <= claim.high
+            ):
+                return f"in period {k + 1} the claim is not shown"
+            own, k = _next(step), k + 1
+    except LoopProofError as error:
+        return str(error)
+    return BoxProof(path, tuple(sets))
+
+
+def _next(step: Period) -> TubeSet:
+    """Return a set that holds what comes of one: along the directions in which that is long."""
+    spread = np.array([[float(x.middle) for x in row] for row in step.spread])
+    order = np.argsort(-np.linalg.norm(spread, axis=0))
+    turned, _ = np.linalg.qr(spread[:, order])
+    centre = [_short(float(x.middle)) for x in step.centre]
+    away = [float(x.radius) + 1e-15 for x in step.centre]
+    sizes = np.array([[float(x.size) for x in row] for row in step.spread])
+    radii = np.array([[float(x.radius) for x in row] for row in step.spread])
+    rows = []
+    for way in turned.T:
+        reach = float(np.abs(way) @ away) + float(np.abs(way @ spread).sum())
+        reach += float((np.abs(way) @ radii).sum()) + 1e-13 * float(sizes.sum())
+        reach = max(reach * ROOM, float(POINT))
+        rows.append(tuple(_short(x / reach) for x in way))
+    return TubeSet(tuple(centre), tuple(rows))
+
+
+def _short(x: float) -> Fraction:
+    return Fraction(round(Fraction(x) * SHORT), SHORT)
