@@ -19,7 +19,7 @@ sys.path.insert(0, str(ROOT / "benchmarks"))
 from tubes import PROBLEMS, solve  # noqa: E402
 
 from fuzzyarm.closed_loop.tube import Tube  # noqa: E402
-from fuzzyarm.loop.run import simulate  # noqa: E402
+from fuzzyarm.loop.simulation import simulate  # noqa: E402
 from fuzzyarm.plant.plant import with_parameters  # noqa: E402
 
 RUNS = 60

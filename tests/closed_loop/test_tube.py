@@ -15,7 +15,7 @@ from fuzzyarm.closed_loop.problem import LoopProofError, loop_problem
 from fuzzyarm.closed_loop.readings import UnreadableError
 from fuzzyarm.closed_loop.tube import Demand, tube
 from fuzzyarm.loop.course import Options, Sensor
-from fuzzyarm.loop.run import simulate
+from fuzzyarm.loop.simulation import simulate
 from fuzzyarm.plant import Plant, Port
 from fuzzyarm.plant.own import find_plant
 from fuzzyarm.plant.plant import with_parameters
