@@ -295,9 +295,11 @@ class SystemWriter:
             report = self.findings.error if refused else self.findings.loss
             report("set-as-value", message)
 
-    def need_sets(self, output: Output, why: str = "which cannot be integrated") -> None:
+    def need_sets(self, output: Output) -> None:
         """Report values where an integral needs sets."""
         if {term.shape.kind for term in output.terms} & VALUES:
+            to_fuzzylite = "which fuzzylite takes for sets"
+            why = to_fuzzylite if self.dialect.activates else "which cannot be integrated"
             message = f"'{output.name}' has values among its terms, {why}"
             self.findings.loss("value-as-set", message)
 
