@@ -91,6 +91,8 @@ def _corners(degree: Degree, parts: Sequence[Shape], low: float, high: float) ->
 def _bends_between(degree: Degree, a: float, b: float, most: int) -> list[float]:
     """Return the bends inside a stretch: where the lines at its two ends meet, and again."""
     step = 1e-6 * (b - a)
+    if not a < a + step < b - step < b:  # too short for floats to tell points in it apart
+        return []
     first, last = degree(a + step), degree(b - step)
     rise = (degree(a + 2.0 * step) - first) / step
     fall = (last - degree(b - 2.0 * step)) / step
