@@ -23,13 +23,14 @@ from pathlib import Path
 import numpy as np
 
 from fuzzyarm.controller import controller
+from fuzzyarm.loop import simulate_many
 from fuzzyarm.loop.blocks import packed
-from fuzzyarm.loop.many import Bench, cut, experiment_of, simulate_many
+from fuzzyarm.loop.many import Bench, cut
 from fuzzyarm.loop.program import Record, loop_for
 from fuzzyarm.plant import reach_return
 
 sys.path.insert(0, str(Path(__file__).parent))
-from closed_loop import CONTROLS, compile_c, write_data
+from closed_loop import CONTROLS, compile_c, experiment_of, write_data
 
 GOALS = {"fuzzy-lut": 20.0, "soc-zero": 20.0, "fuzzy-direct": 60.0, "stfc": 60.0}
 """Seconds for 10,000 runs on two cores: 20 for tables, 60 for rules."""

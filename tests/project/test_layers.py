@@ -1,6 +1,7 @@
 """The architecture: every import goes down, and the bottom is light."""
 
 import ast
+import importlib
 import re
 import subprocess
 import sys
@@ -362,3 +363,16 @@ def test_the_pages_know_no_plant_by_its_name():
         assert not re.findall(rf"""(?:===|!==|==)\s*["'`](?:{names})["'`]""", path.read_text()), (
             path
         )
+
+
+BENCHMARKS = sorted((SOURCE.parents[1] / "benchmarks").glob("*.py"))
+
+
+@pytest.mark.parametrize("path", BENCHMARKS, ids=lambda path: path.name)
+def test_benchmarks_import_what_is_there(path):
+    """No test runs them, and a name that has moved would be missed when somebody measures."""
+    for node in ast.parse(path.read_text()).body:  # not what stands below a `try`
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("fuzzyarm"):
+            module = importlib.import_module(node.module)
+            for each in node.names:
+                assert hasattr(module, each.name), f"{node.module} has no {each.name}"
