@@ -260,7 +260,7 @@ def test_what_cannot_be_exported_is_refused_in_words(folder):
     servo = (folder / "servo.frb").read_text()
     with confined(folder):
         assert "outside the folder" in refused(servo.replace("pd7.frb", "../outside.frb"), ".h")
-    assert kinds_of(Session("x.frb", servo)) == [".h", ".c", ".st", ".fmu"]
+    assert kinds_of(Session("x.frb", servo)) == [".h", ".c", ".st", ".xml", ".fmu"]
 
 
 def test_the_numbers_of_latex_are_those_of_the_table(folder):

@@ -11,6 +11,14 @@
     }
     return found;
   }
+  function valueRange(ends, limits) {
+    const all = [...ends, ...limits].filter(Number.isFinite);
+    if (!all.length) return [-1, 1];
+    const [low, high] = [Math.min(...all), Math.max(...all)];
+    if (high - low < 1e-9 * Math.max(1, Math.abs(high))) return [low - 1, high + 1];
+    const room = 0.08 * (high - low);
+    return [low - room, high + room];
+  }
 
   // draw.js
   var UNSEEN = /[\u0000-\u0008\u000b-\u001f\u007f-\u009f\u200e\u200f\u2028-\u202e\u2066-\u2069]/g;
@@ -335,11 +343,16 @@
     theme: "Light or dark",
     gone: "The server does not answer. Your text is kept in this page, and is sent when it is back.",
     back: "connected again",
-    conflict: "The file has changed on disk, in the same lines as here.",
+    conflict: "Another program has changed the file, and something here is not saved.",
+    reread: "Another program has changed the file. This is its text now.",
+    follows: "Another window writes this file; this one follows it.",
+    behind: "Another window writes this file. What was typed here last is not in it.",
+    writeHere: "Write here",
     fileGone: "The file is gone from the folder. Save writes it anew.",
     unreadable: (why) => `The file has changed on disk, and is not taken: ${why}.`,
     keepMine: "Keep mine",
     takeTheirs: "Take the file's",
+    keepBoth: "Keep both",
     otherWindow: "Another window has had other lines here while the server was away.",
     keepThis: "Keep these",
     takeOther: "Take the other's",
@@ -1156,7 +1169,7 @@
     const labels = fields.map(
       ({ label }, i) => el("label", { class: "field" }, el("span", { textContent: label }), controls[i])
     );
-    const go2 = el("button", { type: "submit", textContent: button });
+    const go3 = el("button", { type: "submit", textContent: button });
     const stop = el("button", { type: "button", textContent: S.cancel, onclick: () => dialog.close() });
     const form = el(
       "form",
@@ -1165,7 +1178,7 @@
       ...note ? [el("p", { textContent: note })] : [],
       ...labels,
       wrong,
-      el("div", { class: "row" }, stop, go2)
+      el("div", { class: "row" }, stop, go3)
     );
     const dialog = el("dialog", { "aria-label": title }, form);
     const refocus = keepFocus(document.body);
@@ -1179,9 +1192,9 @@
     dim();
     form.addEventListener("submit", async (event) => {
       event.preventDefault();
-      go2.disabled = true;
+      go3.disabled = true;
       const answer = await act(Object.fromEntries(new FormData(form)));
-      go2.disabled = false;
+      go3.disabled = false;
       wrong.textContent = answer.error ?? "";
       if (answer.error) return;
       done = answer;
@@ -1190,7 +1203,7 @@
     document.body.append(dialog);
     dialog.showModal();
     const text = controls.find((each) => each.tagName === "INPUT");
-    (text ?? go2).focus();
+    (text ?? go3).focus();
     text?.setSelectionRange(0, text.value.replace(/\.[^.]*$/, "").length);
     return new Promise((resolve) => {
       dialog.addEventListener("close", () => {
@@ -1336,7 +1349,7 @@
     const state = el("p", { class: "state", role: "status" });
     const found = el("ul", { class: "made" });
     const lines = el("pre", { class: "printed", tabIndex: 0, hidden: true, "aria-label": S.report });
-    const go2 = el("button", { type: "submit", textContent: S.exportNow });
+    const go3 = el("button", { type: "submit", textContent: S.exportNow });
     const close = el("button", { type: "button", textContent: S.close, onclick: () => dialog.close() });
     const form = el(
       "form",
@@ -1346,7 +1359,7 @@
       state,
       found,
       lines,
-      el("div", { class: "row" }, close, go2)
+      el("div", { class: "row" }, close, go3)
     );
     const dialog = el("dialog", { "aria-label": S.exports }, form);
     let job = null;
@@ -1362,7 +1375,7 @@
       event.preventDefault();
       if (job) return;
       const options = valuesOf(form);
-      go2.disabled = true;
+      go3.disabled = true;
       found.replaceChildren();
       lines.hidden = true;
       state.textContent = S.working;
@@ -1375,7 +1388,7 @@
       if (news.files) show(news);
       if (!news.end) return;
       job = null;
-      go2.disabled = false;
+      go3.disabled = false;
       if (news.end === "failed") {
         state.textContent = clean(news.message);
         state.classList.add("error");
@@ -2112,7 +2125,7 @@ ${shape.side ?? 0}`;
     const high = variable.high ?? Math.max(1, ...known) + 1;
     return [low, high];
   }
-  function moved(shape, parameters, index, to2, by) {
+  function moved(shape, parameters, index, to3, by) {
     const next = [...parameters];
     if (index === null) {
       for (const i of shape.handles) next[i] = parameters[i] + by;
@@ -2122,9 +2135,9 @@ ${shape.side ?? 0}`;
     if (shape.ordered || shape.kind === "points") {
       const before = parameters[shape.handles[place - 1]] ?? -Infinity;
       const behind = parameters[shape.handles[place + 1]] ?? Infinity;
-      to2 = Math.min(behind, Math.max(before, to2));
+      to3 = Math.min(behind, Math.max(before, to3));
     }
-    next[index] = to2;
+    next[index] = to3;
     return next;
   }
   var SYMMETRIC = /* @__PURE__ */ new Set(["triangle", "trapezoid", "rectangle", "pi", "semi-ellipse", "s", "z", "singleton"]);
@@ -2769,13 +2782,13 @@ ${name}`;
       for (const other of variable.terms.flatMap(sidesOf)) {
         if (changed.has(other) || (other.side ?? 0) !== (shape.side ?? 0) || other.kind === "points") continue;
         const from = this.drag.from.get(other);
-        const to2 = from.parameters.map((x2, i) => {
+        const to3 = from.parameters.map((x2, i) => {
           const shared = other.handles.includes(i) ? shape.handles.findIndex((k) => old[k] === x2) : -1;
           return shared < 0 ? x2 : next[shape.handles[shared]];
         });
-        const sorted = other.handles.every((i, k) => !k || to2[other.handles[k - 1]] <= to2[i]);
-        if (sorted && to2.some((x2, i) => x2 !== from.parameters[i]))
-          changed.set(other, { ...this.plain(from), parameters: to2 });
+        const sorted = other.handles.every((i, k) => !k || to3[other.handles[k - 1]] <= to3[i]);
+        if (sorted && to3.some((x2, i) => x2 !== from.parameters[i]))
+          changed.set(other, { ...this.plain(from), parameters: to3 });
       }
     };
     mirrored = (variable, changed) => {
@@ -2795,11 +2808,11 @@ ${name}`;
       const sides = sidesOf(term);
       if (!sides.some((side) => changed.has(side))) return;
       const from = sides.map((side) => this.drag.from.get(side));
-      const to2 = sides.map((side, i) => changed.get(side) ?? from[i]);
-      if (this.isBelow(variable, sides, to2)) return;
+      const to3 = sides.map((side, i) => changed.get(side) ?? from[i]);
+      if (this.isBelow(variable, sides, to3)) return;
       const between = (share2) => from.map((start2, i) => ({
-        parameters: start2.parameters.map((x2, k) => Number.isFinite(x2) ? x2 + share2 * (to2[i].parameters[k] - x2) : x2),
-        height: start2.height + share2 * (to2[i].height - start2.height)
+        parameters: start2.parameters.map((x2, k) => Number.isFinite(x2) ? x2 + share2 * (to3[i].parameters[k] - x2) : x2),
+        height: start2.height + share2 * (to3[i].height - start2.height)
       }));
       let [reach, beyond] = [0, 1];
       for (let i = 0; i < 12; i++) {
@@ -3174,7 +3187,7 @@ ${name}`;
     /** Findings that lie within a stretch of the text, or cover it in its own line. */
     findingsOf = ([start2, end]) => {
       return this.store.findings.filter(
-        ({ range: [from, to2] }) => from[0] === start2[0] && !this.before(to2, start2) && (from[0] !== end[0] || this.before(from, end))
+        ({ range: [from, to3] }) => from[0] === start2[0] && !this.before(to3, start2) && (from[0] !== end[0] || this.before(from, end))
       );
     };
     /** Mark an element with its findings, for the eye, the pointer and the screen reader. */
@@ -3188,14 +3201,14 @@ ${name}`;
     // --- sentences ---
     item = (rule, number) => {
       const said2 = this.goTo ? el("button", { class: "said", textContent: rule.text, onclick: () => this.goTo(rule.at) }) : rule.text;
-      const li2 = el("li", {}, el("span", { class: "place", textContent: rule.place }), said2);
+      const li3 = el("li", {}, el("span", { class: "place", textContent: rule.place }), said2);
       const found = this.findingsOf(rule.range);
       if (found.length) {
-        li2.classList.add("found", found[0].severity);
-        li2.append(this.sign(found));
+        li3.classList.add("found", found[0].severity);
+        li3.append(this.sign(found));
       }
       const draft = [...this.drafts].find((each) => each.rule === number);
-      if (draft) li2.replaceChildren(this.writer(draft, S.ruleAt(rule.place)));
+      if (draft) li3.replaceChildren(this.writer(draft, S.ruleAt(rule.place)));
       else if (this.change && rule.written) {
         const edit = () => {
           const line = { rule: number, of: this.store.scene.rules.length, written: rule.written, text: rule.written };
@@ -3203,7 +3216,7 @@ ${name}`;
           this.build();
           this.body.querySelector(`[data-key="write ${number}"]`).focus();
         };
-        li2.append(
+        li3.append(
           el("button", {
             class: "small",
             textContent: S.change,
@@ -3221,8 +3234,8 @@ ${name}`;
           })
         );
       }
-      this.lit[number] = li2;
-      return li2;
+      this.lit[number] = li3;
+      return li3;
     };
     /** A line to write a rule in; one that is changed may be left with Escape. */
     writer = (draft, label) => {
@@ -3488,8 +3501,8 @@ ${name}`;
       const a = x0 + (x2 - x0) * (y - y0) / (y2 - y0);
       const b = y < y1 ? x0 + (x1 - x0) * (y - y0) / (y1 - y0) : x1 + (x2 - x1) * (y - y1) / (y2 - y1);
       const from = row * width + Math.max(0, Math.ceil((a < b ? a : b) - 0.5));
-      const to2 = row * width + Math.min(width, Math.ceil((a < b ? b : a) - 0.5));
-      for (let at2 = from; at2 < to2; at2++) pixels[at2] = colour;
+      const to3 = row * width + Math.min(width, Math.ceil((a < b ? b : a) - 0.5));
+      for (let at2 = from; at2 < to3; at2++) pixels[at2] = colour;
     }
   }
   function limitsOf(z2, output) {
@@ -3505,14 +3518,14 @@ ${name}`;
   }
   function projectionOf(turned, width, height) {
     const [ca2, sa2] = [Math.cos(turned.azimuth), Math.sin(turned.azimuth)];
-    const [ce, se2] = [Math.cos(turned.elevation), Math.sin(turned.elevation)];
+    const [ce2, se2] = [Math.cos(turned.elevation), Math.sin(turned.elevation)];
     const reach = Math.min(width * 0.58, height * 0.68);
     return {
       reach,
       /** @returns {Page.Pair} */
       project(u, v, w) {
         const [right, depth] = [u * ca2 - v * sa2, u * sa2 + v * ca2];
-        return [width / 2 + reach * right, height * 0.5 - reach * (0.62 * w * ce + depth * se2)];
+        return [width / 2 + reach * right, height * 0.5 - reach * (0.62 * w * ce2 + depth * se2)];
       },
       /** Whether the far end of each axis is the one with the large numbers. */
       farIsHigh: { u: sa2 > 0, v: ca2 > 0 }
@@ -3811,7 +3824,7 @@ ${name}`;
         }
       }
       this.frame(g, project, { x: x2, y, low, high, output, wanted: reach < 130 ? 2 : 4 });
-      const is2 = farToNear(n66 - 1, farIsHigh.u);
+      const is3 = farToNear(n66 - 1, farIsHigh.u);
       const js2 = farToNear(n66 - 1, farIsHigh.v);
       const ratio = 2;
       const [wide, tall] = [Math.round(ratio * width), Math.round(ratio * height)];
@@ -3826,7 +3839,7 @@ ${name}`;
         py[k] *= ratio;
       }
       for (const j2 of js2) {
-        for (const i of is2) {
+        for (const i of is3) {
           const [a, b] = [j2 * n66 + i, (j2 + 1) * n66 + i];
           const middle = 0.25 * (share2[a] + share2[a + 1] + share2[b] + share2[b + 1]);
           if (!(middle === middle)) continue;
@@ -3994,10 +4007,10 @@ ${name}`;
     };
     /** Trace a level; returns a spot of each of its cells. */
     lines = (g, z2, n66, level, at2) => {
-      const segments = crossings(z2, n66, level).map(([from, to2]) => [at2(...from), at2(...to2)]);
-      for (const [from, to2] of segments) {
+      const segments = crossings(z2, n66, level).map(([from, to3]) => [at2(...from), at2(...to3)]);
+      for (const [from, to3] of segments) {
         g.moveTo(...from);
-        g.lineTo(...to2);
+        g.lineTo(...to3);
       }
       return segments.map(([from]) => from);
     };
@@ -4065,8 +4078,8 @@ ${name}`;
     };
     /** Move the cut to where the pointer is along the edge that its handle runs on. */
     slide = (event) => {
-      const { from, to: to2 } = this.handle;
-      const [dx, dy] = [to2[0] - from[0], to2[1] - from[1]];
+      const { from, to: to3 } = this.handle;
+      const [dx, dy] = [to3[0] - from[0], to3[1] - from[1]];
       const share2 = ((event.offsetX - from[0]) * dx + (event.offsetY - from[1]) * dy) / (dx * dx + dy * dy);
       const [low, high] = rangeOf(this.store.scene.inputs[this.cutInput()]);
       this.store.setPoint(this.cutInput(), low + share2 * (high - low));
@@ -4114,8 +4127,8 @@ ${name}`;
             ["text", S.asWritten]
           ],
           this.order,
-          (to2) => {
-            this.order = to2;
+          (to3) => {
+            this.order = to3;
             this.rows.scrollTop = 0;
             this.draw();
           }
@@ -4448,8 +4461,8 @@ ${name}`;
       this.area.classList.toggle("as-diagram", Boolean(this.store.diagram) && this.store.asDiagram);
       this.turn(this.shown);
     };
-    turn = (to2) => {
-      this.shown = to2;
+    turn = (to3) => {
+      this.shown = to3;
       this.note.hidden = !this.shownViews[this.shown].drawn || Boolean(this.store.scene ?? this.store.diagram);
       this.views.forEach((view, i) => {
         view.hidden = i !== this.shown || !this.note.hidden;
@@ -4497,8 +4510,8 @@ ${name}`;
   }
   function aroundLine(hand) {
     const line = el("p", { class: "around", hidden: true });
-    const go2 = (name) => el("button", { textContent: clean(name), onclick: () => hand.turnTo(name) });
-    const links = (words2, names) => names.length ? [` ${words2} `, ...names.slice(0, 8).map(go2)] : [];
+    const go3 = (name) => el("button", { textContent: clean(name), onclick: () => hand.turnTo(name) });
+    const links = (words2, names) => names.length ? [` ${words2} `, ...names.slice(0, 8).map(go3)] : [];
     async function show(wanted, onArm) {
       line.hidden = !wanted;
       if (!wanted) return;
@@ -4569,8 +4582,1851 @@ ${name}`;
     if (options.some(([value]) => value === chosen)) select.value = chosen;
   }
 
+  // vendor/uplot.js
+  var Js = "uplot";
+  var Zs = "u-hz";
+  var Qs = "u-vt";
+  var Xs = "u-title";
+  var er = "u-wrap";
+  var tr = "u-under";
+  var lr = "u-over";
+  var nr = "u-axis";
+  var Zt = "u-off";
+  var ir = "u-select";
+  var or = "u-cursor-x";
+  var sr = "u-cursor-y";
+  var rr = "u-cursor-pt";
+  var fr = "u-legend";
+  var ur = "u-live";
+  var cr = "u-inline";
+  var ar = "u-series";
+  var pr = "u-marker";
+  var ji = "u-label";
+  var hr = "u-value";
+  var Nl = "width";
+  var Wl = "height";
+  var qi = "bottom";
+  var yl = "left";
+  var Wn = "right";
+  var ni = "#000";
+  var $i = ni + "0";
+  var Gn = "mousemove";
+  var Ji = "mousedown";
+  var In = "mouseup";
+  var Zi = "mouseenter";
+  var Qi = "mouseleave";
+  var Xi = "dblclick";
+  var mr = "resize";
+  var dr = "scroll";
+  var eo = "change";
+  var sn = "dppxchange";
+  var ii = "--";
+  var Al = typeof window < "u";
+  var jn = Al ? document : null;
+  var kl = Al ? window : null;
+  var gr = Al ? navigator : null;
+  var oe;
+  var tn;
+  function qn() {
+    let e = devicePixelRatio;
+    oe != e && (oe = e, tn && Jn(eo, tn, qn), tn = matchMedia(`(min-resolution: ${oe - 1e-3}dppx) and (max-resolution: ${oe + 1e-3}dppx)`), Qt(eo, tn, qn), kl.dispatchEvent(new CustomEvent(sn)));
+  }
+  function Xe(e, i) {
+    if (i != null) {
+      let o = e.classList;
+      !o.contains(i) && o.add(i);
+    }
+  }
+  function $n(e, i) {
+    let o = e.classList;
+    o.contains(i) && o.remove(i);
+  }
+  function ge(e, i, o) {
+    e.style[i] = o + "px";
+  }
+  function dt(e, i, o, n66) {
+    let s = jn.createElement(e);
+    return i != null && Xe(s, i), o?.insertBefore(s, n66), s;
+  }
+  function ft(e, i) {
+    return dt("div", e, i);
+  }
+  var to = /* @__PURE__ */ new WeakMap();
+  function bt(e, i, o, n66, s) {
+    let a = "translate(" + i + "px," + o + "px)", u = to.get(e);
+    a != u && (e.style.transform = a, to.set(e, a), i < 0 || o < 0 || i > n66 || o > s ? Xe(e, Zt) : $n(e, Zt));
+  }
+  var lo = /* @__PURE__ */ new WeakMap();
+  function no(e, i, o) {
+    let n66 = i + o, s = lo.get(e);
+    n66 != s && (lo.set(e, n66), e.style.background = i, e.style.borderColor = o);
+  }
+  var io = /* @__PURE__ */ new WeakMap();
+  function oo(e, i, o, n66) {
+    let s = i + "" + o, a = io.get(e);
+    s != a && (io.set(e, s), e.style.height = o + "px", e.style.width = i + "px", e.style.marginLeft = n66 ? -i / 2 + "px" : 0, e.style.marginTop = n66 ? -o / 2 + "px" : 0);
+  }
+  var oi = { passive: true };
+  var wr = { ...oi, capture: true };
+  function Qt(e, i, o, n66) {
+    i.addEventListener(e, o, n66 ? wr : oi);
+  }
+  function Jn(e, i, o, n66) {
+    i.removeEventListener(e, o, oi);
+  }
+  Al && qn();
+  function gt(e, i, o, n66) {
+    let s;
+    o = o || 0, n66 = n66 || i.length - 1;
+    let a = n66 <= 2147483647;
+    for (; n66 - o > 1; ) s = a ? o + n66 >> 1 : et((o + n66) / 2), i[s] < e ? o = s : n66 = s;
+    return e - i[o] <= i[n66] - e ? o : n66;
+  }
+  function Ro(e) {
+    return (o, n66, s) => {
+      let a = -1, u = -1;
+      for (let h = n66; h <= s; h++) if (e(o[h])) {
+        a = h;
+        break;
+      }
+      for (let h = s; h >= n66; h--) if (e(o[h])) {
+        u = h;
+        break;
+      }
+      return [a, u];
+    };
+  }
+  var zo = (e) => e != null;
+  var Fo = (e) => e != null && e > 0;
+  var un = Ro(zo);
+  var Sr = Ro(Fo);
+  function _r(e, i, o, n66 = 0, s = false) {
+    let a = s ? Sr : un, u = s ? Fo : zo;
+    [i, o] = a(e, i, o);
+    let h = e[i], m = e[i];
+    if (i > -1) if (n66 == 1) h = e[i], m = e[o];
+    else if (n66 == -1) h = e[o], m = e[i];
+    else for (let d = i; d <= o; d++) {
+      let y = e[d];
+      u(y) && (y < h ? h = y : y > m && (m = y));
+    }
+    return [h ?? ce, m ?? -ce];
+  }
+  function cn(e, i, o, n66) {
+    let s = fo(e), a = fo(i);
+    e == i && (s == -1 ? (e *= o, i /= o) : (e /= o, i *= o));
+    let u = o == 10 ? Pt : Oo, h = s == 1 ? et : ut, m = a == 1 ? ut : et, d = h(u(Ee(e))), y = m(u(Ee(i))), g = xl(o, d), w = xl(o, y);
+    return o == 10 && (d < 0 && (g = ae(g, -d)), y < 0 && (w = ae(w, -y))), n66 || o == 2 ? (e = g * s, i = w * a) : (e = Go(e, g), i = an(i, w)), [e, i];
+  }
+  function si(e, i, o, n66) {
+    let s = cn(e, i, o, n66);
+    return e == 0 && (s[0] = 0), i == 0 && (s[1] = 0), s;
+  }
+  var ri = 0.1;
+  var so = { mode: 3, pad: ri };
+  var Il = { pad: 0, soft: null, mode: 0 };
+  var yr = { min: Il, max: Il };
+  function rn(e, i, o, n66) {
+    return pn(o) ? ro(e, i, o) : (Il.pad = o, Il.soft = n66 ? 0 : null, Il.mode = n66 ? 3 : 0, ro(e, i, yr));
+  }
+  function ne(e, i) {
+    return e ?? i;
+  }
+  function vr(e, i, o) {
+    for (i = ne(i, 0), o = ne(o, e.length - 1); i <= o; ) {
+      if (e[i] != null) return true;
+      i++;
+    }
+    return false;
+  }
+  function ro(e, i, o) {
+    let n66 = o.min, s = o.max, a = ne(n66.pad, 0), u = ne(s.pad, 0), h = ne(n66.hard, -ce), m = ne(s.hard, ce), d = ne(n66.soft, ce), y = ne(s.soft, -ce), g = ne(n66.mode, 0), w = ne(s.mode, 0), L2 = i - e, D = Pt(L2), O2 = Be(Ee(e), Ee(i)), N = Pt(O2), G2 = Ee(N - D);
+    (L2 < 1e-24 || G2 > 10) && (L2 = 0, (e == 0 || i == 0) && (L2 = 1e-24, g == 2 && d != ce && (a = 0), w == 2 && y != -ce && (u = 0)));
+    let k = L2 || O2 || 1e3, H2 = Pt(k), x2 = xl(10, et(H2)), q = k * (L2 == 0 ? e == 0 ? 0.1 : 1 : a), P4 = ae(Go(e - q, x2 / 10), 24), $2 = e >= d && (g == 1 || g == 3 && P4 <= d || g == 2 && P4 >= d) ? d : ce, U = Be(h, P4 < $2 && e >= $2 ? $2 : wt($2, P4)), Q2 = k * (L2 == 0 ? i == 0 ? 0.1 : 1 : u), B = ae(an(i + Q2, x2 / 10), 24), T2 = i <= y && (w == 1 || w == 3 && B >= y || w == 2 && B <= y) ? y : -ce, j2 = wt(m, B > T2 && i <= T2 ? T2 : Be(T2, B));
+    return U == j2 && U == 0 && (j2 = 100), [U, j2];
+  }
+  var kr = new Intl.NumberFormat(Al ? gr.language : "en-US");
+  var fi = (e) => kr.format(e);
+  var tt = Math;
+  var on = tt.PI;
+  var Ee = tt.abs;
+  var et = tt.floor;
+  var Ae = tt.round;
+  var ut = tt.ceil;
+  var wt = tt.min;
+  var Be = tt.max;
+  var xl = tt.pow;
+  var fo = tt.sign;
+  var Pt = tt.log10;
+  var Oo = tt.log2;
+  var xr = (e, i = 1) => tt.sinh(e) * i;
+  var Yn = (e, i = 1) => tt.asinh(e / i);
+  var ce = 1 / 0;
+  function uo(e) {
+    return (Pt((e ^ e >> 31) - (e >> 31)) | 0) + 1;
+  }
+  function Zn(e, i, o) {
+    return wt(Be(e, i), o);
+  }
+  function Ho(e) {
+    return typeof e == "function";
+  }
+  function X(e) {
+    return Ho(e) ? e : () => e;
+  }
+  var Tr = () => {
+  };
+  var No = (e) => e;
+  var Wo = (e, i) => i;
+  var br = (e) => null;
+  var co = (e) => true;
+  var ao = (e, i) => e == i;
+  var Mr = /\.\d*?(?=9{6,}|0{6,})/gm;
+  var Xt = (e) => {
+    if (Yo(e) || Ht.has(e)) return e;
+    let i = `${e}`, o = i.match(Mr);
+    if (o == null) return e;
+    let n66 = o[0].length - 1;
+    if (i.indexOf("e-") != -1) {
+      let [s, a] = i.split("e");
+      return +`${Xt(s)}e${a}`;
+    }
+    return ae(e, n66);
+  };
+  function $t(e, i) {
+    return Xt(ae(Xt(e / i)) * i);
+  }
+  function an(e, i) {
+    return Xt(ut(Xt(e / i)) * i);
+  }
+  function Go(e, i) {
+    return Xt(et(Xt(e / i)) * i);
+  }
+  function ae(e, i = 0) {
+    if (Yo(e)) return e;
+    let o = 10 ** i, n66 = e * o * (1 + Number.EPSILON);
+    return Ae(n66) / o;
+  }
+  var Ht = /* @__PURE__ */ new Map();
+  function Io(e) {
+    return (("" + e).split(".")[1] || "").length;
+  }
+  function Bl(e, i, o, n66) {
+    let s = [], a = n66.map(Io);
+    for (let u = i; u < o; u++) {
+      let h = Ee(u), m = ae(xl(e, u), h);
+      for (let d = 0; d < n66.length; d++) {
+        let y = e == 10 ? +`${n66[d]}e${u}` : n66[d] * m, g = (u >= 0 ? 0 : h) + (u >= a[d] ? 0 : a[d]), w = e == 10 ? y : ae(y, g);
+        s.push(w), Ht.set(w, g);
+      }
+    }
+    return s;
+  }
+  var Yl = {};
+  var ui = [];
+  var Tl = [null, null];
+  var Ot = Array.isArray;
+  var Yo = Number.isInteger;
+  var Ar = (e) => e === void 0;
+  function po(e) {
+    return typeof e == "string";
+  }
+  function pn(e) {
+    let i = false;
+    if (e != null) {
+      let o = e.constructor;
+      i = o == null || o == Object;
+    }
+    return i;
+  }
+  function Er(e) {
+    return e != null && typeof e == "object";
+  }
+  var Pr = Object.getPrototypeOf(Uint8Array);
+  var Bo = "__proto__";
+  function bl(e, i = pn) {
+    let o;
+    if (Ot(e)) {
+      let n66 = e.find((s) => s != null);
+      if (Ot(n66) || i(n66)) {
+        o = Array(e.length);
+        for (let s = 0; s < e.length; s++) o[s] = bl(e[s], i);
+      } else o = e.slice();
+    } else if (e instanceof Pr) o = e.slice();
+    else if (i(e)) {
+      o = {};
+      for (let n66 in e) n66 != Bo && (o[n66] = bl(e[n66], i));
+    } else o = e;
+    return o;
+  }
+  function Te(e) {
+    let i = arguments;
+    for (let o = 1; o < i.length; o++) {
+      let n66 = i[o];
+      for (let s in n66) s != Bo && (pn(e[s]) ? Te(e[s], bl(n66[s])) : e[s] = bl(n66[s]));
+    }
+    return e;
+  }
+  var Dr = 0;
+  var Lr = 1;
+  var Cr = 2;
+  function Vr(e, i, o) {
+    for (let n66 = 0, s, a = -1; n66 < i.length; n66++) {
+      let u = i[n66];
+      if (u > a) {
+        for (s = u - 1; s >= 0 && e[s] == null; ) e[s--] = null;
+        for (s = u + 1; s < o && e[s] == null; ) e[a = s++] = null;
+      }
+    }
+  }
+  function Rr(e, i) {
+    if (Or(e)) {
+      let u = e[0].slice();
+      for (let h = 1; h < e.length; h++) u.push(...e[h].slice(1));
+      return Hr(u[0]) || (u = Fr(u)), u;
+    }
+    let o = /* @__PURE__ */ new Set();
+    for (let u = 0; u < e.length; u++) {
+      let m = e[u][0], d = m.length;
+      for (let y = 0; y < d; y++) o.add(m[y]);
+    }
+    let n66 = [Array.from(o).sort((u, h) => u - h)], s = n66[0].length, a = /* @__PURE__ */ new Map();
+    for (let u = 0; u < s; u++) a.set(n66[0][u], u);
+    for (let u = 0; u < e.length; u++) {
+      let h = e[u], m = h[0];
+      for (let d = 1; d < h.length; d++) {
+        let y = h[d], g = Array(s).fill(void 0), w = i ? i[u][d] : Lr, L2 = [];
+        for (let D = 0; D < y.length; D++) {
+          let O2 = y[D], N = a.get(m[D]);
+          O2 === null ? w != Dr && (g[N] = O2, w == Cr && L2.push(N)) : g[N] = O2;
+        }
+        Vr(g, L2, s), n66.push(g);
+      }
+    }
+    return n66;
+  }
+  var zr = typeof queueMicrotask > "u" ? (e) => Promise.resolve().then(e) : queueMicrotask;
+  function Fr(e) {
+    let i = e[0], o = i.length, n66 = Array(o);
+    for (let a = 0; a < n66.length; a++) n66[a] = a;
+    n66.sort((a, u) => i[a] - i[u]);
+    let s = [];
+    for (let a = 0; a < e.length; a++) {
+      let u = e[a], h = Array(o);
+      for (let m = 0; m < o; m++) h[m] = u[n66[m]];
+      s.push(h);
+    }
+    return s;
+  }
+  function Or(e) {
+    let i = e[0][0], o = i.length;
+    for (let n66 = 1; n66 < e.length; n66++) {
+      let s = e[n66][0];
+      if (s.length != o) return false;
+      if (s != i) {
+        for (let a = 0; a < o; a++) if (s[a] != i[a]) return false;
+      }
+    }
+    return true;
+  }
+  function Hr(e, i = 100) {
+    let o = e.length;
+    if (o <= 1) return true;
+    let n66 = 0, s = o - 1;
+    for (; n66 <= s && e[n66] == null; ) n66++;
+    for (; s >= n66 && e[s] == null; ) s--;
+    if (s <= n66) return true;
+    let a = Be(1, et((s - n66 + 1) / i));
+    for (let u = e[n66], h = n66 + a; h <= s; h += a) {
+      let m = e[h];
+      if (m != null) {
+        if (m <= u) return false;
+        u = m;
+      }
+    }
+    return true;
+  }
+  var Uo = ["January", "February", "March", "April", "May", "June", "July", "August", "September", "October", "November", "December"];
+  var Ko = ["Sunday", "Monday", "Tuesday", "Wednesday", "Thursday", "Friday", "Saturday"];
+  function jo(e) {
+    return e.slice(0, 3);
+  }
+  var Nr = Ko.map(jo);
+  var Wr = Uo.map(jo);
+  var Gr = { MMMM: Uo, MMM: Wr, WWWW: Ko, WWW: Nr };
+  function Hl(e) {
+    return (e < 10 ? "0" : "") + e;
+  }
+  function Ir(e) {
+    return (e < 10 ? "00" : e < 100 ? "0" : "") + e;
+  }
+  var Yr = { YYYY: (e) => e.getFullYear(), YY: (e) => (e.getFullYear() + "").slice(2), MMMM: (e, i) => i.MMMM[e.getMonth()], MMM: (e, i) => i.MMM[e.getMonth()], MM: (e) => Hl(e.getMonth() + 1), M: (e) => e.getMonth() + 1, DD: (e) => Hl(e.getDate()), D: (e) => e.getDate(), WWWW: (e, i) => i.WWWW[e.getDay()], WWW: (e, i) => i.WWW[e.getDay()], HH: (e) => Hl(e.getHours()), H: (e) => e.getHours(), h: (e) => {
+    let i = e.getHours();
+    return i == 0 ? 12 : i > 12 ? i - 12 : i;
+  }, AA: (e) => e.getHours() >= 12 ? "PM" : "AM", aa: (e) => e.getHours() >= 12 ? "pm" : "am", a: (e) => e.getHours() >= 12 ? "p" : "a", mm: (e) => Hl(e.getMinutes()), m: (e) => e.getMinutes(), ss: (e) => Hl(e.getSeconds()), s: (e) => e.getSeconds(), fff: (e) => Ir(e.getMilliseconds()) };
+  function ci(e, i) {
+    i = i || Gr;
+    let o = [], n66 = /\{([a-z]+)\}|[^{]+/gi, s;
+    for (; s = n66.exec(e); ) o.push(s[0][0] == "{" ? Yr[s[1]] : s[0]);
+    return (a) => {
+      let u = "";
+      for (let h = 0; h < o.length; h++) u += typeof o[h] == "string" ? o[h] : o[h](a, i);
+      return u;
+    };
+  }
+  var Br = new Intl.DateTimeFormat().resolvedOptions().timeZone;
+  function Ur(e, i) {
+    let o;
+    return i == "UTC" || i == "Etc/UTC" ? o = new Date(+e + e.getTimezoneOffset() * 6e4) : i == Br ? o = e : (o = new Date(e.toLocaleString("en-US", { timeZone: i })), o.setMilliseconds(e.getMilliseconds())), o;
+  }
+  var qo = (e) => e % 1 == 0;
+  var fn = [1, 2, 2.5, 5];
+  var Kr = Bl(10, -32, 0, fn);
+  var $o = Bl(10, 0, 32, fn);
+  var jr = $o.filter(qo);
+  var Jt = Kr.concat($o);
+  var ai = `
+`;
+  var Jo = "{YYYY}";
+  var ho = ai + Jo;
+  var Zo = "{M}/{D}";
+  var Gl = ai + Zo;
+  var ln = Gl + "/{YY}";
+  var Qo = "{aa}";
+  var qr = "{h}:{mm}";
+  var vl = qr + Qo;
+  var mo = ai + vl;
+  var go = ":{ss}";
+  var re = null;
+  function Xo(e) {
+    let i = e * 1e3, o = i * 60, n66 = o * 60, s = n66 * 24, a = s * 30, u = s * 365, m = (e == 1 ? Bl(10, 0, 3, fn).filter(qo) : Bl(10, -3, 0, fn)).concat([i, i * 5, i * 10, i * 15, i * 30, o, o * 5, o * 10, o * 15, o * 30, n66, n66 * 2, n66 * 3, n66 * 4, n66 * 6, n66 * 8, n66 * 12, s, s * 2, s * 3, s * 4, s * 5, s * 6, s * 7, s * 8, s * 9, s * 10, s * 15, a, a * 2, a * 3, a * 4, a * 6, u, u * 2, u * 5, u * 10, u * 25, u * 50, u * 100]), d = [[u, Jo, re, re, re, re, re, re, 1], [s * 28, "{MMM}", ho, re, re, re, re, re, 1], [s, Zo, ho, re, re, re, re, re, 1], [n66, "{h}" + Qo, ln, re, Gl, re, re, re, 1], [o, vl, ln, re, Gl, re, re, re, 1], [i, go, ln + " " + vl, re, Gl + " " + vl, re, mo, re, 1], [e, go + ".{fff}", ln + " " + vl, re, Gl + " " + vl, re, mo, re, 1]];
+    function y(g) {
+      return (w, L2, D, O2, N, G2) => {
+        let k = [], H2 = N >= u, x2 = N >= a && N < u, q = g(D), P4 = ae(q * e, 3), $2 = Bn(q.getFullYear(), H2 ? 0 : q.getMonth(), x2 || H2 ? 1 : q.getDate()), U = ae($2 * e, 3);
+        if (x2 || H2) {
+          let Q2 = x2 ? N / a : 0, B = H2 ? N / u : 0, T2 = P4 == U ? P4 : ae(Bn($2.getFullYear() + B, $2.getMonth() + Q2, 1) * e, 3), j2 = new Date(Ae(T2 / e)), C2 = j2.getFullYear(), I = j2.getMonth();
+          for (let F2 = 0; T2 <= O2; F2++) {
+            let ee2 = Bn(C2 + B * F2, I + Q2 * F2, 1), z2 = ee2 - g(ae(ee2 * e, 3));
+            T2 = ae((+ee2 + z2) * e, 3), T2 <= O2 && k.push(T2);
+          }
+        } else {
+          let Q2 = N >= s ? s : N, B = et(D) - et(P4), T2 = U + B + an(P4 - U, Q2);
+          k.push(T2);
+          let j2 = g(T2), C2 = j2.getHours() + j2.getMinutes() / o + j2.getSeconds() / n66, I = N / n66, F2 = w.axes[L2]._space, ee2 = G2 / F2;
+          for (; T2 = ae(T2 + N, e == 1 ? 0 : 3), !(T2 > O2); ) if (I > 1) {
+            let z2 = et(ae(C2 + I, 6)) % 24, te2 = g(T2).getHours() - z2;
+            te2 > 1 && (te2 = -1), T2 -= te2 * n66, C2 = (C2 + I) % 24;
+            let fe2 = k[k.length - 1];
+            ae((T2 - fe2) / N, 3) * ee2 >= 0.7 && k.push(T2);
+          } else k.push(T2);
+        }
+        return k;
+      };
+    }
+    return [m, d, y];
+  }
+  var [$r, Jr, Zr] = Xo(1);
+  var [Qr, Xr, ef] = Xo(1e-3);
+  Bl(2, -53, 53, [1]);
+  function wo(e, i) {
+    return e.map((o) => o.map((n66, s) => s == 0 || s == 8 || n66 == null ? n66 : i(s == 1 || o[8] == 0 ? n66 : o[1] + n66)));
+  }
+  function So(e, i) {
+    return (o, n66, s, a, u) => {
+      let h = i.find((D) => u >= D[0]) || i[i.length - 1], m, d, y, g, w, L2;
+      return n66.map((D) => {
+        let O2 = e(D), N = O2.getFullYear(), G2 = O2.getMonth(), k = O2.getDate(), H2 = O2.getHours(), x2 = O2.getMinutes(), q = O2.getSeconds(), P4 = N != m && h[2] || G2 != d && h[3] || k != y && h[4] || H2 != g && h[5] || x2 != w && h[6] || q != L2 && h[7] || h[1];
+        return m = N, d = G2, y = k, g = H2, w = x2, L2 = q, P4(O2);
+      });
+    };
+  }
+  function tf(e, i) {
+    let o = ci(i);
+    return (n66, s, a, u, h) => s.map((m) => o(e(m)));
+  }
+  function Bn(e, i, o) {
+    return new Date(e, i, o);
+  }
+  function _o(e, i) {
+    return i(e);
+  }
+  var lf = "{YYYY}-{MM}-{DD} {h}:{mm}{aa}";
+  function yo(e, i) {
+    return (o, n66, s, a) => a == null ? ii : i(e(n66));
+  }
+  function nf(e, i) {
+    let o = e.series[i];
+    return o.width ? o.stroke(e, i) : o.points.width ? o.points.stroke(e, i) : null;
+  }
+  function of(e, i) {
+    return e.series[i].fill(e, i);
+  }
+  var sf = { show: true, live: true, isolate: false, mount: Tr, markers: { show: true, width: 2, stroke: nf, fill: of, dash: "solid" }, idx: null, idxs: null, values: [] };
+  function rf(e, i) {
+    let o = e.cursor.points, n66 = ft(), s = o.size(e, i);
+    ge(n66, Nl, s), ge(n66, Wl, s);
+    let a = s / -2;
+    ge(n66, "marginLeft", a), ge(n66, "marginTop", a);
+    let u = o.width(e, i, s);
+    return u && ge(n66, "borderWidth", u), n66;
+  }
+  function ff(e, i) {
+    let o = e.series[i].points;
+    return o._fill || o._stroke;
+  }
+  function uf(e, i) {
+    let o = e.series[i].points;
+    return o._stroke || o._fill;
+  }
+  function cf(e, i) {
+    return e.series[i].points.size;
+  }
+  var Un = [0, 0];
+  function af(e, i, o) {
+    return Un[0] = i, Un[1] = o, Un;
+  }
+  function nn(e, i, o, n66 = true) {
+    return (s) => {
+      s.button == 0 && (!n66 || s.target == i) && o(s);
+    };
+  }
+  function Kn(e, i, o, n66 = true) {
+    return (s) => {
+      (!n66 || s.target == i) && o(s);
+    };
+  }
+  var pf = { show: true, x: true, y: true, lock: false, move: af, points: { one: false, show: rf, size: cf, width: 0, stroke: uf, fill: ff }, bind: { mousedown: nn, mouseup: nn, click: nn, dblclick: nn, mousemove: Kn, mouseleave: Kn, mouseenter: Kn }, drag: { setScale: true, x: true, y: false, dist: 0, uni: null, click: (e, i) => {
+    i.stopPropagation(), i.stopImmediatePropagation();
+  }, _x: false, _y: false }, focus: { dist: (e, i, o, n66, s) => n66 - s, prox: -1, bias: 0 }, hover: { skip: [void 0], prox: null, bias: 0 }, left: -10, top: -10, idx: null, dataIdx: null, idxs: null, event: null };
+  var es = { show: true, stroke: "rgba(0,0,0,0.07)", width: 2 };
+  var pi = Te({}, es, { filter: Wo });
+  var ts = Te({}, pi, { size: 10 });
+  var ls = Te({}, es, { show: false });
+  var hi = '12px system-ui, -apple-system, "Segoe UI", Roboto, "Helvetica Neue", Arial, "Noto Sans", sans-serif, "Apple Color Emoji", "Segoe UI Emoji", "Segoe UI Symbol", "Noto Color Emoji"';
+  var ns = "bold " + hi;
+  var is = 1.5;
+  var vo = { show: true, scale: "x", stroke: ni, space: 50, gap: 5, alignTo: 1, size: 50, labelGap: 0, labelSize: 30, labelFont: ns, side: 2, grid: pi, ticks: ts, border: ls, font: hi, lineGap: is, rotate: 0 };
+  var hf = "Value";
+  var mf = "Time";
+  var ko = { show: true, scale: "x", auto: false, sorted: 1, min: ce, max: -ce, idxs: [] };
+  function df(e, i, o, n66, s) {
+    return i.map((a) => a == null ? "" : fi(a));
+  }
+  function gf(e, i, o, n66, s, a, u) {
+    let h = [], m = Ht.get(s) || 0;
+    o = u ? o : ae(an(o, s), m);
+    for (let d = o; d <= n66; d = ae(d + s, m)) h.push(Object.is(d, -0) ? 0 : d);
+    return h;
+  }
+  function Qn(e, i, o, n66, s, a, u) {
+    let h = [], m = e.scales[e.axes[i].scale].log, d = m == 10 ? Pt : Oo, y = et(d(o));
+    s = xl(m, y), m == 10 && (s = Jt[gt(s, Jt)]);
+    let g = o, w = s * m;
+    m == 10 && (w = Jt[gt(w, Jt)]);
+    do
+      h.push(g), g = g + s, m == 10 && !Ht.has(g) && (g = ae(g, Ht.get(s))), g >= w && (s = g, w = s * m, m == 10 && (w = Jt[gt(w, Jt)]));
+    while (g <= n66);
+    return h;
+  }
+  function wf(e, i, o, n66, s, a, u) {
+    let m = e.scales[e.axes[i].scale].asinh, d = n66 > m ? Qn(e, i, Be(m, o), n66, s) : [m], y = n66 >= 0 && o <= 0 ? [0] : [];
+    return (o < -m ? Qn(e, i, Be(m, -n66), -o, s) : [m]).reverse().map((w) => -w).concat(y, d);
+  }
+  var os = /./;
+  var Sf = /[12357]/;
+  var _f = /[125]/;
+  var xo = /1/;
+  var Xn = (e, i, o, n66) => e.map((s, a) => i == 4 && s == 0 || a % n66 == 0 && o.test(s.toExponential()[s < 0 ? 1 : 0]) ? s : null);
+  function yf(e, i, o, n66, s) {
+    let a = e.axes[o], u = a.scale, h = e.scales[u], m = e.valToPos, d = a._space, y = m(10, u), g = m(9, u) - y >= d ? os : m(7, u) - y >= d ? Sf : m(5, u) - y >= d ? _f : xo;
+    if (g == xo) {
+      let w = Ee(m(1, u) - y);
+      if (w < d) return Xn(i.slice().reverse(), h.distr, g, ut(d / w)).reverse();
+    }
+    return Xn(i, h.distr, g, 1);
+  }
+  function vf(e, i, o, n66, s) {
+    let a = e.axes[o], u = a.scale, h = a._space, m = e.valToPos, d = Ee(m(1, u) - m(2, u));
+    return d < h ? Xn(i.slice().reverse(), 3, os, ut(h / d)).reverse() : i;
+  }
+  function kf(e, i, o, n66) {
+    return n66 == null ? ii : i == null ? "" : fi(i);
+  }
+  var To = { show: true, scale: "y", stroke: ni, space: 30, gap: 5, alignTo: 1, size: 50, labelGap: 0, labelSize: 30, labelFont: ns, side: 3, grid: pi, ticks: ts, border: ls, font: hi, lineGap: is, rotate: 0 };
+  function xf(e, i) {
+    let o = 3 + (e || 1) * 2;
+    return ae(o * i, 3);
+  }
+  function Tf(e, i) {
+    let { scale: o, idxs: n66 } = e.series[0], s = e._data[0], a = e.valToPos(s[n66[0]], o, true), u = e.valToPos(s[n66[1]], o, true), h = Ee(u - a), m = e.series[i], d = h / (m.points.space * oe);
+    return n66[1] - n66[0] <= d;
+  }
+  var bo = { scale: null, auto: true, sorted: 0, min: ce, max: -ce };
+  var ss = (e, i, o, n66, s) => s;
+  var Mo = { show: true, auto: true, sorted: 0, gaps: ss, alpha: 1, facets: [Te({}, bo, { scale: "x" }), Te({}, bo, { scale: "y" })] };
+  var Ao = { scale: "y", auto: true, sorted: 0, show: true, spanGaps: false, gaps: ss, alpha: 1, points: { show: Tf, filter: null }, values: null, min: ce, max: -ce, idxs: [], path: null, clip: null };
+  function bf(e, i, o, n66, s) {
+    return o / 10;
+  }
+  var rs = { time: true, auto: true, distr: 1, log: 10, asinh: 1, min: null, max: null, dir: 1, ori: 0 };
+  var Mf = Te({}, rs, { time: false, ori: 1 });
+  var Eo = {};
+  function fs(e, i) {
+    let o = Eo[e];
+    return o || (o = { key: e, plots: [], sub(n66) {
+      o.plots.push(n66);
+    }, unsub(n66) {
+      o.plots = o.plots.filter((s) => s != n66);
+    }, pub(n66, s, a, u, h, m, d) {
+      for (let y = 0; y < o.plots.length; y++) o.plots[y] != s && o.plots[y].pub(n66, s, a, u, h, m, d);
+    } }, e != null && (Eo[e] = o)), o;
+  }
+  var Ml = 1;
+  var ei = 2;
+  function el2(e, i, o) {
+    let n66 = e.mode, s = e.series[i], a = n66 == 2 ? e._data[i] : e._data, u = e.scales, h = e.bbox, m = a[0], d = n66 == 2 ? a[1] : a[i], y = n66 == 2 ? u[s.facets[0].scale] : u[e.series[0].scale], g = n66 == 2 ? u[s.facets[1].scale] : u[s.scale], w = h.left, L2 = h.top, D = h.width, O2 = h.height, N = e.valToPosH, G2 = e.valToPosV;
+    return y.ori == 0 ? o(s, m, d, y, g, N, G2, w, L2, D, O2, mn, El, gn, cs, ps) : o(s, m, d, y, g, G2, N, L2, w, O2, D, dn, Pl, gi, as, hs);
+  }
+  function mi(e, i) {
+    let o = 0, n66 = 0, s = ne(e.bands, ui);
+    for (let a = 0; a < s.length; a++) {
+      let u = s[a];
+      u.series[0] == i ? o = u.dir : u.series[1] == i && (u.dir == 1 ? n66 |= 1 : n66 |= 2);
+    }
+    return [o, n66 == 1 ? -1 : n66 == 2 ? 1 : n66 == 3 ? 2 : 0];
+  }
+  function Af(e, i, o, n66, s) {
+    let a = e.mode, u = e.series[i], h = a == 2 ? u.facets[1].scale : u.scale, m = e.scales[h];
+    return s == -1 ? m.min : s == 1 ? m.max : m.distr == 3 ? m.dir == 1 ? m.min : m.max : 0;
+  }
+  function Dt(e, i, o, n66, s, a) {
+    return el2(e, i, (u, h, m, d, y, g, w, L2, D, O2, N) => {
+      let G2 = u.pxRound, k = d.dir * (d.ori == 0 ? 1 : -1), H2 = d.ori == 0 ? El : Pl, x2, q;
+      k == 1 ? (x2 = o, q = n66) : (x2 = n66, q = o);
+      let P4 = G2(g(h[x2], d, O2, L2)), $2 = G2(w(m[x2], y, N, D)), U = G2(g(h[q], d, O2, L2)), Q2 = G2(w(a == 1 ? y.max : y.min, y, N, D)), B = new Path2D(s);
+      return H2(B, U, Q2), H2(B, P4, Q2), H2(B, P4, $2), B;
+    });
+  }
+  function hn(e, i, o, n66, s, a) {
+    let u = null;
+    if (e.length > 0) {
+      u = new Path2D();
+      let h = i == 0 ? gn : gi, m = o;
+      for (let g = 0; g < e.length; g++) {
+        let w = e[g];
+        if (w[1] > w[0]) {
+          let L2 = w[0] - m;
+          L2 > 0 && h(u, m, n66, L2, n66 + a), m = w[1];
+        }
+      }
+      let d = o + s - m, y = 10;
+      d > 0 && h(u, m, n66 - y / 2, d, n66 + a + y);
+    }
+    return u;
+  }
+  function Ef(e, i, o) {
+    let n66 = e[e.length - 1];
+    n66 && n66[0] == i ? n66[1] = o : e.push([i, o]);
+  }
+  function di(e, i, o, n66, s, a, u) {
+    let h = [], m = e.length;
+    for (let d = s == 1 ? o : n66; d >= o && d <= n66; d += s) if (i[d] === null) {
+      let g = d, w = d;
+      if (s == 1) for (; ++d <= n66 && i[d] === null; ) w = d;
+      else for (; --d >= o && i[d] === null; ) w = d;
+      let L2 = a(e[g]), D = w == g ? L2 : a(e[w]), O2 = g - s;
+      L2 = u <= 0 && O2 >= 0 && O2 < m ? a(e[O2]) : L2;
+      let G2 = w + s;
+      D = u >= 0 && G2 >= 0 && G2 < m ? a(e[G2]) : D, D >= L2 && h.push([L2, D]);
+    }
+    return h;
+  }
+  function Po(e) {
+    return e == 0 ? No : e == 1 ? Ae : (i) => $t(i, e);
+  }
+  function us(e) {
+    let i = e == 0 ? mn : dn, o = e == 0 ? (s, a, u, h, m, d) => {
+      s.arcTo(a, u, h, m, d);
+    } : (s, a, u, h, m, d) => {
+      s.arcTo(u, a, m, h, d);
+    }, n66 = e == 0 ? (s, a, u, h, m) => {
+      s.rect(a, u, h, m);
+    } : (s, a, u, h, m) => {
+      s.rect(u, a, m, h);
+    };
+    return (s, a, u, h, m, d = 0, y = 0) => {
+      d == 0 && y == 0 ? n66(s, a, u, h, m) : (d = wt(d, h / 2, m / 2), y = wt(y, h / 2, m / 2), i(s, a + d, u), o(s, a + h, u, a + h, u + m, d), o(s, a + h, u + m, a, u + m, y), o(s, a, u + m, a, u, y), o(s, a, u, a + h, u, d), s.closePath());
+    };
+  }
+  var mn = (e, i, o) => {
+    e.moveTo(i, o);
+  };
+  var dn = (e, i, o) => {
+    e.moveTo(o, i);
+  };
+  var El = (e, i, o) => {
+    e.lineTo(i, o);
+  };
+  var Pl = (e, i, o) => {
+    e.lineTo(o, i);
+  };
+  var gn = us(0);
+  var gi = us(1);
+  var cs = (e, i, o, n66, s, a) => {
+    e.arc(i, o, n66, s, a);
+  };
+  var as = (e, i, o, n66, s, a) => {
+    e.arc(o, i, n66, s, a);
+  };
+  var ps = (e, i, o, n66, s, a, u) => {
+    e.bezierCurveTo(i, o, n66, s, a, u);
+  };
+  var hs = (e, i, o, n66, s, a, u) => {
+    e.bezierCurveTo(o, i, s, n66, u, a);
+  };
+  function ms(e) {
+    return (i, o, n66, s, a) => el2(i, o, (u, h, m, d, y, g, w, L2, D, O2, N) => {
+      let { pxRound: G2, points: k } = u, H2, x2;
+      d.ori == 0 ? (H2 = mn, x2 = cs) : (H2 = dn, x2 = as);
+      let q = ae(k.width * oe, 3), P4 = (k.size - k.width) / 2 * oe, $2 = ae(P4 * 2, 3), U = new Path2D(), Q2 = new Path2D(), { left: B, top: T2, width: j2, height: C2 } = i.bbox;
+      gn(Q2, B - $2, T2 - $2, j2 + $2 * 2, C2 + $2 * 2);
+      let I = (F2) => {
+        if (m[F2] != null) {
+          let ee2 = G2(g(h[F2], d, O2, L2)), z2 = G2(w(m[F2], y, N, D));
+          H2(U, ee2 + P4, z2), x2(U, ee2, z2, P4, 0, on * 2);
+        }
+      };
+      if (a) a.forEach(I);
+      else for (let F2 = n66; F2 <= s; F2++) I(F2);
+      return { stroke: q > 0 ? U : null, fill: U, clip: Q2, flags: Ml | ei };
+    });
+  }
+  function ds(e) {
+    return (i, o, n66, s, a, u) => {
+      n66 != s && (a != n66 && u != n66 && e(i, o, n66), a != s && u != s && e(i, o, s), e(i, o, u));
+    };
+  }
+  var Pf = ds(El);
+  var Df = ds(Pl);
+  function gs(e) {
+    let i = ne(e?.alignGaps, 0);
+    return (o, n66, s, a) => el2(o, n66, (u, h, m, d, y, g, w, L2, D, O2, N) => {
+      [s, a] = un(m, s, a);
+      let G2 = u.pxRound, k = (C2) => G2(g(C2, d, O2, L2)), H2 = (C2) => G2(w(C2, y, N, D)), x2, q;
+      d.ori == 0 ? (x2 = El, q = Pf) : (x2 = Pl, q = Df);
+      let P4 = d.dir * (d.ori == 0 ? 1 : -1), $2 = { stroke: new Path2D(), fill: null, clip: null, band: null, gaps: null, flags: Ml }, U = $2.stroke, Q2 = false;
+      if (a - s >= O2 * 4) {
+        let C2 = (V2) => o.posToVal(V2, d.key, true), I = null, F2 = null, ee2, z2, Ue2, we = k(h[P4 == 1 ? s : a]), te2 = k(h[s]), fe2 = k(h[a]), J2 = C2(P4 == 1 ? te2 + 1 : fe2 - 1);
+        for (let V2 = P4 == 1 ? s : a; V2 >= s && V2 <= a; V2 += P4) {
+          let be2 = h[V2], Se2 = (P4 == 1 ? be2 < J2 : be2 > J2) ? we : k(be2), se2 = m[V2];
+          Se2 == we ? se2 != null ? (z2 = se2, I == null ? (x2(U, Se2, H2(z2)), ee2 = I = F2 = z2) : z2 < I ? I = z2 : z2 > F2 && (F2 = z2)) : se2 === null && (Q2 = true) : (I != null && q(U, we, H2(I), H2(F2), H2(ee2), H2(z2)), se2 != null ? (z2 = se2, x2(U, Se2, H2(z2)), I = F2 = ee2 = z2) : (I = F2 = null, se2 === null && (Q2 = true)), we = Se2, J2 = C2(we + P4));
+        }
+        I != null && I != F2 && Ue2 != we && q(U, we, H2(I), H2(F2), H2(ee2), H2(z2));
+      } else for (let C2 = P4 == 1 ? s : a; C2 >= s && C2 <= a; C2 += P4) {
+        let I = m[C2];
+        I === null ? Q2 = true : I != null && x2(U, k(h[C2]), H2(I));
+      }
+      let [T2, j2] = mi(o, n66);
+      if (u.fill != null || T2 != 0) {
+        let C2 = $2.fill = new Path2D(U), I = u.fillTo(o, n66, u.min, u.max, T2), F2 = H2(I), ee2 = k(h[s]), z2 = k(h[a]);
+        P4 == -1 && ([z2, ee2] = [ee2, z2]), x2(C2, z2, F2), x2(C2, ee2, F2);
+      }
+      if (!u.spanGaps) {
+        let C2 = [];
+        Q2 && C2.push(...di(h, m, s, a, P4, k, i)), $2.gaps = C2 = u.gaps(o, n66, s, a, C2), $2.clip = hn(C2, d.ori, L2, D, O2, N);
+      }
+      return j2 != 0 && ($2.band = j2 == 2 ? [Dt(o, n66, s, a, U, -1), Dt(o, n66, s, a, U, 1)] : Dt(o, n66, s, a, U, j2)), $2;
+    });
+  }
+  function Lf(e) {
+    let i = ne(e.align, 1), o = ne(e.ascDesc, false), n66 = ne(e.alignGaps, 0), s = ne(e.extend, false);
+    return (a, u, h, m) => el2(a, u, (d, y, g, w, L2, D, O2, N, G2, k, H2) => {
+      [h, m] = un(g, h, m);
+      let x2 = d.pxRound, { left: q, width: P4 } = a.bbox, $2 = (te2) => x2(D(te2, w, k, N)), U = (te2) => x2(O2(te2, L2, H2, G2)), Q2 = w.ori == 0 ? El : Pl, B = { stroke: new Path2D(), fill: null, clip: null, band: null, gaps: null, flags: Ml }, T2 = B.stroke, j2 = w.dir * (w.ori == 0 ? 1 : -1), C2 = U(g[j2 == 1 ? h : m]), I = $2(y[j2 == 1 ? h : m]), F2 = I, ee2 = I;
+      s && i == -1 && (ee2 = q, Q2(T2, ee2, C2)), Q2(T2, I, C2);
+      for (let te2 = j2 == 1 ? h : m; te2 >= h && te2 <= m; te2 += j2) {
+        let fe2 = g[te2];
+        if (fe2 == null) continue;
+        let J2 = $2(y[te2]), V2 = U(fe2);
+        i == 1 ? Q2(T2, J2, C2) : Q2(T2, F2, V2), Q2(T2, J2, V2), C2 = V2, F2 = J2;
+      }
+      let z2 = F2;
+      s && i == 1 && (z2 = q + P4, Q2(T2, z2, C2));
+      let [Ue2, we] = mi(a, u);
+      if (d.fill != null || Ue2 != 0) {
+        let te2 = B.fill = new Path2D(T2), fe2 = d.fillTo(a, u, d.min, d.max, Ue2), J2 = U(fe2);
+        Q2(te2, z2, J2), Q2(te2, ee2, J2);
+      }
+      if (!d.spanGaps) {
+        let te2 = [];
+        te2.push(...di(y, g, h, m, j2, $2, n66));
+        let fe2 = d.width * oe / 2, J2 = o || i == 1 ? fe2 : -fe2, V2 = o || i == -1 ? -fe2 : fe2;
+        te2.forEach((be2) => {
+          be2[0] += J2, be2[1] += V2;
+        }), B.gaps = te2 = d.gaps(a, u, h, m, te2), B.clip = hn(te2, w.ori, N, G2, k, H2);
+      }
+      return we != 0 && (B.band = we == 2 ? [Dt(a, u, h, m, T2, -1), Dt(a, u, h, m, T2, 1)] : Dt(a, u, h, m, T2, we)), B;
+    });
+  }
+  function Do(e, i, o, n66, s, a, u = ce) {
+    if (e.length > 1) {
+      let h = null;
+      for (let m = 0, d = 1 / 0; m < e.length; m++) if (i[m] !== void 0) {
+        if (h != null) {
+          let y = Ee(e[m] - e[h]);
+          y < d && (d = y, u = Ee(o(e[m], n66, s, a) - o(e[h], n66, s, a)));
+        }
+        h = m;
+      }
+    }
+    return u;
+  }
+  function Cf(e) {
+    e = e || Yl;
+    let i = ne(e.size, [0.6, ce, 1]), o = e.align || 0, n66 = e.gap || 0, s = e.radius;
+    s = s == null ? [0, 0] : typeof s == "number" ? [s, 0] : s;
+    let a = X(s), u = 1 - i[0], h = ne(i[1], ce), m = ne(i[2], 1), d = ne(e.disp, Yl), y = ne(e.each, (L2) => {
+    }), { fill: g, stroke: w } = d;
+    return (L2, D, O2, N) => el2(L2, D, (G2, k, H2, x2, q, P4, $2, U, Q2, B, T2) => {
+      let j2 = G2.pxRound, C2 = o, I = n66 * oe, F2 = h * oe, ee2 = m * oe, z2, Ue2;
+      x2.ori == 0 ? [z2, Ue2] = a(L2, D) : [Ue2, z2] = a(L2, D);
+      let we = x2.dir * (x2.ori == 0 ? 1 : -1), te2 = x2.ori == 0 ? gn : gi, fe2 = x2.ori == 0 ? y : (A2, pe2, Me2, il2, Gt2, _t2, It2) => {
+        y(A2, pe2, Me2, Gt2, il2, It2, _t2);
+      }, J2 = ne(L2.bands, ui).find((A2) => A2.series[0] == D), V2 = J2 != null ? J2.dir : 0, be2 = G2.fillTo(L2, D, G2.min, G2.max, V2), Ne2 = j2($2(be2, q, T2, Q2)), Se2, se2, ct2, qe2 = B, ye2 = j2(G2.width * oe), St2 = false, Mt2 = null, lt2 = null, Lt2 = null, tl2 = null;
+      g != null && (ye2 == 0 || w != null) && (St2 = true, Mt2 = g.values(L2, D, O2, N), lt2 = /* @__PURE__ */ new Map(), new Set(Mt2).forEach((A2) => {
+        A2 != null && lt2.set(A2, new Path2D());
+      }), ye2 > 0 && (Lt2 = w.values(L2, D, O2, N), tl2 = /* @__PURE__ */ new Map(), new Set(Lt2).forEach((A2) => {
+        A2 != null && tl2.set(A2, new Path2D());
+      })));
+      let { x0: ll2, size: Dl2 } = d;
+      if (ll2 != null && Dl2 != null) {
+        C2 = 1, k = ll2.values(L2, D, O2, N), ll2.unit == 2 && (k = k.map((Me2) => L2.posToVal(U + Me2 * B, x2.key, true)));
+        let A2 = Dl2.values(L2, D, O2, N);
+        Dl2.unit == 2 ? se2 = A2[0] * B : se2 = P4(A2[0], x2, B, U) - P4(0, x2, B, U), qe2 = Do(k, H2, P4, x2, B, U, qe2), ct2 = qe2 - se2 + I;
+      } else qe2 = Do(k, H2, P4, x2, B, U, qe2), ct2 = qe2 * u + I, se2 = qe2 - ct2;
+      ct2 < 1 && (ct2 = 0), ye2 >= se2 / 2 && (ye2 = 0), ct2 < 5 && (j2 = No);
+      let Ul2 = ct2 > 0, Nt2 = qe2 - ct2 - (Ul2 ? ye2 : 0);
+      se2 = j2(Zn(Nt2, ee2, F2)), Se2 = (C2 == 0 ? se2 / 2 : C2 == we ? 0 : se2) - C2 * we * ((C2 == 0 ? I / 2 : 0) + (Ul2 ? ye2 / 2 : 0));
+      let We2 = { stroke: null, fill: null, clip: null, band: null, gaps: null, flags: 0 }, nl2 = St2 ? null : new Path2D(), At2 = null;
+      if (J2 != null) At2 = L2.data[J2.series[1]];
+      else {
+        let { y0: A2, y1: pe2 } = d;
+        A2 != null && pe2 != null && (H2 = pe2.values(L2, D, O2, N), At2 = A2.values(L2, D, O2, N));
+      }
+      let Wt2 = z2 * se2, K = Ue2 * se2;
+      for (let A2 = we == 1 ? O2 : N; A2 >= O2 && A2 <= N; A2 += we) {
+        let pe2 = H2[A2];
+        if (pe2 == null) continue;
+        if (At2 != null) {
+          let Ke2 = At2[A2] ?? 0;
+          if (pe2 - Ke2 == 0) continue;
+          Ne2 = $2(Ke2, q, T2, Q2);
+        }
+        let Me2 = x2.distr != 2 || d != null ? k[A2] : A2, il2 = P4(Me2, x2, B, U), Gt2 = $2(ne(pe2, be2), q, T2, Q2), _t2 = j2(il2 - Se2), It2 = j2(Be(Gt2, Ne2)), $e2 = j2(wt(Gt2, Ne2)), nt2 = It2 - $e2;
+        if (pe2 != null) {
+          let Ke2 = pe2 < 0 ? K : Wt2, at2 = pe2 < 0 ? Wt2 : K;
+          St2 ? (ye2 > 0 && Lt2[A2] != null && te2(tl2.get(Lt2[A2]), _t2, $e2 + et(ye2 / 2), se2, Be(0, nt2 - ye2), Ke2, at2), Mt2[A2] != null && te2(lt2.get(Mt2[A2]), _t2, $e2 + et(ye2 / 2), se2, Be(0, nt2 - ye2), Ke2, at2)) : te2(nl2, _t2, $e2 + et(ye2 / 2), se2, Be(0, nt2 - ye2), Ke2, at2), fe2(L2, D, A2, _t2 - ye2 / 2, $e2, se2 + ye2, nt2);
+        }
+      }
+      return ye2 > 0 ? We2.stroke = St2 ? tl2 : nl2 : St2 || (We2._fill = G2.width == 0 ? G2._fill : G2._stroke ?? G2._fill, We2.width = 0), We2.fill = St2 ? lt2 : nl2, We2;
+    });
+  }
+  function Vf(e, i) {
+    let o = ne(i?.alignGaps, 0);
+    return (n66, s, a, u) => el2(n66, s, (h, m, d, y, g, w, L2, D, O2, N, G2) => {
+      [a, u] = un(d, a, u);
+      let k = h.pxRound, H2 = (z2) => k(w(z2, y, N, D)), x2 = (z2) => k(L2(z2, g, G2, O2)), q, P4, $2;
+      y.ori == 0 ? (q = mn, $2 = El, P4 = ps) : (q = dn, $2 = Pl, P4 = hs);
+      let U = y.dir * (y.ori == 0 ? 1 : -1), Q2 = H2(m[U == 1 ? a : u]), B = Q2, T2 = [], j2 = [];
+      for (let z2 = U == 1 ? a : u; z2 >= a && z2 <= u; z2 += U) if (d[z2] != null) {
+        let we = m[z2], te2 = H2(we);
+        T2.push(B = te2), j2.push(x2(d[z2]));
+      }
+      let C2 = { stroke: e(T2, j2, q, $2, P4, k), fill: null, clip: null, band: null, gaps: null, flags: Ml }, I = C2.stroke, [F2, ee2] = mi(n66, s);
+      if (h.fill != null || F2 != 0) {
+        let z2 = C2.fill = new Path2D(I), Ue2 = h.fillTo(n66, s, h.min, h.max, F2), we = x2(Ue2);
+        $2(z2, B, we), $2(z2, Q2, we);
+      }
+      if (!h.spanGaps) {
+        let z2 = [];
+        z2.push(...di(m, d, a, u, U, H2, o)), C2.gaps = z2 = h.gaps(n66, s, a, u, z2), C2.clip = hn(z2, y.ori, D, O2, N, G2);
+      }
+      return ee2 != 0 && (C2.band = ee2 == 2 ? [Dt(n66, s, a, u, I, -1), Dt(n66, s, a, u, I, 1)] : Dt(n66, s, a, u, I, ee2)), C2;
+    });
+  }
+  function Rf(e) {
+    return Vf(zf, e);
+  }
+  function zf(e, i, o, n66, s, a) {
+    let u = e.length;
+    if (u < 2) return null;
+    let h = new Path2D();
+    if (o(h, e[0], i[0]), u == 2) n66(h, e[1], i[1]);
+    else {
+      let m = Array(u), d = Array(u - 1), y = Array(u - 1), g = Array(u - 1);
+      for (let w = 0; w < u - 1; w++) y[w] = i[w + 1] - i[w], g[w] = e[w + 1] - e[w], d[w] = y[w] / g[w];
+      m[0] = d[0];
+      for (let w = 1; w < u - 1; w++) d[w] === 0 || d[w - 1] === 0 || d[w - 1] > 0 != d[w] > 0 ? m[w] = 0 : (m[w] = 3 * (g[w - 1] + g[w]) / ((2 * g[w] + g[w - 1]) / d[w - 1] + (g[w] + 2 * g[w - 1]) / d[w]), isFinite(m[w]) || (m[w] = 0));
+      m[u - 1] = d[u - 2];
+      for (let w = 0; w < u - 1; w++) s(h, e[w] + g[w] / 3, i[w] + m[w] * g[w] / 3, e[w + 1] - g[w] / 3, i[w + 1] - m[w + 1] * g[w] / 3, e[w + 1], i[w + 1]);
+    }
+    return h;
+  }
+  var ti = /* @__PURE__ */ new Set();
+  function Lo() {
+    for (let e of ti) e.syncRect(true);
+  }
+  Al && (Qt(mr, kl, Lo), Qt(dr, kl, Lo, true), Qt(sn, kl, () => {
+    He.pxRatio = oe;
+  }));
+  var Ff = gs();
+  var Of = ms();
+  function Co(e, i, o, n66) {
+    return (n66 ? [e[0], e[1]].concat(e.slice(2)) : [e[0]].concat(e.slice(1))).map((a, u) => li(a, u, i, o));
+  }
+  function Hf(e, i) {
+    return e.map((o, n66) => n66 == 0 ? {} : Te({}, i, o));
+  }
+  function li(e, i, o, n66) {
+    return Te({}, i == 0 ? o : n66, e);
+  }
+  function ws(e, i, o) {
+    return i == null ? Tl : [i, o];
+  }
+  var Nf = ws;
+  function Wf(e, i, o) {
+    return i == null ? Tl : rn(i, o, ri, true);
+  }
+  function Ss(e, i, o, n66) {
+    return i == null ? Tl : cn(i, o, e.scales[n66].log, false);
+  }
+  var Gf = Ss;
+  function _s(e, i, o, n66) {
+    return i == null ? Tl : si(i, o, e.scales[n66].log, false);
+  }
+  var If = _s;
+  function Yf(e, i, o, n66, s) {
+    let a = Be(uo(e), uo(i)), u = i - e, h = gt(s / n66 * u, o);
+    do {
+      let m = o[h], d = n66 * m / u;
+      if (d >= s && a + (m < 5 ? Ht.get(m) : 0) <= 17) return [m, d];
+    } while (++h < o.length);
+    return [0, 0];
+  }
+  function Vo(e) {
+    let i, o;
+    return e = e.replace(/(\d+)px/, (n66, s) => (i = Ae((o = +s) * oe)) + "px"), [e, i, o];
+  }
+  function Bf(e) {
+    e.show && [e.font, e.labelFont].forEach((i) => {
+      let o = ae(i[2] * oe, 1);
+      i[0] = i[0].replace(/[0-9.]+px/, o + "px"), i[1] = o;
+    });
+  }
+  function He(e, i, o) {
+    let n66 = { mode: ne(e.mode, 1) }, s = n66.mode;
+    function a(t, l, r, f) {
+      let c = l.valToPct(t);
+      return f + r * (l.dir == -1 ? 1 - c : c);
+    }
+    function u(t, l, r, f) {
+      let c = l.valToPct(t);
+      return f + r * (l.dir == -1 ? c : 1 - c);
+    }
+    function h(t, l, r, f) {
+      return l.ori == 0 ? a(t, l, r, f) : u(t, l, r, f);
+    }
+    n66.valToPosH = a, n66.valToPosV = u;
+    let m = false;
+    n66.status = 0;
+    let d = n66.root = ft(Js);
+    if (e.id != null && (d.id = e.id), Xe(d, e.class), e.title) {
+      let t = ft(Xs, d);
+      t.textContent = e.title;
+    }
+    let y = dt("canvas"), g = n66.ctx = y.getContext("2d"), w = ft(er, d);
+    Qt("click", w, (t) => {
+      t.target === D && (he2 != dl2 || _e != gl2) && Fe.click(n66, t);
+    }, true);
+    let L2 = n66.under = ft(tr, w);
+    w.appendChild(y);
+    let D = n66.over = ft(lr, w);
+    e = bl(e);
+    let O2 = +ne(e.pxAlign, 1), N = Po(O2);
+    (e.plugins || []).forEach((t) => {
+      t.opts && (e = t.opts(n66, e) || e);
+    });
+    let G2 = e.ms || 1e-3, k = n66.series = s == 1 ? Co(e.series || [], ko, Ao, false) : Hf(e.series || [null], Mo), H2 = n66.axes = Co(e.axes || [], vo, To, true), x2 = n66.scales = {}, q = n66.bands = e.bands || [];
+    q.forEach((t) => {
+      t.fill = X(t.fill || null), t.dir = ne(t.dir, -1);
+    });
+    let P4 = s == 2 ? k[1].facets[0].scale : k[0].scale, $2 = { axes: zs2, series: Ds2 }, U = (e.drawOrder || ["axes", "series"]).map((t) => $2[t]);
+    function Q2(t) {
+      let l = t.distr == 3 ? (r) => Pt(r > 0 ? r : t.clamp(n66, r, t.min, t.max, t.key)) : t.distr == 4 ? (r) => Yn(r, t.asinh) : t.distr == 100 ? (r) => t.fwd(r) : (r) => r;
+      return (r) => {
+        let f = l(r), { _min: c, _max: p } = t, S2 = p - c;
+        return (f - c) / S2;
+      };
+    }
+    function B(t) {
+      let l = x2[t];
+      if (l == null) {
+        let r = (e.scales || Yl)[t] || Yl;
+        if (r.from != null) {
+          B(r.from);
+          let f = Te({}, x2[r.from], r, { key: t });
+          f.valToPct = Q2(f), x2[t] = f;
+        } else {
+          l = x2[t] = Te({}, t == P4 ? rs : Mf, r), l.key = t;
+          let f = l.time, c = l.range, p = Ot(c);
+          if ((t != P4 || s == 2 && !f) && (p && (c[0] == null || c[1] == null) && (c = { min: c[0] == null ? so : { mode: 1, hard: c[0], soft: c[0] }, max: c[1] == null ? so : { mode: 1, hard: c[1], soft: c[1] } }, p = false), !p && pn(c))) {
+            let S2 = c;
+            c = (_2, v, b) => v == null ? Tl : rn(v, b, S2);
+          }
+          l.range = X(c || (f ? Nf : t == P4 ? l.distr == 3 ? Gf : l.distr == 4 ? If : ws : l.distr == 3 ? Ss : l.distr == 4 ? _s : Wf)), l.auto = X(p ? false : l.auto), l.clamp = X(l.clamp || bf), l._min = l._max = null, l.valToPct = Q2(l);
+        }
+      }
+    }
+    B("x"), B("y"), s == 1 && k.forEach((t) => {
+      B(t.scale);
+    }), H2.forEach((t) => {
+      B(t.scale);
+    });
+    for (let t in e.scales) B(t);
+    let T2 = x2[P4], j2 = T2.distr, C2, I;
+    T2.ori == 0 ? (Xe(d, Zs), C2 = a, I = u) : (Xe(d, Qs), C2 = u, I = a);
+    let F2 = {};
+    for (let t in x2) {
+      let l = x2[t];
+      (l.min != null || l.max != null) && (F2[t] = { min: l.min, max: l.max }, l.min = l.max = null);
+    }
+    let ee2 = e.tzDate || ((t) => new Date(Ae(t / G2))), z2 = e.fmtDate || ci, Ue2 = G2 == 1 ? Zr(ee2) : ef(ee2), we = So(ee2, wo(G2 == 1 ? Jr : Xr, z2)), te2 = yo(ee2, _o(lf, z2)), fe2 = [], J2 = n66.legend = Te({}, sf, e.legend), V2 = n66.cursor = Te({}, pf, { drag: { y: s == 2 } }, e.cursor), be2 = J2.show, Ne2 = V2.show, Se2 = J2.markers;
+    J2.idxs = fe2, Se2.width = X(Se2.width), Se2.dash = X(Se2.dash), Se2.stroke = X(Se2.stroke), Se2.fill = X(Se2.fill);
+    let se2, ct2, qe2, ye2 = [], St2 = [], Mt2, lt2 = false, Lt2 = {};
+    if (J2.live) {
+      let t = k[1] ? k[1].values : null;
+      lt2 = t != null, Mt2 = lt2 ? t(n66, 1, 0) : { _: 0 };
+      for (let l in Mt2) Lt2[l] = ii;
+    }
+    if (be2) if (se2 = dt("table", fr, d), qe2 = dt("tbody", null, se2), J2.mount(n66, se2), lt2) {
+      ct2 = dt("thead", null, se2, qe2);
+      let t = dt("tr", null, ct2);
+      dt("th", null, t);
+      for (var tl2 in Mt2) dt("th", ji, t).textContent = tl2;
+    } else Xe(se2, cr), J2.live && Xe(se2, ur);
+    let ll2 = { show: true }, Dl2 = { show: false };
+    function Ul2(t, l) {
+      if (l == 0 && (lt2 || !J2.live || s == 2)) return Tl;
+      let r = [], f = dt("tr", ar, qe2, qe2.childNodes[l]);
+      Xe(f, t.class), t.show || Xe(f, Zt);
+      let c = dt("th", null, f);
+      if (Se2.show) {
+        let _2 = ft(pr, c);
+        if (l > 0) {
+          let v = Se2.width(n66, l);
+          v && (_2.style.border = v + "px " + Se2.dash(n66, l) + " " + Se2.stroke(n66, l)), _2.style.background = Se2.fill(n66, l);
+        }
+      }
+      let p = ft(ji, c);
+      t.label instanceof HTMLElement ? p.appendChild(t.label) : p.textContent = t.label, l > 0 && (Se2.show || (p.style.color = t.width > 0 ? Se2.stroke(n66, l) : Se2.fill(n66, l)), We2("click", c, (_2) => {
+        if (V2._lock) return;
+        Bt2(_2);
+        let v = k.indexOf(t);
+        if ((_2.ctrlKey || _2.metaKey) != J2.isolate) {
+          let b = k.some((M2, E2) => E2 > 0 && E2 != v && M2.show);
+          k.forEach((M2, E2) => {
+            E2 > 0 && vt2(E2, b ? E2 == v ? ll2 : Dl2 : ll2, true, xe2.setSeries);
+          });
+        } else vt2(v, { show: !t.show }, true, xe2.setSeries);
+      }, false), sl2 && We2(Zi, c, (_2) => {
+        V2._lock || (Bt2(_2), vt2(k.indexOf(t), Sl2, true, xe2.setSeries));
+      }, false));
+      for (var S2 in Mt2) {
+        let _2 = dt("td", hr, f);
+        _2.textContent = "--", r.push(_2);
+      }
+      return [f, r];
+    }
+    let Nt2 = /* @__PURE__ */ new Map();
+    function We2(t, l, r, f = true) {
+      let c = Nt2.get(l) || {}, p = V2.bind[t](n66, l, r, f);
+      p && (Qt(t, l, c[t] = p), Nt2.set(l, c));
+    }
+    function nl2(t, l, r) {
+      let f = Nt2.get(l) || {};
+      for (let c in f) (t == null || c == t) && (Jn(c, l, f[c]), delete f[c]);
+      t == null && Nt2.delete(l);
+    }
+    let At2 = 0, Wt2 = 0, K = 0, A2 = 0, pe2 = 0, Me2 = 0, il2 = pe2, Gt2 = Me2, _t2 = K, It2 = A2, $e2 = 0, nt2 = 0, Ke2 = 0, at2 = 0;
+    n66.bbox = {};
+    let wn2 = false, Kl2 = false, ol2 = false, Yt2 = false, jl2 = false, it2 = false;
+    function Sn2(t, l, r) {
+      (r || t != n66.width || l != n66.height) && wi2(t, l), al2(false), ol2 = true, Kl2 = true, pl2();
+    }
+    function wi2(t, l) {
+      n66.width = At2 = K = t, n66.height = Wt2 = A2 = l, pe2 = Me2 = 0, xs2(), Ts2();
+      let r = n66.bbox;
+      $e2 = r.left = $t(pe2 * oe, 0.5), nt2 = r.top = $t(Me2 * oe, 0.5), Ke2 = r.width = $t(K * oe, 0.5), at2 = r.height = $t(A2 * oe, 0.5);
+    }
+    let ys2 = 3;
+    function vs2() {
+      let t = false, l = 0;
+      for (; !t; ) {
+        l++;
+        let r = Vs2(l), f = Rs2(l);
+        t = l == ys2 || r && f, t || (wi2(n66.width, n66.height), Kl2 = true);
+      }
+    }
+    function ks2({ width: t, height: l }) {
+      Sn2(t, l);
+    }
+    n66.setSize = ks2;
+    function xs2() {
+      let t = false, l = false, r = false, f = false;
+      H2.forEach((c, p) => {
+        if (c.show && c._show) {
+          let { side: S2, _size: _2 } = c, v = S2 % 2, b = c.label != null ? c.labelSize : 0, M2 = _2 + b;
+          M2 > 0 && (v ? (K -= M2, S2 == 3 ? (pe2 += M2, f = true) : r = true) : (A2 -= M2, S2 == 0 ? (Me2 += M2, t = true) : l = true));
+        }
+      }), Ut2[0] = t, Ut2[1] = r, Ut2[2] = l, Ut2[3] = f, K -= Ct2[1] + Ct2[3], pe2 += Ct2[3], A2 -= Ct2[2] + Ct2[0], Me2 += Ct2[0];
+    }
+    function Ts2() {
+      let t = pe2 + K, l = Me2 + A2, r = pe2, f = Me2;
+      function c(p, S2) {
+        switch (p) {
+          case 1:
+            return t += S2, t - S2;
+          case 2:
+            return l += S2, l - S2;
+          case 3:
+            return r -= S2, r + S2;
+          case 0:
+            return f -= S2, f + S2;
+        }
+      }
+      H2.forEach((p, S2) => {
+        if (p.show && p._show) {
+          let _2 = p.side;
+          p._pos = c(_2, p._size), p.label != null && (p._lpos = c(_2, p.labelSize));
+        }
+      });
+    }
+    if (V2.dataIdx == null) {
+      let t = V2.hover, l = t.skip = new Set(t.skip ?? []);
+      l.add(void 0);
+      let r = t.prox = X(t.prox), f = t.bias ??= 0;
+      V2.dataIdx = (c, p, S2, _2) => {
+        if (p == 0) return S2;
+        let v = S2, b = r(c, p, S2, _2) ?? ce, M2 = b >= 0 && b < ce, E2 = T2.ori == 0 ? K : A2, Y2 = V2.left, ie2 = i[0], le2 = i[p];
+        if (l.has(le2[S2])) {
+          v = null;
+          let Z2 = null, W = null, R;
+          if (f == 0 || f == -1) for (R = S2; Z2 == null && R-- > 0; ) l.has(le2[R]) || (Z2 = R);
+          if (f == 0 || f == 1) for (R = S2; W == null && R++ < le2.length; ) l.has(le2[R]) || (W = R);
+          if (Z2 != null || W != null) if (M2) {
+            let de2 = Z2 == null ? -1 / 0 : C2(ie2[Z2], T2, E2, 0), ve2 = W == null ? 1 / 0 : C2(ie2[W], T2, E2, 0), Re2 = Y2 - de2, ue2 = ve2 - Y2;
+            Re2 <= ue2 ? Re2 <= b && (v = Z2) : ue2 <= b && (v = W);
+          } else v = W == null ? Z2 : Z2 == null ? W : S2 - Z2 <= W - S2 ? Z2 : W;
+        } else M2 && Ee(Y2 - C2(ie2[S2], T2, E2, 0)) > b && (v = null);
+        return v;
+      };
+    }
+    let Bt2 = (t) => {
+      V2.event = t;
+    };
+    V2.idxs = fe2, V2._lock = false;
+    let Oe2 = V2.points;
+    Oe2.show = X(Oe2.show), Oe2.size = X(Oe2.size), Oe2.stroke = X(Oe2.stroke), Oe2.width = X(Oe2.width), Oe2.fill = X(Oe2.fill);
+    let yt2 = n66.focus = Te({}, e.focus || { alpha: 0.3 }, V2.focus), sl2 = yt2.prox >= 0, rl2 = sl2 && Oe2.one, ot2 = [], fl2 = [], ul2 = [];
+    function Si2(t, l) {
+      let r = Oe2.show(n66, l);
+      if (r instanceof HTMLElement) return Xe(r, rr), Xe(r, t.class), bt(r, -10, -10, K, A2), D.insertBefore(r, ot2[l]), r;
+    }
+    function _i2(t, l) {
+      if (s == 1 || l > 0) {
+        let r = s == 1 && x2[t.scale].time, f = t.value;
+        t.value = r ? po(f) ? yo(ee2, _o(f, z2)) : f || te2 : f || kf, t.label = t.label || (r ? mf : hf);
+      }
+      if (rl2 || l > 0) {
+        t.width = t.width == null ? 1 : t.width, t.paths = t.paths || Ff || br, t.fillTo = X(t.fillTo || Af), t.pxAlign = +ne(t.pxAlign, O2), t.pxRound = Po(t.pxAlign), t.stroke = X(t.stroke || null), t.fill = X(t.fill || null), t._stroke = t._fill = t._paths = t._focus = null;
+        let r = xf(Be(1, t.width), 1), f = t.points = Te({}, { size: r, width: Be(1, r * 0.2), stroke: t.stroke, space: r * 2, paths: Of, _stroke: null, _fill: null }, t.points);
+        f.show = X(f.show), f.filter = X(f.filter), f.fill = X(f.fill), f.stroke = X(f.stroke), f.paths = X(f.paths), f.pxAlign = t.pxAlign;
+      }
+      if (be2) {
+        let r = Ul2(t, l);
+        ye2.splice(l, 0, r[0]), St2.splice(l, 0, r[1]), J2.values.push(null);
+      }
+      if (Ne2) {
+        fe2.splice(l, 0, null);
+        let r = null;
+        rl2 ? l == 0 && (r = Si2(t, l)) : l > 0 && (r = Si2(t, l)), ot2.splice(l, 0, r), fl2.splice(l, 0, 0), ul2.splice(l, 0, 0);
+      }
+      Ve2("addSeries", l);
+    }
+    function bs2(t, l) {
+      l = l ?? k.length, t = s == 1 ? li(t, l, ko, Ao) : li(t, l, {}, Mo), k.splice(l, 0, t), _i2(k[l], l);
+    }
+    n66.addSeries = bs2;
+    function Ms2(t) {
+      if (k.splice(t, 1), be2) {
+        J2.values.splice(t, 1), St2.splice(t, 1);
+        let l = ye2.splice(t, 1)[0];
+        nl2(null, l.firstChild), l.remove();
+      }
+      Ne2 && (fe2.splice(t, 1), ot2.splice(t, 1)[0].remove(), fl2.splice(t, 1), ul2.splice(t, 1)), Ve2("delSeries", t);
+    }
+    n66.delSeries = Ms2;
+    let Ut2 = [false, false, false, false];
+    function As2(t, l) {
+      if (t._show = t.show, t.show) {
+        let r = t.side % 2, f = x2[t.scale];
+        f == null && (t.scale = r ? k[1].scale : P4, f = x2[t.scale]);
+        let c = f.time;
+        t.size = X(t.size), t.space = X(t.space), t.rotate = X(t.rotate), Ot(t.incrs) && t.incrs.forEach((S2) => {
+          !Ht.has(S2) && Ht.set(S2, Io(S2));
+        }), t.incrs = X(t.incrs || (f.distr == 2 ? jr : c ? G2 == 1 ? $r : Qr : Jt)), t.splits = X(t.splits || (c && f.distr == 1 ? Ue2 : f.distr == 3 ? Qn : f.distr == 4 ? wf : gf)), t.stroke = X(t.stroke), t.grid.stroke = X(t.grid.stroke), t.ticks.stroke = X(t.ticks.stroke), t.border.stroke = X(t.border.stroke);
+        let p = t.values;
+        t.values = Ot(p) && !Ot(p[0]) ? X(p) : c ? Ot(p) ? So(ee2, wo(p, z2)) : po(p) ? tf(ee2, p) : p || we : p || df, t.filter = X(t.filter || (f.distr >= 3 && f.log == 10 ? yf : f.distr == 3 && f.log == 2 ? vf : Wo)), t.font = Vo(t.font), t.labelFont = Vo(t.labelFont), t._size = t.size(n66, null, l, 0), t._space = t._rotate = t._incrs = t._found = t._splits = t._values = null, t._size > 0 && (Ut2[l] = true, t._el = ft(nr, w));
+      }
+    }
+    function Ll2(t, l, r, f) {
+      let [c, p, S2, _2] = r, v = l % 2, b = 0;
+      return v == 0 && (_2 || p) && (b = l == 0 && !c || l == 2 && !S2 ? Ae(vo.size / 3) : 0), v == 1 && (c || S2) && (b = l == 1 && !p || l == 3 && !_2 ? Ae(To.size / 2) : 0), b;
+    }
+    let yi2 = n66.padding = (e.padding || [Ll2, Ll2, Ll2, Ll2]).map((t) => X(ne(t, Ll2))), Ct2 = n66._padding = yi2.map((t, l) => t(n66, l, Ut2, 0)), ze2, Pe2 = null, De2 = null, ql2 = s == 1 ? k[0].idxs : null, pt2 = null, Cl = false;
+    function vi2(t, l) {
+      if (i = t ?? [], n66.data = n66._data = i, s == 2) {
+        ze2 = 0;
+        for (let r = 1; r < k.length; r++) ze2 += i[r][0].length;
+      } else {
+        i.length == 0 && (n66.data = n66._data = i = [[]]), pt2 = i[0], ze2 = pt2.length;
+        let r = i;
+        if (j2 == 2) {
+          r = i.slice();
+          let f = r[0] = Array(ze2);
+          for (let c = 0; c < ze2; c++) f[c] = c;
+        }
+        n66._data = i = r;
+      }
+      if (al2(true), Ve2("setData"), j2 == 2 && (ol2 = true), l !== false) {
+        let r = T2;
+        r.auto(n66, Cl) ? _n2() : Rt2(P4, r.min, r.max), Yt2 = Yt2 || V2.left >= 0, it2 = true, pl2();
+      }
+    }
+    n66.setData = vi2;
+    function _n2() {
+      Cl = true;
+      let t, l;
+      s == 1 && (ze2 > 0 ? (Pe2 = ql2[0] = 0, De2 = ql2[1] = ze2 - 1, t = i[0][Pe2], l = i[0][De2], j2 == 2 ? (t = Pe2, l = De2) : t == l && (j2 == 3 ? [t, l] = cn(t, t, T2.log, false) : j2 == 4 ? [t, l] = si(t, t, T2.log, false) : T2.time ? l = t + Ae(86400 / G2) : [t, l] = rn(t, l, ri, true))) : (Pe2 = ql2[0] = t = null, De2 = ql2[1] = l = null)), Rt2(P4, t, l);
+    }
+    let $l2, cl2, yn2, vn2, kn2, xn2, Tn2, bn2, Mn2, je2;
+    function ki2(t, l, r, f, c, p) {
+      t ??= $i, r ??= ui, f ??= "butt", c ??= $i, p ??= "round", t != $l2 && (g.strokeStyle = $l2 = t), c != cl2 && (g.fillStyle = cl2 = c), l != yn2 && (g.lineWidth = yn2 = l), p != kn2 && (g.lineJoin = kn2 = p), f != xn2 && (g.lineCap = xn2 = f), r != vn2 && g.setLineDash(vn2 = r);
+    }
+    function xi(t, l, r, f) {
+      l != cl2 && (g.fillStyle = cl2 = l), t != Tn2 && (g.font = Tn2 = t), r != bn2 && (g.textAlign = bn2 = r), f != Mn2 && (g.textBaseline = Mn2 = f);
+    }
+    function An2(t, l, r, f, c = 0) {
+      if (f.length > 0 && t.auto(n66, Cl) && (l == null || l.min == null)) {
+        let p = ne(Pe2, 0), S2 = ne(De2, f.length - 1), _2 = r.min == null ? _r(f, p, S2, c, t.distr == 3) : [r.min, r.max];
+        t.min = wt(t.min, r.min = _2[0]), t.max = Be(t.max, r.max = _2[1]);
+      }
+    }
+    let Ti2 = { min: null, max: null };
+    function Es2() {
+      for (let f in x2) {
+        let c = x2[f];
+        F2[f] == null && (c.min == null || F2[P4] != null && c.auto(n66, Cl)) && (F2[f] = Ti2);
+      }
+      for (let f in x2) {
+        let c = x2[f];
+        F2[f] == null && c.from != null && F2[c.from] != null && (F2[f] = Ti2);
+      }
+      F2[P4] != null && al2(true);
+      let t = {};
+      for (let f in F2) {
+        let c = F2[f];
+        if (c != null) {
+          let p = t[f] = bl(x2[f], Er);
+          if (c.min != null) Te(p, c);
+          else if (f != P4 || s == 2) if (ze2 == 0 && p.from == null) {
+            let S2 = p.range(n66, null, null, f);
+            p.min = S2[0], p.max = S2[1];
+          } else p.min = ce, p.max = -ce;
+        }
+      }
+      if (ze2 > 0) {
+        k.forEach((f, c) => {
+          if (s == 1) {
+            let p = f.scale, S2 = F2[p];
+            if (S2 == null) return;
+            let _2 = t[p];
+            if (c == 0) {
+              let v = _2.range(n66, _2.min, _2.max, p);
+              _2.min = v[0], _2.max = v[1], Pe2 = gt(_2.min, i[0]), De2 = gt(_2.max, i[0]), De2 - Pe2 > 1 && (i[0][Pe2] < _2.min && Pe2++, i[0][De2] > _2.max && De2--), f.min = pt2[Pe2], f.max = pt2[De2];
+            } else f.show && f.auto && An2(_2, S2, f, i[c], f.sorted);
+            f.idxs[0] = Pe2, f.idxs[1] = De2;
+          } else if (c > 0 && f.show && f.auto) {
+            let [p, S2] = f.facets, _2 = p.scale, v = S2.scale, [b, M2] = i[c], E2 = t[_2], Y2 = t[v];
+            E2 != null && An2(E2, F2[_2], p, b, p.sorted), Y2 != null && An2(Y2, F2[v], S2, M2, S2.sorted), f.min = S2.min, f.max = S2.max;
+          }
+        });
+        for (let f in t) {
+          let c = t[f], p = F2[f];
+          if (c.from == null && (p == null || p.min == null)) {
+            let S2 = c.range(n66, c.min == ce ? null : c.min, c.max == -ce ? null : c.max, f);
+            c.min = S2[0], c.max = S2[1];
+          }
+        }
+      }
+      for (let f in t) {
+        let c = t[f];
+        if (c.from != null) {
+          let p = t[c.from];
+          if (p.min == null) c.min = c.max = null;
+          else {
+            let S2 = c.range(n66, p.min, p.max, f);
+            c.min = S2[0], c.max = S2[1];
+          }
+        }
+      }
+      let l = {}, r = false;
+      for (let f in t) {
+        let c = t[f], p = x2[f];
+        if (p.min != c.min || p.max != c.max) {
+          p.min = c.min, p.max = c.max;
+          let S2 = p.distr;
+          p._min = S2 == 3 ? Pt(p.min) : S2 == 4 ? Yn(p.min, p.asinh) : S2 == 100 ? p.fwd(p.min) : p.min, p._max = S2 == 3 ? Pt(p.max) : S2 == 4 ? Yn(p.max, p.asinh) : S2 == 100 ? p.fwd(p.max) : p.max, l[f] = r = true;
+        }
+      }
+      if (r) {
+        k.forEach((f, c) => {
+          s == 2 ? c > 0 && l.y && (f._paths = null) : l[f.scale] && (f._paths = null);
+        });
+        for (let f in l) ol2 = true, Ve2("setScale", f);
+        Ne2 && V2.left >= 0 && (Yt2 = it2 = true);
+      }
+      for (let f in F2) F2[f] = null;
+    }
+    function Ps2(t) {
+      let l = Zn(Pe2 - 1, 0, ze2 - 1), r = Zn(De2 + 1, 0, ze2 - 1);
+      for (; t[l] == null && l > 0; ) l--;
+      for (; t[r] == null && r < ze2 - 1; ) r++;
+      return [l, r];
+    }
+    function Ds2() {
+      if (ze2 > 0) {
+        let t = k.some((l) => l._focus) && je2 != yt2.alpha;
+        t && (g.globalAlpha = je2 = yt2.alpha), k.forEach((l, r) => {
+          if (r > 0 && l.show && (bi2(r, false), bi2(r, true), l._paths == null)) {
+            let f = je2;
+            je2 != l.alpha && (g.globalAlpha = je2 = l.alpha);
+            let c = s == 2 ? [0, i[r][0].length - 1] : Ps2(i[r]);
+            l._paths = l.paths(n66, r, c[0], c[1]), je2 != f && (g.globalAlpha = je2 = f);
+          }
+        }), k.forEach((l, r) => {
+          if (r > 0 && l.show) {
+            let f = je2;
+            je2 != l.alpha && (g.globalAlpha = je2 = l.alpha), l._paths != null && Mi2(r, false);
+            {
+              let c = l._paths != null ? l._paths.gaps : null, p = l.points.show(n66, r, Pe2, De2, c), S2 = l.points.filter(n66, r, p, c);
+              (p || S2) && (l.points._paths = l.points.paths(n66, r, Pe2, De2, S2), Mi2(r, true));
+            }
+            je2 != f && (g.globalAlpha = je2 = f), Ve2("drawSeries", r);
+          }
+        }), t && (g.globalAlpha = je2 = 1);
+      }
+    }
+    function bi2(t, l) {
+      let r = l ? k[t].points : k[t];
+      r._stroke = r.stroke(n66, t), r._fill = r.fill(n66, t);
+    }
+    function Mi2(t, l) {
+      let r = l ? k[t].points : k[t], { stroke: f, fill: c, clip: p, flags: S2, _stroke: _2 = r._stroke, _fill: v = r._fill, _width: b = r.width } = r._paths;
+      b = ae(b * oe, 3);
+      let M2 = null, E2 = b % 2 / 2;
+      l && v == null && (v = b > 0 ? "#fff" : _2);
+      let Y2 = r.pxAlign == 1 && E2 > 0;
+      if (Y2 && g.translate(E2, E2), !l) {
+        let ie2 = $e2 - b / 2, le2 = nt2 - b / 2, Z2 = Ke2 + b, W = at2 + b;
+        M2 = new Path2D(), M2.rect(ie2, le2, Z2, W);
+      }
+      l ? En2(_2, b, r.dash, r.cap, v, f, c, S2, p) : Ls2(t, _2, b, r.dash, r.cap, v, f, c, S2, M2, p), Y2 && g.translate(-E2, -E2);
+    }
+    function Ls2(t, l, r, f, c, p, S2, _2, v, b, M2) {
+      let E2 = false;
+      v != 0 && q.forEach((Y2, ie2) => {
+        if (Y2.series[0] == t) {
+          let le2 = k[Y2.series[1]], Z2 = i[Y2.series[1]], W = (le2._paths || Yl).band;
+          Ot(W) && (W = Y2.dir == 1 ? W[0] : W[1]);
+          let R, de2 = null;
+          le2.show && W && vr(Z2, Pe2, De2) ? (de2 = Y2.fill(n66, ie2) || p, R = le2._paths.clip) : W = null, En2(l, r, f, c, de2, S2, _2, v, b, M2, R, W), E2 = true;
+        }
+      }), E2 || En2(l, r, f, c, p, S2, _2, v, b, M2);
+    }
+    let Ai2 = Ml | ei;
+    function En2(t, l, r, f, c, p, S2, _2, v, b, M2, E2) {
+      ki2(t, l, r, f, c), (v || b || E2) && (g.save(), v && g.clip(v), b && g.clip(b)), E2 ? (_2 & Ai2) == Ai2 ? (g.clip(E2), M2 && g.clip(M2), Zl2(c, S2), Jl2(t, p, l)) : _2 & ei ? (Zl2(c, S2), g.clip(E2), Jl2(t, p, l)) : _2 & Ml && (g.save(), g.clip(E2), M2 && g.clip(M2), Zl2(c, S2), g.restore(), Jl2(t, p, l)) : (Zl2(c, S2), Jl2(t, p, l)), (v || b || E2) && g.restore();
+    }
+    function Jl2(t, l, r) {
+      r > 0 && (l instanceof Map ? l.forEach((f, c) => {
+        g.strokeStyle = $l2 = c, g.stroke(f);
+      }) : l != null && t && g.stroke(l));
+    }
+    function Zl2(t, l) {
+      l instanceof Map ? l.forEach((r, f) => {
+        g.fillStyle = cl2 = f, g.fill(r);
+      }) : l != null && t && g.fill(l);
+    }
+    function Cs2(t, l, r, f) {
+      let c = H2[t], p;
+      if (f <= 0) p = [0, 0];
+      else {
+        let S2 = c._space = c.space(n66, t, l, r, f), _2 = c._incrs = c.incrs(n66, t, l, r, f, S2);
+        p = Yf(l, r, _2, f, S2);
+      }
+      return c._found = p;
+    }
+    function Pn2(t, l, r, f, c, p, S2, _2, v, b) {
+      let M2 = S2 % 2 / 2;
+      O2 == 1 && g.translate(M2, M2), ki2(_2, S2, v, b, _2), g.beginPath();
+      let E2, Y2, ie2, le2, Z2 = c + (f == 0 || f == 3 ? -p : p);
+      r == 0 ? (Y2 = c, le2 = Z2) : (E2 = c, ie2 = Z2);
+      for (let W = 0; W < t.length; W++) l[W] != null && (r == 0 ? E2 = ie2 = t[W] : Y2 = le2 = t[W], g.moveTo(E2, Y2), g.lineTo(ie2, le2));
+      g.stroke(), O2 == 1 && g.translate(-M2, -M2);
+    }
+    function Vs2(t) {
+      let l = true;
+      return H2.forEach((r, f) => {
+        if (!r.show) return;
+        let c = x2[r.scale];
+        if (c.min == null) {
+          r._show && (l = false, r._show = false, al2(false));
+          return;
+        } else r._show || (l = false, r._show = true, al2(false));
+        let p = r.side, S2 = p % 2, { min: _2, max: v } = c, [b, M2] = Cs2(f, _2, v, S2 == 0 ? K : A2);
+        if (M2 == 0) return;
+        let E2 = c.distr == 2, Y2 = r._splits = r.splits(n66, f, _2, v, b, M2, E2), ie2 = c.distr == 2 ? Y2.map((R) => pt2[R]) : Y2, le2 = c.distr == 2 ? pt2[Y2[1]] - pt2[Y2[0]] : b, Z2 = r._values = r.values(n66, r.filter(n66, ie2, f, M2, le2), f, M2, le2);
+        r._rotate = p == 2 ? r.rotate(n66, Z2, f, M2) : 0;
+        let W = r._size;
+        r._size = ut(r.size(n66, Z2, f, t)), W != null && r._size != W && (l = false);
+      }), l;
+    }
+    function Rs2(t) {
+      let l = true;
+      return yi2.forEach((r, f) => {
+        let c = r(n66, f, Ut2, t);
+        c != Ct2[f] && (l = false), Ct2[f] = c;
+      }), l;
+    }
+    function zs2() {
+      for (let t = 0; t < H2.length; t++) {
+        let l = H2[t];
+        if (!l.show || !l._show) continue;
+        let r = l.side, f = r % 2, c, p, S2 = l.stroke(n66, t), _2 = r == 0 || r == 3 ? -1 : 1, [v, b] = l._found;
+        if (l.label != null) {
+          let Ie2 = l.labelGap * _2, Qe2 = Ae((l._lpos + Ie2) * oe);
+          xi(l.labelFont[0], S2, "center", r == 2 ? "top" : qi), g.save(), f == 1 ? (c = p = 0, g.translate(Qe2, Ae(nt2 + at2 / 2)), g.rotate((r == 3 ? -on : on) / 2)) : (c = Ae($e2 + Ke2 / 2), p = Qe2);
+          let qt2 = Ho(l.label) ? l.label(n66, t, v, b) : l.label;
+          g.fillText(qt2, c, p), g.restore();
+        }
+        if (b == 0) continue;
+        let M2 = x2[l.scale], E2 = f == 0 ? Ke2 : at2, Y2 = f == 0 ? $e2 : nt2, ie2 = l._splits, le2 = M2.distr == 2 ? ie2.map((Ie2) => pt2[Ie2]) : ie2, Z2 = M2.distr == 2 ? pt2[ie2[1]] - pt2[ie2[0]] : v, W = l.ticks, R = l.border, de2 = W.show ? W.size : 0, ve2 = Ae(de2 * oe), Re2 = Ae((l.alignTo == 2 ? l._size - de2 - l.gap : l.gap) * oe), ue2 = l._rotate * -on / 180, ke2 = N(l._pos * oe), Je2 = (ve2 + Re2) * _2, Ge2 = ke2 + Je2;
+        p = f == 0 ? Ge2 : 0, c = f == 1 ? Ge2 : 0;
+        let st = l.font[0], ht2 = l.align == 1 ? yl : l.align == 2 ? Wn : ue2 > 0 ? yl : ue2 < 0 ? Wn : f == 0 ? "center" : r == 3 ? Wn : yl, xt2 = ue2 || f == 1 ? "middle" : r == 2 ? "top" : qi;
+        xi(st, S2, ht2, xt2);
+        let Ze2 = l.font[1] * l.lineGap, rt = ie2.map((Ie2) => N(h(Ie2, M2, E2, Y2))), mt2 = l._values;
+        for (let Ie2 = 0; Ie2 < mt2.length; Ie2++) {
+          let Qe2 = mt2[Ie2];
+          if (Qe2 != null) {
+            f == 0 ? c = rt[Ie2] : p = rt[Ie2], Qe2 = "" + Qe2;
+            let qt2 = Qe2.indexOf(`
+`) == -1 ? [Qe2] : Qe2.split(/\n/gm);
+            for (let Ye = 0; Ye < qt2.length; Ye++) {
+              let Ki2 = qt2[Ye];
+              ue2 ? (g.save(), g.translate(c, p + Ye * Ze2), g.rotate(ue2), g.fillText(Ki2, 0, 0), g.restore()) : g.fillText(Ki2, c, p + Ye * Ze2);
+            }
+          }
+        }
+        W.show && Pn2(rt, W.filter(n66, le2, t, b, Z2), f, r, ke2, ve2, ae(W.width * oe, 3), W.stroke(n66, t), W.dash, W.cap);
+        let Tt2 = l.grid;
+        Tt2.show && Pn2(rt, Tt2.filter(n66, le2, t, b, Z2), f, f == 0 ? 2 : 1, f == 0 ? nt2 : $e2, f == 0 ? at2 : Ke2, ae(Tt2.width * oe, 3), Tt2.stroke(n66, t), Tt2.dash, Tt2.cap), R.show && Pn2([ke2], [1], f == 0 ? 1 : 0, f == 0 ? 1 : 2, f == 1 ? nt2 : $e2, f == 1 ? at2 : Ke2, ae(R.width * oe, 3), R.stroke(n66, t), R.dash, R.cap);
+      }
+      Ve2("drawAxes");
+    }
+    function al2(t) {
+      k.forEach((l, r) => {
+        r > 0 && (l._paths = null, t && (s == 1 ? (l.min = null, l.max = null) : l.facets.forEach((f) => {
+          f.min = null, f.max = null;
+        })));
+      });
+    }
+    let Ql2 = false, Dn2 = false, Vl2 = [];
+    function Fs2() {
+      Dn2 = false;
+      for (let t = 0; t < Vl2.length; t++) Ve2(...Vl2[t]);
+      Vl2.length = 0;
+    }
+    function pl2() {
+      Ql2 || (zr(Ei2), Ql2 = true);
+    }
+    function Os2(t, l = false) {
+      Ql2 = true, Dn2 = l, t(n66), Ei2(), l && Vl2.length > 0 && queueMicrotask(Fs2);
+    }
+    n66.batch = Os2;
+    function Ei2() {
+      if (wn2 && (Es2(), wn2 = false), ol2 && (vs2(), ol2 = false), Kl2) {
+        if (ge(L2, yl, pe2), ge(L2, "top", Me2), ge(L2, Nl, K), ge(L2, Wl, A2), ge(D, yl, pe2), ge(D, "top", Me2), ge(D, Nl, K), ge(D, Wl, A2), ge(w, Nl, At2), ge(w, Wl, Wt2), y.width = Ae(At2 * oe), y.height = Ae(Wt2 * oe), H2.forEach(({ _el: t, _show: l, _size: r, _pos: f, side: c }) => {
+          if (t != null) if (l) {
+            let p = c === 3 || c === 0 ? r : 0, S2 = c % 2 == 1;
+            ge(t, S2 ? "left" : "top", f - p), ge(t, S2 ? "width" : "height", r), ge(t, S2 ? "top" : "left", S2 ? Me2 : pe2), ge(t, S2 ? "height" : "width", S2 ? A2 : K), $n(t, Zt);
+          } else Xe(t, Zt);
+        }), $l2 = cl2 = yn2 = kn2 = xn2 = Tn2 = bn2 = Mn2 = vn2 = null, je2 = 1, Fl2(true), pe2 != il2 || Me2 != Gt2 || K != _t2 || A2 != It2) {
+          al2(false);
+          let t = K / _t2, l = A2 / It2;
+          if (Ne2 && !Yt2 && V2.left >= 0) {
+            V2.left *= t, V2.top *= l, hl2 && bt(hl2, Ae(V2.left), 0, K, A2), ml2 && bt(ml2, 0, Ae(V2.top), K, A2);
+            for (let r = 0; r < ot2.length; r++) {
+              let f = ot2[r];
+              f != null && (fl2[r] *= t, ul2[r] *= l, bt(f, ut(fl2[r]), ut(ul2[r]), K, A2));
+            }
+          }
+          if (me.show && !jl2 && me.left >= 0 && me.width > 0) {
+            me.left *= t, me.width *= t, me.top *= l, me.height *= l;
+            for (let r in Fn2) ge(wl2, r, me[r]);
+          }
+          il2 = pe2, Gt2 = Me2, _t2 = K, It2 = A2;
+        }
+        Ve2("setSize"), Kl2 = false;
+      }
+      At2 > 0 && Wt2 > 0 && (g.clearRect(0, 0, y.width, y.height), Ve2("drawClear"), U.forEach((t) => t()), Ve2("draw")), me.show && jl2 && (Xl2(me), jl2 = false), Ne2 && Yt2 && (jt2(null, true, false), Yt2 = false), J2.show && J2.live && it2 && (Rn2(), it2 = false), m || (m = true, n66.status = 1, Ve2("ready")), Cl = false, Ql2 = false;
+    }
+    n66.redraw = (t, l) => {
+      ol2 = l || false, t !== false ? Rt2(P4, T2.min, T2.max) : pl2();
+    };
+    function Ln2(t, l) {
+      let r = x2[t];
+      if (r.from == null) {
+        if (ze2 == 0) {
+          let f = r.range(n66, l.min, l.max, t);
+          l.min = f[0], l.max = f[1];
+        }
+        if (l.min > l.max) {
+          let f = l.min;
+          l.min = l.max, l.max = f;
+        }
+        if (ze2 > 1 && l.min != null && l.max != null && l.max - l.min < 1e-16) return;
+        t == P4 && r.distr == 2 && ze2 > 0 && (l.min = gt(l.min, i[0]), l.max = gt(l.max, i[0]), l.min == l.max && l.max++), F2[t] = l, wn2 = true, pl2();
+      }
+    }
+    n66.setScale = Ln2;
+    let Cn2, Vn2, hl2, ml2, Pi2, Di2, dl2, gl2, Li2, Ci2, he2, _e, Vt2 = false, Fe = V2.drag, Le2 = Fe.x, Ce2 = Fe.y;
+    Ne2 && (V2.x && (Cn2 = ft(or, D)), V2.y && (Vn2 = ft(sr, D)), T2.ori == 0 ? (hl2 = Cn2, ml2 = Vn2) : (hl2 = Vn2, ml2 = Cn2), he2 = V2.left, _e = V2.top);
+    let me = n66.select = Te({ show: true, over: true, left: 0, width: 0, top: 0, height: 0 }, e.select), wl2 = me.show ? ft(ir, me.over ? D : L2) : null;
+    function Xl2(t, l) {
+      if (me.show) {
+        for (let r in t) me[r] = t[r], r in Fn2 && ge(wl2, r, t[r]);
+        l !== false && Ve2("setSelect");
+      }
+    }
+    n66.setSelect = Xl2;
+    function Hs2(t) {
+      if (k[t].show) be2 && $n(ye2[t], Zt);
+      else if (be2 && Xe(ye2[t], Zt), Ne2) {
+        let r = rl2 ? ot2[0] : ot2[t];
+        r != null && bt(r, -10, -10, K, A2);
+      }
+    }
+    function Rt2(t, l, r) {
+      Ln2(t, { min: l, max: r });
+    }
+    function vt2(t, l, r, f) {
+      l.focus != null && Ys2(t), l.show != null && k.forEach((c, p) => {
+        p > 0 && (t == p || t == null) && (c.show = l.show, Hs2(p), s == 2 ? (Rt2(c.facets[0].scale, null, null), Rt2(c.facets[1].scale, null, null)) : Rt2(c.scale, null, null), pl2());
+      }), r !== false && Ve2("setSeries", t, l), f && Ol2("setSeries", n66, t, l);
+    }
+    n66.setSeries = vt2;
+    function Ns2(t, l) {
+      Te(q[t], l);
+    }
+    function Ws2(t, l) {
+      t.fill = X(t.fill || null), t.dir = ne(t.dir, -1), l = l ?? q.length, q.splice(l, 0, t);
+    }
+    function Gs2(t) {
+      t == null ? q.length = 0 : q.splice(t, 1);
+    }
+    n66.addBand = Ws2, n66.setBand = Ns2, n66.delBand = Gs2;
+    function Is2(t, l) {
+      k[t].alpha = l, Ne2 && ot2[t] != null && (ot2[t].style.opacity = l), be2 && ye2[t] && (ye2[t].style.opacity = l);
+    }
+    let Et2, zt2, Kt, Sl2 = { focus: true };
+    function Ys2(t) {
+      if (t != Kt) {
+        let l = t == null, r = yt2.alpha != 1;
+        k.forEach((f, c) => {
+          if (s == 1 || c > 0) {
+            let p = l || c == 0 || c == t;
+            f._focus = l ? null : p, r && Is2(c, p ? 1 : yt2.alpha);
+          }
+        }), Kt = t, r && pl2();
+      }
+    }
+    be2 && sl2 && We2(Qi, se2, (t) => {
+      V2._lock || (Bt2(t), Kt != null && vt2(null, Sl2, true, xe2.setSeries));
+    });
+    function kt2(t, l, r) {
+      let f = x2[l];
+      r && (t = t / oe - (f.ori == 1 ? Me2 : pe2));
+      let c = K;
+      f.ori == 1 && (c = A2, t = c - t), f.dir == -1 && (t = c - t);
+      let p = f._min, S2 = f._max, _2 = t / c, v = p + (S2 - p) * _2, b = f.distr;
+      return b == 3 ? xl(10, v) : b == 4 ? xr(v, f.asinh) : b == 100 ? f.bwd(v) : v;
+    }
+    function Bs2(t, l) {
+      let r = kt2(t, P4, l);
+      return gt(r, i[0], Pe2, De2);
+    }
+    n66.valToIdx = (t) => gt(t, i[0]), n66.posToIdx = Bs2, n66.posToVal = kt2, n66.valToPos = (t, l, r) => x2[l].ori == 0 ? a(t, x2[l], r ? Ke2 : K, r ? $e2 : 0) : u(t, x2[l], r ? at2 : A2, r ? nt2 : 0), n66.setCursor = (t, l, r) => {
+      he2 = t.left, _e = t.top, jt2(null, l, r);
+    };
+    function Vi2(t, l) {
+      ge(wl2, yl, me.left = t), ge(wl2, Nl, me.width = l);
+    }
+    function Ri2(t, l) {
+      ge(wl2, "top", me.top = t), ge(wl2, Wl, me.height = l);
+    }
+    let Rl2 = T2.ori == 0 ? Vi2 : Ri2, zl2 = T2.ori == 1 ? Vi2 : Ri2;
+    function Us2() {
+      if (be2 && J2.live) for (let t = s == 2 ? 1 : 0; t < k.length; t++) {
+        if (t == 0 && lt2) continue;
+        let l = J2.values[t], r = 0;
+        for (let f in l) St2[t][r++].firstChild.nodeValue = l[f];
+      }
+    }
+    function Rn2(t, l) {
+      if (t != null && (t.idxs ? t.idxs.forEach((r, f) => {
+        fe2[f] = r;
+      }) : Ar(t.idx) || fe2.fill(t.idx), J2.idx = fe2[0]), be2 && J2.live) {
+        for (let r = 0; r < k.length; r++) (r > 0 || s == 1 && !lt2) && Ks2(r, fe2[r]);
+        Us2();
+      }
+      it2 = false, l !== false && Ve2("setLegend");
+    }
+    n66.setLegend = Rn2;
+    function Ks2(t, l) {
+      let r = k[t], f = t == 0 && j2 == 2 ? pt2 : i[t], c;
+      lt2 ? c = r.values(n66, t, l) ?? Lt2 : (c = r.value(n66, l == null ? null : f[l], t, l), c = c == null ? Lt2 : { _: c }), J2.values[t] = c;
+    }
+    function jt2(t, l, r) {
+      Li2 = he2, Ci2 = _e, [he2, _e] = V2.move(n66, he2, _e), V2.left = he2, V2.top = _e, Ne2 && (hl2 && bt(hl2, Ae(he2), 0, K, A2), ml2 && bt(ml2, 0, Ae(_e), K, A2));
+      let f, c = Pe2 > De2;
+      Et2 = ce, zt2 = null;
+      let p = T2.ori == 0 ? K : A2, S2 = T2.ori == 1 ? K : A2;
+      if (he2 < 0 || ze2 == 0 || c) {
+        f = V2.idx = null;
+        for (let _2 = 0; _2 < k.length; _2++) {
+          let v = ot2[_2];
+          v != null && bt(v, -10, -10, K, A2);
+        }
+        sl2 && vt2(null, Sl2, true, t == null && xe2.setSeries), J2.live && (fe2.fill(f), it2 = true);
+      } else {
+        let _2, v, b;
+        s == 1 && (_2 = T2.ori == 0 ? he2 : _e, v = kt2(_2, P4), f = V2.idx = gt(v, i[0], Pe2, De2), b = C2(i[0][f], T2, p, 0));
+        let M2 = -10, E2 = -10, Y2 = 0, ie2 = 0, le2 = true, Z2 = "", W = "";
+        for (let R = s == 2 ? 1 : 0; R < k.length; R++) {
+          let de2 = k[R], ve2 = fe2[R], Re2 = ve2 == null ? null : s == 1 ? i[R][ve2] : i[R][1][ve2], ue2 = V2.dataIdx(n66, R, f, v), ke2 = ue2 == null ? null : s == 1 ? i[R][ue2] : i[R][1][ue2];
+          if (it2 = it2 || ke2 != Re2 || ue2 != ve2, fe2[R] = ue2, R > 0 && de2.show) {
+            let Je2 = ue2 == null ? -10 : ue2 == f ? b : C2(s == 1 ? i[0][ue2] : i[R][0][ue2], T2, p, 0), Ge2 = ke2 == null ? -10 : I(ke2, s == 1 ? x2[de2.scale] : x2[de2.facets[1].scale], S2, 0);
+            if (sl2 && ke2 != null) {
+              let st = T2.ori == 1 ? he2 : _e, ht2 = Ee(yt2.dist(n66, R, ue2, Ge2, st));
+              if (ht2 < Et2) {
+                let xt2 = yt2.bias;
+                if (xt2 != 0) {
+                  let Ze2 = kt2(st, de2.scale), rt = ke2 >= 0 ? 1 : -1, mt2 = Ze2 >= 0 ? 1 : -1;
+                  mt2 == rt && (mt2 == 1 ? xt2 == 1 ? ke2 >= Ze2 : ke2 <= Ze2 : xt2 == 1 ? ke2 <= Ze2 : ke2 >= Ze2) && (Et2 = ht2, zt2 = R);
+                } else Et2 = ht2, zt2 = R;
+              }
+            }
+            if (it2 || rl2) {
+              let st, ht2;
+              T2.ori == 0 ? (st = Je2, ht2 = Ge2) : (st = Ge2, ht2 = Je2);
+              let xt2, Ze2, rt, mt2, Tt2, Ie2, Qe2 = true, qt2 = Oe2.bbox;
+              if (qt2 != null) {
+                Qe2 = false;
+                let Ye = qt2(n66, R);
+                rt = Ye.left, mt2 = Ye.top, xt2 = Ye.width, Ze2 = Ye.height;
+              } else rt = st, mt2 = ht2, xt2 = Ze2 = Oe2.size(n66, R);
+              if (Ie2 = Oe2.fill(n66, R), Tt2 = Oe2.stroke(n66, R), rl2) R == zt2 && Et2 <= yt2.prox && (M2 = rt, E2 = mt2, Y2 = xt2, ie2 = Ze2, le2 = Qe2, Z2 = Ie2, W = Tt2);
+              else {
+                let Ye = ot2[R];
+                Ye != null && (fl2[R] = rt, ul2[R] = mt2, oo(Ye, xt2, Ze2, Qe2), no(Ye, Ie2, Tt2), bt(Ye, ut(rt), ut(mt2), K, A2));
+              }
+            }
+          }
+        }
+        if (rl2) {
+          let R = yt2.prox, de2 = Kt == null ? Et2 <= R : Et2 > R || zt2 != Kt;
+          if (it2 || de2) {
+            let ve2 = ot2[0];
+            ve2 != null && (fl2[0] = M2, ul2[0] = E2, oo(ve2, Y2, ie2, le2), no(ve2, Z2, W), bt(ve2, ut(M2), ut(E2), K, A2));
+          }
+        }
+      }
+      if (me.show && Vt2) if (t != null) {
+        let [_2, v] = xe2.scales, [b, M2] = xe2.match, [E2, Y2] = t.cursor.sync.scales, ie2 = t.cursor.drag;
+        if (Le2 = ie2._x, Ce2 = ie2._y, Le2 || Ce2) {
+          let { left: le2, top: Z2, width: W, height: R } = t.select, de2 = t.scales[E2].ori, ve2 = t.posToVal, Re2, ue2, ke2, Je2, Ge2, st = _2 != null && b(_2, E2), ht2 = v != null && M2(v, Y2);
+          st && Le2 ? (de2 == 0 ? (Re2 = le2, ue2 = W) : (Re2 = Z2, ue2 = R), ke2 = x2[_2], Je2 = C2(ve2(Re2, E2), ke2, p, 0), Ge2 = C2(ve2(Re2 + ue2, E2), ke2, p, 0), Rl2(wt(Je2, Ge2), Ee(Ge2 - Je2))) : Rl2(0, p), ht2 && Ce2 ? (de2 == 1 ? (Re2 = le2, ue2 = W) : (Re2 = Z2, ue2 = R), ke2 = x2[v], Je2 = I(ve2(Re2, Y2), ke2, S2, 0), Ge2 = I(ve2(Re2 + ue2, Y2), ke2, S2, 0), zl2(wt(Je2, Ge2), Ee(Ge2 - Je2))) : zl2(0, S2);
+        } else On2();
+      } else {
+        let _2 = Ee(Li2 - Pi2), v = Ee(Ci2 - Di2);
+        if (T2.ori == 1) {
+          let Y2 = _2;
+          _2 = v, v = Y2;
+        }
+        Le2 = Fe.x && _2 >= Fe.dist, Ce2 = Fe.y && v >= Fe.dist;
+        let b = Fe.uni;
+        b != null ? Le2 && Ce2 && (Le2 = _2 >= b, Ce2 = v >= b, !Le2 && !Ce2 && (v > _2 ? Ce2 = true : Le2 = true)) : Fe.x && Fe.y && (Le2 || Ce2) && (Le2 = Ce2 = true);
+        let M2, E2;
+        Le2 && (T2.ori == 0 ? (M2 = dl2, E2 = he2) : (M2 = gl2, E2 = _e), Rl2(wt(M2, E2), Ee(E2 - M2)), Ce2 || zl2(0, S2)), Ce2 && (T2.ori == 1 ? (M2 = dl2, E2 = he2) : (M2 = gl2, E2 = _e), zl2(wt(M2, E2), Ee(E2 - M2)), Le2 || Rl2(0, p)), !Le2 && !Ce2 && (Rl2(0, 0), zl2(0, 0));
+      }
+      if (Fe._x = Le2, Fe._y = Ce2, t == null) {
+        if (r) {
+          if (Ui2 != null) {
+            let [_2, v] = xe2.scales;
+            xe2.values[0] = _2 != null ? kt2(T2.ori == 0 ? he2 : _e, _2) : null, xe2.values[1] = v != null ? kt2(T2.ori == 1 ? he2 : _e, v) : null;
+          }
+          Ol2(Gn, n66, he2, _e, K, A2, f);
+        }
+        if (sl2) {
+          let _2 = r && xe2.setSeries, v = yt2.prox;
+          Kt == null ? Et2 <= v && vt2(zt2, Sl2, true, _2) : Et2 > v ? vt2(null, Sl2, true, _2) : zt2 != Kt && vt2(zt2, Sl2, true, _2);
+        }
+      }
+      it2 && (J2.idx = f, Rn2()), l !== false && Ve2("setCursor");
+    }
+    let Ft2 = null;
+    Object.defineProperty(n66, "rect", { get() {
+      return Ft2 == null && Fl2(false), Ft2;
+    } });
+    function Fl2(t = false) {
+      t ? Ft2 = null : (Ft2 = D.getBoundingClientRect(), Ve2("syncRect", Ft2));
+    }
+    function zi2(t, l, r, f, c, p, S2) {
+      V2._lock || Vt2 && t != null && t.movementX == 0 && t.movementY == 0 || (zn2(t, l, r, f, c, p, S2, false, t != null), t != null ? jt2(null, true, true) : jt2(l, true, false));
+    }
+    function zn2(t, l, r, f, c, p, S2, _2, v) {
+      if (Ft2 == null && Fl2(false), Bt2(t), t != null) r = t.clientX - Ft2.left, f = t.clientY - Ft2.top;
+      else {
+        if (r < 0 || f < 0) {
+          he2 = -10, _e = -10;
+          return;
+        }
+        let [b, M2] = xe2.scales, E2 = l.cursor.sync, [Y2, ie2] = E2.values, [le2, Z2] = E2.scales, [W, R] = xe2.match, de2 = l.axes[0].side % 2 == 1, ve2 = T2.ori == 0 ? K : A2, Re2 = T2.ori == 1 ? K : A2, ue2 = de2 ? p : c, ke2 = de2 ? c : p, Je2 = de2 ? f : r, Ge2 = de2 ? r : f;
+        if (le2 != null ? r = W(b, le2) ? h(Y2, x2[b], ve2, 0) : -10 : r = ve2 * (Je2 / ue2), Z2 != null ? f = R(M2, Z2) ? h(ie2, x2[M2], Re2, 0) : -10 : f = Re2 * (Ge2 / ke2), T2.ori == 1) {
+          let st = r;
+          r = f, f = st;
+        }
+      }
+      v && (l == null || l.cursor.event.type == Gn) && ((r <= 1 || r >= K - 1) && (r = $t(r, K)), (f <= 1 || f >= A2 - 1) && (f = $t(f, A2))), _2 ? (Pi2 = r, Di2 = f, [dl2, gl2] = V2.move(n66, r, f)) : (he2 = r, _e = f);
+    }
+    let Fn2 = { width: 0, height: 0, left: 0, top: 0 };
+    function On2() {
+      Xl2(Fn2, false);
+    }
+    let Fi2, Oi2, Hi2, Ni2;
+    function Wi2(t, l, r, f, c, p, S2) {
+      Vt2 = true, Le2 = Ce2 = Fe._x = Fe._y = false, zn2(t, l, r, f, c, p, S2, true, false), t != null && (We2(In, jn, Gi2, false), Ol2(Ji, n66, dl2, gl2, K, A2, null));
+      let { left: _2, top: v, width: b, height: M2 } = me;
+      Fi2 = _2, Oi2 = v, Hi2 = b, Ni2 = M2;
+    }
+    function Gi2(t, l, r, f, c, p, S2) {
+      Vt2 = Fe._x = Fe._y = false, zn2(t, l, r, f, c, p, S2, false, true);
+      let { left: _2, top: v, width: b, height: M2 } = me, E2 = b > 0 || M2 > 0, Y2 = Fi2 != _2 || Oi2 != v || Hi2 != b || Ni2 != M2;
+      if (E2 && Y2 && Xl2(me), Fe.setScale && E2 && Y2) {
+        let ie2 = _2, le2 = b, Z2 = v, W = M2;
+        if (T2.ori == 1 && (ie2 = v, le2 = M2, Z2 = _2, W = b), Le2 && Rt2(P4, kt2(ie2, P4), kt2(ie2 + le2, P4)), Ce2) for (let R in x2) {
+          let de2 = x2[R];
+          R != P4 && de2.from == null && de2.min != ce && Rt2(R, kt2(Z2 + W, R), kt2(Z2, R));
+        }
+        On2();
+      } else V2.lock && (V2._lock = !V2._lock, jt2(l, true, t != null));
+      t != null && (nl2(In, jn), Ol2(In, n66, he2, _e, K, A2, null));
+    }
+    function js2(t, l, r, f, c, p, S2) {
+      if (V2._lock) return;
+      Bt2(t);
+      let _2 = Vt2;
+      if (Vt2) {
+        let v = true, b = true, M2 = 10, E2, Y2;
+        T2.ori == 0 ? (E2 = Le2, Y2 = Ce2) : (E2 = Ce2, Y2 = Le2), E2 && Y2 && (v = he2 <= M2 || he2 >= K - M2, b = _e <= M2 || _e >= A2 - M2), E2 && v && (he2 = he2 < dl2 ? 0 : K), Y2 && b && (_e = _e < gl2 ? 0 : A2), jt2(null, true, true), Vt2 = false;
+      }
+      he2 = -10, _e = -10, fe2.fill(null), jt2(null, true, true), _2 && (Vt2 = _2);
+    }
+    function Ii2(t, l, r, f, c, p, S2) {
+      V2._lock || (Bt2(t), _n2(), On2(), t != null && Ol2(Xi, n66, he2, _e, K, A2, null));
+    }
+    function Yi2() {
+      H2.forEach(Bf), Sn2(n66.width, n66.height, true);
+    }
+    Qt(sn, kl, Yi2);
+    let _l2 = {};
+    _l2.mousedown = Wi2, _l2.mousemove = zi2, _l2.mouseup = Gi2, _l2.dblclick = Ii2, _l2.setSeries = (t, l, r, f) => {
+      let c = xe2.match[2];
+      r = c(n66, l, r), r != -1 && vt2(r, f, true, false);
+    }, Ne2 && (We2(Ji, D, Wi2), We2(Gn, D, zi2), We2(Zi, D, (t) => {
+      Bt2(t), Fl2(false);
+    }), We2(Qi, D, js2), We2(Xi, D, Ii2), ti.add(n66), n66.syncRect = Fl2);
+    let en2 = n66.hooks = e.hooks || {};
+    function Ve2(t, l, r) {
+      Dn2 ? Vl2.push([t, l, r]) : t in en2 && en2[t].forEach((f) => {
+        f.call(null, n66, l, r);
+      });
+    }
+    (e.plugins || []).forEach((t) => {
+      for (let l in t.hooks) en2[l] = (en2[l] || []).concat(t.hooks[l]);
+    });
+    let Bi2 = (t, l, r) => r, xe2 = Te({ key: null, setSeries: false, filters: { pub: co, sub: co }, scales: [P4, k[1] ? k[1].scale : null], match: [ao, ao, Bi2], values: [null, null] }, V2.sync);
+    xe2.match.length == 2 && xe2.match.push(Bi2), V2.sync = xe2;
+    let Ui2 = xe2.key, Hn2 = fs(Ui2);
+    function Ol2(t, l, r, f, c, p, S2) {
+      xe2.filters.pub(t, l, r, f, c, p, S2) && Hn2.pub(t, l, r, f, c, p, S2);
+    }
+    Hn2.sub(n66);
+    function qs2(t, l, r, f, c, p, S2) {
+      xe2.filters.sub(t, l, r, f, c, p, S2) && _l2[t](null, l, r, f, c, p, S2);
+    }
+    n66.pub = qs2;
+    function $s2() {
+      Hn2.unsub(n66), ti.delete(n66), Nt2.clear(), Jn(sn, kl, Yi2), d.remove(), se2?.remove(), Ve2("destroy");
+    }
+    n66.destroy = $s2;
+    function Nn2() {
+      Ve2("init", e, i), vi2(i || e.data, false), F2[P4] ? Ln2(P4, F2[P4]) : _n2(), jl2 = me.show && (me.width > 0 || me.height > 0), Yt2 = it2 = true, Sn2(e.width, e.height);
+    }
+    return k.forEach(_i2), H2.forEach(As2), o ? o instanceof HTMLElement ? (o.appendChild(d), Nn2()) : o(n66, Nn2) : Nn2(), n66;
+  }
+  He.assign = Te;
+  He.fmtNum = fi;
+  He.rangeNum = rn;
+  He.rangeLog = cn;
+  He.rangeAsinh = si;
+  He.orient = el2;
+  He.pxRatio = oe;
+  He.join = Rr;
+  He.fmtDate = ci, He.tzDate = Ur;
+  He.sync = fs;
+  {
+    He.addGap = Ef, He.clipGaps = hn;
+    let e = He.paths = { points: ms };
+    e.linear = gs, e.stepped = Lf, e.bars = Cf, e.spline = Rf;
+  }
+
   // curves.js
-  var LEGEND = 18;
+  var LEGEND = 22;
+  var TIMES = 26;
+  var VALUES = 56;
+  var FONT = "11px system-ui, sans-serif";
   function curvePane(store2) {
     return new CurvePane(store2).api();
   }
@@ -4579,29 +6435,145 @@ ${name}`;
      * @param {Page.Store} store
      */
     constructor(store2) {
-      const { section, bar, body } = pane("run-curves", S.runCurves);
+      const { section, body } = pane("run-curves", S.runCurves);
       this.section = section;
-      const { canvas, redraw } = stage(store2, body, this.draw);
-      this.redraw = redraw;
-      this.key = el("span", { class: "key" });
+      this.host = el("div", { class: "plots", role: "group", "aria-label": S.runCurvesLabel });
+      body.append(this.host);
       this.panels = [];
+      this.plots = [];
       this.ready = null;
       this.t = [];
       this.low = [];
       this.high = [];
-      bar.append(el("span", { class: "space" }), this.key);
-      canvas.setAttribute("aria-label", S.runCurvesLabel);
+      this.redraw = eachFrame(this.draw);
+      new ResizeObserver(this.resize).observe(body);
+      store2.on("theme", this.build);
     }
     api() {
       return { section: this.section, open: this.open, add: this.add };
     }
-    /** Outputs with their references, errors, and the drives of each unit. */
     open = (news) => {
       this.ready = news;
-      const count = news.tracked.length;
-      const units = [...new Set(news.tracked.map((each) => each.unit))];
-      this.panels = units.flatMap((unit) => {
-        const own = news.tracked.map((each, i) => ({ ...each, i })).filter((each) => each.unit === unit);
+      this.panels = panelsOf(news);
+      this.t = [];
+      this.low = Array.from({ length: 3 * news.tracked.length + news.drives.length }, () => []);
+      this.high = this.low.map(() => []);
+      this.build();
+    };
+    build = () => {
+      for (const plot of this.plots) plot.destroy();
+      this.plots = this.panels.map(this.plotOf);
+      this.resize();
+      this.redraw();
+    };
+    add = (news) => {
+      this.t.push(...news.t);
+      news.low.forEach((column, k) => {
+        this.low[k].push(...column);
+        this.high[k].push(...(news.high ?? news.low)[k]);
+      });
+      const first = this.t[this.t.length - 1] - this.ready.window;
+      if (this.t[0] < first - 0.5 * this.ready.window) {
+        const gone = this.t.findIndex((time) => time >= first);
+        for (const column of [this.t, ...this.low, ...this.high]) column.splice(0, gone);
+      }
+      this.redraw();
+    };
+    draw = () => {
+      this.plots.forEach((plot, p) => {
+        const columns = this.panels[p].lines.flatMap(({ column }) => [this.high[column], this.low[column]]);
+        plot.setData([this.t, ...columns]);
+      });
+    };
+    resize = () => {
+      const { clientWidth: width, clientHeight: height } = this.host;
+      if (width < 40 || height < 40) return;
+      const share2 = (height - TIMES) / Math.max(1, this.plots.length);
+      this.plots.forEach((plot, p) => {
+        const below = p === this.plots.length - 1 ? TIMES : 0;
+        plot.setSize({ width, height: Math.max(20, share2 - LEGEND) + below });
+      });
+    };
+    /** From when to when the plots go: the window ends with the last sample. */
+    times = () => {
+      const end = Math.max(this.ready.window, this.t[this.t.length - 1] ?? 0);
+      return [end - this.ready.window, end];
+    };
+    plotOf = (panel, p) => {
+      const isLast = p === this.panels.length - 1;
+      const head = el("div", { class: "plot-head" }, el("span", { textContent: panelTitle(panel) }));
+      const box2 = el("div", { class: "plot" }, head);
+      this.host.append(box2);
+      const limits = panel.lines.flatMap(({ low, high }) => [low, high]).filter((limit) => Number.isFinite(limit));
+      const plot = new He(
+        {
+          width: 100,
+          height: 100,
+          padding: [4, 12, isLast ? 0 : 4, 0],
+          cursor: { y: false, sync: { key: "run" }, drag: { x: false, y: false }, points: { show: false } },
+          legend: { mount: (_2, table) => head.append(table), markers: { show: false } },
+          scales: { x: { time: false, range: this.times }, y: { range: (_2, ...ends) => valueRange(ends, limits) } },
+          axes: [this.axis({ show: isLast, size: TIMES, unit: " s" }), this.axis({ size: VALUES, space: 24 })],
+          series: [{ label: S.runTime, value: () => "" }].concat(panel.lines.flatMap((line) => this.seriesOf(line))),
+          bands: panel.lines.map((line, k) => ({ series: [2 * k + 1, 2 * k + 2], fill: () => this.ink(line) })),
+          hooks: { draw: [(drawn) => drawLimits(drawn, limits)] }
+        },
+        [[]],
+        box2
+      );
+      const destroy = plot.destroy;
+      plot.destroy = () => {
+        destroy();
+        box2.remove();
+      };
+      return plot;
+    };
+    axis = ({ show = true, size, space = 60, unit = "" }) => ({
+      show,
+      size,
+      space,
+      font: FONT,
+      stroke: () => colourOf("--soft"),
+      grid: { stroke: () => colourOf("--line"), width: 1 },
+      ticks: { show: false },
+      values: (_2, numbers) => numbers.map((number) => shortNumber(number) + unit)
+    });
+    /** The greatest and the least values of a line; the legend has it once. */
+    seriesOf = (line) => {
+      const isReference = line.colour === null;
+      const common = {
+        stroke: () => this.ink(line),
+        width: isReference ? 1.2 : 1.7,
+        dash: isReference ? [4, 3] : [],
+        points: { show: false }
+      };
+      return [
+        {
+          ...common,
+          label: line.name || S.runReference,
+          value: (_2, number) => Number.isFinite(number) ? shortNumber(number) : ""
+        },
+        { ...common, class: "twin" }
+      ];
+    };
+    /** The colour of a line: that of a term, as a canvas takes it. */
+    ink = (line) => {
+      if (line.colour === null) return colourOf("--soft");
+      this.host.style.color = hue(line.colour);
+      const ink = getComputedStyle(this.host).color;
+      this.host.style.color = "";
+      return ink;
+    };
+  };
+  var panelTitle = ({ title, unit }) => unit && unit !== "1" ? `${title}, ${unit}` : title;
+  function panelsOf({ tracked, drives }) {
+    const count = tracked.length;
+    const numbered = tracked.map((port, i) => ({ ...port, i }));
+    const units = [...new Set(tracked.map((port) => port.unit))];
+    const driven = drives.map((port, i) => ({ ...port, column: 3 * count + i, colour: i }));
+    return [
+      ...units.flatMap((unit) => {
+        const own = numbered.filter((port) => port.unit === unit);
         return [
           {
             title: S.runOutputs,
@@ -4614,149 +6586,29 @@ ${name}`;
           },
           { title: S.runError, unit, lines: own.map(({ name, i }) => ({ name, column: 2 * count + i, colour: i })) }
         ];
-      });
-      const drives = news.drives.map((each, i) => ({ ...each, column: 3 * count + i, colour: i }));
-      for (const unit of new Set(drives.map((each) => each.unit))) {
-        this.panels.push({ title: S.runDrives, unit, lines: drives.filter((each) => each.unit === unit) });
-      }
-      this.t = [];
-      this.low = Array.from({ length: 3 * count + drives.length }, () => []);
-      this.high = this.low.map(() => []);
-      this.redraw();
-    };
-    add = (news) => {
-      this.t.push(...news.t);
-      news.low.forEach((column, k) => {
-        this.low[k].push(...column);
-        this.high[k].push(...(news.high ?? news.low)[k]);
-      });
-      const first = this.t[this.t.length - 1] - this.ready.window;
-      if (this.t[0] < first - 0.5 * this.ready.window) {
-        const gone = this.t.findIndex((each) => each >= first);
-        for (const each of [this.t, ...this.low, ...this.high]) each.splice(0, gone);
-      }
-      this.redraw();
-    };
-    draw = ({ g, width, height }) => {
-      if (!this.ready) return;
-      const last = this.t[this.t.length - 1] ?? 0;
-      const end = Math.max(this.ready.window, last);
-      const [begin2, foot, gap] = [end - this.ready.window, 18, 6];
-      const each = (height - foot) / this.panels.length;
-      const [left, right] = [52, width - 16];
-      const x2 = (time) => left + (time - begin2) / this.ready.window * (right - left);
-      g.font = "11px system-ui, sans-serif";
-      const first = Math.max(0, this.t.findIndex((time) => time >= begin2) - 1);
-      this.panels.forEach(
-        (panel, p) => this.drawPanel(g, panel, [left, right, p * each + LEGEND, (p + 1) * each - gap], x2, first)
-      );
-      g.fillStyle = colourOf("--soft");
-      g.textAlign = "center";
-      for (const tick of ticks(begin2, end, width / 90)) g.fillText(`${shortNumber(tick)} s`, x2(tick), height - 4);
-    };
-    drawPanel = (g, panel, [left, right, top, bottom], x2, first) => {
-      const soft = colourOf("--soft");
-      const [from, to2] = this.span(panel, first);
-      const y = (value) => bottom - (value - from) / (to2 - from) * (bottom - top);
-      g.save();
-      g.strokeStyle = colourOf("--line");
-      g.lineWidth = 1;
-      g.textAlign = "right";
-      g.fillStyle = soft;
-      for (const tick of ticks(from, to2, Math.max(3, (bottom - top) / 24))) {
-        g.beginPath();
-        g.moveTo(left, y(tick));
-        g.lineTo(right, y(tick));
-        g.stroke();
-        g.fillText(shortNumber(tick), left - 5, y(tick) + 4);
-      }
-      g.beginPath();
-      g.rect(left, top - 2, right - left, bottom - top + 4);
-      g.clip();
-      for (const { low: floor, high: ceiling } of panel.lines) {
-        for (const limit of [floor, ceiling]) {
-          if (limit === null || limit === void 0) continue;
-          this.stroke(g, colourOf("--lit"), 1, [5, 4], () => {
-            g.moveTo(left, y(limit));
-            g.lineTo(right, y(limit));
-          });
-        }
-      }
-      for (const line of panel.lines) {
-        const reference = line.colour === null;
-        const tint = reference ? soft : this.tone(line.colour);
-        this.stroke(
-          g,
-          tint,
-          reference ? 1.2 : 1.7,
-          reference ? [4, 3] : [],
-          () => this.curve(g, line.column, x2, y, first)
-        );
-      }
-      g.restore();
-      g.textAlign = "left";
-      let at2 = left;
-      for (const [words2, tint] of [
-        [`${panel.title}${panel.unit && panel.unit !== "1" ? `, ${panel.unit}` : ""}:`, soft],
-        ...panel.lines.filter((line) => line.name).map((line) => [line.name, this.tone(line.colour)])
-      ]) {
-        g.fillStyle = tint;
-        g.fillText(words2, at2, top - 5);
-        at2 += g.measureText(words2).width + 8;
-      }
-    };
-    /** The colours of lines: those of terms, as a canvas takes them. */
-    tone = (index) => {
-      const probe = this.key;
-      probe.style.color = hue(index);
-      return getComputedStyle(probe).color;
-    };
-    stroke = (g, tint, width, dashes, way) => {
-      g.strokeStyle = tint;
-      g.lineWidth = width;
-      g.setLineDash(dashes);
-      g.beginPath();
-      way();
-      g.stroke();
-      g.setLineDash([]);
-    };
-    curve = (g, column, x2, y, first) => {
-      let before = false;
-      for (let i = first; i < this.t.length; i++) {
-        const [a, b] = [this.low[column][i], this.high[column][i]];
-        if (a === null || b === null) {
-          before = false;
-          continue;
-        }
-        const px = x2(this.t[i]);
-        if (before) g.lineTo(px, y(b));
-        else g.moveTo(px, y(b));
-        if (a !== b) g.lineTo(px, y(a));
-        before = true;
-      }
-    };
-    /** Between what a panel goes: what is seen, and the limits. */
-    span = (panel, first) => {
-      let [from, to2] = [Infinity, -Infinity];
-      const take = (value) => {
-        if (value === null || value === void 0) return;
-        from = Math.min(from, value);
-        to2 = Math.max(to2, value);
-      };
-      for (const line of panel.lines) {
-        for (let i = first; i < this.t.length; i++) {
-          take(this.low[line.column][i]);
-          take(this.high[line.column][i]);
-        }
-        take(line.low);
-        take(line.high);
-      }
-      if (!(to2 >= from)) return [-1, 1];
-      if (to2 - from < 1e-9 * Math.max(1, Math.abs(to2))) return [from - 1, to2 + 1];
-      const room = 0.08 * (to2 - from);
-      return [from - room, to2 + room];
-    };
-  };
+      }),
+      ...[...new Set(driven.map((port) => port.unit))].map((unit) => ({
+        title: S.runDrives,
+        unit,
+        lines: driven.filter((port) => port.unit === unit)
+      }))
+    ];
+  }
+  function drawLimits(plot, limits) {
+    const { ctx, bbox } = plot;
+    ctx.save();
+    ctx.strokeStyle = colourOf("--lit");
+    ctx.lineWidth = devicePixelRatio;
+    ctx.setLineDash([5 * devicePixelRatio, 4 * devicePixelRatio]);
+    for (const limit of limits) {
+      const y = plot.valToPos(limit, "y", true);
+      ctx.beginPath();
+      ctx.moveTo(bbox.left, y);
+      ctx.lineTo(bbox.left + bbox.width, y);
+      ctx.stroke();
+    }
+    ctx.restore();
+  }
 
   // experiment.js
   var MORE = ["connect", "noise", "quantise", "sensor_delay", "difference", "actuator", "disturb"];
@@ -5915,12 +7767,12 @@ ${name}`;
       if (this.running) {
         const read = this.running.fired(this.point);
         if (!read) return null;
-        const of2 = (rule, side) => read.strengths[rule.readings[Math.min(side, rule.readings.length - 1)]];
+        const of3 = (rule, side) => read.strengths[rule.readings[Math.min(side, rule.readings.length - 1)]];
         found = {
           outputs: read.outputs,
           ends: scene.outputs.some((each) => each.interval) ? this.running.ends(this.point) : null,
-          strengths: scene.rules.map((rule) => of2(rule, 0)),
-          lower: scene.rules.map((rule) => of2(rule, 1)),
+          strengths: scene.rules.map((rule) => of3(rule, 0)),
+          lower: scene.rules.map((rule) => of3(rule, 1)),
           all: read.strengths
         };
       } else {
@@ -6008,7 +7860,7 @@ ${name}`;
     let n66 = "lc,34,7n,7,7b,19,,,,2,,2,,,20,b,1c,l,g,,2t,7,2,6,2,2,,4,z,,u,r,2j,b,1m,9,9,,o,4,,9,,3,,5,17,3,1n,9,16,o,,x,1i,3,,i,,7,a,2,t,3,1k,,,7,2,2,2,3,9,,a,2,q,,2,3,1k,,,5,4,2,2,3,3,,u,2,3,,b,3,1k,,,8,,3,,3,k,2,m,6,,3,1k,,,7,2,2,2,3,7,3,a,2,u,,1n,5,3,3,,4,9,,14,5,1j,,,7,,3,,4,7,2,b,2,t,3,1k,,,7,,3,,4,7,2,b,2,f,,c,4,1j,2,,7,,3,,4,9,,a,2,t,3,1y,,4,6,,,,8,i,2,1p,,,8,c,8,2q,,,a,b,7,21,2,r,,,,,,4,2,1d,k,,2,5,b,,10,9,,2u,b,,6,n,4,4,3,g,4,d,,,3,6,,f,,jj,3,qa,4,s,3,t,2,u,2,1s,w,9,,19,3,,,39,2,y,,3a,c,4,c,63,5,1l,a,,,,,2,o,2,,1c,1a,2,c,k,5,1b,h,12,9,c,3,u,d,1k,e,1c,k,48,3,,l,4,,6,,2,3,5i,1s,ek,,5f,x,2da,3,3x,,2o,w,fe,6,2x,2,n9w,4,,a,w,2,28,2,7k,,3,,4,,n,5,4,,2b,2,1e,i,q,i,d,,12,8,p,d,18,4,1b,e,10,,1v,e,c,,8,2,1a,,1f,,,3,2,2,5,2,,,15,5,5,2,6k,8,,2,fn4,,kh,g,g,g,a6,2,gt,,6a,,45,5,1ae,3,,2,5,4,14,3,4,,4l,2,fx,4,1t,5,8t,2,25,6,1y,b,1d,4,3e,3,1h,f,15,,2,2,a,4,19,b,7,,1p,3,10,e,g,2,18,,c,3,1c,e,8,4,,2,2k,c,6,,2,,4d,c,l,4,1j,2,,7,2,2,2,3,9,,a,2,2,7,3,5,1v,9,,,2,,,4,,5,,,e,2,2a,i,n,,29,k,6j,7,2,9,r,2,2a,h,2y,d,2t,3,2,a,74,f,6t,6,,2,2,4,,,,2,3x,7,2,7,3,,s,a,14,7,,4,8,,9,b,1a,g,5i,8,5j,8,,8,2a,m,,e,3e,6,3,,,2,,7,,,1u,5,,2,,5,9n,4,9,2,,,1c,7,3,5,n,,44l,,6,f,8ug,i,1xc,5,1n,7,t4,,,1j,7,4,29,,b,2,f57,2,3mp,1a,2,n,f2,5,3,6,8,8,2,7,u,4,44,3,1iz,1j,4,1e,8,,e,,m,5,,f,11s,7,,h,2,7,,2,,5,2s,,4g,7,af,,1p,4,e4,4,72,2,6r,,2,,7,2,5,,d6,7,31,7,240,5".split(",").map((e) => e ? parseInt(e, 36) : 1);
     for (let e = 0, t = 0; e < n66.length; e++) (e % 2 ? Dl : qs).push(t = t + n66[e]);
   })();
-  function uf(n66) {
+  function uf2(n66) {
     if (n66 < 768) return false;
     for (let e = 0, t = qs.length; ; ) {
       let i = e + t >> 1;
@@ -6018,32 +7870,32 @@ ${name}`;
       if (e == t) return false;
     }
   }
-  function Al(n66) {
+  function Al2(n66) {
     return n66 >= 127462 && n66 <= 127487;
   }
-  var Ml = 8205;
+  var Ml2 = 8205;
   function Ol(n66, e, t = true, i = true) {
-    return (t ? Bl : df)(n66, e, i);
+    return (t ? Bl2 : df2)(n66, e, i);
   }
-  function Bl(n66, e, t) {
+  function Bl2(n66, e, t) {
     if (e == n66.length) return e;
-    e && El(n66.charCodeAt(e)) && Ll(n66.charCodeAt(e - 1)) && e--;
+    e && El2(n66.charCodeAt(e)) && Ll(n66.charCodeAt(e - 1)) && e--;
     let i = zs(n66, e);
-    for (e += Tl(i); e < n66.length; ) {
+    for (e += Tl2(i); e < n66.length; ) {
       let s = zs(n66, e);
-      if (i == Ml || s == Ml || t && uf(s)) e += Tl(s), i = s;
-      else if (Al(s)) {
+      if (i == Ml2 || s == Ml2 || t && uf2(s)) e += Tl2(s), i = s;
+      else if (Al2(s)) {
         let r = 0, o = e - 2;
-        for (; o >= 0 && Al(zs(n66, o)); ) r++, o -= 2;
+        for (; o >= 0 && Al2(zs(n66, o)); ) r++, o -= 2;
         if (r % 2 == 0) break;
         e += 2;
       } else break;
     }
     return e;
   }
-  function df(n66, e, t) {
+  function df2(n66, e, t) {
     for (; e > 1; ) {
-      let i = Bl(n66, e - 2, t);
+      let i = Bl2(n66, e - 2, t);
       if (i < e) return i;
       e--;
     }
@@ -6053,15 +7905,15 @@ ${name}`;
     let t = n66.charCodeAt(e);
     if (!Ll(t) || e + 1 == n66.length) return t;
     let i = n66.charCodeAt(e + 1);
-    return El(i) ? (t - 55296 << 10) + (i - 56320) + 65536 : t;
+    return El2(i) ? (t - 55296 << 10) + (i - 56320) + 65536 : t;
   }
-  function El(n66) {
+  function El2(n66) {
     return n66 >= 56320 && n66 < 57344;
   }
   function Ll(n66) {
     return n66 >= 55296 && n66 < 56320;
   }
-  function Tl(n66) {
+  function Tl2(n66) {
     return n66 < 65536 ? 1 : 2;
   }
   var F = class n {
@@ -6099,7 +7951,7 @@ ${name}`;
       return new Tt(this, e);
     }
     iterRange(e, t = this.length) {
-      return new un(this, e, t);
+      return new un2(this, e, t);
     }
     iterLines(e, t) {
       let i;
@@ -6109,7 +7961,7 @@ ${name}`;
         let s = this.line(e).from;
         i = this.iterRange(s, Math.max(s, t == this.lines + 1 ? this.length : t <= 1 ? 0 : this.line(t - 1).to));
       }
-      return new dn(i);
+      return new dn2(i);
     }
     toString() {
       return this.sliceString(0);
@@ -6126,7 +7978,7 @@ ${name}`;
     }
   };
   var ve = class n2 extends F {
-    constructor(e, t = pf(e)) {
+    constructor(e, t = pf2(e)) {
       super(), this.text = e, this.length = t;
     }
     get lines() {
@@ -6145,7 +7997,7 @@ ${name}`;
     decompose(e, t, i, s) {
       let r = e <= 0 && t >= this.length ? this : new n2(Rl(this.text, e, t), Math.min(t, this.length) - Math.max(0, e));
       if (s & 1) {
-        let o = i.pop(), l = fn(r.text, o.text.slice(), 0, r.length);
+        let o = i.pop(), l = fn2(r.text, o.text.slice(), 0, r.length);
         if (l.length <= 32) i.push(new n2(l, o.length + r.length));
         else {
           let a = l.length >> 1;
@@ -6156,7 +8008,7 @@ ${name}`;
     replace(e, t, i) {
       if (!(i instanceof n2)) return super.replace(e, t, i);
       [e, t] = _t(this, e, t);
-      let s = fn(this.text, fn(i.text, Rl(this.text, 0, e)), t), r = this.length + i.length - (t - e);
+      let s = fn2(this.text, fn2(i.text, Rl(this.text, 0, e)), t), r = this.length + i.length - (t - e);
       return s.length <= 32 ? new n2(s, r) : jt.from(n2.split(s, []), r);
     }
     sliceString(e, t = this.length, i = `
@@ -6263,12 +8115,12 @@ ${name}`;
     }
   };
   F.empty = new ve([""], 0);
-  function pf(n66) {
+  function pf2(n66) {
     let e = -1;
     for (let t of n66) e += t.length + 1;
     return e;
   }
-  function fn(n66, e, t = 0, i = 1e9) {
+  function fn2(n66, e, t = 0, i = 1e9) {
     for (let s = 0, r = 0, o = true; r < n66.length && s <= i; r++) {
       let l = n66[r], a = s + l.length;
       a >= t && (a > i && (l = l.slice(0, i - s)), s < t && (l = l.slice(t - s)), o ? (e[e.length - 1] += l, o = false) : e.push(l)), s = a + 1;
@@ -6276,7 +8128,7 @@ ${name}`;
     return e;
   }
   function Rl(n66, e, t) {
-    return fn(n66, [""], e, t);
+    return fn2(n66, [""], e, t);
   }
   var Tt = class {
     constructor(e, t = 1) {
@@ -6306,7 +8158,7 @@ ${name}`;
       return e < 0 && (this.nextInner(-e, -this.dir), e = this.value.length), this.nextInner(e, this.dir);
     }
   };
-  var un = class {
+  var un2 = class {
     constructor(e, t, i) {
       this.value = "", this.done = false, this.cursor = new Tt(e, t > i ? -1 : 1), this.pos = t > i ? e.length : 0, this.from = Math.min(t, i), this.to = Math.max(t, i);
     }
@@ -6325,7 +8177,7 @@ ${name}`;
       return this.cursor.lineBreak && this.value != "";
     }
   };
-  var dn = class {
+  var dn2 = class {
     constructor(e) {
       this.inner = e, this.afterBreak = true, this.value = "", this.done = false;
     }
@@ -6339,7 +8191,7 @@ ${name}`;
   };
   typeof Symbol < "u" && (F.prototype[Symbol.iterator] = function() {
     return this.iter();
-  }, Tt.prototype[Symbol.iterator] = un.prototype[Symbol.iterator] = dn.prototype[Symbol.iterator] = function() {
+  }, Tt.prototype[Symbol.iterator] = un2.prototype[Symbol.iterator] = dn2.prototype[Symbol.iterator] = function() {
     return this;
   });
   var $s = class {
@@ -6356,22 +8208,22 @@ ${name}`;
   function Z(n66, e, t = true, i = true) {
     return Ol(n66, e, t, i);
   }
-  function mf(n66) {
+  function mf2(n66) {
     return n66 >= 56320 && n66 < 57344;
   }
-  function gf(n66) {
+  function gf2(n66) {
     return n66 >= 55296 && n66 < 56320;
   }
   function De(n66, e) {
     let t = n66.charCodeAt(e);
-    if (!gf(t) || e + 1 == n66.length) return t;
+    if (!gf2(t) || e + 1 == n66.length) return t;
     let i = n66.charCodeAt(e + 1);
-    return mf(i) ? (t - 55296 << 10) + (i - 56320) + 65536 : t;
+    return mf2(i) ? (t - 55296 << 10) + (i - 56320) + 65536 : t;
   }
   function bn(n66) {
     return n66 <= 65535 ? String.fromCharCode(n66) : (n66 -= 65536, String.fromCharCode((n66 >> 10) + 55296, (n66 & 1023) + 56320));
   }
-  function Xe(n66) {
+  function Xe2(n66) {
     return n66 < 65536 ? 1 : 2;
   }
   var js = /\r\n?|\n/;
@@ -6416,7 +8268,7 @@ ${name}`;
       return new n4(e);
     }
     composeDesc(e) {
-      return this.empty ? e : e.empty ? this : Hl(this, e);
+      return this.empty ? e : e.empty ? this : Hl2(this, e);
     }
     mapDesc(e, t = false) {
       return e.empty ? this : Gs(this, e, t);
@@ -6491,7 +8343,7 @@ ${name}`;
       return new n5(t, i);
     }
     compose(e) {
-      return this.empty ? e : e.empty ? this : Hl(this, e, true);
+      return this.empty ? e : e.empty ? this : Hl2(this, e, true);
     }
     map(e, t = false) {
       return e.empty ? this : Gs(this, e, t, true);
@@ -6503,7 +8355,7 @@ ${name}`;
       return ot.create(this.sections);
     }
     filter(e) {
-      let t = [], i = [], s = [], r = new Dt(this);
+      let t = [], i = [], s = [], r = new Dt2(this);
       e: for (let o = 0, l = 0; ; ) {
         let a = o == e.length ? 1e9 : e[o++];
         for (; l < a || l == a && r.len == 0; ) {
@@ -6511,7 +8363,7 @@ ${name}`;
           let c = Math.min(r.len, a - l);
           fe(s, c, -1);
           let f = r.ins == -1 ? -1 : r.off == 0 ? r.ins : 0;
-          fe(t, c, f), f > 0 && ut(i, t, r.text), r.forward(c), l += c;
+          fe(t, c, f), f > 0 && ut2(i, t, r.text), r.forward(c), l += c;
         }
         let h = e[o++];
         for (; l < h; ) {
@@ -6548,7 +8400,7 @@ ${name}`;
           if (f > u || f < 0 || u > t) throw new RangeError(`Invalid change range ${f} to ${u} (in doc of length ${t})`);
           let p = d ? typeof d == "string" ? F.of(d.split(i || js)) : d : F.empty, m = p.length;
           if (f == u && m == 0) return;
-          f < o && a(), f > o && fe(s, f - o, -1), fe(s, u - f, m), ut(r, s, p), o = u;
+          f < o && a(), f > o && fe(s, f - o, -1), fe(s, u - f, m), ut2(r, s, p), o = u;
         }
       }
       return h(e), a(!l), l;
@@ -6582,7 +8434,7 @@ ${name}`;
     let s = n66.length - 2;
     s >= 0 && t <= 0 && t == n66[s + 1] ? n66[s] += e : s >= 0 && e == 0 && n66[s] == 0 ? n66[s + 1] += t : i ? (n66[s] += e, n66[s + 1] += t) : n66.push(e, t);
   }
-  function ut(n66, e, t) {
+  function ut2(n66, e, t) {
     if (t.length == 0) return;
     let i = e.length - 2 >> 1;
     if (i < n66.length) n66[n66.length - 1] = n66[n66.length - 1].append(t);
@@ -6604,7 +8456,7 @@ ${name}`;
     }
   }
   function Gs(n66, e, t, i = false) {
-    let s = [], r = i ? [] : null, o = new Dt(n66), l = new Dt(e);
+    let s = [], r = i ? [] : null, o = new Dt2(n66), l = new Dt2(e);
     for (let a = -1; ; ) {
       if (o.done && l.len || l.done && o.len) throw new Error("Mismatched change set lengths");
       if (o.ins == -1 && l.ins == -1) {
@@ -6614,7 +8466,7 @@ ${name}`;
         let h = l.len;
         for (fe(s, l.ins, -1); h; ) {
           let c = Math.min(o.len, h);
-          o.ins >= 0 && a < o.i && o.len <= c && (fe(s, 0, o.ins), r && ut(r, s, o.text), a = o.i), o.forward(c), h -= c;
+          o.ins >= 0 && a < o.i && o.len <= c && (fe(s, 0, o.ins), r && ut2(r, s, o.text), a = o.i), o.forward(c), h -= c;
         }
         l.next();
       } else if (o.ins >= 0) {
@@ -6624,33 +8476,33 @@ ${name}`;
           h += f, c -= f, l.forward(f);
         } else if (l.ins == 0 && l.len < c) c -= l.len, l.next();
         else break;
-        fe(s, h, a < o.i ? o.ins : 0), r && a < o.i && ut(r, s, o.text), a = o.i, o.forward(o.len - c);
+        fe(s, h, a < o.i ? o.ins : 0), r && a < o.i && ut2(r, s, o.text), a = o.i, o.forward(o.len - c);
       } else {
         if (o.done && l.done) return r ? ie.createSet(s, r) : ot.create(s);
         throw new Error("Mismatched change set lengths");
       }
     }
   }
-  function Hl(n66, e, t = false) {
-    let i = [], s = t ? [] : null, r = new Dt(n66), o = new Dt(e);
+  function Hl2(n66, e, t = false) {
+    let i = [], s = t ? [] : null, r = new Dt2(n66), o = new Dt2(e);
     for (let l = false; ; ) {
       if (r.done && o.done) return s ? ie.createSet(i, s) : ot.create(i);
       if (r.ins == 0) fe(i, r.len, 0, l), r.next();
-      else if (o.len == 0 && !o.done) fe(i, 0, o.ins, l), s && ut(s, i, o.text), o.next();
+      else if (o.len == 0 && !o.done) fe(i, 0, o.ins, l), s && ut2(s, i, o.text), o.next();
       else {
         if (r.done || o.done) throw new Error("Mismatched change set lengths");
         {
           let a = Math.min(r.len2, o.len), h = i.length;
           if (r.ins == -1) {
             let c = o.ins == -1 ? -1 : o.off ? 0 : o.ins;
-            fe(i, a, c, l), s && c && ut(s, i, o.text);
-          } else o.ins == -1 ? (fe(i, r.off ? 0 : r.len, a, l), s && ut(s, i, r.textBit(a))) : (fe(i, r.off ? 0 : r.len, o.off ? 0 : o.ins, l), s && !o.off && ut(s, i, o.text));
+            fe(i, a, c, l), s && c && ut2(s, i, o.text);
+          } else o.ins == -1 ? (fe(i, r.off ? 0 : r.len, a, l), s && ut2(s, i, r.textBit(a))) : (fe(i, r.off ? 0 : r.len, o.off ? 0 : o.ins, l), s && !o.off && ut2(s, i, o.text));
           l = (r.ins > a || o.ins >= 0 && o.len > a) && (l || i.length > h), r.forward2(a), o.forward(a);
         }
       }
     }
   }
-  var Dt = class {
+  var Dt2 = class {
     constructor(e) {
       this.set = e, this.i = 0, this.next();
     }
@@ -6792,19 +8644,19 @@ ${name}`;
       return new n7(e, t);
     }
   };
-  function Wl(n66, e) {
+  function Wl2(n66, e) {
     for (let t of n66.ranges) if (t.to > e) throw new RangeError("Selection points outside of document");
   }
-  var nr = 0;
+  var nr2 = 0;
   var T = class n8 {
     constructor(e, t, i, s, r) {
-      this.combine = e, this.compareInput = t, this.compare = i, this.isStatic = s, this.id = nr++, this.default = e([]), this.extensions = typeof r == "function" ? r(this) : r;
+      this.combine = e, this.compareInput = t, this.compare = i, this.isStatic = s, this.id = nr2++, this.default = e([]), this.extensions = typeof r == "function" ? r(this) : r;
     }
     get reader() {
       return this;
     }
     static define(e = {}) {
-      return new n8(e.combine || ((t) => t), e.compareInput || ((t, i) => t === i), e.compare || (e.combine ? (t, i) => t === i : sr), !!e.static, e.enables);
+      return new n8(e.combine || ((t) => t), e.compareInput || ((t, i) => t === i), e.compare || (e.combine ? (t, i) => t === i : sr2), !!e.static, e.enables);
     }
     of(e) {
       return new Ut([], this, 0, e);
@@ -6821,12 +8673,12 @@ ${name}`;
       return t || (t = (i) => i), this.compute([e], (i) => t(i.field(e)));
     }
   };
-  function sr(n66, e) {
+  function sr2(n66, e) {
     return n66 == e || n66.length == e.length && n66.every((t, i) => t === e[i]);
   }
   var Ut = class {
     constructor(e, t, i, s) {
-      this.dependencies = e, this.facet = t, this.type = i, this.value = s, this.id = nr++;
+      this.dependencies = e, this.facet = t, this.type = i, this.value = s, this.id = nr2++;
     }
     dynamicSlot(e) {
       var t;
@@ -6835,16 +8687,16 @@ ${name}`;
       return { create(f) {
         return f.values[o] = i(f), 1;
       }, update(f, u) {
-        if (a && u.docChanged || h && (u.docChanged || u.selection) || _s(f, c)) {
+        if (a && u.docChanged || h && (u.docChanged || u.selection) || _s2(f, c)) {
           let d = i(f);
-          if (l ? !Pl(d, f.values[o], s) : !s(d, f.values[o])) return f.values[o] = d, 1;
+          if (l ? !Pl2(d, f.values[o], s) : !s(d, f.values[o])) return f.values[o] = d, 1;
         }
         return 0;
       }, reconfigure: (f, u) => {
         let d, p = u.config.address[r];
         if (p != null) {
-          let m = gn(u, p);
-          if (this.dependencies.every((g) => g instanceof T ? u.facet(g) === f.facet(g) : g instanceof J ? u.field(g, false) == f.field(g, false) : true) || (l ? Pl(d = i(f), m, s) : s(d = i(f), m))) return f.values[o] = m, 0;
+          let m = gn2(u, p);
+          if (this.dependencies.every((g) => g instanceof T ? u.facet(g) === f.facet(g) : g instanceof J ? u.field(g, false) == f.field(g, false) : true) || (l ? Pl2(d = i(f), m, s) : s(d = i(f), m))) return f.values[o] = m, 0;
         } else d = i(f);
         return f.values[o] = d, 1;
       } };
@@ -6853,22 +8705,22 @@ ${name}`;
       return this;
     }
   };
-  function Pl(n66, e, t) {
+  function Pl2(n66, e, t) {
     if (n66.length != e.length) return false;
     for (let i = 0; i < n66.length; i++) if (!t(n66[i], e[i])) return false;
     return true;
   }
-  function _s(n66, e) {
+  function _s2(n66, e) {
     let t = false;
     for (let i of e) vi(n66, i) & 1 && (t = true);
     return t;
   }
-  function yf(n66, e, t) {
+  function yf2(n66, e, t) {
     let i = t.map((a) => n66[a.id]), s = t.map((a) => a.type), r = i.filter((a) => !(a & 1)), o = n66[e.id] >> 1;
     function l(a) {
       let h = [];
       for (let c = 0; c < i.length; c++) {
-        let f = gn(a, i[c]);
+        let f = gn2(a, i[c]);
         if (s[c] == 2) for (let u of f) h.push(u);
         else h.push(f);
       }
@@ -6878,27 +8730,27 @@ ${name}`;
       for (let h of i) vi(a, h);
       return a.values[o] = l(a), 1;
     }, update(a, h) {
-      if (!_s(a, r)) return 0;
+      if (!_s2(a, r)) return 0;
       let c = l(a);
       return e.compare(c, a.values[o]) ? 0 : (a.values[o] = c, 1);
     }, reconfigure(a, h) {
-      let c = _s(a, i), f = h.config.facets[e.id], u = h.facet(e);
-      if (f && !c && sr(t, f)) return a.values[o] = u, 0;
+      let c = _s2(a, i), f = h.config.facets[e.id], u = h.facet(e);
+      if (f && !c && sr2(t, f)) return a.values[o] = u, 0;
       let d = l(a);
       return e.compare(d, u) ? (a.values[o] = u, 0) : (a.values[o] = d, 1);
     } };
   }
-  var an = T.define({ static: true });
+  var an2 = T.define({ static: true });
   var J = class n9 {
     constructor(e, t, i, s, r) {
       this.id = e, this.createF = t, this.updateF = i, this.compareF = s, this.spec = r, this.provides = void 0;
     }
     static define(e) {
-      let t = new n9(nr++, e.create, e.update, e.compare || ((i, s) => i === s), e);
+      let t = new n9(nr2++, e.create, e.update, e.compare || ((i, s) => i === s), e);
       return e.provide && (t.provides = e.provide(t)), t;
     }
     create(e) {
-      let t = e.facet(an).find((i) => i.field == this);
+      let t = e.facet(an2).find((i) => i.field == this);
       return (t?.create || this.createF)(e);
     }
     slot(e) {
@@ -6907,12 +8759,12 @@ ${name}`;
         let r = i.values[t], o = this.updateF(r, s);
         return this.compareF(r, o) ? 0 : (i.values[t] = o, 1);
       }, reconfigure: (i, s) => {
-        let r = i.facet(an), o = s.facet(an), l;
+        let r = i.facet(an2), o = s.facet(an2), l;
         return (l = r.find((a) => a.field == this)) && l != o.find((a) => a.field == this) ? (i.values[t] = l.create(i), 1) : s.config.address[this.id] != null ? (i.values[t] = s.field(this), 0) : (i.values[t] = this.create(i), 1);
       } };
     }
     init(e) {
-      return [this, an.of({ field: this, create: e })];
+      return [this, an2.of({ field: this, create: e })];
     }
     get extension() {
       return this;
@@ -6920,10 +8772,10 @@ ${name}`;
   };
   var At = { lowest: 4, low: 3, default: 2, high: 1, highest: 0 };
   function wi(n66) {
-    return (e) => new pn(e, n66);
+    return (e) => new pn2(e, n66);
   }
   var Je = { highest: wi(At.highest), high: wi(At.high), default: wi(At.default), low: wi(At.low), lowest: wi(At.lowest) };
-  var pn = class {
+  var pn2 = class {
     constructor(e, t) {
       this.inner = e, this.prec = t;
     }
@@ -6950,7 +8802,7 @@ ${name}`;
       return this;
     }
   };
-  var mn = class n11 {
+  var mn2 = class n11 {
     constructor(e, t, i, s, r, o) {
       for (this.base = e, this.compartments = t, this.dynamicSlots = i, this.address = s, this.staticValues = r, this.facets = o, this.statusTemplate = []; this.statusTemplate.length < i.length; ) this.statusTemplate.push(0);
     }
@@ -6960,27 +8812,27 @@ ${name}`;
     }
     static resolve(e, t, i) {
       let s = [], r = /* @__PURE__ */ Object.create(null), o = /* @__PURE__ */ new Map();
-      for (let u of bf(e, t, o)) u instanceof J ? s.push(u) : (r[u.facet.id] || (r[u.facet.id] = [])).push(u);
+      for (let u of bf2(e, t, o)) u instanceof J ? s.push(u) : (r[u.facet.id] || (r[u.facet.id] = [])).push(u);
       let l = /* @__PURE__ */ Object.create(null), a = [], h = [];
       for (let u of s) l[u.id] = h.length << 1, h.push((d) => u.slot(d));
       let c = i?.config.facets;
       for (let u in r) {
         let d = r[u], p = d[0].facet, m = c && c[u] || [];
-        if (d.every((g) => g.type == 0)) if (l[p.id] = a.length << 1 | 1, sr(m, d)) a.push(i.facet(p));
+        if (d.every((g) => g.type == 0)) if (l[p.id] = a.length << 1 | 1, sr2(m, d)) a.push(i.facet(p));
         else {
           let g = p.combine(d.map((y) => y.value));
           a.push(i && p.compare(g, i.facet(p)) ? i.facet(p) : g);
         }
         else {
           for (let g of d) g.type == 0 ? (l[g.id] = a.length << 1 | 1, a.push(g.value)) : (l[g.id] = h.length << 1, h.push((y) => g.dynamicSlot(y)));
-          l[p.id] = h.length << 1, h.push((g) => yf(g, p, d));
+          l[p.id] = h.length << 1, h.push((g) => yf2(g, p, d));
         }
       }
       let f = h.map((u) => u(l));
       return new n11(e, o, f, l, a, r);
     }
   };
-  function bf(n66, e, t) {
+  function bf2(n66, e, t) {
     let i = [[], [], [], [], []], s = /* @__PURE__ */ new Map();
     function r(o, l) {
       let a = s.get(o);
@@ -6994,7 +8846,7 @@ ${name}`;
         if (t.has(o.compartment)) throw new RangeError("Duplicate use of compartment in extensions");
         let h = e.get(o.compartment) || o.inner;
         t.set(o.compartment, h), r(h, l);
-      } else if (o instanceof pn) r(o.inner, o.prec);
+      } else if (o instanceof pn2) r(o.inner, o.prec);
       else if (o instanceof J) i[l].push(o), o.provides && r(o.provides, l);
       else if (o instanceof Ut) i[l].push(o), o.facet.extensions && r(o.facet.extensions, At.default);
       else {
@@ -7015,7 +8867,7 @@ ${name}`;
     let s = n66.computeSlot(n66, n66.config.dynamicSlots[t]);
     return n66.status[t] = 2 | s;
   }
-  function gn(n66, e) {
+  function gn2(n66, e) {
     return e & 1 ? n66.config.staticValues[e >> 1] : n66.values[e >> 1];
   }
   var Vl = T.define();
@@ -7025,20 +8877,20 @@ ${name}`;
   var Kl = T.define();
   var $l = T.define();
   var jl = T.define({ combine: (n66) => n66.length ? n66[0] : false });
-  var oe = class {
+  var oe2 = class {
     constructor(e, t) {
       this.type = e, this.value = t;
     }
     static define() {
-      return new Xs();
+      return new Xs2();
     }
   };
-  var Xs = class {
+  var Xs2 = class {
     of(e) {
-      return new oe(this, e);
+      return new oe2(this, e);
     }
   };
-  var Js = class {
+  var Js2 = class {
     constructor(e) {
       this.map = e;
     }
@@ -7058,7 +8910,7 @@ ${name}`;
       return this.type == e;
     }
     static define(e = {}) {
-      return new Js(e.map || ((t) => t));
+      return new Js2(e.map || ((t) => t));
     }
     static mapEffects(e, t) {
       if (!e.length) return e;
@@ -7072,9 +8924,9 @@ ${name}`;
   };
   E.reconfigure = E.define();
   E.appendConfig = E.define();
-  var X = class n13 {
+  var X2 = class n13 {
     constructor(e, t, i, s, r, o) {
-      this.startState = e, this.changes = t, this.selection = i, this.effects = s, this.annotations = r, this.scrollIntoView = o, this._doc = null, this._state = null, i && Wl(i, t.newLength), r.some((l) => l.type == n13.time) || (this.annotations = r.concat(n13.time.of(Date.now())));
+      this.startState = e, this.changes = t, this.selection = i, this.effects = s, this.annotations = r, this.scrollIntoView = o, this._doc = null, this._state = null, i && Wl2(i, t.newLength), r.some((l) => l.type == n13.time) || (this.annotations = r.concat(n13.time.of(Date.now())));
     }
     static create(e, t, i, s, r, o) {
       return new n13(e, t, i, s, r, o);
@@ -7102,11 +8954,11 @@ ${name}`;
       return !!(t && (t == e || t.length > e.length && t.slice(0, e.length) == e && t[e.length] == "."));
     }
   };
-  X.time = oe.define();
-  X.userEvent = oe.define();
-  X.addToHistory = oe.define();
-  X.remote = oe.define();
-  function xf(n66, e) {
+  X2.time = oe2.define();
+  X2.userEvent = oe2.define();
+  X2.addToHistory = oe2.define();
+  X2.remote = oe2.define();
+  function xf2(n66, e) {
     let t = [];
     for (let i = 0, s = 0; ; ) {
       let r, o;
@@ -7121,22 +8973,22 @@ ${name}`;
     let s, r, o;
     return t ? (s = e.changes, r = ie.empty(e.changes.length), o = n66.changes.compose(e.changes)) : (s = e.changes.map(n66.changes), r = n66.changes.mapDesc(e.changes, true), o = n66.changes.compose(s)), { changes: o, selection: e.selection ? e.selection.map(r) : (i = n66.selection) === null || i === void 0 ? void 0 : i.map(s), effects: E.mapEffects(n66.effects, s).concat(E.mapEffects(e.effects, r)), annotations: n66.annotations.length ? n66.annotations.concat(e.annotations) : e.annotations, scrollIntoView: n66.scrollIntoView || e.scrollIntoView };
   }
-  function Qs(n66, e, t) {
+  function Qs2(n66, e, t) {
     let i = e.selection, s = Gt(e.annotations);
-    return e.userEvent && (s = s.concat(X.userEvent.of(e.userEvent))), { changes: e.changes instanceof ie ? e.changes : ie.of(e.changes || [], t, n66.facet(zl)), selection: i && (i instanceof x ? i : x.single(i.anchor, i.head)), effects: Gt(e.effects), annotations: s, scrollIntoView: !!e.scrollIntoView };
+    return e.userEvent && (s = s.concat(X2.userEvent.of(e.userEvent))), { changes: e.changes instanceof ie ? e.changes : ie.of(e.changes || [], t, n66.facet(zl)), selection: i && (i instanceof x ? i : x.single(i.anchor, i.head)), effects: Gt(e.effects), annotations: s, scrollIntoView: !!e.scrollIntoView };
   }
-  function Gl(n66, e, t) {
-    let i = Qs(n66, e.length ? e[0] : {}, n66.doc.length);
+  function Gl2(n66, e, t) {
+    let i = Qs2(n66, e.length ? e[0] : {}, n66.doc.length);
     e.length && e[0].filter === false && (t = false);
     for (let r = 1; r < e.length; r++) {
       e[r].filter === false && (t = false);
       let o = !!e[r].sequential;
-      i = Ul(i, Qs(n66, e[r], o ? i.changes.newLength : n66.doc.length), o);
+      i = Ul(i, Qs2(n66, e[r], o ? i.changes.newLength : n66.doc.length), o);
     }
-    let s = X.create(n66, i.changes, i.selection, i.effects, i.annotations, i.scrollIntoView);
-    return vf(t ? wf(s) : s);
+    let s = X2.create(n66, i.changes, i.selection, i.effects, i.annotations, i.scrollIntoView);
+    return vf2(t ? wf2(s) : s);
   }
-  function wf(n66) {
+  function wf2(n66) {
     let e = n66.startState, t = true;
     for (let s of e.facet(ql)) {
       let r = s(n66);
@@ -7144,7 +8996,7 @@ ${name}`;
         t = false;
         break;
       }
-      Array.isArray(r) && (t = t === true ? r : xf(t, r));
+      Array.isArray(r) && (t = t === true ? r : xf2(t, r));
     }
     if (t !== true) {
       let s, r;
@@ -7153,48 +9005,48 @@ ${name}`;
         let o = n66.changes.filter(t);
         s = o.changes, r = o.filtered.mapDesc(o.changes).invertedDesc;
       }
-      n66 = X.create(e, s, n66.selection && n66.selection.map(r), E.mapEffects(n66.effects, r), n66.annotations, n66.scrollIntoView);
+      n66 = X2.create(e, s, n66.selection && n66.selection.map(r), E.mapEffects(n66.effects, r), n66.annotations, n66.scrollIntoView);
     }
     let i = e.facet(Kl);
     for (let s = i.length - 1; s >= 0; s--) {
       let r = i[s](n66);
-      r instanceof X ? n66 = r : Array.isArray(r) && r.length == 1 && r[0] instanceof X ? n66 = r[0] : n66 = Gl(e, Gt(r), false);
+      r instanceof X2 ? n66 = r : Array.isArray(r) && r.length == 1 && r[0] instanceof X2 ? n66 = r[0] : n66 = Gl2(e, Gt(r), false);
     }
     return n66;
   }
-  function vf(n66) {
+  function vf2(n66) {
     let e = n66.startState, t = e.facet($l), i = n66;
     for (let s = t.length - 1; s >= 0; s--) {
       let r = t[s](n66);
-      r && Object.keys(r).length && (i = Ul(i, Qs(e, r, n66.changes.newLength), true));
+      r && Object.keys(r).length && (i = Ul(i, Qs2(e, r, n66.changes.newLength), true));
     }
-    return i == n66 ? n66 : X.create(e, n66.changes, n66.selection, i.effects, i.annotations, i.scrollIntoView);
+    return i == n66 ? n66 : X2.create(e, n66.changes, n66.selection, i.effects, i.annotations, i.scrollIntoView);
   }
-  var kf = [];
+  var kf2 = [];
   function Gt(n66) {
-    return n66 == null ? kf : Array.isArray(n66) ? n66 : [n66];
+    return n66 == null ? kf2 : Array.isArray(n66) ? n66 : [n66];
   }
   var G = (function(n66) {
     return n66[n66.Word = 0] = "Word", n66[n66.Space = 1] = "Space", n66[n66.Other = 2] = "Other", n66;
   })(G || (G = {}));
-  var Sf = /[\u00df\u0587\u0590-\u05f4\u0600-\u06ff\u3040-\u309f\u30a0-\u30ff\u3400-\u4db5\u4e00-\u9fcc\uac00-\ud7af]/;
-  var Zs;
+  var Sf2 = /[\u00df\u0587\u0590-\u05f4\u0600-\u06ff\u3040-\u309f\u30a0-\u30ff\u3400-\u4db5\u4e00-\u9fcc\uac00-\ud7af]/;
+  var Zs2;
   try {
-    Zs = new RegExp("[\\p{Alphabetic}\\p{Number}_]", "u");
+    Zs2 = new RegExp("[\\p{Alphabetic}\\p{Number}_]", "u");
   } catch {
   }
-  function Cf(n66) {
-    if (Zs) return Zs.test(n66);
+  function Cf2(n66) {
+    if (Zs2) return Zs2.test(n66);
     for (let e = 0; e < n66.length; e++) {
       let t = n66[e];
-      if (/\w/.test(t) || t > "\x80" && (t.toUpperCase() != t.toLowerCase() || Sf.test(t))) return true;
+      if (/\w/.test(t) || t > "\x80" && (t.toUpperCase() != t.toLowerCase() || Sf2.test(t))) return true;
     }
     return false;
   }
-  function Af(n66) {
+  function Af2(n66) {
     return (e) => {
       if (!/\S/.test(e)) return G.Space;
-      if (Cf(e)) return G.Word;
+      if (Cf2(e)) return G.Word;
       for (let t = 0; t < n66.length; t++) if (e.indexOf(n66[t]) > -1) return G.Word;
       return G.Other;
     };
@@ -7211,16 +9063,16 @@ ${name}`;
         if (t) throw new RangeError("Field is not present in this state");
         return;
       }
-      return vi(this, i), gn(this, i);
+      return vi(this, i), gn2(this, i);
     }
     update(...e) {
-      return Gl(this, e, true);
+      return Gl2(this, e, true);
     }
     applyTransaction(e) {
       let t = this.config, { base: i, compartments: s } = t;
       for (let l of e.effects) l.is(ki.reconfigure) ? (t && (s = /* @__PURE__ */ new Map(), t.compartments.forEach((a, h) => s.set(h, a)), t = null), s.set(l.value.compartment, l.value.extension)) : l.is(E.reconfigure) ? (t = null, i = l.value) : l.is(E.appendConfig) && (t = null, i = Gt(i).concat(l.value));
       let r;
-      t ? r = e.startState.values.slice() : (t = mn.resolve(i, s, this), r = new n14(t, this.doc, this.selection, t.dynamicSlots.map(() => null), (a, h) => h.reconfigure(a, this), null).values);
+      t ? r = e.startState.values.slice() : (t = mn2.resolve(i, s, this), r = new n14(t, this.doc, this.selection, t.dynamicSlots.map(() => null), (a, h) => h.reconfigure(a, this), null).values);
       let o = e.startState.facet(Ys) ? e.newSelection : e.newSelection.asSingle();
       new n14(t, e.newDoc, o, r, (l, a) => a.update(l, e), e);
     }
@@ -7248,7 +9100,7 @@ ${name}`;
     }
     facet(e) {
       let t = this.config.address[e.id];
-      return t == null ? e.default : (vi(this, t), gn(this, t));
+      return t == null ? e.default : (vi(this, t), gn2(this, t));
     }
     toJSON(e) {
       let t = { doc: this.sliceDoc(), selection: this.selection.toJSON() };
@@ -7270,8 +9122,8 @@ ${name}`;
       return n14.create({ doc: e.doc, selection: x.fromJSON(e.selection), extensions: t.extensions ? s.concat([t.extensions]) : s });
     }
     static create(e = {}) {
-      let t = mn.resolve(e.extensions || [], /* @__PURE__ */ new Map()), i = e.doc instanceof F ? e.doc : F.of((e.doc || "").split(t.staticFacet(n14.lineSeparator) || js)), s = e.selection ? e.selection instanceof x ? e.selection : x.single(e.selection.anchor, e.selection.head) : x.single(0);
-      return Wl(s, i.length), t.staticFacet(Ys) || (s = s.asSingle()), new n14(t, i, s, t.dynamicSlots.map(() => null), (r, o) => o.create(r), null);
+      let t = mn2.resolve(e.extensions || [], /* @__PURE__ */ new Map()), i = e.doc instanceof F ? e.doc : F.of((e.doc || "").split(t.staticFacet(n14.lineSeparator) || js)), s = e.selection ? e.selection instanceof x ? e.selection : x.single(e.selection.anchor, e.selection.head) : x.single(0);
+      return Wl2(s, i.length), t.staticFacet(Ys) || (s = s.asSingle()), new n14(t, i, s, t.dynamicSlots.map(() => null), (r, o) => o.create(r), null);
     }
     get tabSize() {
       return this.facet(n14.tabSize);
@@ -7301,7 +9153,7 @@ ${name}`;
     }
     charCategorizer(e) {
       let t = this.languageDataAt("wordChars", e);
-      return Af(t.length ? t[0] : "");
+      return Af2(t.length ? t[0] : "");
     }
     wordAt(e) {
       let { text: t, from: i, length: s } = this.doc.lineAt(e), r = this.charCategorizer(e), o = e - i, l = e - i;
@@ -7342,7 +9194,7 @@ ${name}`;
     for (let s in e) i[s] === void 0 && (i[s] = e[s]);
     return i;
   }
-  var Te = class {
+  var Te2 = class {
     eq(e) {
       return this == e;
     }
@@ -7350,10 +9202,10 @@ ${name}`;
       return Ci.create(e, t, this);
     }
   };
-  Te.prototype.startSide = Te.prototype.endSide = 0;
-  Te.prototype.point = false;
-  Te.prototype.mapMode = ue.TrackDel;
-  function rr(n66, e) {
+  Te2.prototype.startSide = Te2.prototype.endSide = 0;
+  Te2.prototype.point = false;
+  Te2.prototype.mapMode = ue.TrackDel;
+  function rr2(n66, e) {
     return n66 == e || n66.constructor == e.constructor && n66.eq(e);
   }
   var Ci = class n15 {
@@ -7364,15 +9216,15 @@ ${name}`;
       return new n15(e, t, i);
     }
   };
-  function er(n66, e) {
+  function er2(n66, e) {
     return n66.from - e.from || n66.value.startSide - e.value.startSide;
   }
-  var tr = class n16 {
+  var tr2 = class n16 {
     constructor(e, t, i, s) {
       this.from = e, this.to = t, this.value = i, this.maxPoint = s;
     }
     get length() {
-      return $t(this.to);
+      return $t2(this.to);
     }
     findIndex(e, t, i, s = 0) {
       let r = i ? this.to : this.from;
@@ -7432,7 +9284,7 @@ ${name}`;
     update(e) {
       let { add: t = [], sort: i = false, filterFrom: s = 0, filterTo: r = this.length } = e, o = e.filter;
       if (t.length == 0 && !o) return this;
-      if (i && (t = t.slice().sort(er)), this.isEmpty) return t.length ? n17.of(t) : this;
+      if (i && (t = t.slice().sort(er2)), this.isEmpty) return t.length ? n17.of(t) : this;
       let l = new yn(this, null, -1).goto(0), a = 0, h = [], c = new Me();
       for (; l.value || a < t.length; ) if (a < t.length && (l.from - t[a].from || l.startSide - t[a].value.startSide) >= 0) {
         let f = t[a++];
@@ -7449,7 +9301,7 @@ ${name}`;
         let h = this.chunkPos[a], c = this.chunk[a], f = e.touchesRange(h, h + c.length);
         if (f === false) s = Math.max(s, c.maxPoint), t.push(c), i.push(e.mapPos(h));
         else if (f === true) {
-          let [u, d] = t.length ? [$t(i) + $t(t).length, $t($t(t).value).endSide] : [-1, -1], { mapped: p, pos: m } = c.map(h, e, u, d, o);
+          let [u, d] = t.length ? [$t2(i) + $t2(t).length, $t2($t2(t).value).endSide] : [-1, -1], { mapped: p, pos: m } = c.map(h, e, u, d, o);
           p && (s = Math.max(s, p.maxPoint), t.push(p), i.push(m));
         }
       }
@@ -7475,17 +9327,17 @@ ${name}`;
       return Ai.from(e).goto(t);
     }
     static compare(e, t, i, s, r = -1) {
-      let o = e.filter((f) => f.maxPoint > 0 || !f.isEmpty && f.maxPoint >= r), l = t.filter((f) => f.maxPoint > 0 || !f.isEmpty && f.maxPoint >= r), a = Il(o, l, i), h = new Mt(o, a, r), c = new Mt(l, a, r);
-      i.iterGaps((f, u, d) => Nl(h, f, c, u, d, s)), i.empty && i.length == 0 && Nl(h, 0, c, 0, 0, s);
+      let o = e.filter((f) => f.maxPoint > 0 || !f.isEmpty && f.maxPoint >= r), l = t.filter((f) => f.maxPoint > 0 || !f.isEmpty && f.maxPoint >= r), a = Il2(o, l, i), h = new Mt(o, a, r), c = new Mt(l, a, r);
+      i.iterGaps((f, u, d) => Nl2(h, f, c, u, d, s)), i.empty && i.length == 0 && Nl2(h, 0, c, 0, 0, s);
     }
     static eq(e, t, i = 0, s) {
       s == null && (s = 999999999);
       let r = e.filter((c) => !c.isEmpty && t.indexOf(c) < 0), o = t.filter((c) => !c.isEmpty && e.indexOf(c) < 0);
       if (r.length != o.length) return false;
       if (!r.length) return true;
-      let l = Il(r, o), a = new Mt(r, l, 0).goto(i), h = new Mt(o, l, 0).goto(i);
+      let l = Il2(r, o), a = new Mt(r, l, 0).goto(i), h = new Mt(o, l, 0).goto(i);
       for (; ; ) {
-        if (a.to != h.to || !ir(a.active, h.active) || a.point && (!h.point || !rr(a.point, h.point))) return false;
+        if (a.to != h.to || !ir2(a.active, h.active) || a.point && (!h.point || !rr2(a.point, h.point))) return false;
         if (a.to > s) return true;
         a.next(), h.next();
       }
@@ -7504,24 +9356,24 @@ ${name}`;
     }
     static of(e, t = false) {
       let i = new Me();
-      for (let s of e instanceof Ci ? [e] : t ? Mf(e) : e) i.add(s.from, s.to, s.value);
+      for (let s of e instanceof Ci ? [e] : t ? Mf2(e) : e) i.add(s.from, s.to, s.value);
       return i.finish();
     }
     static join(e) {
       if (!e.length) return n17.empty;
-      let t = $t(e);
+      let t = $t2(e);
       for (let i = e.length - 2; i >= 0; i--) for (let s = e[i]; s != n17.empty; s = s.nextLayer) t = new n17(s.chunkPos, s.chunk, t, Math.max(s.maxPoint, t.maxPoint));
       return t;
     }
   };
   z.empty = new z([], [], null, -1);
-  function $t(n66) {
+  function $t2(n66) {
     return n66[n66.length - 1];
   }
-  function Mf(n66) {
+  function Mf2(n66) {
     if (n66.length > 1) for (let e = n66[0], t = 1; t < n66.length; t++) {
       let i = n66[t];
-      if (er(e, i) > 0) return n66.slice().sort(er);
+      if (er2(e, i) > 0) return n66.slice().sort(er2);
       e = i;
     }
     return n66;
@@ -7529,7 +9381,7 @@ ${name}`;
   z.empty.nextLayer = z.empty;
   var Me = class n18 {
     finishChunk(e) {
-      this.chunks.push(new tr(this.from, this.to, this.value, this.maxPoint)), this.chunkPos.push(this.chunkStart), this.chunkStart = -1, this.setMaxPoint = Math.max(this.setMaxPoint, this.maxPoint), this.maxPoint = -1, e && (this.from = [], this.to = [], this.value = []);
+      this.chunks.push(new tr2(this.from, this.to, this.value, this.maxPoint)), this.chunkPos.push(this.chunkStart), this.chunkStart = -1, this.setMaxPoint = Math.max(this.setMaxPoint, this.maxPoint), this.maxPoint = -1, e && (this.from = [], this.to = [], this.value = []);
     }
     constructor() {
       this.chunks = [], this.chunkPos = [], this.chunkStart = -1, this.last = null, this.lastFrom = -1e9, this.lastTo = -1e9, this.from = [], this.to = [], this.value = [], this.maxPoint = -1, this.setMaxPoint = -1, this.nextLayer = null;
@@ -7560,7 +9412,7 @@ ${name}`;
       return this.from = null, t;
     }
   };
-  function Il(n66, e, t) {
+  function Il2(n66, e, t) {
     let i = /* @__PURE__ */ new Map();
     for (let r of n66) for (let o = 0; o < r.chunk.length; o++) r.chunk[o].maxPoint <= 0 && i.set(r.chunk[o], r.chunkPos[o]);
     let s = /* @__PURE__ */ new Set();
@@ -7671,12 +9523,12 @@ ${name}`;
       this.cursor.forward(e, t);
     }
     removeActive(e) {
-      hn(this.active, e), hn(this.activeTo, e), hn(this.activeRank, e), this.minActive = Fl(this.active, this.activeTo);
+      hn2(this.active, e), hn2(this.activeTo, e), hn2(this.activeRank, e), this.minActive = Fl(this.active, this.activeTo);
     }
     addActive(e) {
       let t = 0, { value: i, to: s, rank: r } = this.cursor;
       for (; t < this.activeRank.length && (r - this.activeRank[t] || s - this.activeTo[t]) > 0; ) t++;
-      cn(this.active, t, i), cn(this.activeTo, t, s), cn(this.activeRank, t, r), e && cn(e, t, this.cursor.from), this.minActive = Fl(this.active, this.activeTo);
+      cn2(this.active, t, i), cn2(this.activeTo, t, s), cn2(this.activeRank, t, r), e && cn2(e, t, this.cursor.from), this.minActive = Fl(this.active, this.activeTo);
     }
     next() {
       let e = this.to, t = this.point;
@@ -7689,7 +9541,7 @@ ${name}`;
             this.to = this.activeTo[s], this.endSide = this.active[s].endSide;
             break;
           }
-          this.removeActive(s), i && hn(i, s);
+          this.removeActive(s), i && hn2(i, s);
         } else if (this.cursor.value) if (this.cursor.from > e) {
           this.to = this.cursor.from, this.endSide = this.cursor.startSide;
           break;
@@ -7724,25 +9576,25 @@ ${name}`;
       return t;
     }
   };
-  function Nl(n66, e, t, i, s, r) {
+  function Nl2(n66, e, t, i, s, r) {
     n66.goto(e), t.goto(i);
     let o = i + s, l = i, a = i - e, h = !!r.boundChange;
     for (let c = false; ; ) {
       let f = n66.to + a - t.to, u = f || n66.endSide - t.endSide, d = u < 0 ? n66.to + a : t.to, p = Math.min(d, o);
-      if (n66.point || t.point ? (n66.point && t.point && rr(n66.point, t.point) && ir(n66.activeForPoint(n66.to), t.activeForPoint(t.to)) || r.comparePoint(l, p, n66.point, t.point), c = false) : (c && (r.boundChange(l), c = false), p > l && !ir(n66.active, t.active) && r.compareRange(l, p, n66.active, t.active), h && p < o && (f || n66.openEnd(d) != t.openEnd(d)) && (c = true)), d > o) break;
+      if (n66.point || t.point ? (n66.point && t.point && rr2(n66.point, t.point) && ir2(n66.activeForPoint(n66.to), t.activeForPoint(t.to)) || r.comparePoint(l, p, n66.point, t.point), c = false) : (c && (r.boundChange(l), c = false), p > l && !ir2(n66.active, t.active) && r.compareRange(l, p, n66.active, t.active), h && p < o && (f || n66.openEnd(d) != t.openEnd(d)) && (c = true)), d > o) break;
       l = d, u <= 0 && n66.next(), u >= 0 && t.next();
     }
   }
-  function ir(n66, e) {
+  function ir2(n66, e) {
     if (n66.length != e.length) return false;
-    for (let t = 0; t < n66.length; t++) if (n66[t] != e[t] && !rr(n66[t], e[t])) return false;
+    for (let t = 0; t < n66.length; t++) if (n66[t] != e[t] && !rr2(n66[t], e[t])) return false;
     return true;
   }
-  function hn(n66, e) {
+  function hn2(n66, e) {
     for (let t = e, i = n66.length - 1; t < i; t++) n66[t] = n66[t + 1];
     n66.pop();
   }
-  function cn(n66, e, t) {
+  function cn2(n66, e, t) {
     for (let i = n66.length - 1; i >= e; i--) n66[i + 1] = n66[i];
     n66[e] = t;
   }
@@ -7751,7 +9603,7 @@ ${name}`;
     for (let s = 0; s < e.length; s++) (e[s] - i || n66[s].endSide - n66[t].endSide) < 0 && (t = s, i = e[s]);
     return t;
   }
-  function dt(n66, e, t = n66.length) {
+  function dt2(n66, e, t = n66.length) {
     let i = 0;
     for (let s = 0; s < t && s < n66.length; ) n66.charCodeAt(s) == 9 ? (i += e - i % e, s++) : (i++, s = Z(n66, s));
     return i;
@@ -7764,8 +9616,8 @@ ${name}`;
     }
     return i === true ? -1 : n66.length;
   }
-  var Yl = typeof Symbol > "u" ? "__\u037C" : /* @__PURE__ */ Symbol.for("\u037C");
-  var or = typeof Symbol > "u" ? "__styleSet" + Math.floor(Math.random() * 1e8) : /* @__PURE__ */ Symbol("styleSet");
+  var Yl2 = typeof Symbol > "u" ? "__\u037C" : /* @__PURE__ */ Symbol.for("\u037C");
+  var or2 = typeof Symbol > "u" ? "__styleSet" + Math.floor(Math.random() * 1e8) : /* @__PURE__ */ Symbol("styleSet");
   var Xl = typeof globalThis < "u" ? globalThis : typeof window < "u" ? window : {};
   var Oe = class {
     constructor(e, t) {
@@ -7794,24 +9646,24 @@ ${name}`;
 `);
     }
     static newName() {
-      let e = Xl[Yl] || 1;
-      return Xl[Yl] = e + 1, "\u037C" + e.toString(36);
+      let e = Xl[Yl2] || 1;
+      return Xl[Yl2] = e + 1, "\u037C" + e.toString(36);
     }
     static mount(e, t, i) {
-      let s = e[or], r = i && i.nonce;
-      s ? r && s.setNonce(r) : s = new lr(e, r), s.mount(Array.isArray(t) ? t : [t], e);
+      let s = e[or2], r = i && i.nonce;
+      s ? r && s.setNonce(r) : s = new lr2(e, r), s.mount(Array.isArray(t) ? t : [t], e);
     }
   };
   var Jl = /* @__PURE__ */ new Map();
-  var lr = class {
+  var lr2 = class {
     constructor(e, t) {
       let i = e.ownerDocument || e, s = i.defaultView;
       if (!e.head && e.adoptedStyleSheets && s.CSSStyleSheet) {
         let r = Jl.get(i);
-        if (r) return e[or] = r;
+        if (r) return e[or2] = r;
         this.sheet = new s.CSSStyleSheet(), Jl.set(i, this);
       } else this.styleTag = i.createElement("style"), t && this.styleTag.setAttribute("nonce", t);
-      this.modules = [], e[or] = this;
+      this.modules = [], e[or2] = this;
     }
     mount(e, t) {
       let i = this.sheet, s = 0, r = 0, o = false;
@@ -7842,8 +9694,8 @@ ${name}`;
   };
   var lt = { 8: "Backspace", 9: "Tab", 10: "Enter", 12: "NumLock", 13: "Enter", 16: "Shift", 17: "Control", 18: "Alt", 20: "CapsLock", 27: "Escape", 32: " ", 33: "PageUp", 34: "PageDown", 35: "End", 36: "Home", 37: "ArrowLeft", 38: "ArrowUp", 39: "ArrowRight", 40: "ArrowDown", 44: "PrintScreen", 45: "Insert", 46: "Delete", 59: ";", 61: "=", 91: "Meta", 92: "Meta", 106: "*", 107: "+", 108: ",", 109: "-", 110: ".", 111: "/", 144: "NumLock", 145: "ScrollLock", 160: "Shift", 161: "Shift", 162: "Control", 163: "Control", 164: "Alt", 165: "Alt", 173: "-", 186: ";", 187: "=", 188: ",", 189: "-", 190: ".", 191: "/", 192: "`", 219: "[", 220: "\\", 221: "]", 222: "'" };
   var Yt = { 48: ")", 49: "!", 50: "@", 51: "#", 52: "$", 53: "%", 54: "^", 55: "&", 56: "*", 57: "(", 59: ":", 61: "+", 173: "_", 186: ":", 187: "+", 188: "<", 189: "_", 190: ">", 191: "?", 192: "~", 219: "{", 220: "|", 221: "}", 222: '"' };
-  var Tf = typeof navigator < "u" && /Mac/.test(navigator.platform);
-  var Df = typeof navigator < "u" && /MSIE \d|Trident\/(?:[7-9]|\d{2,})\..*rv:(\d+)/.exec(navigator.userAgent);
+  var Tf2 = typeof navigator < "u" && /Mac/.test(navigator.platform);
+  var Df2 = typeof navigator < "u" && /MSIE \d|Trident\/(?:[7-9]|\d{2,})\..*rv:(\d+)/.exec(navigator.userAgent);
   for (ee = 0; ee < 10; ee++) lt[48 + ee] = lt[96 + ee] = String(ee);
   var ee;
   for (ee = 1; ee <= 24; ee++) lt[ee + 111] = "F" + ee;
@@ -7853,7 +9705,7 @@ ${name}`;
   for (xn in lt) Yt.hasOwnProperty(xn) || (Yt[xn] = lt[xn]);
   var xn;
   function Ql(n66) {
-    var e = Tf && n66.metaKey && n66.shiftKey && !n66.ctrlKey && !n66.altKey || Df && n66.shiftKey && n66.key && n66.key.length == 1 || n66.key == "Unidentified", t = !e && n66.key || (n66.shiftKey ? Yt : lt)[n66.keyCode] || n66.key || "Unidentified";
+    var e = Tf2 && n66.metaKey && n66.shiftKey && !n66.ctrlKey && !n66.altKey || Df2 && n66.shiftKey && n66.key && n66.key.length == 1 || n66.key == "Unidentified", t = !e && n66.key || (n66.shiftKey ? Yt : lt)[n66.keyCode] || n66.key || "Unidentified";
     return t == "Esc" && (t = "Escape"), t == "Del" && (t = "Delete"), t == "Left" && (t = "ArrowLeft"), t == "Up" && (t = "ArrowUp"), t == "Right" && (t = "ArrowRight"), t == "Down" && (t = "ArrowDown"), t;
   }
   function H() {
@@ -7876,32 +9728,32 @@ ${name}`;
     else if (Array.isArray(e)) for (var t = 0; t < e.length; t++) Zl(n66, e[t]);
     else throw new RangeError("Unsupported child node: " + e);
   }
-  var ge = typeof navigator < "u" ? navigator : { userAgent: "", vendor: "", platform: "" };
-  var yr = typeof document < "u" ? document : { documentElement: { style: {} } };
-  var br = /Edge\/(\d+)/.exec(ge.userAgent);
-  var Na = /MSIE \d/.test(ge.userAgent);
-  var xr = /Trident\/(?:[7-9]|\d{2,})\..*rv:(\d+)/.exec(ge.userAgent);
-  var Qn = !!(Na || xr || br);
-  var ea = !Qn && /gecko\/(\d+)/i.test(ge.userAgent);
-  var ar = !Qn && /Chrome\/(\d+)/.exec(ge.userAgent);
-  var ta = "webkitFontSmoothing" in yr.documentElement.style;
-  var wr = !Qn && /Apple Computer/.test(ge.vendor);
-  var ia = wr && (/Mobile\/\w+/.test(ge.userAgent) || ge.maxTouchPoints > 2);
-  var A = { mac: ia || /Mac/.test(ge.platform), windows: /Win/.test(ge.platform), linux: /Linux|X11/.test(ge.platform), ie: Qn, ie_version: Na ? yr.documentMode || 6 : xr ? +xr[1] : br ? +br[1] : 0, gecko: ea, gecko_version: ea ? +(/Firefox\/(\d+)/.exec(ge.userAgent) || [0, 0])[1] : 0, chrome: !!ar, chrome_version: ar ? +ar[1] : 0, ios: ia, android: /Android\b/.test(ge.userAgent), webkit: ta, webkit_version: ta ? +(/\bAppleWebKit\/(\d+)/.exec(ge.userAgent) || [0, 0])[1] : 0, safari: wr, safari_version: wr ? +(/\bVersion\/(\d+(\.\d+)?)/.exec(ge.userAgent) || [0, 0])[1] : 0, tabSize: yr.documentElement.style.tabSize != null ? "tab-size" : "-moz-tab-size" };
-  function mo(n66, e) {
+  var ge2 = typeof navigator < "u" ? navigator : { userAgent: "", vendor: "", platform: "" };
+  var yr2 = typeof document < "u" ? document : { documentElement: { style: {} } };
+  var br2 = /Edge\/(\d+)/.exec(ge2.userAgent);
+  var Na = /MSIE \d/.test(ge2.userAgent);
+  var xr2 = /Trident\/(?:[7-9]|\d{2,})\..*rv:(\d+)/.exec(ge2.userAgent);
+  var Qn2 = !!(Na || xr2 || br2);
+  var ea = !Qn2 && /gecko\/(\d+)/i.test(ge2.userAgent);
+  var ar2 = !Qn2 && /Chrome\/(\d+)/.exec(ge2.userAgent);
+  var ta = "webkitFontSmoothing" in yr2.documentElement.style;
+  var wr2 = !Qn2 && /Apple Computer/.test(ge2.vendor);
+  var ia = wr2 && (/Mobile\/\w+/.test(ge2.userAgent) || ge2.maxTouchPoints > 2);
+  var A = { mac: ia || /Mac/.test(ge2.platform), windows: /Win/.test(ge2.platform), linux: /Linux|X11/.test(ge2.platform), ie: Qn2, ie_version: Na ? yr2.documentMode || 6 : xr2 ? +xr2[1] : br2 ? +br2[1] : 0, gecko: ea, gecko_version: ea ? +(/Firefox\/(\d+)/.exec(ge2.userAgent) || [0, 0])[1] : 0, chrome: !!ar2, chrome_version: ar2 ? +ar2[1] : 0, ios: ia, android: /Android\b/.test(ge2.userAgent), webkit: ta, webkit_version: ta ? +(/\bAppleWebKit\/(\d+)/.exec(ge2.userAgent) || [0, 0])[1] : 0, safari: wr2, safari_version: wr2 ? +(/\bVersion\/(\d+(\.\d+)?)/.exec(ge2.userAgent) || [0, 0])[1] : 0, tabSize: yr2.documentElement.style.tabSize != null ? "tab-size" : "-moz-tab-size" };
+  function mo2(n66, e) {
     for (let t in n66) t == "class" && e.class ? e.class += " " + n66.class : t == "style" && e.style ? e.style += ";" + n66.style : e[t] = n66[t];
     return e;
   }
-  var In = /* @__PURE__ */ Object.create(null);
-  function go(n66, e, t) {
+  var In2 = /* @__PURE__ */ Object.create(null);
+  function go2(n66, e, t) {
     if (n66 == e) return true;
-    n66 || (n66 = In), e || (e = In);
+    n66 || (n66 = In2), e || (e = In2);
     let i = Object.keys(n66), s = Object.keys(e);
     if (i.length - 0 != s.length - 0) return false;
     for (let r of i) if (r != t && (s.indexOf(r) == -1 || n66[r] !== e[r])) return false;
     return true;
   }
-  function Of(n66, e) {
+  function Of2(n66, e) {
     for (let t = n66.attributes.length - 1; t >= 0; t--) {
       let i = n66.attributes[t].name;
       e[i] == null && n66.removeAttribute(i);
@@ -7917,7 +9769,7 @@ ${name}`;
     if (t) for (let s in t) e && e[s] == t[s] || (i = true, s == "style" ? n66.style.cssText = t[s] : n66.setAttribute(s, t[s]));
     return i;
   }
-  function Bf(n66) {
+  function Bf2(n66) {
     let e = /* @__PURE__ */ Object.create(null);
     for (let t = 0; t < n66.attributes.length; t++) {
       let i = n66.attributes[t];
@@ -7956,10 +9808,10 @@ ${name}`;
     destroy(e) {
     }
   };
-  var ae = (function(n66) {
+  var ae2 = (function(n66) {
     return n66[n66.Text = 0] = "Text", n66[n66.WidgetBefore = 1] = "WidgetBefore", n66[n66.WidgetAfter = 2] = "WidgetAfter", n66[n66.WidgetRange = 3] = "WidgetRange", n66;
-  })(ae || (ae = {}));
-  var L = class extends Te {
+  })(ae2 || (ae2 = {}));
+  var L = class extends Te2 {
     constructor(e, t, i, s) {
       super(), this.startSide = e, this.endSide = t, this.widget = i, this.spec = s;
     }
@@ -7996,10 +9848,10 @@ ${name}`;
   var Ni = class n20 extends L {
     constructor(e) {
       let { start: t, end: i } = Fa(e);
-      super(t ? -1 : 5e8, i ? 1 : -6e8, null, e), this.tagName = e.tagName || "span", this.attrs = e.class && e.attributes ? mo(e.attributes, { class: e.class }) : e.class ? { class: e.class } : e.attributes || In;
+      super(t ? -1 : 5e8, i ? 1 : -6e8, null, e), this.tagName = e.tagName || "span", this.attrs = e.class && e.attributes ? mo2(e.attributes, { class: e.class }) : e.class ? { class: e.class } : e.attributes || In2;
     }
     eq(e) {
-      return this == e || e instanceof n20 && this.tagName == e.tagName && go(this.attrs, e.attrs);
+      return this == e || e instanceof n20 && this.tagName == e.tagName && go2(this.attrs, e.attrs);
     }
     range(e, t = e) {
       if (e >= t) throw new RangeError("Mark decorations may not be empty");
@@ -8012,7 +9864,7 @@ ${name}`;
       super(-2e8, -2e8, null, e);
     }
     eq(e) {
-      return e instanceof n21 && this.spec.class == e.spec.class && go(this.spec.attributes, e.spec.attributes);
+      return e instanceof n21 && this.spec.class == e.spec.class && go2(this.spec.attributes, e.spec.attributes);
     }
     range(e, t = e) {
       if (t != e) throw new RangeError("Line decoration ranges must be zero-length");
@@ -8026,13 +9878,13 @@ ${name}`;
       super(t, i, r, e), this.block = s, this.isReplace = o, this.mapMode = s ? t <= 0 ? ue.TrackBefore : ue.TrackAfter : ue.TrackDel;
     }
     get type() {
-      return this.startSide != this.endSide ? ae.WidgetRange : this.startSide <= 0 ? ae.WidgetBefore : ae.WidgetAfter;
+      return this.startSide != this.endSide ? ae2.WidgetRange : this.startSide <= 0 ? ae2.WidgetBefore : ae2.WidgetAfter;
     }
     get heightRelevant() {
       return this.block || !!this.widget && (this.widget.estimatedHeight >= 5 || this.widget.lineBreaks > 0);
     }
     eq(e) {
-      return e instanceof n22 && Ef(this.widget, e.widget) && this.block == e.block && this.startSide == e.startSide && this.endSide == e.endSide;
+      return e instanceof n22 && Ef2(this.widget, e.widget) && this.block == e.block && this.startSide == e.startSide && this.endSide == e.endSide;
     }
     range(e, t = e) {
       if (this.isReplace && (e > t || e == t && this.startSide > 0 && this.endSide <= 0)) throw new RangeError("Invalid range for replacement decoration");
@@ -8045,56 +9897,56 @@ ${name}`;
     let { inclusiveStart: t, inclusiveEnd: i } = n66;
     return t == null && (t = n66.inclusive), i == null && (i = n66.inclusive), { start: t ?? e, end: i ?? e };
   }
-  function Ef(n66, e) {
+  function Ef2(n66, e) {
     return n66 == e || !!(n66 && e && n66.compare(e));
   }
-  function ti(n66, e, t, i = 0) {
+  function ti2(n66, e, t, i = 0) {
     let s = t.length - 1;
     s >= 0 && t[s] + i >= n66 ? t[s] = Math.max(t[s], e) : t.push(n66, e);
   }
-  var Nn = class n23 extends Te {
+  var Nn = class n23 extends Te2 {
     constructor(e, t, i) {
       super(), this.tagName = e, this.attributes = t, this.rank = i;
     }
     eq(e) {
-      return e == this || e instanceof n23 && this.tagName == e.tagName && go(this.attributes, e.attributes);
+      return e == this || e instanceof n23 && this.tagName == e.tagName && go2(this.attributes, e.attributes);
     }
     static create(e) {
-      return new n23(e.tagName, e.attributes || In, e.rank == null ? 50 : Math.max(0, Math.min(e.rank, 100)));
+      return new n23(e.tagName, e.attributes || In2, e.rank == null ? 50 : Math.max(0, Math.min(e.rank, 100)));
     }
     static set(e, t = false) {
       return z.of(e, t);
     }
   };
   Nn.prototype.startSide = Nn.prototype.endSide = -1;
-  var ne = (n66) => n66.nodeType == 1;
-  var ni = (n66) => n66.nodeType == 3;
+  var ne2 = (n66) => n66.nodeType == 1;
+  var ni2 = (n66) => n66.nodeType == 3;
   function Hi(n66) {
     let e;
     return n66.nodeType == 11 ? e = n66.getSelection ? n66 : n66.ownerDocument : e = n66, e.getSelection();
   }
-  function vr(n66, e) {
+  function vr2(n66, e) {
     return e ? n66 == e || n66.contains(e.nodeType != 1 ? e.parentNode : e) : false;
   }
   function Di(n66, e) {
     if (!e.anchorNode) return false;
     try {
-      return vr(n66, e.anchorNode);
+      return vr2(n66, e.anchorNode);
     } catch {
       return false;
     }
   }
   function On(n66) {
-    return ni(n66) ? Wi(n66, 0, n66.nodeValue.length).getClientRects() : ne(n66) ? n66.getClientRects() : [];
+    return ni2(n66) ? Wi(n66, 0, n66.nodeValue.length).getClientRects() : ne2(n66) ? n66.getClientRects() : [];
   }
   function Oi(n66, e, t, i) {
     return t ? sa(n66, e, t, i, -1) || sa(n66, e, t, i, 1) : false;
   }
-  function gt(n66) {
+  function gt2(n66) {
     for (var e = 0; ; e++) if (n66 = n66.previousSibling, !n66) return e;
   }
   function Fn(n66) {
-    return ne(n66) && /^(DIV|P|LI|UL|OL|BLOCKQUOTE|DD|DT|H\d|SECTION|PRE)$/.test(n66.nodeName);
+    return ne2(n66) && /^(DIV|P|LI|UL|OL|BLOCKQUOTE|DD|DT|H\d|SECTION|PRE)$/.test(n66.nodeName);
   }
   function sa(n66, e, t, i, s) {
     for (; ; ) {
@@ -8102,16 +9954,16 @@ ${name}`;
       if (e == (s < 0 ? 0 : ct(n66))) {
         if (n66.nodeName == "DIV") return false;
         let r = n66.parentNode;
-        if (!r || !ne(r)) return false;
-        e = gt(n66) + (s < 0 ? 0 : 1), n66 = r;
-      } else if (ne(n66)) {
-        if (n66 = n66.childNodes[e + (s < 0 ? -1 : 0)], ne(n66) && (n66.nodeName == "IMG" || n66.nodeName == "BR" || n66.contentEditable == "false")) return false;
+        if (!r || !ne2(r)) return false;
+        e = gt2(n66) + (s < 0 ? 0 : 1), n66 = r;
+      } else if (ne2(n66)) {
+        if (n66 = n66.childNodes[e + (s < 0 ? -1 : 0)], ne2(n66) && (n66.nodeName == "IMG" || n66.nodeName == "BR" || n66.contentEditable == "false")) return false;
         e = s < 0 ? ct(n66) : 0;
       } else return false;
     }
   }
   function ct(n66) {
-    return ni(n66) ? n66.nodeValue.length : n66.childNodes.length;
+    return ni2(n66) ? n66.nodeValue.length : n66.childNodes.length;
   }
   function Hn(n66, e) {
     let { left: t, right: i } = n66;
@@ -8119,7 +9971,7 @@ ${name}`;
     let s = e ? t : i;
     return { left: s, right: s, top: n66.top, bottom: n66.bottom };
   }
-  function Lf(n66) {
+  function Lf2(n66) {
     let e = n66.visualViewport;
     return e ? { left: 0, right: e.width, top: 0, bottom: e.height } : { left: 0, right: n66.innerWidth, top: 0, bottom: n66.innerHeight };
   }
@@ -8127,11 +9979,11 @@ ${name}`;
     let t = e.width / n66.offsetWidth, i = e.height / n66.offsetHeight;
     return (t > 0.995 && t < 1.005 || !isFinite(t) || Math.abs(e.width - n66.offsetWidth) < 1) && (t = 1), (i > 0.995 && i < 1.005 || !isFinite(i) || Math.abs(e.height - n66.offsetHeight) < 1) && (i = 1), { scaleX: t, scaleY: i };
   }
-  function Rf(n66, e, t, i, s, r, o, l) {
+  function Rf2(n66, e, t, i, s, r, o, l) {
     let a = n66.ownerDocument, h = a.defaultView || window;
-    for (let c = n66, f = false; c && !f; ) if (ne(c)) {
+    for (let c = n66, f = false; c && !f; ) if (ne2(c)) {
       let u, d = c == a.body, p = 1, m = 1, g = true, y = true;
-      if (d) u = Lf(h);
+      if (d) u = Lf2(h);
       else {
         let D = getComputedStyle(c);
         if (/^(fixed|sticky)$/.test(D.position) && (f = true), (c.scrollHeight <= c.clientHeight || !/auto|scroll/.test(D.overflowY)) && (y = false), (c.scrollWidth <= c.clientWidth || !/auto|scroll/.test(D.overflowX)) && (g = false), !g && !y) {
@@ -8167,12 +10019,12 @@ ${name}`;
   }
   function Wa(n66, e = true) {
     let t = n66.ownerDocument, i = null, s = null;
-    for (let r = n66.parentNode; r && !(r == t.body || (!e || i) && s); ) if (ne(r)) !s && r.scrollHeight > r.clientHeight && /scroll|auto/.test(getComputedStyle(r).overflowY) && (s = r), e && !i && r.scrollWidth > r.clientWidth && /scroll|auto/.test(getComputedStyle(r).overflowX) && (i = r), r = r.assignedSlot || r.parentNode;
+    for (let r = n66.parentNode; r && !(r == t.body || (!e || i) && s); ) if (ne2(r)) !s && r.scrollHeight > r.clientHeight && /scroll|auto/.test(getComputedStyle(r).overflowY) && (s = r), e && !i && r.scrollWidth > r.clientWidth && /scroll|auto/.test(getComputedStyle(r).overflowX) && (i = r), r = r.assignedSlot || r.parentNode;
     else if (r.nodeType == 11) r = r.host;
     else break;
     return { x: i, y: s };
   }
-  var kr = class {
+  var kr2 = class {
     constructor() {
       this.anchorNode = null, this.anchorOffset = 0, this.focusNode = null, this.focusOffset = 0;
     }
@@ -8189,28 +10041,28 @@ ${name}`;
   };
   function Va(n66) {
     let e = [];
-    for (let t = n66; t; t = t.nodeType == 11 ? t.host : t.parentNode) ne(t) && e.push({ node: t, left: t.scrollLeft, top: t.scrollTop });
+    for (let t = n66; t; t = t.nodeType == 11 ? t.host : t.parentNode) ne2(t) && e.push({ node: t, left: t.scrollLeft, top: t.scrollTop });
     return e;
   }
   function za(n66, e = true) {
     for (let { node: t, left: i, top: s } of n66) e && t.scrollTop != s && (t.scrollTop = s), t.scrollLeft != i && (t.scrollLeft = i);
   }
-  var Ot = null;
-  A.safari && A.safari_version >= 26 && (Ot = false);
+  var Ot2 = null;
+  A.safari && A.safari_version >= 26 && (Ot2 = false);
   function qa(n66) {
     if (n66.setActive) return n66.setActive();
-    if (Ot) return n66.focus(Ot);
+    if (Ot2) return n66.focus(Ot2);
     let e = Va(n66);
-    n66.focus(Ot == null ? { get preventScroll() {
-      return Ot = { preventScroll: true }, true;
-    } } : void 0), Ot || (Ot = false, za(e));
+    n66.focus(Ot2 == null ? { get preventScroll() {
+      return Ot2 = { preventScroll: true }, true;
+    } } : void 0), Ot2 || (Ot2 = false, za(e));
   }
   var ra;
   function Wi(n66, e, t = e) {
     let i = ra || (ra = document.createRange());
     return i.setEnd(n66, t), i.setStart(n66, e), i;
   }
-  function ii(n66, e, t, i) {
+  function ii2(n66, e, t, i) {
     let s = { key: e, code: e, keyCode: t, which: t, cancelable: true };
     i && ({ altKey: s.altKey, ctrlKey: s.ctrlKey, shiftKey: s.shiftKey, metaKey: s.metaKey } = i);
     let r = new KeyboardEvent("keydown", s);
@@ -8218,23 +10070,23 @@ ${name}`;
     let o = new KeyboardEvent("keyup", s);
     return o.synthetic = true, n66.dispatchEvent(o), r.defaultPrevented || o.defaultPrevented;
   }
-  function Pf(n66) {
+  function Pf2(n66) {
     for (; n66; ) {
       if (n66 && (n66.nodeType == 9 || n66.nodeType == 11 && n66.host)) return n66;
       n66 = n66.assignedSlot || n66.parentNode;
     }
     return null;
   }
-  function If(n66, e) {
+  function If2(n66, e) {
     let t = e.focusNode, i = e.focusOffset;
     if (!t || e.anchorNode != t || e.anchorOffset != i) return false;
     for (i = Math.min(i, ct(t)); ; ) if (i) {
-      if (!ne(t)) return false;
+      if (!ne2(t)) return false;
       let s = t.childNodes[i - 1];
       s.contentEditable == "false" ? i-- : (t = s, i = ct(t));
     } else {
       if (t == n66) return true;
-      i = gt(t), t = t.parentNode;
+      i = gt2(t), t = t.parentNode;
     }
   }
   function Ka(n66) {
@@ -8242,21 +10094,21 @@ ${name}`;
   }
   function $a(n66, e) {
     for (let t = n66, i = e; ; ) {
-      if (ni(t) && i > 0) return { node: t, offset: i };
-      if (ne(t) && i > 0) {
+      if (ni2(t) && i > 0) return { node: t, offset: i };
+      if (ne2(t) && i > 0) {
         if (t.contentEditable == "false") return null;
         t = t.childNodes[i - 1], i = ct(t);
-      } else if (t.parentNode && !Fn(t)) i = gt(t), t = t.parentNode;
+      } else if (t.parentNode && !Fn(t)) i = gt2(t), t = t.parentNode;
       else return null;
     }
   }
   function ja(n66, e) {
     for (let t = n66, i = e; ; ) {
-      if (ni(t) && i < t.nodeValue.length) return { node: t, offset: i };
-      if (ne(t) && i < t.childNodes.length) {
+      if (ni2(t) && i < t.nodeValue.length) return { node: t, offset: i };
+      if (ne2(t) && i < t.childNodes.length) {
         if (t.contentEditable == "false") return null;
         t = t.childNodes[i], i = 0;
-      } else if (t.parentNode && !Fn(t)) i = gt(t) + 1, t = t.parentNode;
+      } else if (t.parentNode && !Fn(t)) i = gt2(t) + 1, t = t.parentNode;
       else return null;
     }
   }
@@ -8265,37 +10117,37 @@ ${name}`;
       this.node = e, this.offset = t, this.precise = i;
     }
     static before(e, t) {
-      return new n24(e.parentNode, gt(e), t);
+      return new n24(e.parentNode, gt2(e), t);
     }
     static after(e, t) {
-      return new n24(e.parentNode, gt(e) + 1, t);
+      return new n24(e.parentNode, gt2(e) + 1, t);
     }
   };
   var V = (function(n66) {
     return n66[n66.LTR = 0] = "LTR", n66[n66.RTL = 1] = "RTL", n66;
   })(V || (V = {}));
-  var si = V.LTR;
-  var yo = V.RTL;
+  var si2 = V.LTR;
+  var yo2 = V.RTL;
   function Ua(n66) {
     let e = [];
     for (let t = 0; t < n66.length; t++) e.push(1 << +n66[t]);
     return e;
   }
-  var Nf = Ua("88888888888888888888888888888888888666888888787833333333337888888000000000000000000000000008888880000000000000000000000000088888888888888888888888888888888888887866668888088888663380888308888800000000000000000000000800000000000000000000000000000008");
-  var Ff = Ua("4444448826627288999999999992222222222222222222222222222222222222222222222229999999999999999999994444444444644222822222222222222222222222222222222222222222222222222222222222222222222222222222222222222222222222222222999999949999999229989999223333333333");
-  var Sr = /* @__PURE__ */ Object.create(null);
+  var Nf2 = Ua("88888888888888888888888888888888888666888888787833333333337888888000000000000000000000000008888880000000000000000000000000088888888888888888888888888888888888887866668888088888663380888308888800000000000000000000000800000000000000000000000000000008");
+  var Ff2 = Ua("4444448826627288999999999992222222222222222222222222222222222222222222222229999999999999999999994444444444644222822222222222222222222222222222222222222222222222222222222222222222222222222222222222222222222222222222999999949999999229989999223333333333");
+  var Sr2 = /* @__PURE__ */ Object.create(null);
   var Qe = [];
   for (let n66 of ["()", "[]", "{}"]) {
     let e = n66.charCodeAt(0), t = n66.charCodeAt(1);
-    Sr[e] = t, Sr[t] = -e;
+    Sr2[e] = t, Sr2[t] = -e;
   }
   function Ga(n66) {
-    return n66 <= 247 ? Nf[n66] : 1424 <= n66 && n66 <= 1524 ? 2 : 1536 <= n66 && n66 <= 1785 ? Ff[n66 - 1536] : 1774 <= n66 && n66 <= 2220 ? 4 : 8192 <= n66 && n66 <= 8204 ? 256 : 64336 <= n66 && n66 <= 65023 ? 4 : 1;
+    return n66 <= 247 ? Nf2[n66] : 1424 <= n66 && n66 <= 1524 ? 2 : 1536 <= n66 && n66 <= 1785 ? Ff2[n66 - 1536] : 1774 <= n66 && n66 <= 2220 ? 4 : 8192 <= n66 && n66 <= 8204 ? 256 : 64336 <= n66 && n66 <= 65023 ? 4 : 1;
   }
-  var Hf = /[\u0590-\u05f4\u0600-\u06ff\u0700-\u08ac\ufb50-\ufdff]/;
+  var Hf2 = /[\u0590-\u05f4\u0600-\u06ff\u0700-\u08ac\ufb50-\ufdff]/;
   var Le = class {
     get dir() {
-      return this.level % 2 ? yo : si;
+      return this.level % 2 ? yo2 : si2;
     }
     constructor(e, t, i) {
       this.from = e, this.to = t, this.level = i;
@@ -8328,7 +10180,7 @@ ${name}`;
     return true;
   }
   var $ = [];
-  function Wf(n66, e, t, i, s) {
+  function Wf2(n66, e, t, i, s) {
     for (let r = 0; r <= i.length; r++) {
       let o = r ? i[r - 1].to : e, l = r < i.length ? i[r].from : t, a = r ? 256 : s;
       for (let h = o, c = a, f = a; h < l; h++) {
@@ -8349,11 +10201,11 @@ ${name}`;
       }
     }
   }
-  function Vf(n66, e, t, i, s) {
+  function Vf2(n66, e, t, i, s) {
     let r = s == 1 ? 2 : 1;
     for (let o = 0, l = 0, a = 0; o <= i.length; o++) {
       let h = o ? i[o - 1].to : e, c = o < i.length ? i[o].from : t;
-      for (let f = h, u, d, p; f < c; f++) if (d = Sr[u = n66.charCodeAt(f)]) if (d < 0) {
+      for (let f = h, u, d, p; f < c; f++) if (d = Sr2[u = n66.charCodeAt(f)]) if (d < 0) {
         for (let m = l - 3; m >= 0; m -= 3) if (Qe[m + 1] == -d) {
           let g = Qe[m + 2], y = g & 2 ? s : g & 4 ? g & 1 ? r : s : 0;
           y && ($[f] = $[Qe[m]] = y), l = m;
@@ -8378,7 +10230,7 @@ ${name}`;
       }
     }
   }
-  function zf(n66, e, t, i) {
+  function zf2(n66, e, t, i) {
     for (let s = 0, r = i; s <= t.length; s++) {
       let o = s ? t[s - 1].to : n66, l = s < t.length ? t[s].from : e;
       for (let a = o; a < l; ) {
@@ -8397,7 +10249,7 @@ ${name}`;
       }
     }
   }
-  function Cr(n66, e, t, i, s, r, o) {
+  function Cr2(n66, e, t, i, s, r, o) {
     let l = i % 2 ? 2 : 1;
     if (i % 2 == s % 2) for (let a = e, h = 0; a < t; ) {
       let c = true, f = false;
@@ -8420,15 +10272,15 @@ ${name}`;
         if (h++, u) u.push(m);
         else {
           m.from > a && o.push(new Le(a, m.from, d));
-          let g = m.direction == si != !(d % 2);
-          Ar(n66, g ? i + 1 : i, s, m.inner, m.from, m.to, o), a = m.to;
+          let g = m.direction == si2 != !(d % 2);
+          Ar2(n66, g ? i + 1 : i, s, m.inner, m.from, m.to, o), a = m.to;
         }
         p = m.to;
       } else {
         if (p == t || (c ? $[p] != l : $[p] == l)) break;
         p++;
       }
-      u ? Cr(n66, a, p, i + 1, s, u, o) : a < p && o.push(new Le(a, p, d)), a = p;
+      u ? Cr2(n66, a, p, i + 1, s, u, o) : a < p && o.push(new Le(a, p, d)), a = p;
     }
     else for (let a = t, h = r.length; a > e; ) {
       let c = true, f = false;
@@ -8451,27 +10303,27 @@ ${name}`;
         if (u) u.push(m);
         else {
           m.to < a && o.push(new Le(m.to, a, d));
-          let g = m.direction == si != !(d % 2);
-          Ar(n66, g ? i + 1 : i, s, m.inner, m.from, m.to, o), a = m.from;
+          let g = m.direction == si2 != !(d % 2);
+          Ar2(n66, g ? i + 1 : i, s, m.inner, m.from, m.to, o), a = m.from;
         }
         p = m.from;
       } else {
         if (p == e || (c ? $[p - 1] != l : $[p - 1] == l)) break;
         p--;
       }
-      u ? Cr(n66, p, a, i + 1, s, u, o) : p < a && o.push(new Le(p, a, d)), a = p;
+      u ? Cr2(n66, p, a, i + 1, s, u, o) : p < a && o.push(new Le(p, a, d)), a = p;
     }
   }
-  function Ar(n66, e, t, i, s, r, o) {
+  function Ar2(n66, e, t, i, s, r, o) {
     let l = e % 2 ? 2 : 1;
-    Wf(n66, s, r, i, l), Vf(n66, s, r, i, l), zf(s, r, i, l), Cr(n66, s, r, e, t, i, o);
+    Wf2(n66, s, r, i, l), Vf2(n66, s, r, i, l), zf2(s, r, i, l), Cr2(n66, s, r, e, t, i, o);
   }
   function qf(n66, e, t) {
-    if (!n66) return [new Le(0, 0, e == yo ? 1 : 0)];
-    if (e == si && !t.length && !Hf.test(n66)) return Ya(n66.length);
+    if (!n66) return [new Le(0, 0, e == yo2 ? 1 : 0)];
+    if (e == si2 && !t.length && !Hf2.test(n66)) return Ya(n66.length);
     if (t.length) for (; n66.length > $.length; ) $[$.length] = 256;
-    let i = [], s = e == si ? 0 : 1;
-    return Ar(n66, s, s, t, 0, n66.length, i), i;
+    let i = [], s = e == si2 ? 0 : 1;
+    return Ar2(n66, s, s, t, 0, n66.length, i), i;
   }
   function Ya(n66) {
     return [new Le(0, n66, 0)];
@@ -8506,19 +10358,19 @@ ${name}`;
   function $f(n66, e, t) {
     for (let i = e; i < t; i++) {
       let s = Ga(n66.charCodeAt(i));
-      if (s == 1) return si;
-      if (s == 2 || s == 4) return yo;
+      if (s == 1) return si2;
+      if (s == 2 || s == 4) return yo2;
     }
   }
   var Ja = T.define();
   var Qa = T.define();
   var Za = T.define();
   var eh = T.define();
-  var Mr = T.define();
+  var Mr2 = T.define();
   var th = T.define();
   var ih = T.define();
-  var bo = T.define();
-  var xo = T.define();
+  var bo2 = T.define();
+  var xo2 = T.define();
   var nh = T.define({ combine: (n66) => n66.some((e) => e) });
   var sh = T.define({ combine: (n66) => n66.some((e) => e) });
   var rh = T.define();
@@ -8541,7 +10393,7 @@ ${name}`;
   }
   var at = T.define({ combine: (n66) => n66.length ? n66[0] : true });
   var jf = 0;
-  var Jt = T.define({ combine(n66) {
+  var Jt2 = T.define({ combine(n66) {
     return n66.filter((e, t) => {
       for (let i = 0; i < t; i++) if (n66[i].plugin == e.plugin) return false;
       return true;
@@ -8549,16 +10401,16 @@ ${name}`;
   } });
   var te = class n26 {
     constructor(e, t, i, s, r) {
-      this.id = e, this.create = t, this.domEventHandlers = i, this.domEventObservers = s, this.baseExtensions = r(this), this.extension = this.baseExtensions.concat(Jt.of({ plugin: this, arg: void 0 }));
+      this.id = e, this.create = t, this.domEventHandlers = i, this.domEventObservers = s, this.baseExtensions = r(this), this.extension = this.baseExtensions.concat(Jt2.of({ plugin: this, arg: void 0 }));
     }
     of(e) {
-      return this.baseExtensions.concat(Jt.of({ plugin: this, arg: e }));
+      return this.baseExtensions.concat(Jt2.of({ plugin: this, arg: e }));
     }
     static define(e, t) {
       let { eventHandlers: i, eventObservers: s, provide: r, decorations: o } = t || {};
       return new n26(jf++, e, i, s, (l) => {
         let a = [];
-        return o && a.push(Zn.of((h) => {
+        return o && a.push(Zn2.of((h) => {
           let c = h.plugin(l);
           return c ? o(c) : L.none;
         })), r && a.push(r(l)), a;
@@ -8609,10 +10461,10 @@ ${name}`;
     }
   };
   var lh = T.define();
-  var wo = T.define();
-  var Zn = T.define();
+  var wo2 = T.define();
+  var Zn2 = T.define();
   var ah = T.define();
-  var vo = T.define();
+  var vo2 = T.define();
   var Vi = T.define();
   var hh = T.define();
   function oa(n66, e) {
@@ -8651,7 +10503,7 @@ ${name}`;
     return e;
   }
   var fh = T.define();
-  function ko(n66) {
+  function ko2(n66) {
     let e = 0, t = 0, i = 0, s = 0;
     for (let r of n66.state.facet(fh)) {
       let o = r(n66);
@@ -8699,7 +10551,7 @@ ${name}`;
       return i;
     }
   };
-  var Wn = class n28 {
+  var Wn2 = class n28 {
     constructor(e, t, i) {
       this.view = e, this.state = t, this.transactions = i, this.flags = 0, this.startState = e.state, this.changes = ie.empty(this.startState.doc.length);
       for (let r of i) this.changes = this.changes.compose(r.changes);
@@ -8770,7 +10622,7 @@ ${name}`;
       if (this.flags |= 2, this.flags & 4) {
         this.flags &= -5;
         let t = this.domAttrs;
-        t && Of(this.dom, t);
+        t && Of2(this.dom, t);
       }
     }
     toString() {
@@ -8806,7 +10658,7 @@ ${name}`;
       return null;
     }
     domPosFor(e, t) {
-      let i = gt(this.dom), s = this.length ? e > 0 : t > 0;
+      let i = gt2(this.dom), s = this.length ? e > 0 : t > 0;
       return new Ze(this.parent.dom, i + (s ? 1 : 0), e == 0 || e == this.length);
     }
     markDirty(e) {
@@ -8816,14 +10668,14 @@ ${name}`;
       return null;
     }
     get root() {
-      for (let e = this; e; e = e.parent) if (e instanceof oi) return e;
+      for (let e = this; e; e = e.parent) if (e instanceof oi2) return e;
       return null;
     }
     static get(e) {
       return e.cmTile;
     }
   };
-  var ri = class extends Y {
+  var ri2 = class extends Y {
     constructor(e) {
       super(e, 0), this._children = [];
     }
@@ -8856,7 +10708,7 @@ ${name}`;
     let e = n66.nextSibling;
     return n66.parentNode.removeChild(n66), e;
   }
-  var oi = class extends ri {
+  var oi2 = class extends ri2 {
     constructor(e, t) {
       super(t), this.view = e;
     }
@@ -8904,7 +10756,7 @@ ${name}`;
       return i && t < 0 || !r ? { tile: i, offset: s } : { tile: r, offset: o };
     }
   };
-  var ht = class n29 extends ri {
+  var ht = class n29 extends ri2 {
     constructor(e, t) {
       super(e), this.wrapper = t;
     }
@@ -8922,7 +10774,7 @@ ${name}`;
       return t || (i.flags |= 4), i;
     }
   };
-  var li = class n30 extends ri {
+  var li2 = class n30 extends ri2 {
     constructor(e, t) {
       super(e), this.attrs = t;
     }
@@ -8941,7 +10793,7 @@ ${name}`;
       function a(c, f) {
         for (let u = 0, d = 0; u < c.children.length && d <= f; u++) {
           let p = c.children[u], m = d + p.length;
-          m >= f && (p.isComposite() ? a(p, f - d) : (!o || i && o.isHidden && (t > 0 && !(o.flags & 32) || i && _f(o, p))) && (m > f || p.flags & 32 && t <= 1) ? (o = p, l = f - d) : (d < f || p.flags & 16 && !(i && p.isHidden) && t >= -1) && (s = p, r = f - d)), d = m;
+          m >= f && (p.isComposite() ? a(p, f - d) : (!o || i && o.isHidden && (t > 0 && !(o.flags & 32) || i && _f2(o, p))) && (m > f || p.flags & 32 && t <= 1) ? (o = p, l = f - d) : (d < f || p.flags & 16 && !(i && p.isHidden) && t >= -1) && (s = p, r = f - d)), d = m;
         }
       }
       a(this, e);
@@ -8950,7 +10802,7 @@ ${name}`;
     }
     coordsIn(e, t, i) {
       let s = this.resolveInline(e, t, true);
-      return s ? s.tile.coordsIn(Math.max(0, s.offset), t, i) : Gf(this);
+      return s ? s.tile.coordsIn(Math.max(0, s.offset), t, i) : Gf2(this);
     }
     domIn(e, t) {
       let i = this.resolveInline(e, t);
@@ -8966,17 +10818,17 @@ ${name}`;
       return new Ze(this.dom, 0);
     }
   };
-  function Gf(n66) {
+  function Gf2(n66) {
     let e = n66.dom.lastChild;
     if (!e) return n66.dom.getBoundingClientRect();
     let t = On(e);
     return t[t.length - 1] || null;
   }
-  function _f(n66, e) {
+  function _f2(n66, e) {
     let t = n66.coordsIn(0, 1), i = e.coordsIn(0, 1);
     return t && i && i.top < t.bottom;
   }
-  var be = class n31 extends ri {
+  var be = class n31 extends ri2 {
     constructor(e, t) {
       super(e), this.mark = t;
     }
@@ -9058,7 +10910,7 @@ ${name}`;
       return r || (r = e.toDOM(t), e.editable || (r.contentEditable = "false")), new n33(r, i, e, s);
     }
   };
-  var ai = class extends Y {
+  var ai2 = class extends Y {
     constructor(e) {
       let t = document.createElement("img");
       t.className = "cm-widgetBuffer", t.setAttribute("aria-hidden", "true"), super(t, 0, e);
@@ -9074,7 +10926,7 @@ ${name}`;
       return i == null ? s : Hn(s, t > 0 == i);
     }
   };
-  var Tr = class {
+  var Tr2 = class {
     constructor(e) {
       this.index = 0, this.beforeBreak = false, this.parents = [], this.tile = e;
     }
@@ -9105,12 +10957,12 @@ ${name}`;
       return this.parents.length ? this.parents[0].tile : this.tile;
     }
   };
-  var Dr = class {
+  var Dr2 = class {
     constructor(e, t, i, s) {
       this.from = e, this.to = t, this.wrapper = i, this.rank = s;
     }
   };
-  var Or = class {
+  var Or2 = class {
     constructor(e, t, i) {
       this.cache = e, this.root = t, this.blockWrappers = i, this.curLine = null, this.lastBlock = null, this.afterWidget = null, this.pos = 0, this.wrappers = [], this.wrapperPos = 0;
     }
@@ -9127,14 +10979,14 @@ ${name}`;
     }
     addComposition(e, t) {
       let i = this.curLine;
-      i.dom != t.line.dom && (i.setDOM(this.cache.reused.has(t.line) ? hr(t.line.dom) : t.line.dom), this.cache.reused.set(t.line, 2));
+      i.dom != t.line.dom && (i.setDOM(this.cache.reused.has(t.line) ? hr2(t.line.dom) : t.line.dom), this.cache.reused.set(t.line, 2));
       let s = i;
       for (let l = t.marks.length - 1; l >= 0; l--) {
         let a = t.marks[l], h = s.lastChild;
-        if (h instanceof be && h.mark.eq(a.mark)) h.dom != a.dom && h.setDOM(hr(a.dom)), s = h;
+        if (h instanceof be && h.mark.eq(a.mark)) h.dom != a.dom && h.setDOM(hr2(a.dom)), s = h;
         else {
           let { dom: c } = a;
-          this.cache.reused.get(a) && Y.get(a.dom) && (c = hr(a.dom));
+          this.cache.reused.get(a) && Y.get(a.dom) && (c = hr2(a.dom));
           let f = be.of(a.mark, c);
           s.append(f), s = f;
         }
@@ -9164,7 +11016,7 @@ ${name}`;
     addLineStart(e, t) {
       var i;
       e || (e = uh);
-      let s = li.start(e, t || ((i = this.cache.find(li)) === null || i === void 0 ? void 0 : i.dom), !!t);
+      let s = li2.start(e, t || ((i = this.cache.find(li2)) === null || i === void 0 ? void 0 : i.dom), !!t);
       this.getBlockPos().append(this.lastBlock = this.curLine = s);
     }
     addLine(e) {
@@ -9196,14 +11048,14 @@ ${name}`;
       if (this.curLine) {
         this.flushBuffer();
         let e = this.curLine.lastChild;
-        (!e || !aa(this.curLine, false) || e.dom.nodeName != "BR" && e.isWidget() && !(A.ios && aa(this.curLine, true))) && this.curLine.append(this.cache.findWidget(cr, 0, 32) || new Rt(cr.toDOM(), 0, cr, 32)), this.curLine = this.afterWidget = null;
+        (!e || !aa(this.curLine, false) || e.dom.nodeName != "BR" && e.isWidget() && !(A.ios && aa(this.curLine, true))) && this.curLine.append(this.cache.findWidget(cr2, 0, 32) || new Rt(cr2.toDOM(), 0, cr2, 32)), this.curLine = this.afterWidget = null;
       }
     }
     updateBlockWrappers() {
       this.wrapperPos > this.pos + 1e4 && (this.blockWrappers.goto(this.pos), this.wrappers.length = 0);
       for (let e = this.wrappers.length - 1; e >= 0; e--) this.wrappers[e].to < this.pos && this.wrappers.splice(e, 1);
       for (let e = this.blockWrappers; e.value && e.from <= this.pos; e.next()) if (e.to >= this.pos) {
-        let t = e.rank * 102 + e.value.rank, i = new Dr(e.from, e.to, e.value, t), s = this.wrappers.length;
+        let t = e.rank * 102 + e.value.rank, i = new Dr2(e.from, e.to, e.value, t), s = this.wrappers.length;
         for (; s > 0 && (this.wrappers[s - 1].rank - i.rank || this.wrappers[s - 1].to - i.to) < 0; ) s--;
         this.wrappers.splice(s, 0, i);
       }
@@ -9228,14 +11080,14 @@ ${name}`;
       return e != null && !e.breakAfter && (!e.isWidget() || (e.flags & 160) > 0);
     }
     getBuffer(e) {
-      let t = 2 | (e < 0 ? 16 : 32), i = this.cache.find(ai, void 0, 1);
-      return i && (i.flags = t), i || new ai(t);
+      let t = 2 | (e < 0 ? 16 : 32), i = this.cache.find(ai2, void 0, 1);
+      return i && (i.flags = t), i || new ai2(t);
     }
     flushBuffer() {
       this.afterWidget && !(this.afterWidget.flags & 32) && (this.afterWidget.parent.append(this.getBuffer(-1)), this.afterWidget = null);
     }
   };
-  var Br = class {
+  var Br2 = class {
     constructor(e) {
       this.skipCount = 0, this.text = "", this.textOff = 0, this.cursor = e.iter();
     }
@@ -9254,9 +11106,9 @@ ${name}`;
       return this.textOff = t, i;
     }
   };
-  var Vn = [Rt, li, Bt, be, ai, ht, oi];
+  var Vn = [Rt, li2, Bt, be, ai2, ht, oi2];
   for (let n66 = 0; n66 < Vn.length; n66++) Vn[n66].bucket = n66;
-  var Er = class {
+  var Er2 = class {
     constructor(e) {
       this.view = e, this.buckets = Vn.map(() => []), this.index = Vn.map(() => 0), this.reused = /* @__PURE__ */ new Map();
     }
@@ -9293,9 +11145,9 @@ ${name}`;
       for (let e = 0; e < this.buckets.length; e++) this.buckets[e].length = this.index[e] = 0;
     }
   };
-  var Lr = class {
+  var Lr2 = class {
     constructor(e, t, i, s, r) {
-      this.view = e, this.decorations = s, this.disallowBlockEffectsFor = r, this.openWidget = false, this.openMarks = 0, this.cache = new Er(e), this.text = new Br(e.state.doc), this.builder = new Or(this.cache, new oi(e, e.contentDOM), z.iter(i)), this.cache.reused.set(t, 2), this.old = new Tr(t), this.reuseWalker = { skip: (o, l, a) => {
+      this.view = e, this.decorations = s, this.disallowBlockEffectsFor = r, this.openWidget = false, this.openMarks = 0, this.cache = new Er2(e), this.text = new Br2(e.state.doc), this.builder = new Or2(this.cache, new oi2(e, e.contentDOM), z.iter(i)), this.cache.reused.set(t, 2), this.old = new Tr2(t), this.reuseWalker = { skip: (o, l, a) => {
         if (this.cache.add(o), o.isComposite()) return false;
       }, enter: (o) => this.cache.add(o), leave: () => {
       }, break: () => {
@@ -9324,7 +11176,7 @@ ${name}`;
         }
         else if (o.isText()) this.builder.ensureLine(null), !l && a == o.length && !this.cache.reused.has(o) ? this.builder.addText(o.text, s, r, this.cache.reuse(o)) : (this.cache.add(o), this.builder.addText(o.text.slice(l, a), s, r)), r = s.length;
         else if (o.isLine()) o.flags &= -2, this.cache.reused.set(o, 1), this.builder.addLine(o);
-        else if (o instanceof ai) this.cache.add(o);
+        else if (o instanceof ai2) this.cache.add(o);
         else if (o instanceof be) this.builder.ensureLine(null), this.builder.addMark(o, s, r), this.cache.reused.set(o, 1), r = s.length;
         else return false;
         this.openWidget = false;
@@ -9345,7 +11197,7 @@ ${name}`;
           }
           if (r = c.length, f > c.length) s.continueWidget(a - l);
           else {
-            let d = h.widget || (h.block ? yt.block : yt.inline), p = Yf(h), m = this.cache.findWidget(d, a - l, p) || Rt.of(d, this.view, a - l, p);
+            let d = h.widget || (h.block ? yt.block : yt.inline), p = Yf2(h), m = this.cache.findWidget(d, a - l, p) || Rt.of(d, this.view, a - l, p);
             h.block ? (h.startSide > 0 && s.addLineStartIfNotCovered(i), s.addBlockWidget(m)) : (s.ensureLine(i), s.addInlineWidget(m, c, f));
           }
           i = null;
@@ -9368,7 +11220,7 @@ ${name}`;
       for (let s = e.parentNode; ; s = s.parentNode) {
         let r = Y.get(s);
         if (s == this.view.contentDOM) break;
-        r instanceof be ? t.push(r) : r?.isLine() ? i = r : r instanceof ht || (s.nodeName == "DIV" && !i ? i = new li(s, uh) : i || t.push(be.of(new Ni({ tagName: s.nodeName.toLowerCase(), attributes: Bf(s) }), s)));
+        r instanceof be ? t.push(r) : r?.isLine() ? i = r : r instanceof ht || (s.nodeName == "DIV" && !i ? i = new li2(s, uh) : i || t.push(be.of(new Ni({ tagName: s.nodeName.toLowerCase(), attributes: Bf2(s) }), s)));
       }
       return i ? { line: i, marks: t } : null;
     }
@@ -9380,14 +11232,14 @@ ${name}`;
     };
     return t(n66);
   }
-  function Yf(n66) {
+  function Yf2(n66) {
     let e = n66.isReplace ? (n66.startSide < 0 ? 64 : 0) | (n66.endSide > 0 ? 128 : 0) : n66.startSide > 0 ? 32 : 16;
     return n66.block && (e |= 256), e;
   }
   var uh = { class: "cm-line" };
   function Xf(n66, e) {
     let t = e.spec.attributes, i = e.spec.class;
-    return !t && !i || (n66 || (n66 = { class: "cm-line" }), t && mo(t, n66), i && (n66.class += " " + i)), n66;
+    return !t && !i || (n66 || (n66 = { class: "cm-line" }), t && mo2(t, n66), i && (n66.class += " " + i)), n66;
   }
   function Jf(n66) {
     let e = [];
@@ -9397,7 +11249,7 @@ ${name}`;
     }
     return e;
   }
-  function hr(n66) {
+  function hr2(n66) {
     let e = Y.get(n66);
     return e && e.setDOM(n66.cloneNode()), n66;
   }
@@ -9420,7 +11272,7 @@ ${name}`;
   };
   yt.inline = new yt("span");
   yt.block = new yt("div");
-  var cr = new class extends Re {
+  var cr2 = new class extends Re {
     toDOM() {
       return document.createElement("br");
     }
@@ -9433,7 +11285,7 @@ ${name}`;
   }();
   var zn = class {
     constructor(e) {
-      this.view = e, this.decorations = [], this.blockWrappers = [], this.dynamicDecorationMap = [false], this.domChanged = null, this.hasComposition = null, this.editContextFormatting = L.none, this.lastCompositionAfterCursor = false, this.minWidth = 0, this.minWidthFrom = 0, this.minWidthTo = 0, this.impreciseAnchor = null, this.impreciseHead = null, this.forceSelection = false, this.lastUpdate = Date.now(), this.updateDeco(), this.tile = new oi(e, e.contentDOM), this.updateInner([new We(0, 0, 0, e.state.doc.length)], null);
+      this.view = e, this.decorations = [], this.blockWrappers = [], this.dynamicDecorationMap = [false], this.domChanged = null, this.hasComposition = null, this.editContextFormatting = L.none, this.lastCompositionAfterCursor = false, this.minWidth = 0, this.minWidthFrom = 0, this.minWidthTo = 0, this.impreciseAnchor = null, this.impreciseHead = null, this.forceSelection = false, this.lastUpdate = Date.now(), this.updateDeco(), this.tile = new oi2(e, e.contentDOM), this.updateInner([new We(0, 0, 0, e.state.doc.length)], null);
     }
     update(e) {
       var t;
@@ -9459,8 +11311,8 @@ ${name}`;
       let { observer: i } = this.view;
       i.ignore(() => {
         if (t || e.length) {
-          let o = this.tile, l = new Lr(this.view, o, this.blockWrappers, this.decorations, this.dynamicDecorationMap);
-          t && Y.get(t.text) && l.cache.reused.set(Y.get(t.text), 2), this.tile = l.run(e, t), Rr(o, l.cache.reused);
+          let o = this.tile, l = new Lr2(this.view, o, this.blockWrappers, this.decorations, this.dynamicDecorationMap);
+          t && Y.get(t.text) && l.cache.reused.set(Y.get(t.text), 2), this.tile = l.run(e, t), Rr2(o, l.cache.reused);
         }
         this.tile.dom.style.height = this.view.viewState.contentHeight / this.view.scaleY + "px", this.tile.dom.style.flexBasis = this.minWidth ? this.minWidth + "px" : "";
         let r = A.chrome || A.ios ? { node: i.selectionRange.focusNode, written: false } : void 0;
@@ -9659,7 +11511,7 @@ ${name}`;
       return L.set(e);
     }
     updateDeco() {
-      let e = 1, t = this.view.state.facet(Zn).map((r) => (this.dynamicDecorationMap[e++] = typeof r == "function") ? r(this.view) : r), i = false, s = this.view.state.facet(vo).map((r, o) => {
+      let e = 1, t = this.view.state.facet(Zn2).map((r) => (this.dynamicDecorationMap[e++] = typeof r == "function") ? r(this.view) : r), i = false, s = this.view.state.facet(vo2).map((r, o) => {
         let l = typeof r == "function";
         return l && (i = true), l ? r(this.view) : r;
       });
@@ -9680,8 +11532,8 @@ ${name}`;
       let { range: t } = e, i = this.coordsAt(t.head, t.assoc || (t.head > t.anchor ? -1 : 1)), s;
       if (!i) return;
       !t.empty && (s = this.coordsAt(t.anchor, t.anchor > t.head ? -1 : 1)) && (i = { left: Math.min(i.left, s.left), top: Math.min(i.top, s.top), right: Math.max(i.right, s.right), bottom: Math.max(i.bottom, s.bottom) });
-      let r = ko(this.view), o = { left: i.left - r.left, top: i.top - r.top, right: i.right + r.right, bottom: i.bottom + r.bottom }, { offsetWidth: l, offsetHeight: a } = this.view.scrollDOM;
-      if (Rf(this.view.scrollDOM, o, t.head < t.anchor ? -1 : 1, e.x, e.y, Math.max(Math.min(e.xMargin, l), -l), Math.max(Math.min(e.yMargin, a), -a), this.view.textDirection == V.LTR), window.visualViewport && window.innerHeight - window.visualViewport.height > 1 && (i.top > window.visualViewport.offsetTop + window.visualViewport.height || i.bottom < window.visualViewport.offsetTop)) {
+      let r = ko2(this.view), o = { left: i.left - r.left, top: i.top - r.top, right: i.right + r.right, bottom: i.bottom + r.bottom }, { offsetWidth: l, offsetHeight: a } = this.view.scrollDOM;
+      if (Rf2(this.view.scrollDOM, o, t.head < t.anchor ? -1 : 1, e.x, e.y, Math.max(Math.min(e.xMargin, l), -l), Math.max(Math.min(e.yMargin, a), -a), this.view.textDirection == V.LTR), window.visualViewport && window.innerHeight - window.visualViewport.height > 1 && (i.top > window.visualViewport.offsetTop + window.visualViewport.height || i.bottom < window.visualViewport.offsetTop)) {
         let h = this.view.docView.lineAt(t.head, 1);
         if (h) {
           let c = Va(h.dom);
@@ -9694,18 +11546,18 @@ ${name}`;
       return t(this.tile.resolveBlock(e, 1).tile);
     }
     destroy() {
-      Rr(this.tile);
+      Rr2(this.tile);
     }
   };
-  function Rr(n66, e) {
+  function Rr2(n66, e) {
     let t = e?.get(n66);
     if (t != 1) {
       t == null && n66.destroy();
-      for (let i of n66.children) Rr(i, e);
+      for (let i of n66.children) Rr2(i, e);
     }
   }
   function Qf(n66) {
-    return ne(n66.node) && n66.node.firstChild && (n66.offset == 0 || n66.node.childNodes[n66.offset - 1].contentEditable == "false") && (n66.offset == n66.node.childNodes.length || n66.node.childNodes[n66.offset].contentEditable == "false");
+    return ne2(n66.node) && n66.node.firstChild && (n66.offset == 0 || n66.node.childNodes[n66.offset - 1].contentEditable == "false") && (n66.offset == n66.node.childNodes.length || n66.node.childNodes[n66.offset].contentEditable == "false");
   }
   function dh(n66, e) {
     let t = n66.observer.selectionRange;
@@ -9732,45 +11584,45 @@ ${name}`;
     return { range: new We(a.mapPos(r), a.mapPos(o), r, o), text: s };
   }
   function eu(n66, e) {
-    return ne(n66) ? (e && n66.childNodes[e - 1].contentEditable == "false" ? 1 : 0) | (e < n66.childNodes.length && n66.childNodes[e].contentEditable == "false" ? 2 : 0) : 0;
+    return ne2(n66) ? (e && n66.childNodes[e - 1].contentEditable == "false" ? 1 : 0) | (e < n66.childNodes.length && n66.childNodes[e].contentEditable == "false" ? 2 : 0) : 0;
   }
   var tu = class {
     constructor() {
       this.changes = [];
     }
     compareRange(e, t) {
-      ti(e, t, this.changes);
+      ti2(e, t, this.changes);
     }
     comparePoint(e, t) {
-      ti(e, t, this.changes);
+      ti2(e, t, this.changes);
     }
     boundChange(e) {
-      ti(e, e, this.changes);
+      ti2(e, e, this.changes);
     }
   };
   function iu(n66, e, t) {
     let i = new tu();
     return z.compare(n66, e, t, i), i.changes;
   }
-  var Pr = class {
+  var Pr2 = class {
     constructor() {
       this.changes = [];
     }
     compareRange(e, t) {
-      ti(e, t, this.changes);
+      ti2(e, t, this.changes);
     }
     comparePoint() {
     }
     boundChange(e) {
-      ti(e, e, this.changes);
+      ti2(e, e, this.changes);
     }
   };
   function nu(n66, e, t) {
-    let i = new Pr();
+    let i = new Pr2();
     return z.compare(n66, e, t, i), i.changes;
   }
   function su(n66, e) {
-    for (let t = n66; t && t != e; t = t.assignedSlot || t.parentNode) if (ne(t) && t.contentEditable == "false") return true;
+    for (let t = n66; t && t != e; t = t.assignedSlot || t.parentNode) if (ne2(t) && t.contentEditable == "false") return true;
     return false;
   }
   function ru(n66, e) {
@@ -9831,7 +11683,7 @@ ${name}`;
     let o = n66.state.sliceDoc(t.from, t.to);
     return t.from + _l(o, r, n66.state.tabSize);
   }
-  function Ir(n66, e, t) {
+  function Ir2(n66, e, t) {
     let i = n66.lineBlockAt(e);
     if (Array.isArray(i.type)) {
       let s;
@@ -9839,7 +11691,7 @@ ${name}`;
         if (r.from > e) break;
         if (!(r.to < e)) {
           if (r.from < e && r.to > e) return r;
-          (!s || r.type == ae.Text && (s.type != r.type || (t < 0 ? r.from < e : r.to > e))) && (s = r);
+          (!s || r.type == ae2.Text && (s.type != r.type || (t < 0 ? r.from < e : r.to > e))) && (s = r);
         }
       }
       return s || i;
@@ -9847,7 +11699,7 @@ ${name}`;
     return i;
   }
   function au(n66, e, t, i) {
-    let s = Ir(n66, e.head, e.assoc || -1), r = !i || s.type != ae.Text || !(n66.lineWrapping || s.widgetLineBreaks) ? null : n66.coordsAtPos(e.assoc < 0 && e.head > s.from ? e.head - 1 : e.head);
+    let s = Ir2(n66, e.head, e.assoc || -1), r = !i || s.type != ae2.Text || !(n66.lineWrapping || s.widgetLineBreaks) ? null : n66.coordsAtPos(e.assoc < 0 && e.head > s.from ? e.head - 1 : e.head);
     if (r) {
       let o = n66.dom.getBoundingClientRect(), l = n66.textDirectionAt(s.from), a = n66.posAndSideAtCoords({ x: t == (l == V.LTR) ? o.right - 1 : o.left + 1, y: (r.top + r.bottom) / 2 });
       if (a) return x.cursor(a.pos, a.assoc);
@@ -9890,7 +11742,7 @@ ${name}`;
     }
     let f = a.left + o, u = n66.viewState.heightOracle.textHeight >> 1, d = i ?? u;
     for (let p = 0; ; p += u) {
-      let m = l + (d + p) * r, g = Nr(n66, { x: f, y: m }, false, r);
+      let m = l + (d + p) * r, g = Nr2(n66, { x: f, y: m }, false, r);
       if (t ? m > a.bottom : m < a.top) return x.cursor(g.pos, g.assoc);
       let y = n66.coordsAtPos(g.pos, g.assoc), v = y ? (y.top + y.bottom) / 2 : 0;
       if (!y || (t ? v > l : v < l)) return x.cursor(g.pos, g.assoc, void 0, o);
@@ -9923,22 +11775,22 @@ ${name}`;
     }
     return t ? x.create(t, e.mainIndex) : e;
   }
-  function fr(n66, e, t) {
+  function fr2(n66, e, t) {
     let i = Ri(n66.state.facet(Vi).map((s) => s(n66)), t.from, e.head > t.from ? -1 : 1);
     return i == t.from ? t : x.cursor(i, i < t.from ? 1 : -1);
   }
-  var Ee = class {
+  var Ee2 = class {
     constructor(e, t) {
       this.pos = e, this.assoc = t;
     }
   };
-  function Nr(n66, e, t, i) {
+  function Nr2(n66, e, t, i) {
     let s = n66.contentDOM.getBoundingClientRect(), r = s.top + n66.viewState.paddingTop, { x: o, y: l } = e, a = l - r, h;
     for (; ; ) {
-      if (a < 0) return new Ee(0, 1);
-      if (a > n66.viewState.docHeight) return new Ee(n66.state.doc.length, -1);
+      if (a < 0) return new Ee2(0, 1);
+      if (a > n66.viewState.docHeight) return new Ee2(n66.state.doc.length, -1);
       if (h = n66.elementAtHeight(a), i == null) break;
-      if (h.type == ae.Text) {
+      if (h.type == ae2.Text) {
         if (i < 0 ? h.to < n66.viewport.from : h.from > n66.viewport.to) break;
         let u = n66.docView.coordsAt(i < 0 ? h.from : h.to, i > 0 ? -1 : 1);
         if (u && (i < 0 ? u.top <= a + r : u.bottom >= a + r)) break;
@@ -9948,16 +11800,16 @@ ${name}`;
     }
     if (n66.viewport.from >= h.to || n66.viewport.to <= h.from) {
       if (t) return null;
-      if (h.type == ae.Text) {
+      if (h.type == ae2.Text) {
         let f = lu(n66, s, h, o, l);
-        return new Ee(f, f == h.from ? 1 : -1);
+        return new Ee2(f, f == h.from ? 1 : -1);
       }
     }
-    if (h.type != ae.Text) return a < (h.top + h.bottom) / 2 ? new Ee(h.from, 1) : new Ee(h.to, -1);
+    if (h.type != ae2.Text) return a < (h.top + h.bottom) / 2 ? new Ee2(h.from, 1) : new Ee2(h.to, -1);
     let c = n66.docView.lineAt(h.from, 2);
-    return (!c || c.length != h.length) && (c = n66.docView.lineAt(h.from, -2)), new Fr(n66, o, l, n66.textDirectionAt(h.from)).scanTile(c, h.from);
+    return (!c || c.length != h.length) && (c = n66.docView.lineAt(h.from, -2)), new Fr2(n66, o, l, n66.textDirectionAt(h.from)).scanTile(c, h.from);
   }
-  var Fr = class {
+  var Fr2 = class {
     constructor(e, t, i, s) {
       this.view = e, this.x = t, this.y = i, this.baseDir = s, this.line = null, this.spans = null;
     }
@@ -10024,10 +11876,10 @@ ${name}`;
         let o = i[r] - t, l = i[r + 1] - t;
         return Wi(e.dom, o, l).getClientRects();
       });
-      return s.after ? new Ee(i[s.i + 1], -1) : new Ee(i[s.i], 1);
+      return s.after ? new Ee2(i[s.i + 1], -1) : new Ee2(i[s.i], 1);
     }
     scanTile(e, t) {
-      if (!e.length) return new Ee(t, 1);
+      if (!e.length) return new Ee2(t, 1);
       if (e.children.length == 1) {
         let l = e.children[0];
         if (l.isText()) return this.scanText(l, t);
@@ -10037,13 +11889,13 @@ ${name}`;
       for (let l = 0, a = t; l < e.children.length; l++) i.push(a += e.children[l].length);
       let s = this.scan(i, (l) => {
         let a = e.children[l];
-        return a.flags & 48 ? null : (ne(a.dom) ? a.dom : Wi(a.dom, 0, a.length)).getClientRects();
+        return a.flags & 48 ? null : (ne2(a.dom) ? a.dom : Wi(a.dom, 0, a.length)).getClientRects();
       }), r = e.children[s.i], o = i[s.i];
-      return r.isText() ? this.scanText(r, o) : r.isComposite() ? this.scanTile(r, o) : s.after ? new Ee(i[s.i + 1], -1) : new Ee(o, 1);
+      return r.isText() ? this.scanText(r, o) : r.isComposite() ? this.scanTile(r, o) : s.after ? new Ee2(i[s.i + 1], -1) : new Ee2(o, 1);
     }
   };
-  var Xt = "\uFFFF";
-  var Hr = class {
+  var Xt2 = "\uFFFF";
+  var Hr2 = class {
     constructor(e, t) {
       this.points = e, this.view = t, this.text = "", this.lineSeparator = t.state.facet(_.lineSeparator);
     }
@@ -10051,7 +11903,7 @@ ${name}`;
       this.text += e;
     }
     lineBreak() {
-      this.text += Xt;
+      this.text += Xt2;
     }
     readRange(e, t) {
       if (!e) return this;
@@ -10085,20 +11937,20 @@ ${name}`;
       if (i != null) {
         this.findPointInside(e, i.length);
         for (let s = i.iter(); !s.next().done; ) s.lineBreak ? this.lineBreak() : this.append(s.value);
-      } else ni(e) ? this.readTextNode(e) : e.nodeName == "BR" ? e.nextSibling && this.lineBreak() : ne(e) && this.readRange(e.firstChild, null);
+      } else ni2(e) ? this.readTextNode(e) : e.nodeName == "BR" ? e.nextSibling && this.lineBreak() : ne2(e) && this.readRange(e.firstChild, null);
     }
     findPointBefore(e, t) {
       for (let i of this.points) i.node == e && e.childNodes[i.offset] == t && (i.pos = this.text.length);
     }
     findPointInside(e, t) {
-      for (let i of this.points) (ni(e) ? i.node == e : e.contains(i.node)) && (i.pos = this.text.length + (fu(e, i.node, i.offset) ? t : 0));
+      for (let i of this.points) (ni2(e) ? i.node == e : e.contains(i.node)) && (i.pos = this.text.length + (fu(e, i.node, i.offset) ? t : 0));
     }
   };
   function fu(n66, e, t) {
     for (; ; ) {
       if (!e || t < ct(e)) return false;
       if (e == n66) return true;
-      t = gt(e) + 1, e = e.parentNode;
+      t = gt2(e) + 1, e = e.parentNode;
     }
   }
   function uu(n66, e) {
@@ -10114,21 +11966,21 @@ ${name}`;
     }
     return true;
   }
-  var qn = class {
+  var qn2 = class {
     constructor(e, t) {
       this.node = e, this.offset = t, this.pos = -1;
     }
   };
-  var Wr = class {
+  var Wr2 = class {
     constructor(e, t, i, s) {
       this.typeOver = s, this.bounds = null, this.text = "", this.domChanged = t > -1;
       let { impreciseHead: r, impreciseAnchor: o } = e.docView, l = e.state.selection;
       if (e.state.readOnly && t > -1) this.newSel = null;
       else if (t > -1 && (this.bounds = mh(e.docView.tile, t, i, 0))) {
-        let a = r || o ? [] : pu(e), h = new Hr(a, e);
+        let a = r || o ? [] : pu(e), h = new Hr2(a, e);
         h.readRange(this.bounds.startDOM, this.bounds.endDOM), this.text = h.text, this.newSel = mu(a, this.bounds.from);
       } else {
-        let a = e.observer.selectionRange, h = r && r.node == a.focusNode && r.offset == a.focusOffset || !vr(e.contentDOM, a.focusNode) ? l.main.head : e.docView.posFromDOM(a.focusNode, a.focusOffset), c = o && o.node == a.anchorNode && o.offset == a.anchorOffset || !vr(e.contentDOM, a.anchorNode) ? l.main.anchor : e.docView.posFromDOM(a.anchorNode, a.anchorOffset), f = e.viewport;
+        let a = e.observer.selectionRange, h = r && r.node == a.focusNode && r.offset == a.focusOffset || !vr2(e.contentDOM, a.focusNode) ? l.main.head : e.docView.posFromDOM(a.focusNode, a.focusOffset), c = o && o.node == a.anchorNode && o.offset == a.anchorOffset || !vr2(e.contentDOM, a.anchorNode) ? l.main.anchor : e.docView.posFromDOM(a.anchorNode, a.anchorOffset), f = e.viewport;
         if ((A.ios || A.chrome) && h != c && Math.min(h, c) <= l.main.from && Math.max(h, c) >= l.main.to && (f.from > 0 || f.to < e.state.doc.length)) {
           let u = Math.min(h, c), d = Math.max(h, c), p = f.from - u, m = f.to - d;
           (p == 0 || p == 1 || u == 0) && (m == 0 || m == -1 || d == e.state.doc.length) && (h = 0, c = e.state.doc.length);
@@ -10161,21 +12013,21 @@ ${name}`;
     if (e.bounds) {
       let { from: l, to: a } = e.bounds, h = r.from, c = null;
       (o === 8 || A.android && e.text.length < a - l) && (h = r.to, c = "end");
-      let f = s.doc.sliceString(l, a, Xt), u, d;
-      !r.empty && r.from >= l && r.to <= a && (e.typeOver || f != e.text) && f.slice(0, r.from - l) == e.text.slice(0, r.from - l) && f.slice(r.to - l) == e.text.slice(u = e.text.length - (f.length - (r.to - l))) ? t = { from: r.from, to: r.to, insert: F.of(e.text.slice(r.from - l, u).split(Xt)) } : (d = yh(f, e.text, h - l, c)) && (A.chrome && o == 13 && d.toB == d.from + 2 && e.text.slice(d.from, d.toB) == Xt + Xt && d.toB--, t = { from: l + d.from, to: l + d.toA, insert: F.of(e.text.slice(d.from, d.toB).split(Xt)) });
-    } else i && (!n66.hasFocus && s.facet(at) || Vr(i, r)) && (i = null);
+      let f = s.doc.sliceString(l, a, Xt2), u, d;
+      !r.empty && r.from >= l && r.to <= a && (e.typeOver || f != e.text) && f.slice(0, r.from - l) == e.text.slice(0, r.from - l) && f.slice(r.to - l) == e.text.slice(u = e.text.length - (f.length - (r.to - l))) ? t = { from: r.from, to: r.to, insert: F.of(e.text.slice(r.from - l, u).split(Xt2)) } : (d = yh(f, e.text, h - l, c)) && (A.chrome && o == 13 && d.toB == d.from + 2 && e.text.slice(d.from, d.toB) == Xt2 + Xt2 && d.toB--, t = { from: l + d.from, to: l + d.toA, insert: F.of(e.text.slice(d.from, d.toB).split(Xt2)) });
+    } else i && (!n66.hasFocus && s.facet(at) || Vr2(i, r)) && (i = null);
     if (!t && !i) return false;
     if ((A.mac || A.android) && t && t.from == t.to && t.from == r.head - 1 && /^\. ?$/.test(t.insert.toString()) && n66.contentDOM.getAttribute("autocorrect") == "off" ? (i && t.insert.length == 2 && (i = x.single(i.main.anchor - 1, i.main.head - 1)), t = { from: t.from, to: t.to, insert: F.of([t.insert.toString().replace(".", " ")]) }) : s.doc.lineAt(r.from).to < r.to && n66.docView.lineHasWidget(r.to) && n66.inputState.insertingTextAt > Date.now() - 50 ? t = { from: r.from, to: r.to, insert: s.toText(n66.inputState.insertingText) } : A.chrome && t && t.from == t.to && t.from == r.head && t.insert.toString() == `
- ` && n66.lineWrapping && (i && (i = x.single(i.main.anchor - 1, i.main.head - 1)), t = { from: r.from, to: r.to, insert: F.of([" "]) }), t) return So(n66, t, i, o);
-    if (i && !Vr(i, r)) {
+ ` && n66.lineWrapping && (i && (i = x.single(i.main.anchor - 1, i.main.head - 1)), t = { from: r.from, to: r.to, insert: F.of([" "]) }), t) return So2(n66, t, i, o);
+    if (i && !Vr2(i, r)) {
       let l = false, a = "select";
       return n66.inputState.lastSelectionTime > Date.now() - 50 && (n66.inputState.lastSelectionOrigin == "select" && (l = true), a = n66.inputState.lastSelectionOrigin, a == "select.pointer" && (i = ph(s.facet(Vi).map((h) => h(n66)), i))), n66.dispatch({ selection: i, scrollIntoView: l, userEvent: a }), true;
     } else return false;
   }
-  function So(n66, e, t, i = -1) {
+  function So2(n66, e, t, i = -1) {
     if (A.ios && n66.inputState.flushIOSKey(e)) return true;
     let s = n66.state.selection.main;
-    if (A.android && (e.to == s.to && (e.from == s.from || e.from == s.from - 1 && n66.state.sliceDoc(e.from, s.from) == " ") && e.insert.length == 1 && e.insert.lines == 2 && ii(n66.contentDOM, "Enter", 13) || (e.from == s.from - 1 && e.to == s.to && e.insert.length == 0 || i == 8 && e.insert.length < e.to - e.from && e.to > s.head) && ii(n66.contentDOM, "Backspace", 8) || e.from == s.from && e.to == s.to + 1 && e.insert.length == 0 && ii(n66.contentDOM, "Delete", 46))) return true;
+    if (A.android && (e.to == s.to && (e.from == s.from || e.from == s.from - 1 && n66.state.sliceDoc(e.from, s.from) == " ") && e.insert.length == 1 && e.insert.lines == 2 && ii2(n66.contentDOM, "Enter", 13) || (e.from == s.from - 1 && e.to == s.to && e.insert.length == 0 || i == 8 && e.insert.length < e.to - e.from && e.to > s.head) && ii2(n66.contentDOM, "Backspace", 8) || e.from == s.from && e.to == s.to + 1 && e.insert.length == 0 && ii2(n66.contentDOM, "Delete", 46))) return true;
     let r = e.insert.toString();
     n66.inputState.composing >= 0 && n66.inputState.composing++;
     let o, l = () => o || (o = du(n66, e, t));
@@ -10235,17 +12087,17 @@ ${name}`;
     let e = [];
     if (n66.root.activeElement != n66.contentDOM) return e;
     let { anchorNode: t, anchorOffset: i, focusNode: s, focusOffset: r } = n66.observer.selectionRange;
-    return t && (e.push(new qn(t, i)), (s != t || r != i) && e.push(new qn(s, r))), e;
+    return t && (e.push(new qn2(t, i)), (s != t || r != i) && e.push(new qn2(s, r))), e;
   }
   function mu(n66, e) {
     if (n66.length == 0) return null;
     let t = n66[0].pos, i = n66.length == 2 ? n66[1].pos : t;
     return t < 0 || i < 0 ? null : t == i ? x.create([x.cursor(i + e, -1)]) : x.single(t + e, i + e);
   }
-  function Vr(n66, e) {
+  function Vr2(n66, e) {
     return e.head == n66.main.head && e.anchor == n66.main.anchor;
   }
-  var zr = class {
+  var zr2 = class {
     setSelectionOrigin(e) {
       this.lastSelectionOrigin = e, this.lastSelectionTime = Date.now();
     }
@@ -10292,7 +12144,7 @@ ${name}`;
     }
     flushIOSKey(e) {
       let t = this.pendingIOSKey;
-      return !t || this.view.observer.pendingRecords().length || t.key == "Enter" && e && e.from < e.to && /^\S+$/.test(e.insert.toString()) ? false : (this.pendingIOSKey = void 0, ii(this.view.contentDOM, t.key, t.keyCode, t.mods));
+      return !t || this.view.observer.pendingRecords().length || t.key == "Enter" && e && e.from < e.to && /^\S+$/.test(e.insert.toString()) ? false : (this.pendingIOSKey = void 0, ii2(this.view.contentDOM, t.key, t.keyCode, t.mods));
     }
     ignoreDuringComposition(e) {
       return !/^key/.test(e.type) || e.synthetic ? false : this.composing > 0 ? true : A.safari && !A.ios && this.compositionPendingKey && Date.now() - this.compositionEndedAt < 100 ? (this.compositionPendingKey = false, true) : false;
@@ -10349,7 +12201,7 @@ ${name}`;
   function xu(n66, e) {
     return Math.max(Math.abs(n66.clientX - e.clientX), Math.abs(n66.clientY - e.clientY));
   }
-  var qr = class {
+  var qr2 = class {
     constructor(e, t, i, s) {
       this.view = e, this.startEvent = t, this.style = i, this.mustSelect = s, this.scrollSpeed = { x: 0, y: 0 }, this.scrolling = -1, this.lastEvent = t, this.scrollParents = Wa(e.contentDOM), this.atoms = e.state.facet(Vi).map((o) => o(e));
       let r = e.contentDOM.ownerDocument;
@@ -10364,7 +12216,7 @@ ${name}`;
       this.select(this.lastEvent = e);
       let t = 0, i = 0, s = 0, r = 0, o = this.view.win.innerWidth, l = this.view.win.innerHeight;
       this.scrollParents.x && ({ left: s, right: o } = this.scrollParents.x.getBoundingClientRect()), this.scrollParents.y && ({ top: r, bottom: l } = this.scrollParents.y.getBoundingClientRect());
-      let a = ko(this.view);
+      let a = ko2(this.view);
       e.clientX - a.left <= s + vn ? t = -kn(s - e.clientX) : e.clientX + a.right >= o - vn && (t = kn(e.clientX - o)), e.clientY - a.top <= r + vn ? i = -kn(r - e.clientY) : e.clientY + a.bottom >= l - vn && (i = kn(e.clientY - l)), this.setScrollSpeed(t, i);
     }
     up(e) {
@@ -10427,14 +12279,14 @@ ${name}`;
       n66.focus(), t.remove(), vh(n66, t.value);
     }, 50);
   }
-  function es(n66, e, t) {
+  function es2(n66, e, t) {
     for (let i of n66.facet(e)) t = i(t, n66);
     return t;
   }
   function vh(n66, e) {
-    e = es(n66.state, bo, e);
+    e = es2(n66.state, bo2, e);
     let { state: t } = n66, i, s = 1, r = t.toText(e), o = r.lines == t.selection.ranges.length;
-    if (Kr != null && t.selection.ranges.every((a) => a.empty) && Kr == r.toString()) {
+    if (Kr2 != null && t.selection.ranges.every((a) => a.empty) && Kr2 == r.toString()) {
       let a = -1;
       i = t.changeByRange((h) => {
         let c = t.doc.lineAt(h.from);
@@ -10473,7 +12325,7 @@ ${name}`;
     for (let i of n66.state.facet(Za)) if (t = i(n66, e), t) break;
     if (!t && e.button == 0 && (t = Mu(n66, e)), t) {
       let i = !n66.hasFocus;
-      n66.inputState.startMouseSelection(new qr(n66, e, t, i)), i && n66.observer.ignore(() => {
+      n66.inputState.startMouseSelection(new qr2(n66, e, t, i)), i && n66.observer.ignore(() => {
         qa(n66.contentDOM);
         let r = n66.root.activeElement;
         r && !r.contains(n66.contentDOM) && r.blur();
@@ -10530,11 +12382,11 @@ ${name}`;
       }
     }
     let { inputState: i } = n66;
-    return i.mouseSelection && (i.mouseSelection.dragging = true), i.draggedContent = t, e.dataTransfer && (e.dataTransfer.setData("Text", es(n66.state, xo, n66.state.sliceDoc(t.from, t.to))), e.dataTransfer.effectAllowed = "copyMove"), false;
+    return i.mouseSelection && (i.mouseSelection.dragging = true), i.draggedContent = t, e.dataTransfer && (e.dataTransfer.setData("Text", es2(n66.state, xo2, n66.state.sliceDoc(t.from, t.to))), e.dataTransfer.effectAllowed = "copyMove"), false;
   };
   Ve.dragend = (n66) => (n66.inputState.draggedContent = null, false);
   function ma(n66, e, t, i) {
-    if (t = es(n66.state, bo, t), !t) return;
+    if (t = es2(n66.state, bo2, t), !t) return;
     let s = n66.posAtCoords({ x: e.clientX, y: e.clientY }, false), { draggedContent: r } = n66.inputState, o = i && r && vu(n66, e) ? { from: r.from, to: r.to } : null, l = { from: s, insert: t }, a = n66.state.changes(o ? [o, l] : l);
     n66.focus(), n66.dispatch({ changes: a, selection: { anchor: a.mapPos(s, -1), head: a.mapPos(s, 1) }, userEvent: o ? "move.drop" : "input.drop" }), n66.inputState.draggedContent = null;
   }
@@ -10584,18 +12436,18 @@ ${name}`;
       }
       i = true;
     }
-    return { text: es(n66, xo, e.join(n66.lineBreak)), ranges: t, linewise: i };
+    return { text: es2(n66, xo2, e.join(n66.lineBreak)), ranges: t, linewise: i };
   }
-  var Kr = null;
+  var Kr2 = null;
   Ve.copy = Ve.cut = (n66, e) => {
     if (!Di(n66.contentDOM, n66.observer.selectionRange)) return false;
     let { text: t, ranges: i, linewise: s } = Ou(n66.state);
     if (!t && !s) return false;
-    Kr = s ? t : null, e.type == "cut" && !n66.state.readOnly && n66.dispatch({ changes: i, scrollIntoView: true, userEvent: "delete.cut" });
+    Kr2 = s ? t : null, e.type == "cut" && !n66.state.readOnly && n66.dispatch({ changes: i, scrollIntoView: true, userEvent: "delete.cut" });
     let r = wh ? null : e.clipboardData;
     return r ? (r.clearData(), r.setData("text/plain", t), true) : (Du(n66, t), false);
   };
-  var Sh = oe.define();
+  var Sh = oe2.define();
   function Ch(n66, e) {
     let t = [];
     for (let i of n66.facet(ih)) {
@@ -10639,7 +12491,7 @@ ${name}`;
       let r = (t = e.dataTransfer) === null || t === void 0 ? void 0 : t.getData("text/plain"), o = e.getTargetRanges();
       if (r && o.length) {
         let l = o[0], a = n66.posAtDOM(l.startContainer, l.startOffset), h = n66.posAtDOM(l.endContainer, l.endOffset);
-        return So(n66, { from: a, to: h, insert: n66.state.toText(r) }, null), true;
+        return So2(n66, { from: a, to: h, insert: n66.state.toText(r) }, null), true;
       }
     }
     let s;
@@ -10659,11 +12511,11 @@ ${name}`;
     }));
   }
   var ya = ["pre-wrap", "normal", "pre-line", "break-spaces"];
-  var hi = false;
+  var hi2 = false;
   function ba() {
-    hi = false;
+    hi2 = false;
   }
-  var $r = class {
+  var $r2 = class {
     constructor(e) {
       this.lineWrapping = e, this.doc = F.empty, this.heightSamples = {}, this.lineHeight = 14, this.charWidth = 7, this.textHeight = 14, this.lineLength = 30;
     }
@@ -10700,7 +12552,7 @@ ${name}`;
       return a;
     }
   };
-  var jr = class {
+  var jr2 = class {
     constructor(e, t) {
       this.from = e, this.heights = t, this.index = 0;
     }
@@ -10708,12 +12560,12 @@ ${name}`;
       return this.index < this.heights.length;
     }
   };
-  var He = class n34 {
+  var He2 = class n34 {
     constructor(e, t, i, s, r) {
       this.from = e, this.length = t, this.top = i, this.height = s, this._content = r;
     }
     get type() {
-      return typeof this._content == "number" ? ae.Text : Array.isArray(this._content) ? this._content : this._content.type;
+      return typeof this._content == "number" ? ae2.Text : Array.isArray(this._content) ? this._content : this._content.type;
     }
     get to() {
       return this.from + this.length;
@@ -10735,7 +12587,7 @@ ${name}`;
   var j = (function(n66) {
     return n66[n66.ByPos = 0] = "ByPos", n66[n66.ByHeight = 1] = "ByHeight", n66[n66.ByPosNoHeight = 2] = "ByPosNoHeight", n66;
   })(j || (j = {}));
-  var Bn = 1e-3;
+  var Bn2 = 1e-3;
   var ke = class n35 {
     constructor(e, t, i = 2) {
       this.length = e, this.height = t, this.flags = i;
@@ -10747,7 +12599,7 @@ ${name}`;
       this.flags = (e ? 2 : 0) | this.flags & -3;
     }
     setHeight(e) {
-      this.height != e && (Math.abs(this.height - e) > Bn && (hi = true), this.height = e);
+      this.height != e && (Math.abs(this.height - e) > Bn2 && (hi2 = true), this.height = e);
     }
     replace(e, t, i) {
       return n35.of(i);
@@ -10764,13 +12616,13 @@ ${name}`;
         let { fromA: a, toA: h, fromB: c, toB: f } = s[l], u = r.lineAt(a, j.ByPosNoHeight, i.setDoc(t), 0, 0), d = u.to >= h ? u : r.lineAt(h, j.ByPosNoHeight, i, 0, 0);
         for (f += d.to - h, h = d.to; l > 0 && u.from <= s[l - 1].toA; ) a = s[l - 1].fromA, c = s[l - 1].fromB, l--, a < u.from && (u = r.lineAt(a, j.ByPosNoHeight, i, 0, 0));
         c += u.from - a, a = u.from;
-        let p = Gr.build(i.setDoc(o), e, c, f);
-        r = Kn(r, r.replace(a, h, p));
+        let p = Gr2.build(i.setDoc(o), e, c, f);
+        r = Kn2(r, r.replace(a, h, p));
       }
       return r.updateHeight(i, 0);
     }
     static empty() {
-      return new Be(0, 0, 0);
+      return new Be2(0, 0, 0);
     }
     static of(e) {
       if (e.length == 1) return e[0];
@@ -10790,23 +12642,23 @@ ${name}`;
         l && (r += l.size);
       }
       let o = false;
-      return e[t - 1] == null ? (o = true, t--) : e[t] == null && (o = true, i++), new Ur(n35.of(e.slice(0, t)), o, n35.of(e.slice(i)));
+      return e[t - 1] == null ? (o = true, t--) : e[t] == null && (o = true, i++), new Ur2(n35.of(e.slice(0, t)), o, n35.of(e.slice(i)));
     }
   };
-  function Kn(n66, e) {
-    return n66 == e ? n66 : (n66.constructor != e.constructor && (hi = true), e);
+  function Kn2(n66, e) {
+    return n66 == e ? n66 : (n66.constructor != e.constructor && (hi2 = true), e);
   }
   ke.prototype.size = 1;
   var Eu = L.replace({});
-  var $n = class extends ke {
+  var $n2 = class extends ke {
     constructor(e, t, i) {
       super(e, t), this.deco = i, this.spaceAbove = 0;
     }
     mainBlock(e, t) {
-      return new He(t, this.length, e + this.spaceAbove, this.height - this.spaceAbove, this.deco || 0);
+      return new He2(t, this.length, e + this.spaceAbove, this.height - this.spaceAbove, this.deco || 0);
     }
     blockAt(e, t, i, s) {
-      return this.spaceAbove && e < i + this.spaceAbove ? new He(s, 0, i, this.spaceAbove, Eu) : this.mainBlock(i, s);
+      return this.spaceAbove && e < i + this.spaceAbove ? new He2(s, 0, i, this.spaceAbove, Eu) : this.mainBlock(i, s);
     }
     lineAt(e, t, i, s, r) {
       let o = this.mainBlock(s, r);
@@ -10826,12 +12678,12 @@ ${name}`;
       return `block(${this.length})`;
     }
   };
-  var Be = class n36 extends $n {
+  var Be2 = class n36 extends $n2 {
     constructor(e, t, i) {
       super(e, t, null), this.collapsed = 0, this.widgetHeight = 0, this.breaks = 0, this.spaceAbove = i;
     }
     mainBlock(e, t) {
-      return new He(t, this.length, e + this.spaceAbove, this.height - this.spaceAbove, this.breaks);
+      return new He2(t, this.length, e + this.spaceAbove, this.height - this.spaceAbove, this.breaks);
     }
     replace(e, t, i) {
       let s = i[0];
@@ -10860,20 +12712,20 @@ ${name}`;
       let { firstLine: r, lastLine: o, perLine: l, perChar: a } = this.heightMetrics(t, s);
       if (t.lineWrapping) {
         let h = s + (e < t.lineHeight ? 0 : Math.round(Math.max(0, Math.min(1, (e - i) / this.height)) * this.length)), c = t.doc.lineAt(h), f = l + c.length * a, u = Math.max(i, e - f / 2);
-        return new He(c.from, c.length, u, f, 0);
+        return new He2(c.from, c.length, u, f, 0);
       } else {
         let h = Math.max(0, Math.min(o - r, Math.floor((e - i) / l))), { from: c, length: f } = t.doc.line(r + h);
-        return new He(c, f, i + l * h, l, 0);
+        return new He2(c, f, i + l * h, l, 0);
       }
     }
     lineAt(e, t, i, s, r) {
       if (t == j.ByHeight) return this.blockAt(e, i, s, r);
       if (t == j.ByPosNoHeight) {
         let { from: d, to: p } = i.doc.lineAt(e);
-        return new He(d, p - d, 0, 0, 0);
+        return new He2(d, p - d, 0, 0, 0);
       }
       let { firstLine: o, perLine: l, perChar: a } = this.heightMetrics(i, r), h = i.doc.lineAt(e), c = l + h.length * a, f = h.number - o, u = s + l * f + a * (h.from - r - f);
-      return new He(h.from, h.length, Math.max(s, Math.min(u, s + this.height - c)), c, 0);
+      return new He2(h.from, h.length, Math.max(s, Math.min(u, s + this.height - c)), c, 0);
     }
     forEachLine(e, t, i, s, r, o) {
       e = Math.max(e, r), t = Math.min(t, r + this.length);
@@ -10885,7 +12737,7 @@ ${name}`;
           f += a * p + h * (e - r - p);
         }
         let d = a + h * u.length;
-        o(new He(u.from, u.length, f, d, 0)), f += d, c = u.to + 1;
+        o(new He2(u.from, u.length, f, d, 0)), f += d, c = u.to + 1;
       }
     }
     replace(e, t, i) {
@@ -10914,13 +12766,13 @@ ${name}`;
           let c = e.doc.lineAt(l).length;
           o.length && o.push(null);
           let f = s.heights[s.index++], u = 0;
-          f < 0 && (u = -f, f = s.heights[s.index++]), a == -1 ? a = f : Math.abs(f - a) >= Bn && (a = -2);
-          let d = new Be(c, f, u);
+          f < 0 && (u = -f, f = s.heights[s.index++]), a == -1 ? a = f : Math.abs(f - a) >= Bn2 && (a = -2);
+          let d = new Be2(c, f, u);
           d.outdated = false, o.push(d), l += c + 1;
         }
         l <= r && o.push(null, new n37(r - l).updateHeight(e, l));
         let h = ke.of(o);
-        return (a < 0 || Math.abs(h.height - this.height) >= Bn || Math.abs(a - this.heightMetrics(e, t).perLine) >= Bn) && (hi = true), Kn(this, h);
+        return (a < 0 || Math.abs(h.height - this.height) >= Bn2 || Math.abs(a - this.heightMetrics(e, t).perLine) >= Bn2) && (hi2 = true), Kn2(this, h);
       } else (i || this.outdated) && (this.setHeight(e.heightForGap(t, t + this.length)), this.outdated = false);
       return this;
     }
@@ -10928,7 +12780,7 @@ ${name}`;
       return `gap(${this.length})`;
     }
   };
-  var Ur = class extends ke {
+  var Ur2 = class extends ke {
     constructor(e, t, i) {
       super(e.length + (t ? 1 : 0) + i.length, e.height + i.height, (t ? 1 : 0) | (e.outdated || i.outdated ? 2 : 0)), this.left = e, this.right = i, this.size = e.size + i.size;
     }
@@ -10978,7 +12830,7 @@ ${name}`;
       e < i && this.left.decomposeRight(e, t), this.break && e < s && t.push(null), t.push(this.right);
     }
     balanced(e, t) {
-      return e.size > 2 * t.size || t.size > 2 * e.size ? ke.of(this.break ? [e, null, t] : [e, t]) : (this.left = Kn(this.left, e), this.right = Kn(this.right, t), this.setHeight(e.height + t.height), this.outdated = e.outdated || t.outdated, this.size = e.size + t.size, this.length = e.length + this.break + t.length, this);
+      return e.size > 2 * t.size || t.size > 2 * e.size ? ke.of(this.break ? [e, null, t] : [e, t]) : (this.left = Kn2(this.left, e), this.right = Kn2(this.right, t), this.setHeight(e.height + t.height), this.outdated = e.outdated || t.outdated, this.size = e.size + t.size, this.length = e.length + this.break + t.length, this);
     }
     updateHeight(e, t = 0, i = false, s) {
       let { left: r, right: o } = this, l = t + r.length + this.break, a = null;
@@ -10993,7 +12845,7 @@ ${name}`;
     n66[e] == null && (t = n66[e - 1]) instanceof mt && (i = n66[e + 1]) instanceof mt && n66.splice(e - 1, 3, new mt(t.length + 1 + i.length));
   }
   var Lu = 5;
-  var Gr = class n38 {
+  var Gr2 = class n38 {
     constructor(e, t) {
       this.pos = e, this.oracle = t, this.nodes = [], this.lineStart = -1, this.lineEnd = -1, this.covering = null, this.writtenTo = e;
     }
@@ -11003,7 +12855,7 @@ ${name}`;
     span(e, t) {
       if (this.lineStart > -1) {
         let i = Math.min(t, this.lineEnd), s = this.nodes[this.nodes.length - 1];
-        s instanceof Be ? s.length += i - this.pos : (i > this.pos || !this.isCovered) && this.nodes.push(new Be(i - this.pos, -1, 0)), this.writtenTo = i, t > i && (this.nodes.push(null), this.writtenTo++, this.lineStart = -1);
+        s instanceof Be2 ? s.length += i - this.pos : (i > this.pos || !this.isCovered) && this.nodes.push(new Be2(i - this.pos, -1, 0)), this.writtenTo = i, t > i && (this.nodes.push(null), this.writtenTo++, this.lineStart = -1);
       }
       this.pos = t;
     }
@@ -11012,14 +12864,14 @@ ${name}`;
         let s = i.widget ? i.widget.estimatedHeight : 0, r = i.widget ? i.widget.lineBreaks : 0;
         s < 0 && (s = this.oracle.lineHeight);
         let o = t - e;
-        i.block ? this.addBlock(new $n(o, s, i)) : (o || r || s >= Lu) && this.addLineDeco(s, r, o);
+        i.block ? this.addBlock(new $n2(o, s, i)) : (o || r || s >= Lu) && this.addLineDeco(s, r, o);
       } else t > e && this.span(e, t);
       this.lineEnd > -1 && this.lineEnd < this.pos && (this.lineEnd = this.oracle.doc.lineAt(this.pos).to);
     }
     enterLine() {
       if (this.lineStart > -1) return;
       let { from: e, to: t } = this.oracle.doc.lineAt(this.pos);
-      this.lineStart = e, this.lineEnd = t, this.writtenTo < e && ((this.writtenTo < e - 1 || this.nodes[this.nodes.length - 1] == null) && this.nodes.push(this.blankContent(this.writtenTo, e - 1)), this.nodes.push(null)), this.pos > e && this.nodes.push(new Be(this.pos - e, -1, 0)), this.writtenTo = this.pos;
+      this.lineStart = e, this.lineEnd = t, this.writtenTo < e && ((this.writtenTo < e - 1 || this.nodes[this.nodes.length - 1] == null) && this.nodes.push(this.blankContent(this.writtenTo, e - 1)), this.nodes.push(null)), this.pos > e && this.nodes.push(new Be2(this.pos - e, -1, 0)), this.writtenTo = this.pos;
     }
     blankContent(e, t) {
       let i = new mt(t - e);
@@ -11028,8 +12880,8 @@ ${name}`;
     ensureLine() {
       this.enterLine();
       let e = this.nodes.length ? this.nodes[this.nodes.length - 1] : null;
-      if (e instanceof Be) return e;
-      let t = new Be(0, -1, 0);
+      if (e instanceof Be2) return e;
+      let t = new Be2(0, -1, 0);
       return this.nodes.push(t), t;
     }
     addBlock(e) {
@@ -11043,9 +12895,9 @@ ${name}`;
     }
     finish(e) {
       let t = this.nodes.length == 0 ? null : this.nodes[this.nodes.length - 1];
-      this.lineStart > -1 && !(t instanceof Be) && !this.isCovered ? this.nodes.push(new Be(0, -1, 0)) : (this.writtenTo < this.pos || t == null) && this.nodes.push(this.blankContent(this.writtenTo, this.pos));
+      this.lineStart > -1 && !(t instanceof Be2) && !this.isCovered ? this.nodes.push(new Be2(0, -1, 0)) : (this.writtenTo < this.pos || t == null) && this.nodes.push(this.blankContent(this.writtenTo, this.pos));
       let i = e;
-      for (let s of this.nodes) s instanceof Be && s.updateHeight(this.oracle, i), i += s ? s.length : 1;
+      for (let s of this.nodes) s instanceof Be2 && s.updateHeight(this.oracle, i), i += s ? s.length : 1;
       return this.nodes;
     }
     static build(e, t, i, s) {
@@ -11054,22 +12906,22 @@ ${name}`;
     }
   };
   function Ru(n66, e, t) {
-    let i = new _r();
+    let i = new _r2();
     return z.compare(n66, e, t, i, 0), i.changes;
   }
-  var _r = class {
+  var _r2 = class {
     constructor() {
       this.changes = [];
     }
     compareRange() {
     }
     comparePoint(e, t, i, s) {
-      (e < t || i && i.heightRelevant || s && s.heightRelevant) && ti(e, t, this.changes, 5);
+      (e < t || i && i.heightRelevant || s && s.heightRelevant) && ti2(e, t, this.changes, 5);
     }
   };
   function Pu(n66, e) {
     let t = n66.getBoundingClientRect(), i = n66.ownerDocument, s = i.defaultView || window, r = Math.max(0, t.left), o = Math.min(s.innerWidth, t.right), l = Math.max(0, t.top), a = Math.min(s.innerHeight, t.bottom);
-    for (let h = n66.parentNode; h && h != i.body; ) if (ne(h)) {
+    for (let h = n66.parentNode; h && h != i.body; ) if (ne2(h)) {
       let c = window.getComputedStyle(h);
       if ((h.scrollHeight > h.clientHeight || h.scrollWidth > h.clientWidth) && c.overflow != "visible") {
         let f = h.getBoundingClientRect();
@@ -11101,10 +12953,10 @@ ${name}`;
       return true;
     }
     draw(e, t) {
-      return L.replace({ widget: new Yr(this.displaySize * (t ? e.scaleY : e.scaleX), t) }).range(this.from, this.to);
+      return L.replace({ widget: new Yr2(this.displaySize * (t ? e.scaleY : e.scaleX), t) }).range(this.from, this.to);
     }
   };
-  var Yr = class extends Re {
+  var Yr2 = class extends Re {
     constructor(e, t) {
       super(), this.size = e, this.vertical = t;
     }
@@ -11119,11 +12971,11 @@ ${name}`;
       return this.vertical ? this.size : -1;
     }
   };
-  var jn = class {
+  var jn2 = class {
     constructor(e, t) {
-      this.view = e, this.state = t, this.pixelViewport = { left: 0, right: window.innerWidth, top: 0, bottom: 0 }, this.inView = true, this.paddingTop = 0, this.paddingBottom = 0, this.contentDOMWidth = 0, this.contentDOMHeight = 0, this.editorHeight = 0, this.editorWidth = 0, this.scaleX = 1, this.scaleY = 1, this.scrollOffset = 0, this.scrolledToBottom = false, this.scrollAnchorPos = 0, this.scrollAnchorHeight = -1, this.scaler = Xr, this.scrollTarget = null, this.printing = false, this.mustMeasureContent = true, this.defaultTextDirection = V.LTR, this.visibleRanges = [], this.mustEnforceCursorAssoc = false;
-      let i = t.facet(wo).some((s) => typeof s != "function" && s.class == "cm-lineWrapping");
-      this.heightOracle = new $r(i), this.stateDeco = wa(t), this.heightMap = ke.empty().applyChanges(this.stateDeco, F.empty, this.heightOracle.setDoc(t.doc), [new We(0, 0, 0, t.doc.length)]);
+      this.view = e, this.state = t, this.pixelViewport = { left: 0, right: window.innerWidth, top: 0, bottom: 0 }, this.inView = true, this.paddingTop = 0, this.paddingBottom = 0, this.contentDOMWidth = 0, this.contentDOMHeight = 0, this.editorHeight = 0, this.editorWidth = 0, this.scaleX = 1, this.scaleY = 1, this.scrollOffset = 0, this.scrolledToBottom = false, this.scrollAnchorPos = 0, this.scrollAnchorHeight = -1, this.scaler = Xr2, this.scrollTarget = null, this.printing = false, this.mustMeasureContent = true, this.defaultTextDirection = V.LTR, this.visibleRanges = [], this.mustEnforceCursorAssoc = false;
+      let i = t.facet(wo2).some((s) => typeof s != "function" && s.class == "cm-lineWrapping");
+      this.heightOracle = new $r2(i), this.stateDeco = wa(t), this.heightMap = ke.empty().applyChanges(this.stateDeco, F.empty, this.heightOracle.setDoc(t.doc), [new We(0, 0, 0, t.doc.length)]);
       for (let s = 0; s < 2 && (this.viewport = this.getViewport(0, null), !!this.updateForViewport()); s++) ;
       this.updateViewportLines(), this.lineGaps = this.ensureLineGaps([]), this.lineGapDeco = L.set(this.lineGaps.map((s) => s.draw(this, false))), this.scrollParent = e.scrollDOM, this.computeVisibleRanges();
     }
@@ -11133,14 +12985,14 @@ ${name}`;
         let s = i ? t.head : t.anchor;
         if (!e.some(({ from: r, to: o }) => s >= r && s <= o)) {
           let { from: r, to: o } = this.lineBlockAt(s);
-          e.push(new Qt(r, o));
+          e.push(new Qt2(r, o));
         }
       }
       return this.viewports = e.sort((i, s) => i.from - s.from), this.updateScaler();
     }
     updateScaler() {
       let e = this.scaler;
-      return this.scaler = this.heightMap.height <= 7e6 ? Xr : Jr.get(this.heightOracle, this.heightMap, this.viewports), e.eq(this.scaler) ? 0 : 2;
+      return this.scaler = this.heightMap.height <= 7e6 ? Xr2 : Jr2.get(this.heightOracle, this.heightMap, this.viewports), e.eq(this.scaler) ? 0 : 2;
     }
     updateViewportLines() {
       this.viewportLines = [], this.heightMap.forEachLine(this.viewport.from, this.viewport.to, this.heightOracle.setDoc(this.state.doc), 0, 0, (e) => {
@@ -11152,7 +13004,7 @@ ${name}`;
       let i = this.stateDeco;
       this.stateDeco = wa(this.state);
       let s = e.changedRanges, r = We.extendWithRanges(s, Ru(i, this.stateDeco, e ? e.changes : ie.empty(this.state.doc.length))), o = this.heightMap.height, l = this.scrolledToBottom ? null : this.scrollAnchorAt(this.scrollOffset);
-      ba(), this.heightMap = this.heightMap.applyChanges(this.stateDeco, e.startState.doc, this.heightOracle.setDoc(this.state.doc), r), (this.heightMap.height != o || hi) && (e.flags |= 2), l ? (this.scrollAnchorPos = e.changes.mapPos(l.from, -1), this.scrollAnchorHeight = l.top) : (this.scrollAnchorPos = -1, this.scrollAnchorHeight = o);
+      ba(), this.heightMap = this.heightMap.applyChanges(this.stateDeco, e.startState.doc, this.heightOracle.setDoc(this.state.doc), r), (this.heightMap.height != o || hi2) && (e.flags |= 2), l ? (this.scrollAnchorPos = e.changes.mapPos(l.from, -1), this.scrollAnchorHeight = l.top) : (this.scrollAnchorPos = -1, this.scrollAnchorHeight = o);
       let a = r.length ? this.mapViewport(this.viewport, e.changes) : this.viewport;
       (t && (t.range.head < a.from || t.range.head > a.to) || !this.viewportIsAppropriate(a)) && (a = this.getViewport(0, t));
       let h = a.from != this.viewport.from || a.to != this.viewport.to;
@@ -11188,9 +13040,9 @@ ${name}`;
         g > 0 && y > 0 ? c = Math.max(g, y) : g < 0 && y < 0 && (c = Math.min(g, y)), ba();
         for (let k of this.viewports) {
           let S2 = k.from == this.viewport.from ? w : e.docView.measureVisibleLineHeights(k);
-          this.heightMap = (o ? ke.empty().applyChanges(this.stateDeco, F.empty, this.heightOracle, [new We(0, 0, 0, e.state.doc.length)]) : this.heightMap).updateHeight(s, 0, o, new jr(k.from, S2));
+          this.heightMap = (o ? ke.empty().applyChanges(this.stateDeco, F.empty, this.heightOracle, [new We(0, 0, 0, e.state.doc.length)]) : this.heightMap).updateHeight(s, 0, o, new jr2(k.from, S2));
         }
-        hi && (h |= 2);
+        hi2 && (h |= 2);
       }
       let D = !this.viewportIsAppropriate(this.viewport, c) || this.scrollTarget && (this.scrollTarget.range.head < this.viewport.from || this.scrollTarget.range.head > this.viewport.to);
       return D && (h & 2 && (h |= this.updateScaler()), this.viewport = this.getViewport(c, this.scrollTarget), h |= this.updateForViewport()), (h & 2 || D) && this.updateViewportLines(), (this.lineGaps.length || this.viewport.to - this.viewport.from > 4e3) && this.updateLineGaps(this.ensureLineGaps(o ? [] : this.lineGaps, e)), h |= this.computeVisibleRanges(), this.mustEnforceCursorAssoc && (this.mustEnforceCursorAssoc = false, e.docView.enforceCursorAssoc()), h;
@@ -11202,19 +13054,19 @@ ${name}`;
       return this.scaler.fromDOM(this.pixelViewport.bottom);
     }
     getViewport(e, t) {
-      let i = 0.5 - Math.max(-0.5, Math.min(0.5, e / 1e3 / 2)), s = this.heightMap, r = this.heightOracle, { visibleTop: o, visibleBottom: l } = this, a = new Qt(s.lineAt(o - i * 1e3, j.ByHeight, r, 0, 0).from, s.lineAt(l + (1 - i) * 1e3, j.ByHeight, r, 0, 0).to);
+      let i = 0.5 - Math.max(-0.5, Math.min(0.5, e / 1e3 / 2)), s = this.heightMap, r = this.heightOracle, { visibleTop: o, visibleBottom: l } = this, a = new Qt2(s.lineAt(o - i * 1e3, j.ByHeight, r, 0, 0).from, s.lineAt(l + (1 - i) * 1e3, j.ByHeight, r, 0, 0).to);
       if (t) {
         let { head: h } = t.range;
         if (h < a.from || h > a.to) {
           let c = Math.min(this.editorHeight, this.pixelViewport.bottom - this.pixelViewport.top), f = s.lineAt(h, j.ByPos, r, 0, 0), u;
-          t.y == "center" ? u = (f.top + f.bottom) / 2 - c / 2 : t.y == "start" || t.y == "nearest" && h < a.from ? u = f.top : u = f.bottom - c, a = new Qt(s.lineAt(u - 1e3 / 2, j.ByHeight, r, 0, 0).from, s.lineAt(u + c + 1e3 / 2, j.ByHeight, r, 0, 0).to);
+          t.y == "center" ? u = (f.top + f.bottom) / 2 - c / 2 : t.y == "start" || t.y == "nearest" && h < a.from ? u = f.top : u = f.bottom - c, a = new Qt2(s.lineAt(u - 1e3 / 2, j.ByHeight, r, 0, 0).from, s.lineAt(u + c + 1e3 / 2, j.ByHeight, r, 0, 0).to);
         }
       }
       return a;
     }
     mapViewport(e, t) {
       let i = t.mapPos(e.from, -1), s = t.mapPos(e.to, 1);
-      return new Qt(this.heightMap.lineAt(i, j.ByPos, this.heightOracle, 0, 0).from, this.heightMap.lineAt(s, j.ByPos, this.heightOracle, 0, 0).to);
+      return new Qt2(this.heightMap.lineAt(i, j.ByPos, this.heightOracle, 0, 0).from, this.heightMap.lineAt(s, j.ByPos, this.heightOracle, 0, 0).to);
     }
     viewportIsAppropriate({ from: e, to: t }, i = 0) {
       if (!this.inView) return true;
@@ -11249,7 +13101,7 @@ ${name}`;
         }
         l.push(g);
       }, h = (c) => {
-        if (c.length < o || c.type != ae.Text) return;
+        if (c.length < o || c.type != ae2.Text) return;
         let f = Fu(c.from, c.to, this.stateDeco);
         if (f.total < o) return;
         let u = this.scrollTarget ? this.scrollTarget.range.head : null, d, p;
@@ -11321,7 +13173,7 @@ ${name}`;
       return this.docHeight + this.paddingTop + this.paddingBottom;
     }
   };
-  var Qt = class {
+  var Qt2 = class {
     constructor(e, t) {
       this.from = e, this.to = t;
     }
@@ -11357,7 +13209,7 @@ ${name}`;
   function Hu(n66, e) {
     for (let t of n66) if (e(t)) return t;
   }
-  var Xr = { toDOM(n66) {
+  var Xr2 = { toDOM(n66) {
     return n66;
   }, fromDOM(n66) {
     return n66;
@@ -11365,10 +13217,10 @@ ${name}`;
     return n66 == this;
   } };
   function wa(n66) {
-    let e = n66.facet(Zn).filter((i) => typeof i != "function"), t = n66.facet(vo).filter((i) => typeof i != "function");
+    let e = n66.facet(Zn2).filter((i) => typeof i != "function"), t = n66.facet(vo2).filter((i) => typeof i != "function");
     return t.length && e.push(z.join(t)), e;
   }
-  var Jr = class n39 {
+  var Jr2 = class n39 {
     constructor(e, t) {
       this.scale = e, this.viewports = t;
     }
@@ -11377,7 +13229,7 @@ ${name}`;
         let f = t.lineAt(h, j.ByPos, e, 0, 0).top, u = t.lineAt(c, j.ByPos, e, 0, 0).bottom;
         return s += u - f, { from: h, to: c, top: f, bottom: u, domTop: 0, domBottom: 0 };
       });
-      if (t.height - s < 10) return Xr;
+      if (t.height - s < 10) return Xr2;
       let a = (7e6 - s) / (t.height - s);
       for (let h of l) h.domTop = o + (h.top - r) * a, o = h.domBottom = h.domTop + (h.bottom - h.top), r = h.bottom;
       return new n39(a, l);
@@ -11405,15 +13257,15 @@ ${name}`;
   function Ti(n66, e) {
     if (e.scale == 1) return n66;
     let t = e.toDOM(n66.top), i = e.toDOM(n66.bottom);
-    return new He(n66.from, n66.length, t, i - t, Array.isArray(n66._content) ? n66._content.map((s) => Ti(s, e)) : n66._content);
+    return new He2(n66.from, n66.length, t, i - t, Array.isArray(n66._content) ? n66._content.map((s) => Ti(s, e)) : n66._content);
   }
   var An = T.define({ combine: (n66) => n66.join(" ") });
-  var Qr = T.define({ combine: (n66) => n66.indexOf(true) > -1 });
-  var Zr = Oe.newName();
+  var Qr2 = T.define({ combine: (n66) => n66.indexOf(true) > -1 });
+  var Zr2 = Oe.newName();
   var Mh = Oe.newName();
   var Th = Oe.newName();
   var Dh = { "&light": "." + Mh, "&dark": "." + Th };
-  function eo(n66, e, t) {
+  function eo2(n66, e, t) {
     return new Oe(e, { finish(i) {
       return /&/.test(i) ? i.replace(/&\w*/, (s) => {
         if (s == "&") return n66;
@@ -11422,15 +13274,15 @@ ${name}`;
       }) : n66 + " " + i;
     } });
   }
-  var Wu = eo("." + Zr, { "&": { position: "relative !important", boxSizing: "border-box", "&.cm-focused": { outline: "1px dotted #212121" }, display: "flex !important", flexDirection: "column" }, ".cm-scroller": { display: "flex !important", alignItems: "flex-start !important", fontFamily: "monospace", lineHeight: 1.4, height: "100%", overflowX: "auto", position: "relative", zIndex: 0, overflowAnchor: "none" }, ".cm-content": { margin: 0, flexGrow: 2, flexShrink: 0, display: "block", whiteSpace: "pre", wordWrap: "normal", boxSizing: "border-box", minHeight: "100%", padding: "4px 0", outline: "none", "&[contenteditable=true]": { WebkitUserModify: "read-write-plaintext-only" } }, ".cm-lineWrapping": { whiteSpace_fallback: "pre-wrap", whiteSpace: "break-spaces", wordBreak: "break-word", overflowWrap: "anywhere", flexShrink: 1 }, "&light .cm-content": { caretColor: "black" }, "&dark .cm-content": { caretColor: "white" }, ".cm-line": { display: "block", padding: "0 2px 0 6px" }, ".cm-layer": { userSelect: "none", position: "absolute", left: 0, top: 0, contain: "size style", "& > *": { position: "absolute" } }, "&light .cm-selectionBackground": { background: "#d9d9d9" }, "&dark .cm-selectionBackground": { background: "#222" }, "&light.cm-focused > .cm-scroller > .cm-selectionLayer .cm-selectionBackground": { background: "#d7d4f0" }, "&dark.cm-focused > .cm-scroller > .cm-selectionLayer .cm-selectionBackground": { background: "#233" }, ".cm-cursorLayer": { pointerEvents: "none" }, "&.cm-focused > .cm-scroller > .cm-cursorLayer": { animation: "steps(1) cm-blink 1.2s infinite" }, "@keyframes cm-blink": { "0%": {}, "50%": { opacity: 0 }, "100%": {} }, "@keyframes cm-blink2": { "0%": {}, "50%": { opacity: 0 }, "100%": {} }, ".cm-cursor, .cm-dropCursor": { borderLeft: "1.2px solid black", marginLeft: "-0.6px", pointerEvents: "none" }, ".cm-cursor": { display: "none" }, "&dark .cm-cursor": { borderLeftColor: "#ddd" }, ".cm-selectionHandle": { backgroundColor: "currentColor", width: "1.5px" }, ".cm-selectionHandle-start::before, .cm-selectionHandle-end::before": { content: '""', backgroundColor: "inherit", borderRadius: "50%", width: "8px", height: "8px", position: "absolute", left: "-3.25px" }, ".cm-selectionHandle-start::before": { top: "-8px" }, ".cm-selectionHandle-end::before": { bottom: "-8px" }, ".cm-dropCursor": { position: "absolute" }, "&.cm-focused > .cm-scroller > .cm-cursorLayer .cm-cursor": { display: "block" }, ".cm-iso": { unicodeBidi: "isolate" }, ".cm-announced": { position: "fixed", top: "-10000px" }, "@media print": { ".cm-announced": { display: "none" } }, "&light .cm-activeLine": { backgroundColor: "#cceeff44" }, "&dark .cm-activeLine": { backgroundColor: "#99eeff33" }, "&light .cm-specialChar": { color: "red" }, "&dark .cm-specialChar": { color: "#f78" }, ".cm-gutters": { flexShrink: 0, display: "flex", height: "100%", boxSizing: "border-box", zIndex: 200 }, ".cm-gutters-before": { insetInlineStart: 0 }, ".cm-gutters-after": { insetInlineEnd: 0 }, "&light .cm-gutters": { backgroundColor: "#f5f5f5", color: "#6c6c6c", border: "0px solid #ddd", "&.cm-gutters-before": { borderRightWidth: "1px" }, "&.cm-gutters-after": { borderLeftWidth: "1px" } }, "&dark .cm-gutters": { backgroundColor: "#333338", color: "#ccc" }, ".cm-gutter": { display: "flex !important", flexDirection: "column", flexShrink: 0, boxSizing: "border-box", minHeight: "100%", overflow: "hidden" }, ".cm-gutterElement": { boxSizing: "border-box" }, ".cm-lineNumbers .cm-gutterElement": { padding: "0 3px 0 5px", minWidth: "20px", textAlign: "right", whiteSpace: "nowrap" }, "&light .cm-activeLineGutter": { backgroundColor: "#e2f2ff" }, "&dark .cm-activeLineGutter": { backgroundColor: "#222227" }, ".cm-panels": { boxSizing: "border-box", position: "sticky", left: 0, right: 0, zIndex: 300 }, "&light .cm-panels": { backgroundColor: "#f5f5f5", color: "black" }, ".cm-panels-top": { top: "0" }, ".cm-panels-bottom": { bottom: "0" }, "&light .cm-panels-top": { borderBottom: "1px solid #ddd" }, "&light .cm-panels-bottom": { borderTop: "1px solid #ddd" }, "&dark .cm-panels": { backgroundColor: "#333338", color: "white" }, ".cm-dialog": { padding: "2px 19px 4px 6px", position: "relative", "& label": { fontSize: "80%" } }, ".cm-dialog-close": { position: "absolute", top: "3px", right: "4px", backgroundColor: "inherit", border: "none", font: "inherit", fontSize: "14px", padding: "0" }, ".cm-tab": { display: "inline-block", overflow: "hidden", verticalAlign: "bottom" }, ".cm-widgetBuffer": { verticalAlign: "baseline", height: "1em", width: 0, display: "inline" }, ".cm-placeholder": { color: "#888", display: "inline-block", verticalAlign: "top", userSelect: "none" }, ".cm-highlightSpace": { background: "radial-gradient(circle at 50% 55%, #aaa 20%, transparent 0) no-repeat", backgroundSize: ".4em", backgroundPosition: "calc(min(50%, 0px)) center" }, ".cm-highlightTab": { backgroundImage: `url('data:image/svg+xml,<svg xmlns="http://www.w3.org/2000/svg" width="200" height="20"><path stroke="%23888" stroke-width="1" fill="none" d="M1 10H196L190 5M190 15L196 10M197 4L197 16"/></svg>')`, backgroundSize: "auto 100%", backgroundPosition: "right 90%", backgroundRepeat: "no-repeat" }, ".cm-trailingSpace": { backgroundColor: "#ff332255" }, ".cm-button": { verticalAlign: "middle", color: "inherit", fontSize: "70%", padding: ".2em 1em", borderRadius: "1px" }, "&light .cm-button": { backgroundImage: "linear-gradient(#eff1f5, #d9d9df)", border: "1px solid #888", "&:active": { backgroundImage: "linear-gradient(#b4b4b4, #d0d3d6)" } }, "&dark .cm-button": { backgroundImage: "linear-gradient(#393939, #111)", border: "1px solid #888", "&:active": { backgroundImage: "linear-gradient(#111, #333)" } }, ".cm-textfield": { verticalAlign: "middle", color: "inherit", fontSize: "70%", border: "1px solid silver", padding: ".2em .5em" }, "&light .cm-textfield": { backgroundColor: "white" }, "&dark .cm-textfield": { border: "1px solid #555", backgroundColor: "inherit" } }, Dh);
+  var Wu = eo2("." + Zr2, { "&": { position: "relative !important", boxSizing: "border-box", "&.cm-focused": { outline: "1px dotted #212121" }, display: "flex !important", flexDirection: "column" }, ".cm-scroller": { display: "flex !important", alignItems: "flex-start !important", fontFamily: "monospace", lineHeight: 1.4, height: "100%", overflowX: "auto", position: "relative", zIndex: 0, overflowAnchor: "none" }, ".cm-content": { margin: 0, flexGrow: 2, flexShrink: 0, display: "block", whiteSpace: "pre", wordWrap: "normal", boxSizing: "border-box", minHeight: "100%", padding: "4px 0", outline: "none", "&[contenteditable=true]": { WebkitUserModify: "read-write-plaintext-only" } }, ".cm-lineWrapping": { whiteSpace_fallback: "pre-wrap", whiteSpace: "break-spaces", wordBreak: "break-word", overflowWrap: "anywhere", flexShrink: 1 }, "&light .cm-content": { caretColor: "black" }, "&dark .cm-content": { caretColor: "white" }, ".cm-line": { display: "block", padding: "0 2px 0 6px" }, ".cm-layer": { userSelect: "none", position: "absolute", left: 0, top: 0, contain: "size style", "& > *": { position: "absolute" } }, "&light .cm-selectionBackground": { background: "#d9d9d9" }, "&dark .cm-selectionBackground": { background: "#222" }, "&light.cm-focused > .cm-scroller > .cm-selectionLayer .cm-selectionBackground": { background: "#d7d4f0" }, "&dark.cm-focused > .cm-scroller > .cm-selectionLayer .cm-selectionBackground": { background: "#233" }, ".cm-cursorLayer": { pointerEvents: "none" }, "&.cm-focused > .cm-scroller > .cm-cursorLayer": { animation: "steps(1) cm-blink 1.2s infinite" }, "@keyframes cm-blink": { "0%": {}, "50%": { opacity: 0 }, "100%": {} }, "@keyframes cm-blink2": { "0%": {}, "50%": { opacity: 0 }, "100%": {} }, ".cm-cursor, .cm-dropCursor": { borderLeft: "1.2px solid black", marginLeft: "-0.6px", pointerEvents: "none" }, ".cm-cursor": { display: "none" }, "&dark .cm-cursor": { borderLeftColor: "#ddd" }, ".cm-selectionHandle": { backgroundColor: "currentColor", width: "1.5px" }, ".cm-selectionHandle-start::before, .cm-selectionHandle-end::before": { content: '""', backgroundColor: "inherit", borderRadius: "50%", width: "8px", height: "8px", position: "absolute", left: "-3.25px" }, ".cm-selectionHandle-start::before": { top: "-8px" }, ".cm-selectionHandle-end::before": { bottom: "-8px" }, ".cm-dropCursor": { position: "absolute" }, "&.cm-focused > .cm-scroller > .cm-cursorLayer .cm-cursor": { display: "block" }, ".cm-iso": { unicodeBidi: "isolate" }, ".cm-announced": { position: "fixed", top: "-10000px" }, "@media print": { ".cm-announced": { display: "none" } }, "&light .cm-activeLine": { backgroundColor: "#cceeff44" }, "&dark .cm-activeLine": { backgroundColor: "#99eeff33" }, "&light .cm-specialChar": { color: "red" }, "&dark .cm-specialChar": { color: "#f78" }, ".cm-gutters": { flexShrink: 0, display: "flex", height: "100%", boxSizing: "border-box", zIndex: 200 }, ".cm-gutters-before": { insetInlineStart: 0 }, ".cm-gutters-after": { insetInlineEnd: 0 }, "&light .cm-gutters": { backgroundColor: "#f5f5f5", color: "#6c6c6c", border: "0px solid #ddd", "&.cm-gutters-before": { borderRightWidth: "1px" }, "&.cm-gutters-after": { borderLeftWidth: "1px" } }, "&dark .cm-gutters": { backgroundColor: "#333338", color: "#ccc" }, ".cm-gutter": { display: "flex !important", flexDirection: "column", flexShrink: 0, boxSizing: "border-box", minHeight: "100%", overflow: "hidden" }, ".cm-gutterElement": { boxSizing: "border-box" }, ".cm-lineNumbers .cm-gutterElement": { padding: "0 3px 0 5px", minWidth: "20px", textAlign: "right", whiteSpace: "nowrap" }, "&light .cm-activeLineGutter": { backgroundColor: "#e2f2ff" }, "&dark .cm-activeLineGutter": { backgroundColor: "#222227" }, ".cm-panels": { boxSizing: "border-box", position: "sticky", left: 0, right: 0, zIndex: 300 }, "&light .cm-panels": { backgroundColor: "#f5f5f5", color: "black" }, ".cm-panels-top": { top: "0" }, ".cm-panels-bottom": { bottom: "0" }, "&light .cm-panels-top": { borderBottom: "1px solid #ddd" }, "&light .cm-panels-bottom": { borderTop: "1px solid #ddd" }, "&dark .cm-panels": { backgroundColor: "#333338", color: "white" }, ".cm-dialog": { padding: "2px 19px 4px 6px", position: "relative", "& label": { fontSize: "80%" } }, ".cm-dialog-close": { position: "absolute", top: "3px", right: "4px", backgroundColor: "inherit", border: "none", font: "inherit", fontSize: "14px", padding: "0" }, ".cm-tab": { display: "inline-block", overflow: "hidden", verticalAlign: "bottom" }, ".cm-widgetBuffer": { verticalAlign: "baseline", height: "1em", width: 0, display: "inline" }, ".cm-placeholder": { color: "#888", display: "inline-block", verticalAlign: "top", userSelect: "none" }, ".cm-highlightSpace": { background: "radial-gradient(circle at 50% 55%, #aaa 20%, transparent 0) no-repeat", backgroundSize: ".4em", backgroundPosition: "calc(min(50%, 0px)) center" }, ".cm-highlightTab": { backgroundImage: `url('data:image/svg+xml,<svg xmlns="http://www.w3.org/2000/svg" width="200" height="20"><path stroke="%23888" stroke-width="1" fill="none" d="M1 10H196L190 5M190 15L196 10M197 4L197 16"/></svg>')`, backgroundSize: "auto 100%", backgroundPosition: "right 90%", backgroundRepeat: "no-repeat" }, ".cm-trailingSpace": { backgroundColor: "#ff332255" }, ".cm-button": { verticalAlign: "middle", color: "inherit", fontSize: "70%", padding: ".2em 1em", borderRadius: "1px" }, "&light .cm-button": { backgroundImage: "linear-gradient(#eff1f5, #d9d9df)", border: "1px solid #888", "&:active": { backgroundImage: "linear-gradient(#b4b4b4, #d0d3d6)" } }, "&dark .cm-button": { backgroundImage: "linear-gradient(#393939, #111)", border: "1px solid #888", "&:active": { backgroundImage: "linear-gradient(#111, #333)" } }, ".cm-textfield": { verticalAlign: "middle", color: "inherit", fontSize: "70%", border: "1px solid silver", padding: ".2em .5em" }, "&light .cm-textfield": { backgroundColor: "white" }, "&dark .cm-textfield": { border: "1px solid #555", backgroundColor: "inherit" } }, Dh);
   var Vu = { childList: true, characterData: true, subtree: true, attributes: true, characterDataOldValue: true };
-  var ur = A.ie && A.ie_version <= 11;
-  var to = class {
+  var ur2 = A.ie && A.ie_version <= 11;
+  var to2 = class {
     constructor(e) {
-      this.view = e, this.active = false, this.editContext = null, this.selectionRange = new kr(), this.selectionChanged = false, this.delayedFlush = -1, this.resizeTimeout = -1, this.queue = [], this.delayedAndroidKey = null, this.flushingAndroidKey = -1, this.lastChange = 0, this.scrollTargets = [], this.intersection = null, this.resizeScroll = null, this.intersecting = false, this.gapIntersection = null, this.gaps = [], this.printQuery = null, this.parentCheck = -1, this.dom = e.contentDOM, this.observer = new MutationObserver((t) => {
+      this.view = e, this.active = false, this.editContext = null, this.selectionRange = new kr2(), this.selectionChanged = false, this.delayedFlush = -1, this.resizeTimeout = -1, this.queue = [], this.delayedAndroidKey = null, this.flushingAndroidKey = -1, this.lastChange = 0, this.scrollTargets = [], this.intersection = null, this.resizeScroll = null, this.intersecting = false, this.gapIntersection = null, this.gaps = [], this.printQuery = null, this.parentCheck = -1, this.dom = e.contentDOM, this.observer = new MutationObserver((t) => {
         for (let i of t) this.queue.push(i);
         (A.ie && A.ie_version <= 11 || A.ios && e.composing) && t.some((i) => i.type == "childList" && i.removedNodes.length || i.type == "characterData" && i.oldValue.length > i.target.nodeValue.length) ? this.flushSoon() : this.flush();
-      }), window.EditContext && A.android && e.constructor.EDIT_CONTEXT !== false && !(A.chrome && A.chrome_version < 126) && (this.editContext = new io(e), e.state.facet(at) && (e.contentDOM.editContext = this.editContext.editContext)), ur && (this.onCharData = (t) => {
+      }), window.EditContext && A.android && e.constructor.EDIT_CONTEXT !== false && !(A.chrome && A.chrome_version < 126) && (this.editContext = new io2(e), e.state.facet(at) && (e.contentDOM.editContext = this.editContext.editContext)), ur2 && (this.onCharData = (t) => {
         this.queue.push({ target: t.target, type: "characterData", oldValue: t.prevValue }), this.flushSoon();
       }), this.onSelectionChange = this.onSelectionChange.bind(this), this.onResize = this.onResize.bind(this), this.onPrint = this.onPrint.bind(this), this.onScroll = this.onScroll.bind(this), window.matchMedia && (this.printQuery = window.matchMedia("print")), typeof ResizeObserver == "function" && (this.resizeScroll = new ResizeObserver(() => {
         var t;
@@ -11482,7 +13334,7 @@ ${name}`;
       let i = A.safari && e.root.nodeType == 11 && e.root.activeElement == this.dom && zu(this.view, t) || t;
       if (!i || this.selectionRange.eq(i)) return false;
       let s = Di(this.dom, i);
-      return s && !this.selectionChanged && e.inputState.lastFocusTime > Date.now() - 200 && e.inputState.lastTouchTime < Date.now() - 300 && If(this.dom, i) ? (this.view.inputState.lastFocusTime = 0, e.docView.updateSelection(), false) : (this.selectionRange.setRange(i), s && (this.selectionChanged = true), true);
+      return s && !this.selectionChanged && e.inputState.lastFocusTime > Date.now() - 200 && e.inputState.lastTouchTime < Date.now() - 300 && If2(this.dom, i) ? (this.view.inputState.lastFocusTime = 0, e.docView.updateSelection(), false) : (this.selectionRange.setRange(i), s && (this.selectionChanged = true), true);
     }
     setSelectionRange(e, t) {
       this.selectionRange.set(e.node, e.offset, t.node, t.offset), this.selectionChanged = false;
@@ -11493,7 +13345,7 @@ ${name}`;
     listenForScroll() {
       this.parentCheck = -1;
       let e = 0, t = null;
-      for (let i = this.dom; i; ) if (ne(i)) !t && e < this.scrollTargets.length && this.scrollTargets[e] == i ? e++ : t || (t = this.scrollTargets.slice(0, e)), t && t.push(i), i = i.assignedSlot || i.parentNode;
+      for (let i = this.dom; i; ) if (ne2(i)) !t && e < this.scrollTargets.length && this.scrollTargets[e] == i ? e++ : t || (t = this.scrollTargets.slice(0, e)), t && t.push(i), i = i.assignedSlot || i.parentNode;
       else if (i.nodeType == 11) i = i.host;
       else break;
       if (e < this.scrollTargets.length && !t && (t = this.scrollTargets.slice(0, e)), t) {
@@ -11510,10 +13362,10 @@ ${name}`;
       }
     }
     start() {
-      this.active || (this.observer.observe(this.dom, Vu), ur && this.dom.addEventListener("DOMCharacterDataModified", this.onCharData), this.active = true);
+      this.active || (this.observer.observe(this.dom, Vu), ur2 && this.dom.addEventListener("DOMCharacterDataModified", this.onCharData), this.active = true);
     }
     stop() {
-      this.active && (this.active = false, this.observer.disconnect(), ur && this.dom.removeEventListener("DOMCharacterDataModified", this.onCharData));
+      this.active && (this.active = false, this.observer.disconnect(), ur2 && this.dom.removeEventListener("DOMCharacterDataModified", this.onCharData));
     }
     clear() {
       this.processRecords(), this.queue.length = 0, this.selectionChanged = false;
@@ -11523,7 +13375,7 @@ ${name}`;
       if (!this.delayedAndroidKey) {
         let s = () => {
           let r = this.delayedAndroidKey;
-          r && (this.clearDelayedAndroidKey(), this.view.inputState.lastKeyCode = r.keyCode, this.view.inputState.lastKeyTime = Date.now(), !this.flush() && r.force && ii(this.dom, r.key, r.keyCode));
+          r && (this.clearDelayedAndroidKey(), this.view.inputState.lastKeyCode = r.keyCode, this.view.inputState.lastKeyTime = Date.now(), !this.flush() && r.force && ii2(this.dom, r.key, r.keyCode));
         };
         this.flushingAndroidKey = this.view.win.requestAnimationFrame(s);
       }
@@ -11558,7 +13410,7 @@ ${name}`;
       let { from: e, to: t, typeOver: i } = this.processRecords(), s = this.selectionChanged && Di(this.dom, this.selectionRange);
       if (e < 0 && !s) return null;
       e > -1 && (this.lastChange = Date.now()), this.view.inputState.lastFocusTime = 0, this.selectionChanged = false;
-      let r = new Wr(this.view, e, t, i);
+      let r = new Wr2(this.view, e, t, i);
       return this.view.docView.domChanged = { newSel: r.newSel ? r.newSel.main : null }, r;
     }
     flush(e = true) {
@@ -11620,7 +13472,7 @@ ${name}`;
     }
     return n66.contentDOM.addEventListener("beforeinput", i, true), n66.dom.ownerDocument.execCommand("indent"), n66.contentDOM.removeEventListener("beforeinput", i, true), t ? ka(n66, t) : null;
   }
-  var io = class {
+  var io2 = class {
     constructor(e) {
       this.from = 0, this.to = 0, this.pendingContextChange = null, this.handlers = /* @__PURE__ */ Object.create(null), this.composing = null, this.resetRange(e.state);
       let t = this.editContext = new window.EditContext({ text: e.state.doc.sliceString(this.from, this.to), selectionStart: this.toContextPos(Math.max(this.from, Math.min(this.to, e.state.selection.main.anchor))), selectionEnd: this.toContextPos(e.state.selection.main.head) });
@@ -11632,14 +13484,14 @@ ${name}`;
         let c = yh(e.state.sliceDoc(l, a), i.text, (h ? s.from : s.to) - l, h ? "end" : null);
         if (!c) {
           let u = x.single(this.toEditorPos(i.selectionStart), this.toEditorPos(i.selectionEnd));
-          Vr(u, s) || e.dispatch({ selection: u, userEvent: "select" });
+          Vr2(u, s) || e.dispatch({ selection: u, userEvent: "select" });
           return;
         }
         let f = { from: c.from + l, to: c.toA + l, insert: F.of(i.text.slice(c.from, c.toB).split(`
 `)) };
         if ((A.mac || A.android) && f.from == o - 1 && /^\. ?$/.test(i.text) && e.contentDOM.getAttribute("autocorrect") == "off" && (f = { from: l, to: a, insert: F.of([i.text.replace(".", " ")]) }), this.pendingContextChange = f, !e.state.readOnly) {
           let u = this.to - this.from + (f.to - f.from + f.insert.length);
-          So(e, f, x.single(this.toEditorPos(i.selectionStart, u), this.toEditorPos(i.selectionEnd, u)));
+          So2(e, f, x.single(this.toEditorPos(i.selectionStart, u), this.toEditorPos(i.selectionEnd, u)));
         }
         this.pendingContextChange && (this.revertPending(e.state), this.setSelection(e.state)), f.from < f.to && !f.insert.length && e.inputState.composing >= 0 && !/[\\p{Alphabetic}\\p{Number}_]/.test(t.text.slice(Math.max(0, i.updateRangeStart - 1), Math.min(t.text.length, i.updateRangeStart + 1))) && this.handlers.compositionend(i);
       }, this.handlers.characterboundsupdate = (i) => {
@@ -11761,14 +13613,14 @@ ${name}`;
       var t;
       this.plugins = [], this.pluginMap = /* @__PURE__ */ new Map(), this.editorAttrs = {}, this.contentAttrs = {}, this.bidiCache = [], this.destroyed = false, this.updateState = 2, this.measureScheduled = -1, this.measureRequests = [], this.clearAnnouncement = -1, this.contentDOM = document.createElement("div"), this.scrollDOM = document.createElement("div"), this.scrollDOM.tabIndex = -1, this.scrollDOM.className = "cm-scroller", this.scrollDOM.appendChild(this.contentDOM), this.announceDOM = document.createElement("div"), this.announceDOM.className = "cm-announced", this.announceDOM.setAttribute("aria-live", "polite"), this.dom = document.createElement("div"), this.dom.appendChild(this.announceDOM), this.dom.appendChild(this.scrollDOM), e.parent && e.parent.appendChild(this.dom);
       let { dispatch: i } = e;
-      this.dispatchTransactions = e.dispatchTransactions || i && ((s) => s.forEach((r) => i(r, this))) || ((s) => this.update(s)), this.dispatch = this.dispatch.bind(this), this._root = e.root || Pf(e.parent) || document, this.viewState = new jn(this, e.state || _.create(e)), e.scrollTo && e.scrollTo.is(wn) && (this.viewState.scrollTarget = e.scrollTo.value.clip(this.viewState.state)), this.plugins = this.state.facet(Jt).map((s) => new Ei(s));
+      this.dispatchTransactions = e.dispatchTransactions || i && ((s) => s.forEach((r) => i(r, this))) || ((s) => this.update(s)), this.dispatch = this.dispatch.bind(this), this._root = e.root || Pf2(e.parent) || document, this.viewState = new jn2(this, e.state || _.create(e)), e.scrollTo && e.scrollTo.is(wn) && (this.viewState.scrollTarget = e.scrollTo.value.clip(this.viewState.state)), this.plugins = this.state.facet(Jt2).map((s) => new Ei(s));
       for (let s of this.plugins) s.update(this);
-      this.observer = new to(this), this.inputState = new zr(this), this.inputState.ensureHandlers(this.plugins), this.docView = new zn(this), this.mountStyles(), this.updateAttrs(), this.updateState = 0, this.requestMeasure(), !((t = document.fonts) === null || t === void 0) && t.ready && document.fonts.ready.then(() => {
+      this.observer = new to2(this), this.inputState = new zr2(this), this.inputState.ensureHandlers(this.plugins), this.docView = new zn(this), this.mountStyles(), this.updateAttrs(), this.updateState = 0, this.requestMeasure(), !((t = document.fonts) === null || t === void 0) && t.ready && document.fonts.ready.then(() => {
         this.viewState.mustMeasureContent = "refresh", this.requestMeasure();
       });
     }
     dispatch(...e) {
-      let t = e.length == 1 && e[0] instanceof X ? e : e.length == 1 && Array.isArray(e[0]) ? e[0] : [this.state.update(...e)];
+      let t = e.length == 1 && e[0] instanceof X2 ? e : e.length == 1 && Array.isArray(e[0]) ? e[0] : [this.state.update(...e)];
       this.dispatchTransactions(t, this);
     }
     update(e) {
@@ -11786,7 +13638,7 @@ ${name}`;
       e.some((u) => u.annotation(Sh)) ? (this.inputState.notifiedFocused = o, l = 1) : o != this.inputState.notifiedFocused && (this.inputState.notifiedFocused = o, a = Ch(r, o), a || (l = 1));
       let h = this.observer.delayedAndroidKey, c = null;
       if (h ? (this.observer.clearDelayedAndroidKey(), c = this.observer.readChange(), (c && !this.state.doc.eq(r.doc) || !this.state.selection.eq(r.selection)) && (c = null)) : this.observer.clear(), r.facet(_.phrases) != this.state.facet(_.phrases)) return this.setState(r);
-      s = Wn.create(this, r, e), s.flags |= l;
+      s = Wn2.create(this, r, e), s.flags |= l;
       let f = this.viewState.scrollTarget;
       try {
         this.updateState = 2;
@@ -11797,17 +13649,17 @@ ${name}`;
           }
           for (let d of u.effects) d.is(wn) && (f = d.value.clip(this.state));
         }
-        this.viewState.update(s, f), this.bidiCache = Un.update(this.bidiCache, s.changes), s.empty || (this.updatePlugins(s), this.inputState.update(s)), t = this.docView.update(s), this.state.facet(Mi) != this.styleModules && this.mountStyles(), i = this.updateAttrs(), this.showAnnouncements(e), this.docView.updateSelection(t, e.some((u) => u.isUserEvent("select.pointer")));
+        this.viewState.update(s, f), this.bidiCache = Un2.update(this.bidiCache, s.changes), s.empty || (this.updatePlugins(s), this.inputState.update(s)), t = this.docView.update(s), this.state.facet(Mi) != this.styleModules && this.mountStyles(), i = this.updateAttrs(), this.showAnnouncements(e), this.docView.updateSelection(t, e.some((u) => u.isUserEvent("select.pointer")));
       } finally {
         this.updateState = 0;
       }
-      if (s.startState.facet(An) != s.state.facet(An) && (this.viewState.mustMeasureContent = true), (t || i || f || this.viewState.mustEnforceCursorAssoc || this.viewState.mustMeasureContent) && this.requestMeasure(), t && this.docViewUpdate(), !s.empty) for (let u of this.state.facet(Mr)) try {
+      if (s.startState.facet(An) != s.state.facet(An) && (this.viewState.mustMeasureContent = true), (t || i || f || this.viewState.mustEnforceCursorAssoc || this.viewState.mustMeasureContent) && this.requestMeasure(), t && this.docViewUpdate(), !s.empty) for (let u of this.state.facet(Mr2)) try {
         u(s);
       } catch (d) {
         le(this.state, d, "update listener");
       }
       (a || c) && Promise.resolve().then(() => {
-        a && this.state == a.startState && this.dispatch(a), c && !gh(this, c) && h.force && ii(this.contentDOM, h.key, h.keyCode);
+        a && this.state == a.startState && this.dispatch(a), c && !gh(this, c) && h.force && ii2(this.contentDOM, h.key, h.keyCode);
       });
     }
     setState(e) {
@@ -11820,7 +13672,7 @@ ${name}`;
       let t = this.hasFocus;
       try {
         for (let i of this.plugins) i.destroy(this);
-        this.viewState = new jn(this, e), this.plugins = e.facet(Jt).map((i) => new Ei(i)), this.pluginMap.clear();
+        this.viewState = new jn2(this, e), this.plugins = e.facet(Jt2).map((i) => new Ei(i)), this.pluginMap.clear();
         for (let i of this.plugins) i.update(this);
         this.docView.destroy(), this.docView = new zn(this), this.inputState.ensureHandlers(this.plugins), this.mountStyles(), this.updateAttrs(), this.bidiCache = [];
       } finally {
@@ -11829,7 +13681,7 @@ ${name}`;
       t && this.focus(), this.requestMeasure();
     }
     updatePlugins(e) {
-      let t = e.startState.facet(Jt), i = e.state.facet(Jt);
+      let t = e.startState.facet(Jt2), i = e.state.facet(Jt2);
       if (t != i) {
         let s = [];
         for (let r of i) {
@@ -11890,7 +13742,7 @@ ${name}`;
             } catch (m) {
               return le(this.state, m), Sa;
             }
-          }), u = Wn.create(this, this.state, []), d = false;
+          }), u = Wn2.create(this, this.state, []), d = false;
           u.flags |= h, t ? t.flags |= h : t = u, this.updateState = 2, u.empty || (this.updatePlugins(u), this.inputState.update(u), this.updateAttrs(), d = this.docView.update(u), d && this.docViewUpdate());
           for (let p = 0; p < c.length; p++) if (f[p] != Sa) try {
             let m = c[p];
@@ -11915,14 +13767,14 @@ ${name}`;
       } finally {
         this.updateState = 0, this.measureScheduled = -1;
       }
-      if (t && !t.empty) for (let a of this.state.facet(Mr)) a(t);
+      if (t && !t.empty) for (let a of this.state.facet(Mr2)) a(t);
     }
     get themeClasses() {
-      return Zr + " " + (this.state.facet(Qr) ? Th : Mh) + " " + this.state.facet(An);
+      return Zr2 + " " + (this.state.facet(Qr2) ? Th : Mh) + " " + this.state.facet(An);
     }
     updateAttrs() {
       let e = Ca(this, lh, { class: "cm-editor" + (this.hasFocus ? " cm-focused " : " ") + this.themeClasses }), t = { spellcheck: "false", autocorrect: "off", autocapitalize: "off", writingsuggestions: "false", translate: "no", contenteditable: this.state.facet(at) ? "true" : "false", class: "cm-content", style: `${A.tabSize}: ${this.state.tabSize}`, role: "textbox", "aria-multiline": "true" };
-      this.state.readOnly && (t["aria-readonly"] = "true"), Ca(this, wo, t);
+      this.state.readOnly && (t["aria-readonly"] = "true"), Ca(this, wo2, t);
       let i = this.observer.ignore(() => {
         let s = na(this.contentDOM, this.contentAttrs, t), r = na(this.dom, this.editorAttrs, e);
         return s || r;
@@ -11992,10 +13844,10 @@ ${name}`;
       return this.viewState.contentHeight;
     }
     moveByChar(e, t, i) {
-      return fr(this, e, ha(this, e, t, i));
+      return fr2(this, e, ha(this, e, t, i));
     }
     moveByGroup(e, t) {
-      return fr(this, e, ha(this, e, t, (i) => hu(this, e.head, i)));
+      return fr2(this, e, ha(this, e, t, (i) => hu(this, e.head, i)));
     }
     visualLineSide(e, t) {
       return t ? x.cursor(e.to, 1) : x.cursor(e.from, -1);
@@ -12004,7 +13856,7 @@ ${name}`;
       return au(this, e, t, i);
     }
     moveVertically(e, t, i) {
-      return fr(this, e, cu(this, e, t, i));
+      return fr2(this, e, cu(this, e, t, i));
     }
     domAtPos(e, t = 1) {
       return this.docView.domAtPos(e, t);
@@ -12014,11 +13866,11 @@ ${name}`;
     }
     posAtCoords(e, t = true) {
       this.readMeasured();
-      let i = Nr(this, e, t);
+      let i = Nr2(this, e, t);
       return i && i.pos;
     }
     posAndSideAtCoords(e, t = true) {
-      return this.readMeasured(), Nr(this, e, t);
+      return this.readMeasured(), Nr2(this, e, t);
     }
     coordsAtPos(e, t = 1) {
       this.readMeasured();
@@ -12049,7 +13901,7 @@ ${name}`;
       for (let r of this.bidiCache) if (r.from == e.from && r.dir == t && (r.fresh || _a(r.isolates, i = oa(this, e)))) return r.order;
       i || (i = oa(this, e));
       let s = qf(e.text, t, i);
-      return this.bidiCache.push(new Un(e.from, e.to, t, i, true, s)), s;
+      return this.bidiCache.push(new Un2(e.from, e.to, t, i, true, s)), s;
     }
     get hasFocus() {
       var e;
@@ -12086,11 +13938,11 @@ ${name}`;
       return te.define(() => ({}), { eventObservers: e });
     }
     static theme(e, t) {
-      let i = Oe.newName(), s = [An.of(i), Mi.of(eo(`.${i}`, e))];
-      return t && t.dark && s.push(Qr.of(true)), s;
+      let i = Oe.newName(), s = [An.of(i), Mi.of(eo2(`.${i}`, e))];
+      return t && t.dark && s.push(Qr2.of(true)), s;
     }
     static baseTheme(e) {
-      return Je.lowest(Mi.of(eo("." + Zr, e, Dh)));
+      return Je.lowest(Mi.of(eo2("." + Zr2, e, Dh)));
     }
     static findFromDOM(e) {
       var t;
@@ -12100,20 +13952,20 @@ ${name}`;
   };
   O.styleModule = Mi;
   O.inputHandler = th;
-  O.clipboardInputFilter = bo;
-  O.clipboardOutputFilter = xo;
+  O.clipboardInputFilter = bo2;
+  O.clipboardOutputFilter = xo2;
   O.scrollHandler = rh;
   O.focusChangeEffect = ih;
   O.perLineTextDirection = nh;
   O.exceptionSink = eh;
-  O.updateListener = Mr;
+  O.updateListener = Mr2;
   O.editable = at;
   O.mouseSelectionStyle = Za;
   O.dragMovesSelection = Qa;
   O.clickAddsSelectionRange = Ja;
-  O.decorations = Zn;
+  O.decorations = Zn2;
   O.blockWrappers = ah;
-  O.outerDecorations = vo;
+  O.outerDecorations = vo2;
   O.atomicRanges = Vi;
   O.bidiIsolatedRanges = hh;
   O.cursorScrollMargin = T.define({ combine: (n66) => {
@@ -12122,15 +13974,15 @@ ${name}`;
     return { x: e, y: t };
   } });
   O.scrollMargins = fh;
-  O.darkTheme = Qr;
+  O.darkTheme = Qr2;
   O.cspNonce = T.define({ combine: (n66) => n66.length ? n66[0] : "" });
-  O.contentAttributes = wo;
+  O.contentAttributes = wo2;
   O.editorAttributes = lh;
   O.lineWrapping = O.contentAttributes.of({ class: "cm-lineWrapping" });
   O.announce = E.define();
   var qu = 4096;
   var Sa = {};
-  var Un = class n41 {
+  var Un2 = class n41 {
     constructor(e, t, i, s, r, o) {
       this.from = e, this.to = t, this.dir = i, this.isolates = s, this.fresh = r, this.order = o;
     }
@@ -12147,7 +13999,7 @@ ${name}`;
   function Ca(n66, e, t) {
     for (let i = n66.state.facet(e), s = i.length - 1; s >= 0; s--) {
       let r = i[s], o = typeof r == "function" ? r(n66) : r;
-      o && mo(o, t);
+      o && mo2(o, t);
     }
     return t;
   }
@@ -12173,10 +14025,10 @@ ${name}`;
   var ju = Je.default(O.domEventHandlers({ keydown(n66, e) {
     return Eh(Oh(e.state), n66, e, "editor");
   } }));
-  var ts = T.define({ enables: ju });
+  var ts2 = T.define({ enables: ju });
   var Aa = /* @__PURE__ */ new WeakMap();
   function Oh(n66) {
-    let e = n66.facet(ts), t = Aa.get(e);
+    let e = n66.facet(ts2), t = Aa.get(e);
     return t || Aa.set(e, t = Gu(e.reduce((i, s) => i.concat(s), []))), t;
   }
   function Bh(n66, e, t) {
@@ -12212,17 +14064,17 @@ ${name}`;
         let c = t[h] || (t[h] = /* @__PURE__ */ Object.create(null));
         c._any || (c._any = { preventDefault: false, stopPropagation: false, run: [] });
         let { any: f } = o;
-        for (let u in c) c[u].run.push((d) => f(d, no));
+        for (let u in c) c[u].run.push((d) => f(d, no2));
       }
       let a = o[e] || o.key;
       if (a) for (let h of l) r(h, a, o.run, o.preventDefault, o.stopPropagation), o.shift && r(h, "Shift-" + a, o.shift, o.preventDefault, o.stopPropagation);
     }
     return t;
   }
-  var no = null;
+  var no2 = null;
   function Eh(n66, e, t, i) {
-    no = e;
-    let s = Ql(e), r = De(s, 0), o = Xe(r) == s.length && s != " ", l = "", a = false, h = false, c = false;
+    no2 = e;
+    let s = Ql(e), r = De(s, 0), o = Xe2(r) == s.length && s != " ", l = "", a = false, h = false, c = false;
     pt && pt.view == t && pt.scope == i && (l = pt.prefix + " ", xh.indexOf(e.keyCode) < 0 && (h = true, pt = null));
     let f = /* @__PURE__ */ new Set(), u = (g) => {
       if (g) {
@@ -12231,7 +14083,7 @@ ${name}`;
       }
       return false;
     }, d = n66[i], p, m;
-    return d && (u(d[l + Mn(s, e, !o)]) ? a = true : o && (e.altKey || e.metaKey || e.ctrlKey) && !(A.windows && e.ctrlKey && e.altKey) && !(A.mac && e.altKey && !(e.ctrlKey || e.metaKey)) && (p = lt[e.keyCode]) && p != s ? (u(d[l + Mn(p, e, true)]) || e.shiftKey && (m = Yt[e.keyCode]) != s && m != p && u(d[l + Mn(m, e, false)])) && (a = true) : o && e.shiftKey && u(d[l + Mn(s, e, true)]) && (a = true), !a && u(d._any) && (a = true)), h && (a = true), a && c && e.stopPropagation(), no = null, a;
+    return d && (u(d[l + Mn(s, e, !o)]) ? a = true : o && (e.altKey || e.metaKey || e.ctrlKey) && !(A.windows && e.ctrlKey && e.altKey) && !(A.mac && e.altKey && !(e.ctrlKey || e.metaKey)) && (p = lt[e.keyCode]) && p != s ? (u(d[l + Mn(p, e, true)]) || e.shiftKey && (m = Yt[e.keyCode]) != s && m != p && u(d[l + Mn(m, e, false)])) && (a = true) : o && e.shiftKey && u(d[l + Mn(s, e, true)]) && (a = true), !a && u(d._any) && (a = true)), h && (a = true), a && c && e.stopPropagation(), no2 = null, a;
   }
   var Et = class n42 {
     constructor(e, t, i, s, r) {
@@ -12271,11 +14123,11 @@ ${name}`;
   }
   function _u(n66, e, t) {
     if (t.to <= n66.viewport.from || t.from >= n66.viewport.to) return [];
-    let i = Math.max(t.from, n66.viewport.from), s = Math.min(t.to, n66.viewport.to), r = n66.textDirection == V.LTR, o = n66.contentDOM, l = o.getBoundingClientRect(), a = Lh(n66), h = o.querySelector(".cm-line"), c = h && window.getComputedStyle(h), f = l.left + (c ? parseInt(c.paddingLeft) + Math.min(0, parseInt(c.textIndent)) : 0), u = l.right - (c ? parseInt(c.paddingRight) : 0), d = Ir(n66, i, 1), p = Ir(n66, s, -1), m = d.type == ae.Text ? d : null, g = p.type == ae.Text ? p : null;
+    let i = Math.max(t.from, n66.viewport.from), s = Math.min(t.to, n66.viewport.to), r = n66.textDirection == V.LTR, o = n66.contentDOM, l = o.getBoundingClientRect(), a = Lh(n66), h = o.querySelector(".cm-line"), c = h && window.getComputedStyle(h), f = l.left + (c ? parseInt(c.paddingLeft) + Math.min(0, parseInt(c.textIndent)) : 0), u = l.right - (c ? parseInt(c.paddingRight) : 0), d = Ir2(n66, i, 1), p = Ir2(n66, s, -1), m = d.type == ae2.Text ? d : null, g = p.type == ae2.Text ? p : null;
     if (m && (n66.lineWrapping || d.widgetLineBreaks) && (m = Ma(n66, i, 1, m)), g && (n66.lineWrapping || p.widgetLineBreaks) && (g = Ma(n66, s, -1, g)), m && g && m.from == g.from && m.to == g.to) return v(b(t.from, t.to, m));
     {
       let w = m ? b(t.from, null, m) : D(d, false), k = g ? b(null, t.to, g) : D(p, true), S2 = [];
-      return (m || d).to < (g || p).from - (m && g ? 1 : 0) || d.widgetLineBreaks > 1 && w.bottom + n66.defaultLineHeight / 2 < k.top ? S2.push(y(f, w.bottom, u, k.top)) : w.bottom < k.top && n66.elementAtHeight((w.bottom + k.top) / 2).type == ae.Text && (w.bottom = k.top = (w.bottom + k.top) / 2), v(w).concat(S2).concat(v(k));
+      return (m || d).to < (g || p).from - (m && g ? 1 : 0) || d.widgetLineBreaks > 1 && w.bottom + n66.defaultLineHeight / 2 < k.top ? S2.push(y(f, w.bottom, u, k.top)) : w.bottom < k.top && n66.elementAtHeight((w.bottom + k.top) / 2).type == ae2.Text && (w.bottom = k.top = (w.bottom + k.top) / 2), v(w).concat(S2).concat(v(k));
     }
     function y(w, k, S2, R) {
       return new Et(e, w - a.left, k - a.top, Math.max(0, S2 - w), R - k);
@@ -12287,19 +14139,19 @@ ${name}`;
     }
     function b(w, k, S2) {
       let R = 1e9, N = -1e9, K = [];
-      function I(W, U, ce, we, _e) {
-        let re = n66.coordsAtPos(W, W == S2.to ? -2 : 2), Ae = n66.coordsAtPos(ce, ce == S2.from ? 2 : -2);
-        !re || !Ae || (R = Math.min(re.top, Ae.top, R), N = Math.max(re.bottom, Ae.bottom, N), _e == V.LTR ? K.push(r && U ? f : re.left, r && we ? u : Ae.right) : K.push(!r && we ? f : Ae.left, !r && U ? u : re.right));
+      function I(W, U, ce2, we, _e) {
+        let re2 = n66.coordsAtPos(W, W == S2.to ? -2 : 2), Ae2 = n66.coordsAtPos(ce2, ce2 == S2.from ? 2 : -2);
+        !re2 || !Ae2 || (R = Math.min(re2.top, Ae2.top, R), N = Math.max(re2.bottom, Ae2.bottom, N), _e == V.LTR ? K.push(r && U ? f : re2.left, r && we ? u : Ae2.right) : K.push(!r && we ? f : Ae2.left, !r && U ? u : re2.right));
       }
       let B = w ?? S2.from, q = k ?? S2.to;
-      for (let W of n66.visibleRanges) if (W.to > B && W.from < q) for (let U = Math.max(W.from, B), ce = Math.min(W.to, q); ; ) {
+      for (let W of n66.visibleRanges) if (W.to > B && W.from < q) for (let U = Math.max(W.from, B), ce2 = Math.min(W.to, q); ; ) {
         let we = n66.state.doc.lineAt(U);
         for (let _e of n66.bidiSpans(we)) {
-          let re = _e.from + we.from, Ae = _e.to + we.from;
-          if (re >= ce) break;
-          Ae > U && I(Math.max(re, U), w == null && re <= B, Math.min(Ae, ce), k == null && Ae >= q, _e.dir);
+          let re2 = _e.from + we.from, Ae2 = _e.to + we.from;
+          if (re2 >= ce2) break;
+          Ae2 > U && I(Math.max(re2, U), w == null && re2 <= B, Math.min(Ae2, ce2), k == null && Ae2 >= q, _e.dir);
         }
-        if (U = we.to + 1, U >= ce) break;
+        if (U = we.to + 1, U >= ce2) break;
       }
       return K.length == 0 && I(B, w == null, q, k == null, n66.textDirection), { top: R, bottom: N, horizontal: K };
     }
@@ -12311,7 +14163,7 @@ ${name}`;
   function Yu(n66, e) {
     return n66.constructor == e.constructor && n66.eq(e);
   }
-  var so = class {
+  var so2 = class {
     constructor(e, t) {
       this.view = e, this.layer = t, this.drawn = [], this.scaleX = 1, this.scaleY = 1, this.measureReq = { read: this.measure.bind(this), write: this.draw.bind(this) }, this.dom = e.scrollDOM.appendChild(document.createElement("div")), this.dom.classList.add("cm-layer"), t.above && this.dom.classList.add("cm-layer-above"), t.class && this.dom.classList.add(t.class), this.scale(), this.dom.setAttribute("aria-hidden", "true"), this.setOrder(e.state), e.requestMeasure(this.measureReq), t.mount && t.mount(this.dom, e);
     }
@@ -12350,20 +14202,20 @@ ${name}`;
   };
   var En = T.define();
   function Rh(n66) {
-    return [te.define((e) => new so(e, n66)), En.of(n66)];
+    return [te.define((e) => new so2(e, n66)), En.of(n66)];
   }
-  var ro = !A.ios;
-  var ci = T.define({ combine(n66) {
+  var ro2 = !A.ios;
+  var ci2 = T.define({ combine(n66) {
     return de(n66, { cursorBlinkRate: 1200, drawRangeCursor: true, iosSelectionHandles: true }, { cursorBlinkRate: (e, t) => Math.min(e, t), drawRangeCursor: (e, t) => e || t });
   } });
   function Xu(n66 = {}) {
-    return [ci.of(n66), Ju, Qu, ed, sh.of(true)];
+    return [ci2.of(n66), Ju, Qu, ed, sh.of(true)];
   }
   function Ph(n66) {
-    return n66.startState.facet(ci) != n66.state.facet(ci);
+    return n66.startState.facet(ci2) != n66.state.facet(ci2);
   }
   var Ju = Rh({ above: true, markers(n66) {
-    let { state: e } = n66, t = e.facet(ci), i = [];
+    let { state: e } = n66, t = e.facet(ci2), i = [];
     for (let s of e.selection.ranges) {
       let r = s == e.selection.main;
       if (s.empty || t.drawRangeCursor && !(r && A.ios && t.iosSelectionHandles)) {
@@ -12380,12 +14232,12 @@ ${name}`;
     Ta(e.state, n66);
   }, class: "cm-cursorLayer" });
   function Ta(n66, e) {
-    e.style.animationDuration = n66.facet(ci).cursorBlinkRate + "ms";
+    e.style.animationDuration = n66.facet(ci2).cursorBlinkRate + "ms";
   }
   var Qu = Rh({ above: false, markers(n66) {
     let e = [], { main: t, ranges: i } = n66.state.selection;
-    for (let s of i) if (!s.empty && (ro || s != t)) for (let r of Et.forRange(n66, "cm-selectionBackground", s)) e.push(r);
-    if (A.ios && !t.empty && n66.state.facet(ci).iosSelectionHandles) {
+    for (let s of i) if (!s.empty && (ro2 || s != t)) for (let r of Et.forRange(n66, "cm-selectionBackground", s)) e.push(r);
+    if (A.ios && !t.empty && n66.state.facet(ci2).iosSelectionHandles) {
       for (let s of Et.forRange(n66, "cm-selectionHandle cm-selectionHandle-start", x.cursor(t.from, 1))) e.push(s);
       for (let s of Et.forRange(n66, "cm-selectionHandle cm-selectionHandle-end", x.cursor(t.to, 1))) e.push(s);
     }
@@ -12394,7 +14246,7 @@ ${name}`;
     return n66.docChanged || n66.selectionSet || n66.viewportChanged || Ph(n66);
   }, class: "cm-selectionLayer" });
   var Zu = A.gecko && A.gecko_version == 153 ? "#ffffff01" : "transparent";
-  var ed = Je.highest(O.theme({ ".cm-line": { ...ro ? { "& ::selection, &::selection": { backgroundColor: `${Zu} !important` } } : {}, caretColor: "transparent !important" }, ".cm-content": { caretColor: "transparent !important", "& :focus": { caretColor: "initial !important", ...ro ? { "&::selection, & ::selection": { backgroundColor: "Highlight !important" } } : {} } } }));
+  var ed = Je.highest(O.theme({ ".cm-line": { ...ro2 ? { "& ::selection, &::selection": { backgroundColor: `${Zu} !important` } } : {}, caretColor: "transparent !important" }, ".cm-content": { caretColor: "transparent !important", "& :focus": { caretColor: "initial !important", ...ro2 ? { "&::selection, & ::selection": { backgroundColor: "Highlight !important" } } : {} } } }));
   function Da(n66, e, t, i, s) {
     e.lastIndex = 0;
     for (let r = n66.iterRange(t, i), o = t, l; !r.next().done; o += r.value.length) if (!r.lineBreak) for (; l = e.exec(r.value); ) s(o + l.index, l);
@@ -12406,7 +14258,7 @@ ${name}`;
     for (let { from: s, to: r } of t) s = Math.max(n66.state.doc.lineAt(s).from, s - e), r = Math.min(n66.state.doc.lineAt(r).to, r + e), i.length && i[i.length - 1].to >= s ? i[i.length - 1].to = r : i.push({ from: s, to: r });
     return i;
   }
-  var oo = class {
+  var oo2 = class {
     constructor(e) {
       let { regexp: t, decoration: i, decorate: s, boundary: r, maxLength: o = 1e3 } = e;
       if (!t.global) throw new RangeError("The regular expression given to MatchDecorator should have its 'g' flag set");
@@ -12454,22 +14306,22 @@ ${name}`;
       return t;
     }
   };
-  var lo = /x/.unicode != null ? "gu" : "g";
+  var lo2 = /x/.unicode != null ? "gu" : "g";
   var id = new RegExp(`[\0-\b
--\x7F-\x9F\xAD\u061C\u200B\u200E\u200F\u2028\u2029\u202D\u202E\u2066\u2067\u2069\uFEFF\uFFF9-\uFFFC]`, lo);
+-\x7F-\x9F\xAD\u061C\u200B\u200E\u200F\u2028\u2029\u202D\u202E\u2066\u2067\u2069\uFEFF\uFFF9-\uFFFC]`, lo2);
   var nd = { 0: "null", 7: "bell", 8: "backspace", 10: "newline", 11: "vertical tab", 13: "carriage return", 27: "escape", 8203: "zero width space", 8204: "zero width non-joiner", 8205: "zero width joiner", 8206: "left-to-right mark", 8207: "right-to-left mark", 8232: "line separator", 8237: "left-to-right override", 8238: "right-to-left override", 8294: "left-to-right isolate", 8295: "right-to-left isolate", 8297: "pop directional isolate", 8233: "paragraph separator", 65279: "zero width no-break space", 65532: "object replacement" };
-  var dr = null;
+  var dr2 = null;
   function sd() {
     var n66;
-    if (dr == null && typeof document < "u" && document.body) {
+    if (dr2 == null && typeof document < "u" && document.body) {
       let e = document.body.style;
-      dr = ((n66 = e.tabSize) !== null && n66 !== void 0 ? n66 : e.MozTabSize) != null;
+      dr2 = ((n66 = e.tabSize) !== null && n66 !== void 0 ? n66 : e.MozTabSize) != null;
     }
-    return dr || false;
+    return dr2 || false;
   }
   var Ln = T.define({ combine(n66) {
     let e = de(n66, { render: null, specialChars: id, addSpecialChars: null });
-    return (e.replaceTabs = !sd()) && (e.specialChars = new RegExp("	|" + e.specialChars.source, lo)), e.addSpecialChars && (e.specialChars = new RegExp(e.specialChars.source + "|" + e.addSpecialChars.source, lo)), e;
+    return (e.replaceTabs = !sd()) && (e.specialChars = new RegExp("	|" + e.specialChars.source, lo2)), e.addSpecialChars && (e.specialChars = new RegExp(e.specialChars.source + "|" + e.addSpecialChars.source, lo2)), e;
   } });
   function rd(n66 = {}) {
     return [Ln.of(n66), od()];
@@ -12481,13 +14333,13 @@ ${name}`;
         this.view = n66, this.decorations = L.none, this.decorationCache = /* @__PURE__ */ Object.create(null), this.decorator = this.makeDecorator(n66.state.facet(Ln)), this.decorations = this.decorator.createDeco(n66);
       }
       makeDecorator(n66) {
-        return new oo({ regexp: n66.specialChars, decoration: (e, t, i) => {
+        return new oo2({ regexp: n66.specialChars, decoration: (e, t, i) => {
           let { doc: s } = t.state, r = De(e[0], 0);
           if (r == 9) {
-            let o = s.lineAt(i), l = t.state.tabSize, a = dt(o.text, l, i - o.from);
-            return L.replace({ widget: new ho((l - a % l) * this.view.defaultCharacterWidth / this.view.scaleX) });
+            let o = s.lineAt(i), l = t.state.tabSize, a = dt2(o.text, l, i - o.from);
+            return L.replace({ widget: new ho2((l - a % l) * this.view.defaultCharacterWidth / this.view.scaleX) });
           }
-          return this.decorationCache[r] || (this.decorationCache[r] = L.replace({ widget: new ao(n66, r) }));
+          return this.decorationCache[r] || (this.decorationCache[r] = L.replace({ widget: new ao2(n66, r) }));
         }, boundary: n66.replaceTabs ? void 0 : /[^]/ });
       }
       update(n66) {
@@ -12500,7 +14352,7 @@ ${name}`;
   function ad(n66) {
     return n66 >= 32 ? ld : n66 == 10 ? "\u2424" : String.fromCharCode(9216 + n66);
   }
-  var ao = class extends Re {
+  var ao2 = class extends Re {
     constructor(e, t) {
       super(), this.options = e, this.code = t;
     }
@@ -12517,7 +14369,7 @@ ${name}`;
       return false;
     }
   };
-  var ho = class extends Re {
+  var ho2 = class extends Re {
     constructor(e) {
       super(), this.width = e;
     }
@@ -12553,7 +14405,7 @@ ${name}`;
     }
   }, { decorations: (n66) => n66.decorations });
   var Tn = "-10000px";
-  var Gn = class {
+  var Gn2 = class {
     constructor(e, t, i, s) {
       this.facet = t, this.createTooltipView = i, this.removeTooltipView = s, this.input = e.state.facet(t), this.tooltips = this.input.filter((o) => o);
       let r = null;
@@ -12595,16 +14447,16 @@ ${name}`;
     let { left: e, right: t } = Ih(n66);
     return { top: 0, left: e, right: t, bottom: n66.dom.ownerDocument.documentElement.clientHeight };
   }
-  var pr = T.define({ combine: (n66) => {
+  var pr2 = T.define({ combine: (n66) => {
     var e, t, i;
     return { position: A.ios ? "absolute" : ((e = n66.find((s) => s.position)) === null || e === void 0 ? void 0 : e.position) || "fixed", parent: ((t = n66.find((s) => s.parent)) === null || t === void 0 ? void 0 : t.parent) || null, tooltipSpace: ((i = n66.find((s) => s.tooltipSpace)) === null || i === void 0 ? void 0 : i.tooltipSpace) || ud };
   } });
   var Ba = /* @__PURE__ */ new WeakMap();
-  var Co = te.fromClass(class {
+  var Co2 = te.fromClass(class {
     constructor(n66) {
       this.view = n66, this.above = [], this.inView = true, this.madeAbsolute = false, this.lastTransaction = 0, this.measureTimeout = -1;
-      let e = n66.state.facet(pr);
-      this.position = e.position, this.parent = e.parent, this.classes = n66.themeClasses, this.createContainer(), this.measureReq = { read: this.readMeasure.bind(this), write: this.writeMeasure.bind(this), key: this }, this.resizeObserver = typeof ResizeObserver == "function" ? new ResizeObserver(() => this.measureSoon()) : null, this.manager = new Gn(n66, zi, (t, i) => this.createTooltip(t, i), (t) => {
+      let e = n66.state.facet(pr2);
+      this.position = e.position, this.parent = e.parent, this.classes = n66.themeClasses, this.createContainer(), this.measureReq = { read: this.readMeasure.bind(this), write: this.writeMeasure.bind(this), key: this }, this.resizeObserver = typeof ResizeObserver == "function" ? new ResizeObserver(() => this.measureSoon()) : null, this.manager = new Gn2(n66, zi, (t, i) => this.createTooltip(t, i), (t) => {
         this.resizeObserver && this.resizeObserver.unobserve(t.dom), t.dom.remove();
       }), this.above = this.manager.tooltips.map((t) => !!t.above), this.intersectionObserver = typeof IntersectionObserver == "function" ? new IntersectionObserver((t) => {
         Date.now() > this.lastTransaction - 50 && t.length > 0 && t[t.length - 1].intersectionRatio < 1 && this.measureSoon();
@@ -12628,7 +14480,7 @@ ${name}`;
       n66.transactions.length && (this.lastTransaction = Date.now());
       let e = this.manager.update(n66, this.above);
       e && this.observeIntersection();
-      let t = e || n66.geometryChanged, i = n66.state.facet(pr);
+      let t = e || n66.geometryChanged, i = n66.state.facet(pr2);
       if (i.position != this.position && !this.madeAbsolute) {
         this.position = i.position;
         for (let s of this.manager.tooltipViews) s.dom.style.position = this.position;
@@ -12669,11 +14521,11 @@ ${name}`;
         o.width && o.height && (n66 = o.width / this.parent.offsetWidth, e = o.height / this.parent.offsetHeight);
       } else ({ scaleX: n66, scaleY: e } = this.view.viewState);
       else i = Ih(this.view).left;
-      let s = this.view.scrollDOM.getBoundingClientRect(), r = ko(this.view);
+      let s = this.view.scrollDOM.getBoundingClientRect(), r = ko2(this.view);
       return { visible: { left: s.left + r.left, top: s.top + r.top, right: s.right - r.right, bottom: s.bottom - r.bottom }, parent: this.parent ? this.container.getBoundingClientRect() : this.view.dom.getBoundingClientRect(), pos: this.manager.tooltips.map((o, l) => {
         let a = this.manager.tooltipViews[l];
         return a.getCoords ? a.getCoords(o.pos) : this.view.coordsAtPos(o.pos);
-      }), size: this.manager.tooltipViews.map(({ dom: o }) => o.getBoundingClientRect()), space: this.view.state.facet(pr).tooltipSpace(this.view), scaleX: n66, scaleY: e, makeAbsolute: t, fixedLeft: i };
+      }), size: this.manager.tooltipViews.map(({ dom: o }) => o.getBoundingClientRect()), space: this.view.state.facet(pr2).tooltipSpace(this.view), scaleX: n66, scaleY: e, makeAbsolute: t, fixedLeft: i };
     }
     writeMeasure(n66) {
       var e;
@@ -12719,14 +14571,14 @@ ${name}`;
   }
   var dd = O.baseTheme({ ".cm-tooltip": { zIndex: 500, boxSizing: "border-box" }, "&light .cm-tooltip": { border: "1px solid #bbb", backgroundColor: "#f5f5f5" }, "&light .cm-tooltip-section:not(:first-child)": { borderTop: "1px solid #bbb" }, "&dark .cm-tooltip": { backgroundColor: "#333338", color: "white" }, ".cm-tooltip-arrow": { height: "7px", width: "14px", position: "absolute", zIndex: -1, overflow: "hidden", "&:before, &:after": { content: "''", position: "absolute", width: 0, height: 0, borderLeft: "7px solid transparent", borderRight: "7px solid transparent" }, ".cm-tooltip-above &": { bottom: "-7px", "&:before": { borderTop: "7px solid #bbb" }, "&:after": { borderTop: "7px solid #f5f5f5", bottom: "1px" } }, ".cm-tooltip-below &": { top: "-7px", "&:before": { borderBottom: "7px solid #bbb" }, "&:after": { borderBottom: "7px solid #f5f5f5", top: "1px" } } }, "&dark .cm-tooltip .cm-tooltip-arrow": { "&:before": { borderTopColor: "#333338", borderBottomColor: "#333338" }, "&:after": { borderTopColor: "transparent", borderBottomColor: "transparent" } } });
   var pd = { x: 0, y: 0 };
-  var zi = T.define({ enables: [Co, dd] });
+  var zi = T.define({ enables: [Co2, dd] });
   var _n = T.define({ combine: (n66) => n66.reduce((e, t) => e.concat(t), []) });
-  var Yn = class n43 {
+  var Yn2 = class n43 {
     static create(e) {
       return new n43(e);
     }
     constructor(e) {
-      this.view = e, this.mounted = false, this.dom = document.createElement("div"), this.dom.classList.add("cm-tooltip-hover"), this.manager = new Gn(e, _n, (t, i) => this.createHostedView(t, i), (t) => t.dom.remove());
+      this.view = e, this.mounted = false, this.dom = document.createElement("div"), this.dom.classList.add("cm-tooltip-hover"), this.manager = new Gn2(e, _n, (t, i) => this.createHostedView(t, i), (t) => t.dom.remove());
     }
     createHostedView(e, t) {
       let i = e.create(this.view);
@@ -12775,10 +14627,10 @@ ${name}`;
     return e.length === 0 ? null : { pos: Math.min(...e.map((t) => t.pos)), end: Math.max(...e.map((t) => {
       var i;
       return (i = t.end) !== null && i !== void 0 ? i : t.pos;
-    })), create: Yn.create, above: e[0].above, arrow: e.some((t) => t.arrow) };
+    })), create: Yn2.create, above: e[0].above, arrow: e.some((t) => t.arrow) };
   });
   var gd = T.define();
-  var co = class {
+  var co2 = class {
     constructor(e, t, i, s, r, o) {
       this.view = e, this.source = t, this.field = i, this.locked = s, this.setHover = r, this.hoverTime = o, this.hoverTimeout = -1, this.restartTimeout = -1, this.pending = null, this.lastMove = { x: 0, y: 0, target: e.dom, time: 0 }, this.checkHover = this.checkHover.bind(this), e.dom.addEventListener("mouseleave", this.mouseleave = this.mouseleave.bind(this)), e.dom.addEventListener("mousemove", this.mousemove = this.mousemove.bind(this));
     }
@@ -12823,7 +14675,7 @@ ${name}`;
       } else o(r);
     }
     get tooltip() {
-      let e = this.view.plugin(Co), t = e ? e.manager.tooltips.findIndex((i) => i.create == Yn.create) : -1;
+      let e = this.view.plugin(Co2), t = e ? e.manager.tooltips.findIndex((i) => i.create == Yn2.create) : -1;
       return t > -1 ? e.manager.tooltipViews[t] : null;
     }
     mousemove(e) {
@@ -12870,7 +14722,7 @@ ${name}`;
     let a = n66.posAtCoords({ x: i, y: s }, false);
     return a >= e && a <= t;
   }
-  function Ao(n66, e = {}) {
+  function Ao2(n66, e = {}) {
     let t = E.define(), i = /* @__PURE__ */ new WeakMap(), s = J.define({ create() {
       return [];
     }, update(o, l) {
@@ -12888,11 +14740,11 @@ ${name}`;
       }
       for (let h of l.effects) h.is(t) && (o = h.value, a = void 0), (h.is(xd) && !h.value || h.value == s) && (o = []);
       return o.length && a && i.set(o, a), o;
-    }, provide: (o) => _n.from(o) }), r = te.define((o) => new co(o, n66, s, i, t, e.hoverTime || 300));
+    }, provide: (o) => _n.from(o) }), r = te.define((o) => new co2(o, n66, s, i, t, e.hoverTime || 300));
     return { active: s, extension: [s, r, gd.of(r), md] };
   }
-  function Mo(n66, e) {
-    let t = n66.plugin(Co);
+  function Mo2(n66, e) {
+    let t = n66.plugin(Co2);
     if (!t) return null;
     let i = t.manager.tooltips.indexOf(e);
     return i < 0 ? null : t.manager.tooltipViews[i];
@@ -12903,21 +14755,21 @@ ${name}`;
     for (let i of n66) e = e || i.topContainer, t = t || i.bottomContainer;
     return { topContainer: e, bottomContainer: t };
   } });
-  function qi(n66, e) {
+  function qi2(n66, e) {
     let t = n66.plugin(Nh), i = t ? t.specs.indexOf(e) : -1;
     return i > -1 ? t.panels[i] : null;
   }
   var Nh = te.fromClass(class {
     constructor(n66) {
-      this.input = n66.state.facet(Pt), this.specs = this.input.filter((t) => t), this.panels = this.specs.map((t) => t(n66));
+      this.input = n66.state.facet(Pt2), this.specs = this.input.filter((t) => t), this.panels = this.specs.map((t) => t(n66));
       let e = n66.state.facet(La);
-      this.top = new Zt(n66, true, e.topContainer), this.bottom = new Zt(n66, false, e.bottomContainer), this.top.sync(this.panels.filter((t) => t.top)), this.bottom.sync(this.panels.filter((t) => !t.top));
+      this.top = new Zt2(n66, true, e.topContainer), this.bottom = new Zt2(n66, false, e.bottomContainer), this.top.sync(this.panels.filter((t) => t.top)), this.bottom.sync(this.panels.filter((t) => !t.top));
       for (let t of this.panels) t.dom.classList.add("cm-panel"), t.mount && t.mount();
     }
     update(n66) {
       let e = n66.state.facet(La);
-      this.top.container != e.topContainer && (this.top.sync([]), this.top = new Zt(n66.view, true, e.topContainer)), this.bottom.container != e.bottomContainer && (this.bottom.sync([]), this.bottom = new Zt(n66.view, false, e.bottomContainer)), this.top.syncClasses(), this.bottom.syncClasses();
-      let t = n66.state.facet(Pt);
+      this.top.container != e.topContainer && (this.top.sync([]), this.top = new Zt2(n66.view, true, e.topContainer)), this.bottom.container != e.bottomContainer && (this.bottom.sync([]), this.bottom = new Zt2(n66.view, false, e.bottomContainer)), this.top.syncClasses(), this.bottom.syncClasses();
+      let t = n66.state.facet(Pt2);
       if (t != this.input) {
         let i = t.filter((a) => a), s = [], r = [], o = [], l = [];
         for (let a of i) {
@@ -12935,7 +14787,7 @@ ${name}`;
     let t = e.plugin(n66);
     return t && { top: t.top.scrollMargin(), bottom: t.bottom.scrollMargin() };
   }) });
-  var Zt = class {
+  var Zt2 = class {
     constructor(e, t, i) {
       this.view = e, this.top = t, this.container = i, this.dom = void 0, this.classes = "", this.panels = [], this.syncClasses();
     }
@@ -12974,7 +14826,7 @@ ${name}`;
     let e = n66.nextSibling;
     return n66.remove(), e;
   }
-  var Pt = T.define({ enables: Nh });
+  var Pt2 = T.define({ enables: Nh });
   function Fh(n66, e) {
     let t, i = new Promise((o) => t = o), s = (o) => wd(o, e, t);
     n66.state.field(Rn, false) ? n66.dispatch({ effects: Wh.of(s) }) : n66.dispatch({ effects: E.appendConfig.of(Rn.init(() => [s])) });
@@ -12986,7 +14838,7 @@ ${name}`;
   function Hh(n66, e) {
     let t = n66.state.field(Rn, false) || [];
     for (let i of t) {
-      let s = qi(n66, i);
+      let s = qi2(n66, i);
       if (s && s.dom.classList.contains(e)) return s;
     }
     return null;
@@ -12996,7 +14848,7 @@ ${name}`;
   }, update(n66, e) {
     for (let t of e.effects) t.is(Wh) ? n66 = [t.value].concat(n66) : t.is(Vh) && (n66 = n66.filter((i) => i != t.value));
     return n66;
-  }, provide: (n66) => Pt.computeN([n66], (e) => e.field(n66)) });
+  }, provide: (n66) => Pt2.computeN([n66], (e) => e.field(n66)) });
   var Wh = E.define();
   var Vh = E.define();
   function wd(n66, e, t) {
@@ -13027,7 +14879,7 @@ ${name}`;
       o && ("select" in o ? o.select() : "focus" in o && o.focus());
     }, destroy: () => t(null) };
   }
-  var ze = class extends Te {
+  var ze = class extends Te2 {
     compare(e) {
       return this == e || this.constructor == e.constructor && this.eq(e);
     }
@@ -13042,17 +14894,17 @@ ${name}`;
   ze.prototype.mapMode = ue.TrackBefore;
   ze.prototype.startSide = ze.prototype.endSide = -1;
   ze.prototype.point = true;
-  var mr = T.define();
+  var mr2 = T.define();
   var vd = T.define();
   var Pn = T.define();
-  var fo = T.define({ combine: (n66) => n66.some((e) => e) });
+  var fo2 = T.define({ combine: (n66) => n66.some((e) => e) });
   function kd(n66) {
     let e = [Sd];
-    return n66 && n66.fixed === false && e.push(fo.of(true)), e;
+    return n66 && n66.fixed === false && e.push(fo2.of(true)), e;
   }
   var Sd = te.fromClass(class {
     constructor(n66) {
-      this.view = n66, this.domAfter = null, this.prevViewport = n66.viewport, this.dom = document.createElement("div"), this.dom.className = "cm-gutters cm-gutters-before", this.dom.setAttribute("aria-hidden", "true"), this.dom.style.minHeight = this.view.contentHeight / this.view.scaleY + "px", this.gutters = n66.state.facet(Pn).map((e) => new Xn(n66, e)), this.fixed = !n66.state.facet(fo);
+      this.view = n66, this.domAfter = null, this.prevViewport = n66.viewport, this.dom = document.createElement("div"), this.dom.className = "cm-gutters cm-gutters-before", this.dom.setAttribute("aria-hidden", "true"), this.dom.style.minHeight = this.view.contentHeight / this.view.scaleY + "px", this.gutters = n66.state.facet(Pn).map((e) => new Xn2(n66, e)), this.fixed = !n66.state.facet(fo2);
       for (let e of this.gutters) e.config.side == "after" ? this.getDOMAfter().appendChild(e.dom) : this.dom.appendChild(e.dom);
       this.fixed && (this.dom.style.position = "sticky"), this.syncGutters(false), n66.scrollDOM.insertBefore(this.dom, n66.contentDOM);
     }
@@ -13068,35 +14920,35 @@ ${name}`;
         let e = this.view.contentHeight / this.view.scaleY + "px";
         this.dom.style.minHeight = e, this.domAfter && (this.domAfter.style.minHeight = e);
       }
-      this.view.state.facet(fo) != !this.fixed && (this.fixed = !this.fixed, this.dom.style.position = this.fixed ? "sticky" : "", this.domAfter && (this.domAfter.style.position = this.fixed ? "sticky" : "")), this.prevViewport = n66.view.viewport;
+      this.view.state.facet(fo2) != !this.fixed && (this.fixed = !this.fixed, this.dom.style.position = this.fixed ? "sticky" : "", this.domAfter && (this.domAfter.style.position = this.fixed ? "sticky" : "")), this.prevViewport = n66.view.viewport;
     }
     syncGutters(n66) {
       let e = this.dom.nextSibling;
       n66 && (this.dom.remove(), this.domAfter && this.domAfter.remove());
-      let t = z.iter(this.view.state.facet(mr), this.view.viewport.from), i = [], s = this.gutters.map((r) => new po(r, this.view.viewport, -this.view.documentPadding.top));
+      let t = z.iter(this.view.state.facet(mr2), this.view.viewport.from), i = [], s = this.gutters.map((r) => new po2(r, this.view.viewport, -this.view.documentPadding.top));
       for (let r of this.view.viewportLineBlocks) if (i.length && (i = []), Array.isArray(r.type)) {
         let o = true;
-        for (let l of r.type) if (l.type == ae.Text && o) {
-          uo(t, i, l.from);
+        for (let l of r.type) if (l.type == ae2.Text && o) {
+          uo2(t, i, l.from);
           for (let a of s) a.line(this.view, l, i);
           o = false;
         } else if (l.widget) for (let a of s) a.widget(this.view, l);
-      } else if (r.type == ae.Text) {
-        uo(t, i, r.from);
+      } else if (r.type == ae2.Text) {
+        uo2(t, i, r.from);
         for (let o of s) o.line(this.view, r, i);
       } else if (r.widget) for (let o of s) o.widget(this.view, r);
       for (let r of s) r.finish();
       n66 && (this.view.scrollDOM.insertBefore(this.dom, e), this.domAfter && this.view.scrollDOM.appendChild(this.domAfter));
     }
     updateGutters(n66) {
-      let e = n66.startState.facet(Pn), t = n66.state.facet(Pn), i = n66.docChanged || n66.heightChanged || n66.viewportChanged || !z.eq(n66.startState.facet(mr), n66.state.facet(mr), n66.view.viewport.from, n66.view.viewport.to);
+      let e = n66.startState.facet(Pn), t = n66.state.facet(Pn), i = n66.docChanged || n66.heightChanged || n66.viewportChanged || !z.eq(n66.startState.facet(mr2), n66.state.facet(mr2), n66.view.viewport.from, n66.view.viewport.to);
       if (e == t) for (let s of this.gutters) s.update(n66) && (i = true);
       else {
         i = true;
         let s = [];
         for (let r of t) {
           let o = e.indexOf(r);
-          o < 0 ? s.push(new Xn(this.view, r)) : (this.gutters[o].update(n66), s.push(this.gutters[o]));
+          o < 0 ? s.push(new Xn2(this.view, r)) : (this.gutters[o].update(n66), s.push(this.gutters[o]));
         }
         for (let r of this.gutters) r.dom.remove(), s.indexOf(r) < 0 && r.destroy();
         for (let r of s) r.config.side == "after" ? this.getDOMAfter().appendChild(r.dom) : this.dom.appendChild(r.dom);
@@ -13117,24 +14969,24 @@ ${name}`;
   function Pa(n66) {
     return Array.isArray(n66) ? n66 : [n66];
   }
-  function uo(n66, e, t) {
+  function uo2(n66, e, t) {
     for (; n66.value && n66.from <= t; ) n66.from == t && e.push(n66.value), n66.next();
   }
-  var po = class {
+  var po2 = class {
     constructor(e, t, i) {
       this.gutter = e, this.height = i, this.i = 0, this.cursor = z.iter(e.markers, t.from);
     }
     addElement(e, t, i) {
       let { gutter: s } = this, r = (t.top - this.height) / e.scaleY, o = t.height / e.scaleY;
       if (this.i == s.elements.length) {
-        let l = new Jn(e, o, r, i);
+        let l = new Jn2(e, o, r, i);
         s.elements.push(l), s.dom.appendChild(l.dom);
       } else s.elements[this.i].update(e, o, r, i);
       this.height = t.bottom, this.i++;
     }
     line(e, t, i) {
       let s = [];
-      uo(this.cursor, s, t.from), i.length && (s = s.concat(i));
+      uo2(this.cursor, s, t.from), i.length && (s = s.concat(i));
       let r = this.gutter.config.lineMarker(e, t, s);
       r && s.unshift(r);
       let o = this.gutter;
@@ -13156,7 +15008,7 @@ ${name}`;
       }
     }
   };
-  var Xn = class {
+  var Xn2 = class {
     constructor(e, t) {
       this.view = e, this.config = t, this.elements = [], this.spacer = null, this.dom = document.createElement("div"), this.dom.className = "cm-gutter" + (this.config.class ? " " + this.config.class : "");
       for (let i in t.domEventHandlers) this.dom.addEventListener(i, (s) => {
@@ -13169,7 +15021,7 @@ ${name}`;
         let l = e.lineBlockAtHeight(o - e.documentTop);
         t.domEventHandlers[i](e, l, s) && s.preventDefault();
       });
-      this.markers = Pa(t.markers(e)), t.initialSpacer && (this.spacer = new Jn(e, 0, 0, [t.initialSpacer(e)]), this.dom.appendChild(this.spacer.dom), this.spacer.dom.style.cssText += "visibility: hidden; pointer-events: none");
+      this.markers = Pa(t.markers(e)), t.initialSpacer && (this.spacer = new Jn2(e, 0, 0, [t.initialSpacer(e)]), this.dom.appendChild(this.spacer.dom), this.spacer.dom.style.cssText += "visibility: hidden; pointer-events: none");
     }
     update(e) {
       let t = this.markers;
@@ -13184,7 +15036,7 @@ ${name}`;
       for (let e of this.elements) e.destroy();
     }
   };
-  var Jn = class {
+  var Jn2 = class {
     constructor(e, t, i, s) {
       this.height = -1, this.above = 0, this.markers = [], this.dom = document.createElement("div"), this.dom.className = "cm-gutterElement", this.update(e, t, i, s);
     }
@@ -13227,7 +15079,7 @@ ${name}`;
   }
   var Ad = T.define();
   var Md = T.define();
-  var ei = T.define({ combine(n66) {
+  var ei2 = T.define({ combine(n66) {
     return de(n66, { formatNumber: String, domEventHandlers: {} }, { domEventHandlers(e, t) {
       let i = Object.assign({}, e);
       for (let s in t) {
@@ -13248,27 +15100,27 @@ ${name}`;
       return document.createTextNode(this.number);
     }
   };
-  function gr(n66, e) {
-    return n66.state.facet(ei).formatNumber(e, n66.state);
+  function gr2(n66, e) {
+    return n66.state.facet(ei2).formatNumber(e, n66.state);
   }
-  var Td = Pn.compute([ei], (n66) => ({ class: "cm-lineNumbers", renderEmptyElements: false, markers(e) {
+  var Td = Pn.compute([ei2], (n66) => ({ class: "cm-lineNumbers", renderEmptyElements: false, markers(e) {
     return e.state.facet(Ad);
   }, lineMarker(e, t, i) {
-    return i.some((s) => s.toDOM) ? null : new Ii(gr(e, e.state.doc.lineAt(t.from).number));
+    return i.some((s) => s.toDOM) ? null : new Ii(gr2(e, e.state.doc.lineAt(t.from).number));
   }, widgetMarker: (e, t, i) => {
     for (let s of e.state.facet(Md)) {
       let r = s(e, t, i);
       if (r) return r;
     }
     return null;
-  }, lineMarkerChange: (e) => e.startState.facet(ei) != e.state.facet(ei), initialSpacer(e) {
-    return new Ii(gr(e, Ia(e.state.doc.lines)));
+  }, lineMarkerChange: (e) => e.startState.facet(ei2) != e.state.facet(ei2), initialSpacer(e) {
+    return new Ii(gr2(e, Ia(e.state.doc.lines)));
   }, updateSpacer(e, t) {
-    let i = gr(t.view, Ia(t.view.state.doc.lines));
+    let i = gr2(t.view, Ia(t.view.state.doc.lines));
     return i == e.number ? e : new Ii(i);
-  }, domEventHandlers: n66.facet(ei).domEventHandlers, side: "before" }));
+  }, domEventHandlers: n66.facet(ei2).domEventHandlers, side: "before" }));
   function Dd(n66 = {}) {
-    return [ei.of(n66), kd(), Td];
+    return [ei2.of(n66), kd(), Td];
   }
   function Ia(n66) {
     let e = 9;
@@ -13363,7 +15215,7 @@ ${name}`;
     }
   };
   Se.none = new Se("", /* @__PURE__ */ Object.create(null), 0, 8);
-  var is = /* @__PURE__ */ new WeakMap();
+  var is2 = /* @__PURE__ */ new WeakMap();
   var zh = /* @__PURE__ */ new WeakMap();
   var Q;
   (function(n66) {
@@ -13390,18 +15242,18 @@ ${name}`;
       return new Ui(this.topNode, e);
     }
     cursorAt(e, t = 0, i = 0) {
-      let s = is.get(this) || this.topNode, r = new Ui(s);
-      return r.moveTo(e, t), is.set(this, r._tree), r;
+      let s = is2.get(this) || this.topNode, r = new Ui(s);
+      return r.moveTo(e, t), is2.set(this, r._tree), r;
     }
     get topNode() {
-      return new et(this, 0, 0, null);
+      return new et2(this, 0, 0, null);
     }
     resolve(e, t = 0) {
-      let i = $i(is.get(this) || this.topNode, e, t, false);
-      return is.set(this, i), i;
+      let i = $i2(is2.get(this) || this.topNode, e, t, false);
+      return is2.set(this, i), i;
     }
     resolveInner(e, t = 0) {
-      let i = $i(zh.get(this) || this.topNode, e, t, true);
+      let i = $i2(zh.get(this) || this.topNode, e, t, true);
       return zh.set(this, i), i;
     }
     resolveStack(e, t = 0) {
@@ -13430,14 +15282,14 @@ ${name}`;
       return e;
     }
     balance(e = {}) {
-      return this.children.length <= 8 ? this : Ro(Se.none, this.children, this.positions, 0, this.children.length, 0, this.length, (t, i, s) => new n45(this.type, t, i, s, this.propValues), e.makeTree || ((t, i, s) => new n45(Se.none, t, i, s)));
+      return this.children.length <= 8 ? this : Ro2(Se.none, this.children, this.positions, 0, this.children.length, 0, this.length, (t, i, s) => new n45(this.type, t, i, s, this.propValues), e.makeTree || ((t, i, s) => new n45(Se.none, t, i, s)));
     }
     static build(e) {
       return Ld(e);
     }
   };
   he.empty = new he(Se.none, [], [], 0);
-  var To = class n46 {
+  var To2 = class n46 {
     constructor(e, t) {
       this.buffer = e, this.index = t;
     }
@@ -13463,7 +15315,7 @@ ${name}`;
       return new n46(this.buffer, this.index);
     }
   };
-  var bt = class n47 {
+  var bt2 = class n47 {
     constructor(e, t, i) {
       this.buffer = e, this.length = t, this.set = i;
     }
@@ -13513,21 +15365,21 @@ ${name}`;
         return true;
     }
   }
-  function $i(n66, e, t, i) {
+  function $i2(n66, e, t, i) {
     for (var s; n66.from == n66.to || (t < 1 ? n66.from >= e : n66.from > e) || (t > -1 ? n66.to <= e : n66.to < e); ) {
-      let o = !i && n66 instanceof et && n66.index < 0 ? null : n66.parent;
+      let o = !i && n66 instanceof et2 && n66.index < 0 ? null : n66.parent;
       if (!o) return n66;
       n66 = o;
     }
     let r = i ? 0 : Q.IgnoreOverlays;
-    if (i) for (let o = n66, l = o.parent; l; o = l, l = o.parent) o instanceof et && o.index < 0 && ((s = l.enter(e, t, r)) === null || s === void 0 ? void 0 : s.from) != o.from && (n66 = l);
+    if (i) for (let o = n66, l = o.parent; l; o = l, l = o.parent) o instanceof et2 && o.index < 0 && ((s = l.enter(e, t, r)) === null || s === void 0 ? void 0 : s.from) != o.from && (n66 = l);
     for (; ; ) {
       let o = n66.enter(e, t, r);
       if (!o) return n66;
       n66 = o;
     }
   }
-  var ss = class {
+  var ss2 = class {
     cursor(e = 0) {
       return new Ui(this, e);
     }
@@ -13539,13 +15391,13 @@ ${name}`;
       return qh(this, e, t, i);
     }
     resolve(e, t = 0) {
-      return $i(this, e, t, false);
+      return $i2(this, e, t, false);
     }
     resolveInner(e, t = 0) {
-      return $i(this, e, t, true);
+      return $i2(this, e, t, true);
     }
     matchContext(e) {
-      return Do(this.parent, e);
+      return Do2(this.parent, e);
     }
     enterUnfinishedNodesBefore(e) {
       let t = this.childBefore(e), i = this;
@@ -13563,7 +15415,7 @@ ${name}`;
       return this.parent;
     }
   };
-  var et = class n48 extends ss {
+  var et2 = class n48 extends ss2 {
     constructor(e, t, i, s) {
       super(), this._tree = e, this.from = t, this.index = i, this._parent = s;
     }
@@ -13581,11 +15433,11 @@ ${name}`;
         for (let { children: l, positions: a } = o._tree, h = t > 0 ? l.length : -1; e != h; e += t) {
           let c = l[e], f = a[e] + o.from, u;
           if (!(!(r & Q.EnterBracketed && c instanceof he && (u = It.get(c)) && !u.overlay && u.bracketed && i >= f && i <= f + c.length) && !$h(s, i, f, f + c.length))) {
-            if (c instanceof bt) {
+            if (c instanceof bt2) {
               if (r & Q.ExcludeBuffers) continue;
               let d = c.findChild(0, c.buffer.length, t, i - f, s);
-              if (d > -1) return new ji(new Oo(o, c, e, f), null, d);
-            } else if (r & Q.IncludeAnonymous || !c.type.isAnonymous || Lo(c)) {
+              if (d > -1) return new ji2(new Oo2(o, c, e, f), null, d);
+            } else if (r & Q.IncludeAnonymous || !c.type.isAnonymous || Lo2(c)) {
               let d;
               if (!(r & Q.IgnoreMounts) && (d = It.get(c)) && !d.overlay) return new n48(d.tree, f, e, o);
               let p = new n48(c, f, e, o);
@@ -13654,7 +15506,7 @@ ${name}`;
       if (s.type.is(e) && r.push(s.node), !s.nextSibling()) return i == null ? r : [];
     }
   }
-  function Do(n66, e, t = e.length - 1) {
+  function Do2(n66, e, t = e.length - 1) {
     for (let i = n66; t >= 0; i = i.parent) {
       if (!i) return false;
       if (!i.type.isAnonymous) {
@@ -13664,12 +15516,12 @@ ${name}`;
     }
     return true;
   }
-  var Oo = class {
+  var Oo2 = class {
     constructor(e, t, i, s) {
       this.parent = e, this.buffer = t, this.index = i, this.start = s;
     }
   };
-  var ji = class n49 extends ss {
+  var ji2 = class n49 extends ss2 {
     get name() {
       return this.type.name;
     }
@@ -13742,10 +15594,10 @@ ${name}`;
       let o = n66[r];
       (o.from > t.from || o.to < t.to) && (t = o, e = r);
     }
-    let i = t instanceof et && t.index < 0 ? null : t.parent, s = n66.slice();
-    return i ? s[e] = i : s.splice(e, 1), new Bo(s, t);
+    let i = t instanceof et2 && t.index < 0 ? null : t.parent, s = n66.slice();
+    return i ? s[e] = i : s.splice(e, 1), new Bo2(s, t);
   }
-  var Bo = class {
+  var Bo2 = class {
     constructor(e, t) {
       this.heads = e, this.node = t;
     }
@@ -13755,14 +15607,14 @@ ${name}`;
   };
   function Ed(n66, e, t) {
     let i = n66.resolveInner(e, t), s = null;
-    for (let r = i instanceof et ? i : i.context.parent; r; r = r.parent) if (r.index < 0) {
+    for (let r = i instanceof et2 ? i : i.context.parent; r; r = r.parent) if (r.index < 0) {
       let o = r.parent;
       (s || (s = [i])).push(o.resolve(e, t)), r = o;
     } else {
       let o = It.get(r.tree);
       if (o && o.overlay && o.overlay[0].from <= e && o.overlay[o.overlay.length - 1].to >= e) {
-        let l = new et(o.tree, o.overlay[0].from + r.from, -1, r);
-        (s || (s = [i])).push($i(l, e, t, false));
+        let l = new et2(o.tree, o.overlay[0].from + r.from, -1, r);
+        (s || (s = [i])).push($i2(l, e, t, false));
       }
     }
     return s ? jh(s) : i;
@@ -13772,7 +15624,7 @@ ${name}`;
       return this.type.name;
     }
     constructor(e, t = 0) {
-      if (this.buffer = null, this.stack = [], this.index = 0, this.bufferNode = null, this.mode = t & ~Q.EnterBracketed, e instanceof et) this.yieldNode(e);
+      if (this.buffer = null, this.stack = [], this.index = 0, this.bufferNode = null, this.mode = t & ~Q.EnterBracketed, e instanceof et2) this.yieldNode(e);
       else {
         this._tree = e.context.parent, this.buffer = e.context;
         for (let i = e._parent; i; i = i._parent) this.stack.unshift(i.index);
@@ -13788,7 +15640,7 @@ ${name}`;
       return this.type = t || s.set.types[s.buffer[e]], this.from = i + s.buffer[e + 1], this.to = i + s.buffer[e + 2], true;
     }
     yield(e) {
-      return e ? e instanceof et ? (this.buffer = null, this.yieldNode(e)) : (this.buffer = e.context, this.yieldBuf(e.index, e.type)) : false;
+      return e ? e instanceof et2 ? (this.buffer = null, this.yieldNode(e)) : (this.buffer = e.context, this.yieldBuf(e.index, e.type)) : false;
     }
     toString() {
       return this.buffer ? this.buffer.buffer.childString(this.index) : this._tree.toString();
@@ -13847,7 +15699,7 @@ ${name}`;
       } else ({ index: t, _parent: i } = this._tree);
       for (; i; { index: t, _parent: i } = i) if (t > -1) for (let r = t + e, o = e < 0 ? -1 : i._tree.children.length; r != o; r += e) {
         let l = i._tree.children[r];
-        if (this.mode & Q.IncludeAnonymous || l instanceof bt || !l.type.isAnonymous || Lo(l)) return false;
+        if (this.mode & Q.IncludeAnonymous || l instanceof bt2 || !l.type.isAnonymous || Lo2(l)) return false;
       }
       return true;
     }
@@ -13880,8 +15732,8 @@ ${name}`;
         }
         s = this.stack[--r];
       }
-      for (let s = i; s < this.stack.length; s++) t = new ji(this.buffer, t, this.stack[s]);
-      return this.bufferNode = new ji(this.buffer, t, this.index);
+      for (let s = i; s < this.stack.length; s++) t = new ji2(this.buffer, t, this.stack[s]);
+      return this.bufferNode = new ji2(this.buffer, t, this.index);
     }
     get tree() {
       return this.buffer ? null : this._tree._tree;
@@ -13904,10 +15756,10 @@ ${name}`;
       }
     }
     matchContext(e) {
-      if (!this.buffer) return Do(this.node.parent, e);
+      if (!this.buffer) return Do2(this.node.parent, e);
       let { buffer: t } = this.buffer, { types: i } = t.set;
       for (let s = e.length - 1, r = this.stack.length - 1; s >= 0; r--) {
-        if (r < 0) return Do(this._tree, e, s);
+        if (r < 0) return Do2(this._tree, e, s);
         let o = i[t.buffer[this.stack[r]]];
         if (!o.isAnonymous) {
           if (e[s] && e[s] != o.name) return false;
@@ -13917,14 +15769,14 @@ ${name}`;
       return true;
     }
   };
-  function Lo(n66) {
-    return n66.children.some((e) => e instanceof bt || !e.type.isAnonymous || Lo(e));
+  function Lo2(n66) {
+    return n66.children.some((e) => e instanceof bt2 || !e.type.isAnonymous || Lo2(e));
   }
   function Ld(n66) {
     var e;
-    let { buffer: t, nodeSet: i, maxBufferLength: s = 1024, reused: r = [], minRepeatType: o = i.types.length } = n66, l = Array.isArray(t) ? new To(t, t.length) : t, a = i.types, h = 0, c = 0;
+    let { buffer: t, nodeSet: i, maxBufferLength: s = 1024, reused: r = [], minRepeatType: o = i.types.length } = n66, l = Array.isArray(t) ? new To2(t, t.length) : t, a = i.types, h = 0, c = 0;
     function f(w, k, S2, R, N, K) {
-      let { id: I, start: B, end: q, size: W } = l, U = c, ce = h;
+      let { id: I, start: B, end: q, size: W } = l, U = c, ce2 = h;
       if (W < 0) if (l.next(), W == -1) {
         let st = r[I];
         S2.push(st), R.push(B - w);
@@ -13936,22 +15788,22 @@ ${name}`;
         c = I;
         return;
       } else throw new RangeError(`Unrecognized record size: ${W}`);
-      let we = a[I], _e, re, Ae = B - w;
-      if (q - B <= s && (re = g(l.pos - k, N))) {
-        let st = new Uint16Array(re.size - re.skip), me = l.pos - re.size, Fe = st.length;
-        for (; l.pos > me; ) Fe = y(re.start, st, Fe);
-        _e = new bt(st, q - re.start, i), Ae = re.start - w;
+      let we = a[I], _e, re2, Ae2 = B - w;
+      if (q - B <= s && (re2 = g(l.pos - k, N))) {
+        let st = new Uint16Array(re2.size - re2.skip), me = l.pos - re2.size, Fe = st.length;
+        for (; l.pos > me; ) Fe = y(re2.start, st, Fe);
+        _e = new bt2(st, q - re2.start, i), Ae2 = re2.start - w;
       } else {
         let st = l.pos - W;
         l.next();
         let me = [], Fe = [], Ye = I >= o ? I : -1, rt = 0, Kt = q, xi = U;
-        for (; l.pos > st; ) Ye >= 0 && l.id == Ye && l.size >= 0 ? (l.end <= Kt - s && (p(me, Fe, B, rt, l.end, Kt, Ye, xi, ce), rt = me.length, Kt = l.end, xi = c), l.next()) : K > 2500 ? u(B, st, me, Fe) : (Ye >= 0 && l.size == -1 && r[l.id].type == i.types[Ye] && (rt < me.length && p(me, Fe, B, rt, l.end, Kt, Ye, xi, ce), rt = me.length + 1, Kt = l.start, xi = c), f(B, st, me, Fe, Ye, K + 1));
-        if (Ye >= 0 && rt > 0 && rt < me.length && p(me, Fe, B, rt, B, Kt, Ye, xi, ce), me.reverse(), Fe.reverse(), Ye > -1 && rt > 0) {
-          let Cl = d(we, ce);
-          _e = Ro(we, me, Fe, 0, me.length, 0, q - B, Cl, Cl);
-        } else _e = m(we, me, Fe, q - B, U - q, ce);
+        for (; l.pos > st; ) Ye >= 0 && l.id == Ye && l.size >= 0 ? (l.end <= Kt - s && (p(me, Fe, B, rt, l.end, Kt, Ye, xi, ce2), rt = me.length, Kt = l.end, xi = c), l.next()) : K > 2500 ? u(B, st, me, Fe) : (Ye >= 0 && l.size == -1 && r[l.id].type == i.types[Ye] && (rt < me.length && p(me, Fe, B, rt, l.end, Kt, Ye, xi, ce2), rt = me.length + 1, Kt = l.start, xi = c), f(B, st, me, Fe, Ye, K + 1));
+        if (Ye >= 0 && rt > 0 && rt < me.length && p(me, Fe, B, rt, B, Kt, Ye, xi, ce2), me.reverse(), Fe.reverse(), Ye > -1 && rt > 0) {
+          let Cl = d(we, ce2);
+          _e = Ro2(we, me, Fe, 0, me.length, 0, q - B, Cl, Cl);
+        } else _e = m(we, me, Fe, q - B, U - q, ce2);
       }
-      S2.push(_e), R.push(Ae);
+      S2.push(_e), R.push(Ae2);
     }
     function u(w, k, S2, R) {
       let N = [], K = 0, I = -1;
@@ -13966,7 +15818,7 @@ ${name}`;
       if (K) {
         let B = new Uint16Array(K * 4), q = N[N.length - 2];
         for (let W = N.length - 3, U = 0; W >= 0; W -= 3) B[U++] = N[W], B[U++] = N[W + 1] - q, B[U++] = N[W + 2] - q, B[U++] = U;
-        S2.push(new bt(B, N[2] - q, i)), R.push(q - w);
+        S2.push(new bt2(B, N[2] - q, i)), R.push(q - w);
       }
     }
     function d(w, k) {
@@ -14005,14 +15857,14 @@ ${name}`;
         }
         let U = S2.pos - W;
         if (W < 0 || U < q || S2.start < I) break;
-        let ce = S2.id >= o ? 4 : 0, we = S2.start;
+        let ce2 = S2.id >= o ? 4 : 0, we = S2.start;
         for (S2.next(); S2.pos > U; ) {
-          if (S2.size < 0) if (S2.size == -3 || S2.size == -4) ce += 4;
+          if (S2.size < 0) if (S2.size == -3 || S2.size == -4) ce2 += 4;
           else break e;
-          else S2.id >= o && (ce += 4);
+          else S2.id >= o && (ce2 += 4);
           S2.next();
         }
-        N = we, R += W, K += ce;
+        N = we, R += W, K += ce2;
       }
       return (k < 0 || R == w) && (B.size = R, B.start = N, B.skip = K), B.size > 4 ? B : void 0;
     }
@@ -14034,8 +15886,8 @@ ${name}`;
     return new he(a[n66.topID], v.reverse(), b.reverse(), D);
   }
   var Kh = /* @__PURE__ */ new WeakMap();
-  function ns(n66, e) {
-    if (!n66.isAnonymous || e instanceof bt || e.type != n66) return 1;
+  function ns2(n66, e) {
+    if (!n66.isAnonymous || e instanceof bt2 || e.type != n66) return 1;
     let t = Kh.get(e);
     if (t == null) {
       t = 1;
@@ -14044,21 +15896,21 @@ ${name}`;
           t = 1;
           break;
         }
-        t += ns(n66, i);
+        t += ns2(n66, i);
       }
       Kh.set(e, t);
     }
     return t;
   }
-  function Ro(n66, e, t, i, s, r, o, l, a) {
+  function Ro2(n66, e, t, i, s, r, o, l, a) {
     let h = 0;
-    for (let p = i; p < s; p++) h += ns(n66, e[p]);
+    for (let p = i; p < s; p++) h += ns2(n66, e[p]);
     let c = Math.ceil(h * 1.5 / 8), f = [], u = [];
     function d(p, m, g, y, v) {
       for (let b = g; b < y; ) {
-        let D = b, w = m[b], k = ns(n66, p[b]);
+        let D = b, w = m[b], k = ns2(n66, p[b]);
         for (b++; b < y; b++) {
-          let S2 = ns(n66, p[b]);
+          let S2 = ns2(n66, p[b]);
           if (k + S2 >= c) break;
           k += S2;
         }
@@ -14071,7 +15923,7 @@ ${name}`;
           f.push(p[D]);
         } else {
           let S2 = m[b - 1] + p[b - 1].length - w;
-          f.push(Ro(n66, p, m, D, b, w, S2, null, a));
+          f.push(Ro2(n66, p, m, D, b, w, S2, null, a));
         }
         u.push(w + v - r);
       }
@@ -14113,9 +15965,9 @@ ${name}`;
       return s;
     }
   };
-  var rs = class {
+  var rs2 = class {
     startParse(e, t, i) {
-      return typeof e == "string" && (e = new Eo(e)), i = i ? i.length ? i.map((s) => new Ki(s.from, s.to)) : [new Ki(0, 0)] : [new Ki(0, e.length)], this.createParse(e, t || [], i);
+      return typeof e == "string" && (e = new Eo2(e)), i = i ? i.length ? i.map((s) => new Ki(s.from, s.to)) : [new Ki(0, 0)] : [new Ki(0, e.length)], this.createParse(e, t || [], i);
     }
     parse(e, t, i) {
       let s = this.startParse(e, t, i);
@@ -14125,7 +15977,7 @@ ${name}`;
       }
     }
   };
-  var Eo = class {
+  var Eo2 = class {
     constructor(e) {
       this.string = e;
     }
@@ -14161,12 +16013,12 @@ ${name}`;
       return s;
     }
     static defineModifier(e) {
-      let t = new hs(e);
-      return (i) => i.modified.indexOf(t) > -1 ? i : hs.get(i.base || i, i.modified.concat(t).sort((s, r) => s.id - r.id));
+      let t = new hs2(e);
+      return (i) => i.modified.indexOf(t) > -1 ? i : hs2.get(i.base || i, i.modified.concat(t).sort((s, r) => s.id - r.id));
     }
   };
   var Pd = 0;
-  var hs = class n52 {
+  var hs2 = class n52 {
     constructor(e) {
       this.name = e, this.instances = [], this.id = Pd++;
     }
@@ -14214,7 +16066,7 @@ ${name}`;
         }
         let a = r.length - 1, h = r[a];
         if (!h) throw new RangeError("Invalid path: " + s);
-        let c = new fi(i, o, a > 0 ? r.slice(0, a) : null);
+        let c = new fi2(i, o, a > 0 ? r.slice(0, a) : null);
         e[h] = c.sort(e[h]);
       }
     }
@@ -14224,12 +16076,12 @@ ${name}`;
     let t, i, s;
     for (; n66 || e; ) {
       if (!n66 || e && n66.depth <= e.depth ? (s = e, e = e.next) : (s = n66, n66 = n66.next), t && t.mode == s.mode && !s.context && !t.context) continue;
-      let r = new fi(s.tags, s.mode, s.context);
+      let r = new fi2(s.tags, s.mode, s.context);
       t ? t.next = r : i = r, t = r;
     }
     return i;
   } });
-  var fi = class {
+  var fi2 = class {
     constructor(e, t, i, s) {
       this.tags = e, this.mode = t, this.context = i, this.next = s;
     }
@@ -14246,8 +16098,8 @@ ${name}`;
       return this.context ? this.context.length : 0;
     }
   };
-  fi.empty = new fi([], 2, null);
-  function No(n66, e) {
+  fi2.empty = new fi2([], 2, null);
+  function No2(n66, e) {
     let t = /* @__PURE__ */ Object.create(null);
     for (let r of n66) if (!Array.isArray(r.tag)) t[r.tag.id] = r.class;
     else for (let o of r.tag) t[o.id] = r.class;
@@ -14265,34 +16117,34 @@ ${name}`;
     }, scope: i };
   }
   var C = qe.define;
-  var os = C();
+  var os2 = C();
   var xt = C();
   var Uh = C(xt);
   var Gh = C(xt);
-  var wt = C();
-  var ls = C(wt);
-  var Po = C(wt);
+  var wt2 = C();
+  var ls2 = C(wt2);
+  var Po2 = C(wt2);
   var nt = C();
   var Ft = C(nt);
-  var tt = C();
+  var tt2 = C();
   var it = C();
-  var Io = C();
-  var Gi = C(Io);
-  var as = C();
-  var M = { comment: os, lineComment: C(os), blockComment: C(os), docComment: C(os), name: xt, variableName: C(xt), typeName: Uh, tagName: C(Uh), propertyName: Gh, attributeName: C(Gh), className: C(xt), labelName: C(xt), namespace: C(xt), macroName: C(xt), literal: wt, string: ls, docString: C(ls), character: C(ls), attributeValue: C(ls), number: Po, integer: C(Po), float: C(Po), bool: C(wt), regexp: C(wt), escape: C(wt), color: C(wt), url: C(wt), keyword: tt, self: C(tt), null: C(tt), atom: C(tt), unit: C(tt), modifier: C(tt), operatorKeyword: C(tt), controlKeyword: C(tt), definitionKeyword: C(tt), moduleKeyword: C(tt), operator: it, derefOperator: C(it), arithmeticOperator: C(it), logicOperator: C(it), bitwiseOperator: C(it), compareOperator: C(it), updateOperator: C(it), definitionOperator: C(it), typeOperator: C(it), controlOperator: C(it), punctuation: Io, separator: C(Io), bracket: Gi, angleBracket: C(Gi), squareBracket: C(Gi), paren: C(Gi), brace: C(Gi), content: nt, heading: Ft, heading1: C(Ft), heading2: C(Ft), heading3: C(Ft), heading4: C(Ft), heading5: C(Ft), heading6: C(Ft), contentSeparator: C(nt), list: C(nt), quote: C(nt), emphasis: C(nt), strong: C(nt), link: C(nt), monospace: C(nt), strikethrough: C(nt), inserted: C(), deleted: C(), changed: C(), invalid: C(), meta: as, documentMeta: C(as), annotation: C(as), processingInstruction: C(as), definition: qe.defineModifier("definition"), constant: qe.defineModifier("constant"), function: qe.defineModifier("function"), standard: qe.defineModifier("standard"), local: qe.defineModifier("local"), special: qe.defineModifier("special") };
+  var Io2 = C();
+  var Gi = C(Io2);
+  var as2 = C();
+  var M = { comment: os2, lineComment: C(os2), blockComment: C(os2), docComment: C(os2), name: xt, variableName: C(xt), typeName: Uh, tagName: C(Uh), propertyName: Gh, attributeName: C(Gh), className: C(xt), labelName: C(xt), namespace: C(xt), macroName: C(xt), literal: wt2, string: ls2, docString: C(ls2), character: C(ls2), attributeValue: C(ls2), number: Po2, integer: C(Po2), float: C(Po2), bool: C(wt2), regexp: C(wt2), escape: C(wt2), color: C(wt2), url: C(wt2), keyword: tt2, self: C(tt2), null: C(tt2), atom: C(tt2), unit: C(tt2), modifier: C(tt2), operatorKeyword: C(tt2), controlKeyword: C(tt2), definitionKeyword: C(tt2), moduleKeyword: C(tt2), operator: it, derefOperator: C(it), arithmeticOperator: C(it), logicOperator: C(it), bitwiseOperator: C(it), compareOperator: C(it), updateOperator: C(it), definitionOperator: C(it), typeOperator: C(it), controlOperator: C(it), punctuation: Io2, separator: C(Io2), bracket: Gi, angleBracket: C(Gi), squareBracket: C(Gi), paren: C(Gi), brace: C(Gi), content: nt, heading: Ft, heading1: C(Ft), heading2: C(Ft), heading3: C(Ft), heading4: C(Ft), heading5: C(Ft), heading6: C(Ft), contentSeparator: C(nt), list: C(nt), quote: C(nt), emphasis: C(nt), strong: C(nt), link: C(nt), monospace: C(nt), strikethrough: C(nt), inserted: C(), deleted: C(), changed: C(), invalid: C(), meta: as2, documentMeta: C(as2), annotation: C(as2), processingInstruction: C(as2), definition: qe.defineModifier("definition"), constant: qe.defineModifier("constant"), function: qe.defineModifier("function"), standard: qe.defineModifier("standard"), local: qe.defineModifier("local"), special: qe.defineModifier("special") };
   for (let n66 in M) {
     let e = M[n66];
     e instanceof qe && (e.name = n66);
   }
-  var Jg = No([{ tag: M.link, class: "tok-link" }, { tag: M.heading, class: "tok-heading" }, { tag: M.emphasis, class: "tok-emphasis" }, { tag: M.strong, class: "tok-strong" }, { tag: M.keyword, class: "tok-keyword" }, { tag: M.atom, class: "tok-atom" }, { tag: M.bool, class: "tok-bool" }, { tag: M.url, class: "tok-url" }, { tag: M.labelName, class: "tok-labelName" }, { tag: M.inserted, class: "tok-inserted" }, { tag: M.deleted, class: "tok-deleted" }, { tag: M.literal, class: "tok-literal" }, { tag: M.string, class: "tok-string" }, { tag: M.number, class: "tok-number" }, { tag: [M.regexp, M.escape, M.special(M.string)], class: "tok-string2" }, { tag: M.variableName, class: "tok-variableName" }, { tag: M.local(M.variableName), class: "tok-variableName tok-local" }, { tag: M.definition(M.variableName), class: "tok-variableName tok-definition" }, { tag: M.special(M.variableName), class: "tok-variableName2" }, { tag: M.definition(M.propertyName), class: "tok-propertyName tok-definition" }, { tag: M.typeName, class: "tok-typeName" }, { tag: M.namespace, class: "tok-namespace" }, { tag: M.className, class: "tok-className" }, { tag: M.macroName, class: "tok-macroName" }, { tag: M.propertyName, class: "tok-propertyName" }, { tag: M.operator, class: "tok-operator" }, { tag: M.comment, class: "tok-comment" }, { tag: M.meta, class: "tok-meta" }, { tag: M.invalid, class: "tok-invalid" }, { tag: M.punctuation, class: "tok-punctuation" }]);
-  var Fo;
+  var Jg = No2([{ tag: M.link, class: "tok-link" }, { tag: M.heading, class: "tok-heading" }, { tag: M.emphasis, class: "tok-emphasis" }, { tag: M.strong, class: "tok-strong" }, { tag: M.keyword, class: "tok-keyword" }, { tag: M.atom, class: "tok-atom" }, { tag: M.bool, class: "tok-bool" }, { tag: M.url, class: "tok-url" }, { tag: M.labelName, class: "tok-labelName" }, { tag: M.inserted, class: "tok-inserted" }, { tag: M.deleted, class: "tok-deleted" }, { tag: M.literal, class: "tok-literal" }, { tag: M.string, class: "tok-string" }, { tag: M.number, class: "tok-number" }, { tag: [M.regexp, M.escape, M.special(M.string)], class: "tok-string2" }, { tag: M.variableName, class: "tok-variableName" }, { tag: M.local(M.variableName), class: "tok-variableName tok-local" }, { tag: M.definition(M.variableName), class: "tok-variableName tok-definition" }, { tag: M.special(M.variableName), class: "tok-variableName2" }, { tag: M.definition(M.propertyName), class: "tok-propertyName tok-definition" }, { tag: M.typeName, class: "tok-typeName" }, { tag: M.namespace, class: "tok-namespace" }, { tag: M.className, class: "tok-className" }, { tag: M.macroName, class: "tok-macroName" }, { tag: M.propertyName, class: "tok-propertyName" }, { tag: M.operator, class: "tok-operator" }, { tag: M.comment, class: "tok-comment" }, { tag: M.meta, class: "tok-meta" }, { tag: M.invalid, class: "tok-invalid" }, { tag: M.punctuation, class: "tok-punctuation" }]);
+  var Fo2;
   var Yi = new P();
   var Wd = new P();
   var Pe = class {
     constructor(e, t, i = [], s = "") {
       this.data = e, this.name = s, _.prototype.hasOwnProperty("tree") || Object.defineProperty(_.prototype, "tree", { get() {
         return Ke(this);
-      } }), this.parser = t, this.extension = [ui.of(this), _.languageData.of((r, o, l) => {
+      } }), this.parser = t, this.extension = [ui2.of(this), _.languageData.of((r, o, l) => {
         let a = Yh(r, o, l), h = a.type.prop(Yi);
         if (!h) return [];
         let c = r.facet(h), f = a.type.prop(Wd);
@@ -14310,7 +16162,7 @@ ${name}`;
       return Yh(e, t, i).type.prop(Yi) == this.data;
     }
     findRegions(e) {
-      let t = e.facet(ui);
+      let t = e.facet(ui2);
       if (t?.data == this.data) return [{ from: 0, to: e.doc.length }];
       if (!t || !t.allowsNesting) return [];
       let i = [], s = (r, o) => {
@@ -14342,7 +16194,7 @@ ${name}`;
   };
   Pe.setState = E.define();
   function Yh(n66, e, t) {
-    let i = n66.facet(ui), s = Ke(n66).topNode;
+    let i = n66.facet(ui2), s = Ke(n66).topNode;
     if (!i || i.allowsNesting) for (let r = s; r; r = r.enter(e, t, Q.ExcludeBuffers | Q.EnterBracketed)) r.type.isTop && (s = r);
     return s;
   }
@@ -14350,7 +16202,7 @@ ${name}`;
     let e = n66.field(Pe.state, false);
     return e ? e.tree : he.empty;
   }
-  var Vo = class {
+  var Vo2 = class {
     constructor(e) {
       this.doc = e, this.cursorPos = 0, this.string = "", this.cursor = e.iter();
     }
@@ -14372,7 +16224,7 @@ ${name}`;
     }
   };
   var _i = null;
-  var zo = class n53 {
+  var zo2 = class n53 {
     constructor(e, t, i = [], s, r, o, l, a) {
       this.parser = e, this.state = t, this.fragments = i, this.tree = s, this.treeLen = r, this.viewport = o, this.skipped = l, this.scheduleOn = a, this.parse = null, this.tempSkipped = [];
     }
@@ -14380,7 +16232,7 @@ ${name}`;
       return new n53(e, t, [], he.empty, 0, i, [], null);
     }
     startParse() {
-      return this.parser.startParse(new Vo(this.state.doc), this.fragments);
+      return this.parser.startParse(new Vo2(this.state.doc), this.fragments);
     }
     work(e, t) {
       return t != null && t >= this.state.doc.length && (t = void 0), this.tree != he.empty && this.isDone(t ?? this.state.doc.length) ? (this.takeTree(), true) : this.withContext(() => {
@@ -14447,7 +16299,7 @@ ${name}`;
       this.skipped.push({ from: e, to: t });
     }
     static getSkippingParser(e) {
-      return new class extends rs {
+      return new class extends rs2 {
         createParse(t, i, s) {
           let r = s[0].from, o = s[s.length - 1].to;
           return { parsedPos: r, advance() {
@@ -14474,7 +16326,7 @@ ${name}`;
   function Xh(n66, e, t) {
     return Nt.applyChanges(n66, [{ fromA: e, toA: t, fromB: e, toB: t }]);
   }
-  var Xi = class n54 {
+  var Xi2 = class n54 {
     constructor(e) {
       this.context = e, this.tree = e.tree;
     }
@@ -14484,13 +16336,13 @@ ${name}`;
       return t.work(20, i) || t.takeTree(), new n54(t);
     }
     static init(e) {
-      let t = Math.min(3e3, e.doc.length), i = zo.create(e.facet(ui).parser, e, { from: 0, to: t });
+      let t = Math.min(3e3, e.doc.length), i = zo2.create(e.facet(ui2).parser, e, { from: 0, to: t });
       return i.work(20, t) || i.takeTree(), new n54(i);
     }
   };
-  Pe.state = J.define({ create: Xi.init, update(n66, e) {
+  Pe.state = J.define({ create: Xi2.init, update(n66, e) {
     for (let t of e.effects) if (t.is(Pe.setState)) return t.value;
-    return e.startState.facet(ui) != e.state.facet(ui) ? Xi.init(e.state) : n66.apply(e);
+    return e.startState.facet(ui2) != e.state.facet(ui2) ? Xi2.init(e.state) : n66.apply(e);
   } });
   var ec = (n66) => {
     let e = setTimeout(() => n66(), 500);
@@ -14502,7 +16354,7 @@ ${name}`;
     }, 100);
     return () => e < 0 ? clearTimeout(t) : cancelIdleCallback(e);
   });
-  var Ho = typeof navigator < "u" && (!((Fo = navigator.scheduling) === null || Fo === void 0) && Fo.isInputPending) ? () => navigator.scheduling.isInputPending() : null;
+  var Ho2 = typeof navigator < "u" && (!((Fo2 = navigator.scheduling) === null || Fo2 === void 0) && Fo2.isInputPending) ? () => navigator.scheduling.isInputPending() : null;
   var Vd = te.fromClass(class {
     constructor(e) {
       this.view = e, this.working = null, this.workScheduled = 0, this.chunkEnd = -1, this.chunkBudget = -1, this.work = this.work.bind(this), this.scheduleWork();
@@ -14522,8 +16374,8 @@ ${name}`;
       if (this.chunkEnd < t && (this.chunkEnd < 0 || this.view.hasFocus) && (this.chunkEnd = t + 3e4, this.chunkBudget = 3e3), this.chunkBudget <= 0) return;
       let { state: i, viewport: { to: s } } = this.view, r = i.field(Pe.state);
       if (r.tree == r.context.tree && r.context.isDone(s + 1e5)) return;
-      let o = Date.now() + Math.min(this.chunkBudget, 100, e && !Ho ? Math.max(25, e.timeRemaining() - 5) : 1e9), l = r.context.treeLen < s && i.doc.length > s + 1e3, a = r.context.work(() => Ho && Ho() || Date.now() > o, s + (l ? 0 : 1e5));
-      this.chunkBudget -= Date.now() - t, (a || this.chunkBudget <= 0) && (r.context.takeTree(), this.view.dispatch({ effects: Pe.setState.of(new Xi(r.context)) })), this.chunkBudget > 0 && !(a && !l) && this.scheduleWork(), this.checkAsyncSchedule(r.context);
+      let o = Date.now() + Math.min(this.chunkBudget, 100, e && !Ho2 ? Math.max(25, e.timeRemaining() - 5) : 1e9), l = r.context.treeLen < s && i.doc.length > s + 1e3, a = r.context.work(() => Ho2 && Ho2() || Date.now() > o, s + (l ? 0 : 1e5));
+      this.chunkBudget -= Date.now() - t, (a || this.chunkBudget <= 0) && (r.context.takeTree(), this.view.dispatch({ effects: Pe.setState.of(new Xi2(r.context)) })), this.chunkBudget > 0 && !(a && !l) && this.scheduleWork(), this.checkAsyncSchedule(r.context);
     }
     checkAsyncSchedule(e) {
       e.scheduleOn && (this.workScheduled++, e.scheduleOn.then(() => this.scheduleWork()).catch((t) => le(this.view.state, t)).then(() => this.workScheduled--), e.scheduleOn = null);
@@ -14537,25 +16389,25 @@ ${name}`;
   }, { eventHandlers: { focus() {
     this.scheduleWork();
   } } });
-  var ui = T.define({ combine(n66) {
+  var ui2 = T.define({ combine(n66) {
     return n66.length ? n66[0] : null;
   }, enables: (n66) => [Pe.state, Vd, O.contentAttributes.compute([n66], (e) => {
     let t = e.facet(n66);
     return t && t.name ? { "data-language": t.name } : {};
   })] });
   var zd = T.define();
-  var Ji = T.define({ combine: (n66) => {
+  var Ji2 = T.define({ combine: (n66) => {
     if (!n66.length) return "  ";
     let e = n66[0];
     if (!e || /\S/.test(e) || Array.from(e).some((t) => t != e[0])) throw new Error("Invalid indent unit: " + JSON.stringify(n66[0]));
     return e;
   } });
-  function Qi(n66) {
-    let e = n66.facet(Ji);
+  function Qi2(n66) {
+    let e = n66.facet(Ji2);
     return e.charCodeAt(0) == 9 ? n66.tabSize * e.length : e.length;
   }
-  function Zi(n66, e) {
-    let t = "", i = n66.tabSize, s = n66.facet(Ji)[0];
+  function Zi2(n66, e) {
+    let t = "", i = n66.tabSize, s = n66.facet(Ji2)[0];
     if (s == "	") {
       for (; e >= i; ) t += "	", e -= i;
       s = " ";
@@ -14563,8 +16415,8 @@ ${name}`;
     for (let r = 0; r < e; r++) t += s;
     return t;
   }
-  function Uo(n66, e) {
-    n66 instanceof _ && (n66 = new Ht(n66));
+  function Uo2(n66, e) {
+    n66 instanceof _ && (n66 = new Ht2(n66));
     for (let i of n66.state.facet(zd)) {
       let s = i(n66, e);
       if (s !== void 0) return s;
@@ -14572,9 +16424,9 @@ ${name}`;
     let t = Ke(n66.state);
     return t.length >= e ? Kd(n66, t, e) : null;
   }
-  var Ht = class {
+  var Ht2 = class {
     constructor(e, t = {}) {
-      this.state = e, this.options = t, this.unit = Qi(e);
+      this.state = e, this.options = t, this.unit = Qi2(e);
     }
     lineAt(e, t = 1) {
       let i = this.state.doc.lineAt(e), { simulateBreak: s, simulateDoubleBreak: r } = this.options;
@@ -14590,7 +16442,7 @@ ${name}`;
       return o > -1 && (r += o - this.countColumn(i, i.search(/\S|$/))), r;
     }
     countColumn(e, t = e.length) {
-      return dt(e, this.state.tabSize, t);
+      return dt2(e, this.state.tabSize, t);
     }
     lineIndent(e, t = 1) {
       let { text: i, from: s } = this.lineAt(e, t), r = this.options.overrideIndentation;
@@ -14617,7 +16469,7 @@ ${name}`;
   function tc(n66, e, t) {
     for (let i = n66; i; i = i.next) {
       let s = jd(i.node);
-      if (s) return s(qo.create(e, t, i));
+      if (s) return s(qo2.create(e, t, i));
     }
     return 0;
   }
@@ -14637,7 +16489,7 @@ ${name}`;
   function Ud() {
     return 0;
   }
-  var qo = class n55 extends Ht {
+  var qo2 = class n55 extends Ht2 {
     constructor(e, t, i) {
       super(e.state, e.options), this.base = e, this.pos = t, this.context = i;
     }
@@ -14690,7 +16542,7 @@ ${name}`;
     let r = n66.textAfter, o = r.match(/^\s*/)[0].length, l = i && r.slice(o, o + i.length) == i || s == n66.pos + o, a = e ? _d(n66) : null;
     return a ? l ? n66.column(a.from) : n66.column(a.to) : n66.baseIndent + (l ? 0 : n66.unit * t);
   }
-  var Ko = class n56 {
+  var Ko2 = class n56 {
     constructor(e, t) {
       this.specs = e;
       let i;
@@ -14699,17 +16551,17 @@ ${name}`;
         return (i || (i = /* @__PURE__ */ Object.create(null)))["." + a] = l, a;
       }
       let r = typeof t.all == "string" ? t.all : t.all ? s(t.all) : void 0, o = t.scope;
-      this.scope = o instanceof Pe ? (l) => l.prop(Yi) == o.data : o ? (l) => l == o : void 0, this.style = No(e.map((l) => ({ tag: l.tag, class: l.class || s(Object.assign({}, l, { tag: null })) })), { all: r }).style, this.module = i ? new Oe(i) : null, this.themeType = t.themeType;
+      this.scope = o instanceof Pe ? (l) => l.prop(Yi) == o.data : o ? (l) => l == o : void 0, this.style = No2(e.map((l) => ({ tag: l.tag, class: l.class || s(Object.assign({}, l, { tag: null })) })), { all: r }).style, this.module = i ? new Oe(i) : null, this.themeType = t.themeType;
     }
     static define(e, t) {
       return new n56(e, t || {});
     }
   };
-  var l0 = Ko.define([{ tag: M.meta, color: "#404740" }, { tag: M.link, textDecoration: "underline" }, { tag: M.heading, textDecoration: "underline", fontWeight: "bold" }, { tag: M.emphasis, fontStyle: "italic" }, { tag: M.strong, fontWeight: "bold" }, { tag: M.strikethrough, textDecoration: "line-through" }, { tag: M.keyword, color: "#708" }, { tag: [M.atom, M.bool, M.url, M.contentSeparator, M.labelName], color: "#219" }, { tag: [M.literal, M.inserted], color: "#164" }, { tag: [M.string, M.deleted], color: "#a11" }, { tag: [M.regexp, M.escape, M.special(M.string)], color: "#e40" }, { tag: M.definition(M.variableName), color: "#00f" }, { tag: M.local(M.variableName), color: "#30a" }, { tag: [M.typeName, M.namespace], color: "#085" }, { tag: M.className, color: "#167" }, { tag: [M.special(M.variableName), M.macroName], color: "#256" }, { tag: M.definition(M.propertyName), color: "#00c" }, { tag: M.comment, color: "#940" }, { tag: M.invalid, color: "#f00" }]);
+  var l0 = Ko2.define([{ tag: M.meta, color: "#404740" }, { tag: M.link, textDecoration: "underline" }, { tag: M.heading, textDecoration: "underline", fontWeight: "bold" }, { tag: M.emphasis, fontStyle: "italic" }, { tag: M.strong, fontWeight: "bold" }, { tag: M.strikethrough, textDecoration: "line-through" }, { tag: M.keyword, color: "#708" }, { tag: [M.atom, M.bool, M.url, M.contentSeparator, M.labelName], color: "#219" }, { tag: [M.literal, M.inserted], color: "#164" }, { tag: [M.string, M.deleted], color: "#a11" }, { tag: [M.regexp, M.escape, M.special(M.string)], color: "#e40" }, { tag: M.definition(M.variableName), color: "#00f" }, { tag: M.local(M.variableName), color: "#30a" }, { tag: [M.typeName, M.namespace], color: "#085" }, { tag: M.className, color: "#167" }, { tag: [M.special(M.variableName), M.macroName], color: "#256" }, { tag: M.definition(M.propertyName), color: "#00c" }, { tag: M.comment, color: "#940" }, { tag: M.invalid, color: "#f00" }]);
   var Xd = 1e4;
   var Jd = "()[]{}";
   var Qd = new P();
-  function $o(n66, e, t) {
+  function $o2(n66, e, t) {
     let i = n66.prop(e < 0 ? P.openedBy : P.closedBy);
     if (i) return i;
     if (n66.name.length == 1) {
@@ -14718,16 +16570,16 @@ ${name}`;
     }
     return null;
   }
-  function jo(n66) {
+  function jo2(n66) {
     let e = n66.type.prop(Qd);
     return e ? e(n66.node) : n66;
   }
   function Wt(n66, e, t, i = {}) {
     let s = i.maxScanDistance || Xd, r = i.brackets || Jd, o = Ke(n66), l = o.resolveInner(e, t);
     for (let a = l; a; a = a.parent) {
-      let h = $o(a.type, t, r);
+      let h = $o2(a.type, t, r);
       if (h && a.from < a.to) {
-        let c = jo(a);
+        let c = jo2(a);
         if (c && (t > 0 ? e >= c.from && e < c.to : e > c.from && e <= c.to)) return Zd(n66, e, t, a, c, h, r);
       }
     }
@@ -14738,12 +16590,12 @@ ${name}`;
     if (c && (t < 0 ? c.childBefore(i.from) : c.childAfter(i.to))) do
       if (t < 0 ? c.to <= i.from : c.from >= i.to) {
         if (h == 0 && r.indexOf(c.type.name) > -1 && c.from < c.to) {
-          let f = jo(c);
+          let f = jo2(c);
           return { start: a, end: f ? { from: f.from, to: f.to } : void 0, matched: true };
-        } else if ($o(c.type, t, o)) h++;
-        else if ($o(c.type, -t, o)) {
+        } else if ($o2(c.type, t, o)) h++;
+        else if ($o2(c.type, -t, o)) {
           if (h == 0) {
-            let f = jo(c);
+            let f = jo2(c);
             return { start: a, end: f && f.from < f.to ? { from: f.from, to: f.to } : void 0, matched: false };
           }
           h--;
@@ -14779,7 +16631,7 @@ ${name}`;
   var Zh = /* @__PURE__ */ Object.create(null);
   var ip = /* @__PURE__ */ Object.create(null);
   for (let [n66, e] of [["variable", "variableName"], ["variable-2", "variableName.special"], ["string-2", "string.special"], ["def", "variableName.definition"], ["tag", "tagName"], ["attribute", "attributeName"], ["type", "typeName"], ["builtin", "variableName.standard"], ["qualifier", "modifier"], ["error", "invalid"], ["header", "heading"], ["property", "propertyName"]]) ip[n66] = np(tp, e);
-  function Wo(n66, e) {
+  function Wo2(n66, e) {
     Qh.indexOf(n66) > -1 || (Qh.push(n66), console.warn(e));
   }
   function np(n66, e) {
@@ -14788,7 +16640,7 @@ ${name}`;
       let a = [];
       for (let h of l.split(".")) {
         let c = n66[h] || M[h];
-        c ? typeof c == "function" ? a.length ? a = a.map(c) : Wo(h, `Modifier ${h} used at start of tag`) : a.length ? Wo(h, `Tag ${h} used as modifier`) : a = Array.isArray(c) ? c : [c] : Wo(h, `Unknown highlighting tag ${h}`);
+        c ? typeof c == "function" ? a.length ? a = a.map(c) : Wo2(h, `Modifier ${h} used at start of tag`) : a.length ? Wo2(h, `Tag ${h} used as modifier`) : a = Array.isArray(c) ? c : [c] : Wo2(h, `Unknown highlighting tag ${h}`);
       }
       for (let h of a) t.push(h);
     }
@@ -14800,20 +16652,20 @@ ${name}`;
   }
   var a0 = { rtl: L.mark({ class: "cm-iso", inclusive: true, attributes: { dir: "rtl" }, bidiIsolate: V.RTL }), ltr: L.mark({ class: "cm-iso", inclusive: true, attributes: { dir: "ltr" }, bidiIsolate: V.LTR }), auto: L.mark({ class: "cm-iso", inclusive: true, attributes: { dir: "auto" }, bidiIsolate: null }) };
   var sp = (n66) => {
-    let { state: e } = n66, t = e.doc.lineAt(e.selection.main.from), i = Qo(n66.state, t.from);
+    let { state: e } = n66, t = e.doc.lineAt(e.selection.main.from), i = Qo2(n66.state, t.from);
     return i.line ? rp(n66) : i.block ? lp(n66) : false;
   };
-  function Jo(n66, e) {
+  function Jo2(n66, e) {
     return ({ state: t, dispatch: i }) => {
       if (t.readOnly) return false;
       let s = n66(e, t);
       return s ? (i(t.update(s)), true) : false;
     };
   }
-  var rp = Jo(cp, 0);
-  var op = Jo(cc, 0);
-  var lp = Jo((n66, e) => cc(n66, e, hp(e)), 0);
-  function Qo(n66, e) {
+  var rp = Jo2(cp, 0);
+  var op = Jo2(cc, 0);
+  var lp = Jo2((n66, e) => cc(n66, e, hp(e)), 0);
+  function Qo2(n66, e) {
     let t = n66.languageDataAt("commentTokens", e, 1);
     return t.length ? t[0] : {};
   }
@@ -14837,7 +16689,7 @@ ${name}`;
     return e;
   }
   function cc(n66, e, t = e.selection.ranges) {
-    let i = t.map((r) => Qo(e, r.from).block);
+    let i = t.map((r) => Qo2(e, r.from).block);
     if (!i.every((r) => r)) return null;
     let s = t.map((r, o) => ap(e, i[o], r.from, r.to));
     if (n66 != 2 && !s.every((r) => r)) return { changes: e.changes(t.map((r, o) => s[o] ? [] : [{ from: r.from, insert: i[o].open + " " }, { from: r.to, insert: " " + i[o].close }])) };
@@ -14857,7 +16709,7 @@ ${name}`;
       let l = i.length, a = 1e9, h;
       for (let c = r; c <= o; ) {
         let f = e.doc.lineAt(c);
-        if (h == null && (h = Qo(e, f.from).line, !h)) continue e;
+        if (h == null && (h = Qo2(e, f.from).line, !h)) continue e;
         if (f.from > s && (r == o || o > f.from)) {
           s = f.from;
           let u = /^\s*/.exec(f.text)[0].length, d = u == f.length, p = f.text.slice(u, u + h.length) == h ? u : -1;
@@ -14883,8 +16735,8 @@ ${name}`;
     }
     return null;
   }
-  var _o = oe.define();
-  var fp = oe.define();
+  var _o2 = oe2.define();
+  var fp = oe2.define();
   var up = T.define();
   var fc = T.define({ combine(n66) {
     return de(n66, { minDepth: 100, newGroupDelay: 500, joinToEvent: (e, t) => t }, { minDepth: Math.max, newGroupDelay: Math.min, joinToEvent: (e, t) => (i, s) => e(i, s) || t(i, s) });
@@ -14892,14 +16744,14 @@ ${name}`;
   var uc = J.define({ create() {
     return Vt.empty;
   }, update(n66, e) {
-    let t = e.state.facet(fc), i = e.annotation(_o);
+    let t = e.state.facet(fc), i = e.annotation(_o2);
     if (i) {
       let a = $e.fromTransaction(e, i.selection), h = i.side, c = h == 0 ? n66.undone : n66.done;
-      return a ? c = us(c, c.length, t.minDepth, a) : c = pc(c, e.startState.selection), new Vt(h == 0 ? i.rest : c, h == 0 ? c : i.rest);
+      return a ? c = us2(c, c.length, t.minDepth, a) : c = pc(c, e.startState.selection), new Vt(h == 0 ? i.rest : c, h == 0 ? c : i.rest);
     }
     let s = e.annotation(fp);
-    if ((s == "full" || s == "before") && (n66 = n66.isolate()), e.annotation(X.addToHistory) === false) return e.changes.empty ? n66 : n66.addMapping(e.changes.desc);
-    let r = $e.fromTransaction(e), o = e.annotation(X.time), l = e.annotation(X.userEvent);
+    if ((s == "full" || s == "before") && (n66 = n66.isolate()), e.annotation(X2.addToHistory) === false) return e.changes.empty ? n66 : n66.addMapping(e.changes.desc);
+    let r = $e.fromTransaction(e), o = e.annotation(X2.time), l = e.annotation(X2.userEvent);
     return r ? n66 = n66.addChanges(r, o, l, t, e) : e.selection && (n66 = n66.addSelection(e.startState.selection, o, l, t.newGroupDelay)), (s == "full" || s == "after") && (n66 = n66.isolate()), n66;
   }, toJSON(n66) {
     return { done: n66.done.map((e) => e.toJSON()), undone: n66.undone.map((e) => e.toJSON()) };
@@ -14908,11 +16760,11 @@ ${name}`;
   } });
   function dp(n66 = {}) {
     return [uc, fc.of(n66), O.domEventHandlers({ beforeinput(e, t) {
-      let i = e.inputType == "historyUndo" ? Zo : e.inputType == "historyRedo" ? fs : null;
+      let i = e.inputType == "historyUndo" ? Zo2 : e.inputType == "historyRedo" ? fs2 : null;
       return i ? (e.preventDefault(), i(t)) : false;
     } })];
   }
-  function ds(n66, e) {
+  function ds2(n66, e) {
     return function({ state: t, dispatch: i }) {
       if (!e && t.readOnly) return false;
       let s = t.field(uc, false);
@@ -14921,10 +16773,10 @@ ${name}`;
       return r ? (i(r), true) : false;
     };
   }
-  var Zo = ds(0, false);
-  var fs = ds(1, false);
-  var pp = ds(0, true);
-  var mp = ds(1, true);
+  var Zo2 = ds2(0, false);
+  var fs2 = ds2(1, false);
+  var pp = ds2(0, true);
+  var mp = ds2(1, true);
   var $e = class n57 {
     constructor(e, t, i, s, r) {
       this.changes = e, this.effects = t, this.mapped = i, this.startSelection = s, this.selectionsAfter = r;
@@ -14951,7 +16803,7 @@ ${name}`;
       return new n57(void 0, Ie, void 0, void 0, e);
     }
   };
-  function us(n66, e, t, i) {
+  function us2(n66, e, t, i) {
     let s = e + 1 > t + 20 ? e - t - 1 : 0, r = n66.slice(s, e);
     return r.push(i), r;
   }
@@ -14975,14 +16827,14 @@ ${name}`;
   function pc(n66, e) {
     if (n66.length) {
       let t = n66[n66.length - 1], i = t.selectionsAfter.slice(Math.max(0, t.selectionsAfter.length - bp));
-      return i.length && i[i.length - 1].eq(e) ? n66 : (i.push(e), us(n66, n66.length - 1, 1e9, t.setSelAfter(i)));
+      return i.length && i[i.length - 1].eq(e) ? n66 : (i.push(e), us2(n66, n66.length - 1, 1e9, t.setSelAfter(i)));
     } else return [$e.selection([e])];
   }
   function xp(n66) {
     let e = n66[n66.length - 1], t = n66.slice();
     return t[n66.length - 1] = e.setSelAfter(e.selectionsAfter.slice(0, e.selectionsAfter.length - 1)), t;
   }
-  function Go(n66, e) {
+  function Go2(n66, e) {
     if (!n66.length) return n66;
     let t = n66.length, i = Ie;
     for (; t; ) {
@@ -15010,43 +16862,43 @@ ${name}`;
     }
     addChanges(e, t, i, s, r) {
       let o = this.done, l = o[o.length - 1];
-      return l && l.changes && !l.changes.empty && e.changes && (!i || vp.test(i)) && (!l.selectionsAfter.length && t - this.prevTime < s.newGroupDelay && s.joinToEvent(r, gp(l.changes, e.changes)) || i == "input.type.compose") ? o = us(o, o.length - 1, s.minDepth, new $e(e.changes.compose(l.changes), dc(E.mapEffects(e.effects, l.changes), l.effects), l.mapped, l.startSelection, Ie)) : o = us(o, o.length, s.minDepth, e), new n58(o, Ie, t, i);
+      return l && l.changes && !l.changes.empty && e.changes && (!i || vp.test(i)) && (!l.selectionsAfter.length && t - this.prevTime < s.newGroupDelay && s.joinToEvent(r, gp(l.changes, e.changes)) || i == "input.type.compose") ? o = us2(o, o.length - 1, s.minDepth, new $e(e.changes.compose(l.changes), dc(E.mapEffects(e.effects, l.changes), l.effects), l.mapped, l.startSelection, Ie)) : o = us2(o, o.length, s.minDepth, e), new n58(o, Ie, t, i);
     }
     addSelection(e, t, i, s) {
       let r = this.done.length ? this.done[this.done.length - 1].selectionsAfter : Ie;
       return r.length > 0 && t - this.prevTime < s && i == this.prevUserEvent && i && /^select($|\.)/.test(i) && yp(r[r.length - 1], e) ? this : new n58(pc(this.done, e), this.undone, t, i);
     }
     addMapping(e) {
-      return new n58(Go(this.done, e), Go(this.undone, e), this.prevTime, this.prevUserEvent);
+      return new n58(Go2(this.done, e), Go2(this.undone, e), this.prevTime, this.prevUserEvent);
     }
     pop(e, t, i) {
       let s = e == 0 ? this.done : this.undone;
       if (s.length == 0) return null;
       let r = s[s.length - 1], o = r.selectionsAfter[0] || (r.startSelection ? r.startSelection.map(r.changes.invertedDesc, 1) : t.selection);
-      if (i && r.selectionsAfter.length) return t.update({ selection: r.selectionsAfter[r.selectionsAfter.length - 1], annotations: _o.of({ side: e, rest: xp(s), selection: o }), userEvent: e == 0 ? "select.undo" : "select.redo", scrollIntoView: true });
+      if (i && r.selectionsAfter.length) return t.update({ selection: r.selectionsAfter[r.selectionsAfter.length - 1], annotations: _o2.of({ side: e, rest: xp(s), selection: o }), userEvent: e == 0 ? "select.undo" : "select.redo", scrollIntoView: true });
       if (r.changes) {
         let l = s.length == 1 ? Ie : s.slice(0, s.length - 1);
-        return r.mapped && (l = Go(l, r.mapped)), t.update({ changes: r.changes, selection: r.startSelection, effects: r.effects, annotations: _o.of({ side: e, rest: l, selection: o }), filter: false, userEvent: e == 0 ? "undo" : "redo", scrollIntoView: true });
+        return r.mapped && (l = Go2(l, r.mapped)), t.update({ changes: r.changes, selection: r.startSelection, effects: r.effects, annotations: _o2.of({ side: e, rest: l, selection: o }), filter: false, userEvent: e == 0 ? "undo" : "redo", scrollIntoView: true });
       } else return null;
     }
   };
   Vt.empty = new Vt(Ie, Ie);
-  var kp = [{ key: "Mod-z", run: Zo, preventDefault: true }, { key: "Mod-y", mac: "Mod-Shift-z", run: fs, preventDefault: true }, { linux: "Ctrl-Shift-z", run: fs, preventDefault: true }, { key: "Mod-u", run: pp, preventDefault: true }, { key: "Alt-u", mac: "Mod-Shift-u", run: mp, preventDefault: true }];
-  function di(n66, e) {
+  var kp = [{ key: "Mod-z", run: Zo2, preventDefault: true }, { key: "Mod-y", mac: "Mod-Shift-z", run: fs2, preventDefault: true }, { linux: "Ctrl-Shift-z", run: fs2, preventDefault: true }, { key: "Mod-u", run: pp, preventDefault: true }, { key: "Alt-u", mac: "Mod-Shift-u", run: mp, preventDefault: true }];
+  function di2(n66, e) {
     return x.create(n66.ranges.map(e), n66.mainIndex);
   }
   function je(n66, e) {
     return n66.update({ selection: e, scrollIntoView: true, userEvent: "select" });
   }
   function Ue({ state: n66, dispatch: e }, t) {
-    let i = di(n66.selection, t);
+    let i = di2(n66.selection, t);
     return i.eq(n66.selection, true) ? false : (e(je(n66, i)), true);
   }
-  function ps(n66, e) {
+  function ps2(n66, e) {
     return x.cursor(e ? n66.to : n66.from);
   }
   function mc(n66, e) {
-    return Ue(n66, (t) => t.empty ? n66.moveByChar(t, e) : ps(t, e));
+    return Ue(n66, (t) => t.empty ? n66.moveByChar(t, e) : ps2(t, e));
   }
   function pe(n66) {
     return n66.textDirectionAt(n66.state.selection.main.head) == V.LTR;
@@ -15054,7 +16906,7 @@ ${name}`;
   var gc = (n66) => mc(n66, !pe(n66));
   var yc = (n66) => mc(n66, pe(n66));
   function bc(n66, e) {
-    return Ue(n66, (t) => t.empty ? n66.moveByGroup(t, e) : ps(t, e));
+    return Ue(n66, (t) => t.empty ? n66.moveByGroup(t, e) : ps2(t, e));
   }
   var Sp = (n66) => bc(n66, !pe(n66));
   var Cp = (n66) => bc(n66, pe(n66));
@@ -15064,7 +16916,7 @@ ${name}`;
     let i = e.to - e.from;
     return i && (i > 2 || /[^\s,.;:]/.test(n66.sliceDoc(e.from, e.to))) || e.firstChild;
   }
-  function ms(n66, e, t) {
+  function ms2(n66, e, t) {
     let i = Ke(n66).resolveInner(e.head), s = t ? P.closedBy : P.openedBy;
     for (let a = e.head; ; ) {
       let h = t ? i.childAfter(a) : i.childBefore(a);
@@ -15074,11 +16926,11 @@ ${name}`;
     let r = i.type.prop(s), o, l;
     return r && (o = t ? Wt(n66, i.from, 1) : Wt(n66, i.to, -1)) && o.matched ? l = t ? o.end.to : o.end.from : l = t ? i.to : i.from, x.cursor(l, t ? -1 : 1);
   }
-  var Mp = (n66) => Ue(n66, (e) => ms(n66.state, e, !pe(n66)));
-  var Tp = (n66) => Ue(n66, (e) => ms(n66.state, e, pe(n66)));
+  var Mp = (n66) => Ue(n66, (e) => ms2(n66.state, e, !pe(n66)));
+  var Tp = (n66) => Ue(n66, (e) => ms2(n66.state, e, pe(n66)));
   function xc(n66, e) {
     return Ue(n66, (t) => {
-      if (!t.empty) return ps(t, e);
+      if (!t.empty) return ps2(t, e);
       let i = n66.moveVertically(t, e);
       return i.head != t.head ? i : n66.moveToLineBoundary(t, e);
     });
@@ -15097,7 +16949,7 @@ ${name}`;
     return { marginTop: t, marginBottom: i, selfScroll: e, height: Math.max(n66.defaultLineHeight, s - 5) };
   }
   function Sc(n66, e) {
-    let t = kc(n66), { state: i } = n66, s = di(i.selection, (o) => o.empty ? n66.moveVertically(o, e, t.height) : ps(o, e));
+    let t = kc(n66), { state: i } = n66, s = di2(i.selection, (o) => o.empty ? n66.moveVertically(o, e, t.height) : ps2(o, e));
     if (s.eq(i.selection)) return false;
     let r;
     if (t.selfScroll) {
@@ -15107,7 +16959,7 @@ ${name}`;
     return n66.dispatch(je(i, s), { effects: r }), true;
   }
   var ic = (n66) => Sc(n66, false);
-  var Yo = (n66) => Sc(n66, true);
+  var Yo2 = (n66) => Sc(n66, true);
   function vt(n66, e, t) {
     let i = n66.lineBlockAt(e.head), s = n66.moveToLineBoundary(e, t);
     if (s.head == e.head && s.head != (t ? i.to : i.from) && (s = n66.moveToLineBoundary(e, t, false)), !t && s.head == i.from && i.length) {
@@ -15123,7 +16975,7 @@ ${name}`;
   var Lp = (n66) => Ue(n66, (e) => n66.moveToLineBoundary(e, false, false));
   var Rp = (n66) => Ue(n66, (e) => n66.moveToLineBoundary(e, true, false));
   function Pp(n66, e, t) {
-    let i = false, s = di(n66.selection, (r) => {
+    let i = false, s = di2(n66.selection, (r) => {
       let o = Wt(n66, r.head, -1) || Wt(n66, r.head, 1) || r.head > 0 && Wt(n66, r.head - 1, 1) || r.head < n66.doc.length && Wt(n66, r.head + 1, -1);
       if (!o || !o.end) return r;
       i = true;
@@ -15134,7 +16986,7 @@ ${name}`;
   }
   var Ip = ({ state: n66, dispatch: e }) => Pp(n66, e, false);
   function Ne(n66, e, t) {
-    let i = di(n66.state.selection, (s) => {
+    let i = di2(n66.state.selection, (s) => {
       s.undirectional && s.head >= s.anchor != e && (s = x.range(s.head, s.anchor));
       let r = t(s);
       return x.range(s.anchor, r.head, r.goalColumn, r.bidiLevel || void 0, r.assoc);
@@ -15153,11 +17005,11 @@ ${name}`;
   var Fp = (n66) => Tc(n66, pe(n66));
   var Hp = (n66) => {
     let e = !pe(n66);
-    return Ne(n66, e, (t) => ms(n66.state, t, e));
+    return Ne(n66, e, (t) => ms2(n66.state, t, e));
   };
   var Wp = (n66) => {
     let e = pe(n66);
-    return Ne(n66, e, (t) => ms(n66.state, t, e));
+    return Ne(n66, e, (t) => ms2(n66.state, t, e));
   };
   function Dc(n66, e) {
     return Ne(n66, e, (t) => n66.moveVertically(t, e));
@@ -15187,11 +17039,11 @@ ${name}`;
   var ac = ({ state: n66, dispatch: e }) => (e(je(n66, { anchor: n66.selection.main.anchor, head: n66.doc.length })), true);
   var Up = ({ state: n66, dispatch: e }) => (e(n66.update({ selection: { anchor: 0, head: n66.doc.length }, userEvent: "select" })), true);
   var Gp = ({ state: n66, dispatch: e }) => {
-    let t = gs(n66).map(({ from: i, to: s }) => x.undirectionalRange(i, Math.min(s + 1, n66.doc.length)));
+    let t = gs2(n66).map(({ from: i, to: s }) => x.undirectionalRange(i, Math.min(s + 1, n66.doc.length)));
     return e(n66.update({ selection: x.create(t), userEvent: "select" })), true;
   };
   var _p = ({ state: n66, dispatch: e }) => {
-    let t = di(n66.selection, (i) => {
+    let t = di2(n66.selection, (i) => {
       let s = Ke(n66), r = s.resolveStack(i.from, 1);
       if (i.empty) {
         let o = s.resolveStack(i.from, -1);
@@ -15228,37 +17080,37 @@ ${name}`;
     let t = n66.selection, i = null;
     return t.ranges.length > 1 ? i = x.create([t.main]) : t.main.empty || (i = x.create([x.cursor(t.main.head)])), i ? (e(je(n66, i)), true) : false;
   };
-  function tn(n66, e) {
+  function tn2(n66, e) {
     if (n66.state.readOnly) return false;
     let t = "delete.selection", { state: i } = n66, s = i.changeByRange((r) => {
       let { from: o, to: l } = r;
       if (o == l) {
         let a = e(r);
-        a < o ? (t = "delete.backward", a = cs(n66, a, false)) : a > o && (t = "delete.forward", a = cs(n66, a, true)), o = Math.min(o, a), l = Math.max(l, a);
-      } else o = cs(n66, o, false), l = cs(n66, l, true);
+        a < o ? (t = "delete.backward", a = cs2(n66, a, false)) : a > o && (t = "delete.forward", a = cs2(n66, a, true)), o = Math.min(o, a), l = Math.max(l, a);
+      } else o = cs2(n66, o, false), l = cs2(n66, l, true);
       return o == l ? { range: r } : { changes: { from: o, to: l }, range: x.cursor(o, o < r.head ? -1 : 1) };
     });
     return s.changes.empty ? false : (n66.dispatch(i.update(s, { scrollIntoView: true, userEvent: t, effects: t == "delete.selection" ? O.announce.of(i.phrase("Selection deleted")) : void 0 })), true);
   }
-  function cs(n66, e, t) {
+  function cs2(n66, e, t) {
     if (n66 instanceof O) for (let i of n66.state.facet(O.atomicRanges).map((s) => s(n66))) i.between(e, e, (s, r) => {
       s < e && r > e && (e = t ? r : s);
     });
     return e;
   }
-  var Rc = (n66, e, t) => tn(n66, (i) => {
+  var Rc = (n66, e, t) => tn2(n66, (i) => {
     let s = i.from, { state: r } = n66, o = r.doc.lineAt(s), l, a;
     if (t && !e && s > o.from && s < o.from + 200 && !/[^ \t]/.test(l = o.text.slice(0, s - o.from))) {
       if (l[l.length - 1] == "	") return s - 1;
-      let h = dt(l, r.tabSize), c = h % Qi(r) || Qi(r);
+      let h = dt2(l, r.tabSize), c = h % Qi2(r) || Qi2(r);
       for (let f = 0; f < c && l[l.length - 1 - f] == " "; f++) s--;
       a = s;
     } else a = Z(o.text, s - o.from, e, e) + o.from, a == s && o.number != (e ? r.doc.lines : 1) ? a += e ? 1 : -1 : !e && /[\ufe00-\ufe0f]/.test(o.text.slice(a - o.from, s - o.from)) && (a = Z(o.text, a - o.from, false, false) + o.from);
     return a;
   });
-  var Xo = (n66) => Rc(n66, false, true);
+  var Xo2 = (n66) => Rc(n66, false, true);
   var Pc = (n66) => Rc(n66, true, false);
-  var Ic = (n66, e) => tn(n66, (t) => {
+  var Ic = (n66, e) => tn2(n66, (t) => {
     let i = t.head, { state: s } = n66, r = s.doc.lineAt(i), o = s.charCategorizer(i);
     for (let l = null; ; ) {
       if (i == (e ? r.to : r.from)) {
@@ -15273,15 +17125,15 @@ ${name}`;
   });
   var Nc = (n66) => Ic(n66, false);
   var Qp = (n66) => Ic(n66, true);
-  var Zp = (n66) => tn(n66, (e) => {
+  var Zp = (n66) => tn2(n66, (e) => {
     let t = n66.lineBlockAt(e.head).to;
     return e.head < t ? t : Math.min(n66.state.doc.length, e.head + 1);
   });
-  var em = (n66) => tn(n66, (e) => {
+  var em = (n66) => tn2(n66, (e) => {
     let t = n66.moveToLineBoundary(e, false).head;
     return e.head > t ? t : Math.max(0, e.head - 1);
   });
-  var tm = (n66) => tn(n66, (e) => {
+  var tm = (n66) => tn2(n66, (e) => {
     let t = n66.moveToLineBoundary(e, true).head;
     return e.head < t ? t : Math.min(n66.state.doc.length, e.head + 1);
   });
@@ -15299,7 +17151,7 @@ ${name}`;
     });
     return t.changes.empty ? false : (e(n66.update(t, { scrollIntoView: true, userEvent: "move.character" })), true);
   };
-  function gs(n66) {
+  function gs2(n66) {
     let e = [], t = -1;
     for (let i of n66.selection.ranges) {
       let s = n66.doc.lineAt(i.from), r = n66.doc.lineAt(i.to);
@@ -15314,7 +17166,7 @@ ${name}`;
   function Fc(n66, e, t) {
     if (n66.readOnly) return false;
     let i = [], s = [];
-    for (let r of gs(n66)) {
+    for (let r of gs2(n66)) {
       if (t ? r.to == n66.doc.length : r.from == 0) continue;
       let o = n66.doc.lineAt(t ? r.to + 1 : r.from - 1), l = o.length + 1;
       if (t) {
@@ -15332,7 +17184,7 @@ ${name}`;
   function Hc(n66, e, t) {
     if (n66.readOnly) return false;
     let i = [];
-    for (let r of gs(n66)) t ? i.push({ from: r.from, insert: n66.doc.slice(r.from, r.to) + n66.lineBreak }) : i.push({ from: r.to, insert: n66.lineBreak + n66.doc.slice(r.from, r.to) });
+    for (let r of gs2(n66)) t ? i.push({ from: r.from, insert: n66.doc.slice(r.from, r.to) + n66.lineBreak }) : i.push({ from: r.to, insert: n66.lineBreak + n66.doc.slice(r.from, r.to) });
     let s = n66.changes(i);
     return e(n66.update({ changes: s, selection: n66.selection.map(s, t ? 1 : -1), scrollIntoView: true, userEvent: "input.copyline" })), true;
   }
@@ -15340,7 +17192,7 @@ ${name}`;
   var lm = ({ state: n66, dispatch: e }) => Hc(n66, e, true);
   var am = (n66) => {
     if (n66.state.readOnly) return false;
-    let { state: e } = n66, t = e.changes(gs(e).map(({ from: s, to: r }) => (s > 0 ? s-- : r < e.doc.length && r++, { from: s, to: r }))), i = di(e.selection, (s) => {
+    let { state: e } = n66, t = e.changes(gs2(e).map(({ from: s, to: r }) => (s > 0 ? s-- : r < e.doc.length && r++, { from: s, to: r }))), i = di2(e.selection, (s) => {
       let r;
       if (n66.lineWrapping) {
         let o = n66.lineBlockAt(s.head), l = n66.coordsAtPos(s.head, s.assoc || 1);
@@ -15363,16 +17215,16 @@ ${name}`;
       let i = e.changeByRange((s) => {
         let { from: r, to: o } = s, l = e.doc.lineAt(r), a = !n66 && r == o && hm(e, r);
         n66 && (r = o = (o <= l.to ? l : e.doc.lineAt(o)).to);
-        let h = new Ht(e, { simulateBreak: r, simulateDoubleBreak: !!a }), c = Uo(h, r);
-        for (c == null && (c = dt(/^\s*/.exec(e.doc.lineAt(r).text)[0], e.tabSize)); o < l.to && /\s/.test(l.text[o - l.from]); ) o++;
+        let h = new Ht2(e, { simulateBreak: r, simulateDoubleBreak: !!a }), c = Uo2(h, r);
+        for (c == null && (c = dt2(/^\s*/.exec(e.doc.lineAt(r).text)[0], e.tabSize)); o < l.to && /\s/.test(l.text[o - l.from]); ) o++;
         a ? { from: r, to: o } = a : r > l.from && r < l.from + 100 && !/\S/.test(l.text.slice(0, r)) && (r = l.from);
-        let f = ["", Zi(e, c)];
-        return a && f.push(Zi(e, h.lineIndent(l.from, -1))), { changes: { from: r, to: o, insert: F.of(f) }, range: x.cursor(r + 1 + f[1].length) };
+        let f = ["", Zi2(e, c)];
+        return a && f.push(Zi2(e, h.lineIndent(l.from, -1))), { changes: { from: r, to: o, insert: F.of(f) }, range: x.cursor(r + 1 + f[1].length) };
       });
       return t(e.update(i, { scrollIntoView: true, userEvent: "input" })), true;
     };
   }
-  function el2(n66, e) {
+  function el3(n66, e) {
     let t = -1;
     return n66.changeByRange((i) => {
       let s = [];
@@ -15386,31 +17238,31 @@ ${name}`;
   }
   var fm = ({ state: n66, dispatch: e }) => {
     if (n66.readOnly) return false;
-    let t = /* @__PURE__ */ Object.create(null), i = new Ht(n66, { overrideIndentation: (r) => {
+    let t = /* @__PURE__ */ Object.create(null), i = new Ht2(n66, { overrideIndentation: (r) => {
       let o = t[r];
       return o ?? -1;
-    } }), s = el2(n66, (r, o, l) => {
-      let a = Uo(i, r.from);
+    } }), s = el3(n66, (r, o, l) => {
+      let a = Uo2(i, r.from);
       if (a == null) return;
       /\S/.test(r.text) || (a = 0);
-      let h = /^\s*/.exec(r.text)[0], c = Zi(n66, a);
+      let h = /^\s*/.exec(r.text)[0], c = Zi2(n66, a);
       (h != c || l.from < r.from + h.length) && (t[r.from] = a, o.push({ from: r.from, to: r.from + h.length, insert: c }));
     });
     return s.changes.empty || e(n66.update(s, { userEvent: "indent" })), true;
   };
-  var um = ({ state: n66, dispatch: e }) => n66.readOnly ? false : (e(n66.update(el2(n66, (t, i) => {
-    i.push({ from: t.from, insert: n66.facet(Ji) });
+  var um = ({ state: n66, dispatch: e }) => n66.readOnly ? false : (e(n66.update(el3(n66, (t, i) => {
+    i.push({ from: t.from, insert: n66.facet(Ji2) });
   }), { userEvent: "input.indent" })), true);
-  var dm = ({ state: n66, dispatch: e }) => n66.readOnly ? false : (e(n66.update(el2(n66, (t, i) => {
+  var dm = ({ state: n66, dispatch: e }) => n66.readOnly ? false : (e(n66.update(el3(n66, (t, i) => {
     let s = /^\s*/.exec(t.text)[0];
     if (!s) return;
-    let r = dt(s, n66.tabSize), o = 0, l = Zi(n66, Math.max(0, r - Qi(n66)));
+    let r = dt2(s, n66.tabSize), o = 0, l = Zi2(n66, Math.max(0, r - Qi2(n66)));
     for (; o < s.length && o < l.length && s.charCodeAt(o) == l.charCodeAt(o); ) o++;
     i.push({ from: t.from + o, to: t.from + s.length, insert: l.slice(o) });
   }), { userEvent: "delete.dedent" })), true);
   var pm = (n66) => (n66.setTabFocusMode(), true);
-  var mm = [{ key: "Ctrl-b", run: gc, shift: Ac, preventDefault: true }, { key: "Ctrl-f", run: yc, shift: Mc }, { key: "Ctrl-p", run: wc, shift: Oc }, { key: "Ctrl-n", run: vc, shift: Bc }, { key: "Ctrl-a", run: Lp, shift: $p }, { key: "Ctrl-e", run: Rp, shift: jp }, { key: "Ctrl-d", run: Pc }, { key: "Ctrl-h", run: Xo }, { key: "Ctrl-k", run: Zp }, { key: "Ctrl-Alt-h", run: Nc }, { key: "Ctrl-o", run: im }, { key: "Ctrl-t", run: nm }, { key: "Ctrl-v", run: Yo }];
-  var gm = [{ key: "ArrowLeft", run: gc, shift: Ac, preventDefault: true }, { key: "Mod-ArrowLeft", mac: "Alt-ArrowLeft", run: Sp, shift: Np, preventDefault: true }, { mac: "Cmd-ArrowLeft", run: Bp, shift: qp, preventDefault: true }, { key: "ArrowRight", run: yc, shift: Mc, preventDefault: true }, { key: "Mod-ArrowRight", mac: "Alt-ArrowRight", run: Cp, shift: Fp, preventDefault: true }, { mac: "Cmd-ArrowRight", run: Ep, shift: Kp, preventDefault: true }, { key: "ArrowUp", run: wc, shift: Oc, preventDefault: true }, { mac: "Cmd-ArrowUp", run: rc, shift: lc }, { mac: "Ctrl-ArrowUp", run: ic, shift: nc }, { key: "ArrowDown", run: vc, shift: Bc, preventDefault: true }, { mac: "Cmd-ArrowDown", run: oc, shift: ac }, { mac: "Ctrl-ArrowDown", run: Yo, shift: sc }, { key: "PageUp", run: ic, shift: nc }, { key: "PageDown", run: Yo, shift: sc }, { key: "Home", run: Op, shift: zp, preventDefault: true }, { key: "Mod-Home", run: rc, shift: lc }, { key: "End", run: Dp, shift: Vp, preventDefault: true }, { key: "Mod-End", run: oc, shift: ac }, { key: "Enter", run: hc, shift: hc }, { key: "Mod-a", run: Up }, { key: "Backspace", run: Xo, shift: Xo, preventDefault: true }, { key: "Delete", run: Pc, preventDefault: true }, { key: "Mod-Backspace", mac: "Alt-Backspace", run: Nc, preventDefault: true }, { key: "Mod-Delete", mac: "Alt-Delete", run: Qp, preventDefault: true }, { mac: "Mod-Backspace", run: em, preventDefault: true }, { mac: "Mod-Delete", run: tm, preventDefault: true }].concat(mm.map((n66) => ({ mac: n66.key, run: n66.run, shift: n66.shift })));
+  var mm = [{ key: "Ctrl-b", run: gc, shift: Ac, preventDefault: true }, { key: "Ctrl-f", run: yc, shift: Mc }, { key: "Ctrl-p", run: wc, shift: Oc }, { key: "Ctrl-n", run: vc, shift: Bc }, { key: "Ctrl-a", run: Lp, shift: $p }, { key: "Ctrl-e", run: Rp, shift: jp }, { key: "Ctrl-d", run: Pc }, { key: "Ctrl-h", run: Xo2 }, { key: "Ctrl-k", run: Zp }, { key: "Ctrl-Alt-h", run: Nc }, { key: "Ctrl-o", run: im }, { key: "Ctrl-t", run: nm }, { key: "Ctrl-v", run: Yo2 }];
+  var gm = [{ key: "ArrowLeft", run: gc, shift: Ac, preventDefault: true }, { key: "Mod-ArrowLeft", mac: "Alt-ArrowLeft", run: Sp, shift: Np, preventDefault: true }, { mac: "Cmd-ArrowLeft", run: Bp, shift: qp, preventDefault: true }, { key: "ArrowRight", run: yc, shift: Mc, preventDefault: true }, { key: "Mod-ArrowRight", mac: "Alt-ArrowRight", run: Cp, shift: Fp, preventDefault: true }, { mac: "Cmd-ArrowRight", run: Ep, shift: Kp, preventDefault: true }, { key: "ArrowUp", run: wc, shift: Oc, preventDefault: true }, { mac: "Cmd-ArrowUp", run: rc, shift: lc }, { mac: "Ctrl-ArrowUp", run: ic, shift: nc }, { key: "ArrowDown", run: vc, shift: Bc, preventDefault: true }, { mac: "Cmd-ArrowDown", run: oc, shift: ac }, { mac: "Ctrl-ArrowDown", run: Yo2, shift: sc }, { key: "PageUp", run: ic, shift: nc }, { key: "PageDown", run: Yo2, shift: sc }, { key: "Home", run: Op, shift: zp, preventDefault: true }, { key: "Mod-Home", run: rc, shift: lc }, { key: "End", run: Dp, shift: Vp, preventDefault: true }, { key: "Mod-End", run: oc, shift: ac }, { key: "Enter", run: hc, shift: hc }, { key: "Mod-a", run: Up }, { key: "Backspace", run: Xo2, shift: Xo2, preventDefault: true }, { key: "Delete", run: Pc, preventDefault: true }, { key: "Mod-Backspace", mac: "Alt-Backspace", run: Nc, preventDefault: true }, { key: "Mod-Delete", mac: "Alt-Delete", run: Qp, preventDefault: true }, { mac: "Mod-Backspace", run: em, preventDefault: true }, { mac: "Mod-Delete", run: tm, preventDefault: true }].concat(mm.map((n66) => ({ mac: n66.key, run: n66.run, shift: n66.shift })));
   var ym = [{ key: "Alt-ArrowLeft", mac: "Ctrl-ArrowLeft", run: Mp, shift: Hp }, { key: "Alt-ArrowRight", mac: "Ctrl-ArrowRight", run: Tp, shift: Wp }, { key: "Alt-ArrowUp", run: sm }, { key: "Shift-Alt-ArrowUp", run: om }, { key: "Alt-ArrowDown", run: rm }, { key: "Shift-Alt-ArrowDown", run: lm }, { key: "Mod-Alt-ArrowUp", run: Yp }, { key: "Mod-Alt-ArrowDown", run: Xp }, { key: "Escape", run: Jp }, { key: "Mod-Enter", run: cm }, { key: "Alt-l", mac: "Ctrl-l", run: Gp }, { key: "Mod-i", run: _p, preventDefault: true }, { key: "Mod-[", run: dm }, { key: "Mod-]", run: um }, { key: "Mod-Alt-\\", run: fm }, { key: "Shift-Mod-k", run: am }, { key: "Shift-Mod-\\", run: Ip }, { key: "Mod-/", run: sp }, { key: "Alt-A", mac: "Ctrl-A", run: op }, { key: "Ctrl-m", mac: "Shift-Alt-m", run: pm }].concat(gm);
   var bs = class {
     constructor(e, t, i, s) {
@@ -15465,7 +17317,7 @@ ${name}`;
     let { source: i } = n66, s = e && i[0] != "^", r = i[i.length - 1] != "$";
     return !s && !r ? n66 : new RegExp(`${s ? "^" : ""}(?:${i})${r ? "$" : ""}`, (t = n66.flags) !== null && t !== void 0 ? t : n66.ignoreCase ? "i" : "");
   }
-  var Uc = oe.define();
+  var Uc = oe2.define();
   function wm(n66, e, t, i) {
     let { main: s } = n66.selection, r = t - s.from, o = i - s.from;
     return { ...n66.changeByRange((l) => {
@@ -15480,13 +17332,13 @@ ${name}`;
     let e = zc.get(n66);
     return e || zc.set(n66, e = xm(n66)), e;
   }
-  var ws = E.define();
-  var nn = E.define();
+  var ws2 = E.define();
+  var nn2 = E.define();
   var nl = class {
     constructor(e) {
       this.pattern = e, this.chars = [], this.folded = [], this.any = [], this.precise = [], this.byWord = [], this.score = 0, this.matched = [];
       for (let t = 0; t < e.length; ) {
-        let i = De(e, t), s = Xe(i);
+        let i = De(e, t), s = Xe2(i);
         this.chars.push(i);
         let r = e.slice(t, t + s), o = r.toUpperCase();
         this.folded.push(De(o == r ? r.toLowerCase() : o, 0)), t += s;
@@ -15501,7 +17353,7 @@ ${name}`;
       if (e.length < this.pattern.length) return null;
       let { chars: t, folded: i, any: s, precise: r, byWord: o } = this;
       if (t.length == 1) {
-        let v = De(e, 0), b = Xe(v), D = b == e.length ? 0 : -100;
+        let v = De(e, 0), b = Xe2(v), D = b == e.length ? 0 : -100;
         if (v != t[0]) if (v == i[0]) D += -200;
         else return null;
         return this.ret(D, [0, b]);
@@ -15512,7 +17364,7 @@ ${name}`;
       if (l < 0) {
         for (let v = 0, b = Math.min(e.length, 200); v < b && h < a; ) {
           let D = De(e, v);
-          (D == t[h] || D == i[h]) && (s[h++] = v), v += Xe(D);
+          (D == t[h] || D == i[h]) && (s[h++] = v), v += Xe2(D);
         }
         if (h < a) return null;
       }
@@ -15521,14 +17373,14 @@ ${name}`;
         let w = De(e, v);
         l < 0 && (c < a && w == t[c] && (r[c++] = v), d < a && (w == t[d] || w == i[d] ? (d == 0 && (p = v), m = v + 1, d++) : d = 0));
         let k, S2 = w < 255 ? w >= 48 && w <= 57 || w >= 97 && w <= 122 ? 2 : w >= 65 && w <= 90 ? 1 : 0 : (k = bn(w)) != k.toLowerCase() ? 1 : k != k.toUpperCase() ? 2 : 0;
-        (!v || S2 == 1 && g || D == 0 && S2 != 0) && (t[f] == w || i[f] == w && (u = true) ? o[f++] = v : o.length && (y = false)), D = S2, v += Xe(w);
+        (!v || S2 == 1 && g || D == 0 && S2 != 0) && (t[f] == w || i[f] == w && (u = true) ? o[f++] = v : o.length && (y = false)), D = S2, v += Xe2(w);
       }
       return f == a && o[0] == 0 && y ? this.result(-100 + (u ? -200 : 0), o, e) : d == a && p == 0 ? this.ret(-200 - e.length + (m == e.length ? 0 : -100), [0, m]) : l > -1 ? this.ret(-700 - e.length, [l, l + this.pattern.length]) : d == a ? this.ret(-900 - e.length, [p, m]) : f == a ? this.result(-100 + (u ? -200 : 0) + -700 + (y ? 0 : -1100), o, e) : t.length == 2 ? null : this.result((s[0] ? -700 : 0) + -200 + -1100, s, e);
     }
     result(e, t, i) {
       let s = [], r = 0;
       for (let o of t) {
-        let l = o + (this.astral ? Xe(De(i, o)) : 1);
+        let l = o + (this.astral ? Xe2(De(i, o)) : 1);
         r && s[r - 1] == o ? s[r - 1] = l : (s[r++] = o, s[r++] = l);
       }
       return this.ret(e - i.length, s);
@@ -15609,7 +17461,7 @@ ${name}`;
         }
       }), this.dom.addEventListener("focusout", (a) => {
         let h = e.state.field(this.stateField, false);
-        h && h.tooltip && e.state.facet(se).closeOnBlur && a.relatedTarget != e.contentDOM && e.dispatch({ effects: nn.of(null) });
+        h && h.tooltip && e.state.facet(se).closeOnBlur && a.relatedTarget != e.contentDOM && e.dispatch({ effects: nn2.of(null) });
       }), this.showOptions(r, s.id);
     }
     mount() {
@@ -15801,10 +17653,10 @@ ${name}`;
       return new n60(Bm, "cm-ac-" + Math.floor(Math.random() * 2e6).toString(36), null);
     }
     update(e) {
-      let { state: t } = e, i = t.facet(se), r = (i.override || t.languageDataAt("autocomplete", zt(t)).map(vm)).map((a) => (this.active.find((c) => c.source == a) || new ft(a, this.active.some((c) => c.state != 0) ? 1 : 0)).update(e, i));
+      let { state: t } = e, i = t.facet(se), r = (i.override || t.languageDataAt("autocomplete", zt(t)).map(vm)).map((a) => (this.active.find((c) => c.source == a) || new ft2(a, this.active.some((c) => c.state != 0) ? 1 : 0)).update(e, i));
       r.length == this.active.length && r.every((a, h) => a == this.active[h]) && (r = this.active);
       let o = this.open, l = e.effects.some((a) => a.is(cl));
-      o && e.docChanged && (o = o.map(e.changes)), e.selection || r.some((a) => a.hasResult() && e.changes.touchesRange(a.from, a.to)) || !Tm(r, this.active) || l ? o = ol.build(r, t, this.id, o, i, l) : o && o.disabled && !r.some((a) => a.isPending) && (o = null), !o && r.every((a) => !a.isPending) && r.some((a) => a.hasResult()) && (r = r.map((a) => a.hasResult() ? new ft(a.source, 0) : a));
+      o && e.docChanged && (o = o.map(e.changes)), e.selection || r.some((a) => a.hasResult() && e.changes.touchesRange(a.from, a.to)) || !Tm(r, this.active) || l ? o = ol.build(r, t, this.id, o, i, l) : o && o.disabled && !r.some((a) => a.isPending) && (o = null), !o && r.every((a) => !a.isPending) && r.some((a) => a.hasResult()) && (r = r.map((a) => a.hasResult() ? new ft2(a.source, 0) : a));
       for (let a of e.effects) a.is(hl) && (o = o && o.setSelected(a.value, this.id));
       return r == this.active && o == this.open ? this : new n60(r, this.id, o);
     }
@@ -15840,7 +17692,7 @@ ${name}`;
     let t = n66.isUserEvent("input.type");
     return t && e.activateOnTyping ? 5 : t ? 1 : n66.isUserEvent("delete.backward") ? 2 : n66.selection ? 8 : n66.docChanged ? 16 : 0;
   }
-  var ft = class n61 {
+  var ft2 = class n61 {
     constructor(e, t, i = false) {
       this.source = e, this.state = t, this.explicit = i;
     }
@@ -15853,8 +17705,8 @@ ${name}`;
     update(e, t) {
       let i = Gc(e, t), s = this;
       (i & 8 || i & 16 && this.touches(e)) && (s = new n61(s.source, 0)), i & 4 && s.state == 0 && (s = new n61(this.source, 1)), s = s.updateFor(e, i);
-      for (let r of e.effects) if (r.is(ws)) s = new n61(s.source, 1, r.value);
-      else if (r.is(nn)) s = new n61(s.source, 0);
+      for (let r of e.effects) if (r.is(ws2)) s = new n61(s.source, 1, r.value);
+      else if (r.is(nn2)) s = new n61(s.source, 0);
       else if (r.is(cl)) for (let o of r.value) o.source == s.source && (s = o);
       return s;
     }
@@ -15868,7 +17720,7 @@ ${name}`;
       return e.changes.touchesRange(zt(e.state));
     }
   };
-  var vs = class n62 extends ft {
+  var vs = class n62 extends ft2 {
     constructor(e, t, i, s, r, o) {
       super(e, 3, t), this.limit = i, this.result = s, this.from = r, this.to = o;
     }
@@ -15881,14 +17733,14 @@ ${name}`;
       let s = this.result;
       s.map && !e.changes.empty && (s = s.map(s, e.changes));
       let r = e.changes.mapPos(this.from), o = e.changes.mapPos(this.to, 1), l = zt(e.state);
-      if (l > o || !s || t & 2 && (zt(e.startState) == this.from || l < this.limit)) return new ft(this.source, t & 4 ? 1 : 0);
+      if (l > o || !s || t & 2 && (zt(e.startState) == this.from || l < this.limit)) return new ft2(this.source, t & 4 ? 1 : 0);
       let a = e.changes.mapPos(this.limit);
-      return Em(s.validFor, e.state, r, o) ? new n62(this.source, this.explicit, a, s, r, o) : s.update && (s = s.update(s, r, o, new bs(e.state, l, false))) ? new n62(this.source, this.explicit, a, s, s.from, (i = s.to) !== null && i !== void 0 ? i : zt(e.state)) : new ft(this.source, 1, this.explicit);
+      return Em(s.validFor, e.state, r, o) ? new n62(this.source, this.explicit, a, s, r, o) : s.update && (s = s.update(s, r, o, new bs(e.state, l, false))) ? new n62(this.source, this.explicit, a, s, s.from, (i = s.to) !== null && i !== void 0 ? i : zt(e.state)) : new ft2(this.source, 1, this.explicit);
     }
     map(e) {
       if (e.empty) return this;
       let t = this.result.map ? this.result.map(this.result, e) : this.result;
-      return t ? new n62(this.source, this.explicit, e.mapPos(this.limit), t, e.mapPos(this.from), e.mapPos(this.to, 1)) : new ft(this.source, 0);
+      return t ? new n62(this.source, this.explicit, e.mapPos(this.limit), t, e.mapPos(this.from), e.mapPos(this.to, 1)) : new ft2(this.source, 0);
     }
     touches(e) {
       return e.changes.touchesRange(this.from, this.to);
@@ -15917,7 +17769,7 @@ ${name}`;
       let i = t.state.field(xe, false);
       if (!i || !i.open || i.open.disabled || Date.now() - i.open.timestamp < t.state.facet(se).interactionDelay) return false;
       let s = 1, r;
-      e == "page" && (r = Mo(t, i.open.tooltip)) && (s = Math.max(2, Math.floor(r.dom.offsetHeight / r.dom.querySelector("li").offsetHeight) - 1));
+      e == "page" && (r = Mo2(t, i.open.tooltip)) && (s = Math.max(2, Math.floor(r.dom.offsetHeight / r.dom.querySelector("li").offsetHeight) - 1));
       let { length: o } = i.open.options, l = i.open.selected > -1 ? i.open.selected + s * (n66 ? 1 : -1) : n66 ? 0 : o - 1;
       return l < 0 ? l = e == "page" ? 0 : o - 1 : l >= o && (l = e == "page" ? o - 1 : 0), t.dispatch({ effects: hl.of(l) }), true;
     };
@@ -15926,10 +17778,10 @@ ${name}`;
     let e = n66.state.field(xe, false);
     return n66.state.readOnly || !e || !e.open || e.open.selected < 0 || e.open.disabled || Date.now() - e.open.timestamp < n66.state.facet(se).interactionDelay ? false : fl(n66, e.open.options[e.open.selected]);
   };
-  var il = (n66) => n66.state.field(xe, false) ? (n66.dispatch({ effects: ws.of(true) }), true) : false;
+  var il = (n66) => n66.state.field(xe, false) ? (n66.dispatch({ effects: ws2.of(true) }), true) : false;
   var Pm = (n66) => {
     let e = n66.state.field(xe, false);
-    return !e || !e.active.some((t) => t.state != 0) ? false : (n66.dispatch({ effects: nn.of(null) }), true);
+    return !e || !e.active.some((t) => t.state != 0) ? false : (n66.dispatch({ effects: nn2.of(null) }), true);
   };
   var al = class {
     constructor(e, t) {
@@ -15961,7 +17813,7 @@ ${name}`;
           o.context.abortListeners = null, this.running.splice(r--, 1);
         } else o.updates.push(...n66.transactions);
       }
-      this.debounceUpdate > -1 && clearTimeout(this.debounceUpdate), n66.transactions.some((r) => r.effects.some((o) => o.is(ws))) && (this.pendingStart = true);
+      this.debounceUpdate > -1 && clearTimeout(this.debounceUpdate), n66.transactions.some((r) => r.effects.some((o) => o.is(ws2))) && (this.pendingStart = true);
       let s = this.pendingStart ? 50 : t.activateOnTypingDelay;
       if (this.debounceUpdate = e.active.some((r) => r.isPending && !this.running.some((o) => o.active.source == r.source)) ? setTimeout(() => this.startUpdate(), s) : -1, this.composing != 0) for (let r of n66.transactions) r.isUserEvent("input.type") ? this.composing = 2 : this.composing == 2 && r.selection && (this.composing = 3);
     }
@@ -15976,7 +17828,7 @@ ${name}`;
       this.running.push(s), Promise.resolve(n66.source(i)).then((r) => {
         s.context.aborted || (s.done = r || null, this.scheduleAccept());
       }, (r) => {
-        this.view.dispatch({ effects: nn.of(null) }), le(this.view.state, r);
+        this.view.dispatch({ effects: nn2.of(null) }), le(this.view.state, r);
       });
     }
     scheduleAccept() {
@@ -15999,7 +17851,7 @@ ${name}`;
         }
         let o = i.active.find((l) => l.source == r.active.source);
         if (o && o.isPending) if (r.done == null) {
-          let l = new ft(r.active.source, 0);
+          let l = new ft2(r.active.source, 0);
           for (let a of r.updates) l = l.update(a, t);
           l.isPending || e.push(l);
         } else this.startQuery(o);
@@ -16009,13 +17861,13 @@ ${name}`;
   }, { eventHandlers: { blur(n66) {
     let e = this.view.state.field(xe, false);
     if (e && e.tooltip && this.view.state.facet(se).closeOnBlur) {
-      let t = e.open && Mo(this.view, e.open.tooltip);
-      (!t || !t.dom.contains(n66.relatedTarget)) && setTimeout(() => this.view.dispatch({ effects: nn.of(null) }), 10);
+      let t = e.open && Mo2(this.view, e.open.tooltip);
+      (!t || !t.dom.contains(n66.relatedTarget)) && setTimeout(() => this.view.dispatch({ effects: nn2.of(null) }), 10);
     }
   }, compositionstart() {
     this.composing = 1;
   }, compositionend() {
-    this.composing == 3 && setTimeout(() => this.view.dispatch({ effects: ws.of(false) }), 20), this.composing = 0;
+    this.composing == 3 && setTimeout(() => this.view.dispatch({ effects: ws2.of(false) }), 20), this.composing = 0;
   } } });
   var Hm = typeof navigator == "object" && /Win/.test(navigator.platform);
   var Wm = Je.highest(O.domEventHandlers({ keydown(n66, e) {
@@ -16025,7 +17877,7 @@ ${name}`;
     return r && r.indexOf(n66.key) > -1 && fl(e, i), false;
   } }));
   var Vm = O.baseTheme({ ".cm-tooltip.cm-tooltip-autocomplete": { "& > ul": { fontFamily: "monospace", whiteSpace: "nowrap", overflow: "hidden auto", maxWidth_fallback: "700px", maxWidth: "min(700px, 95vw)", minWidth: "250px", maxHeight: "10em", height: "100%", listStyle: "none", margin: 0, padding: 0, "& > li, & > completion-section": { padding: "1px 3px", lineHeight: 1.2 }, "& > li": { overflowX: "hidden", textOverflow: "ellipsis", cursor: "pointer" }, "& > completion-section": { display: "list-item", borderBottom: "1px solid silver", paddingLeft: "0.5em", opacity: 0.7 } } }, "&light .cm-tooltip-autocomplete ul li[aria-selected]": { background: "#17c", color: "white" }, "&light .cm-tooltip-autocomplete-disabled ul li[aria-selected]": { background: "#777" }, "&dark .cm-tooltip-autocomplete ul li[aria-selected]": { background: "#347", color: "white" }, "&dark .cm-tooltip-autocomplete-disabled ul li[aria-selected]": { background: "#444" }, ".cm-completionListIncompleteTop:before, .cm-completionListIncompleteBottom:after": { content: '"\xB7\xB7\xB7"', opacity: 0.5, display: "block", textAlign: "center", cursor: "pointer" }, ".cm-tooltip.cm-completionInfo": { position: "absolute", padding: "3px 9px", width: "max-content", maxWidth: "400px", boxSizing: "border-box", whiteSpace: "pre-line" }, ".cm-completionInfo.cm-completionInfo-left": { right: "100%" }, ".cm-completionInfo.cm-completionInfo-right": { left: "100%" }, ".cm-completionInfo.cm-completionInfo-left-narrow": { right: "30px" }, ".cm-completionInfo.cm-completionInfo-right-narrow": { left: "30px" }, "&light .cm-snippetField": { backgroundColor: "#00000022" }, "&dark .cm-snippetField": { backgroundColor: "#ffffff22" }, ".cm-snippetFieldPosition": { verticalAlign: "text-top", width: 0, height: "1.15em", display: "inline-block", margin: "0 -0.7px -.7em", borderLeft: "1.4px dotted #888" }, ".cm-completionMatchedText": { textDecoration: "underline" }, ".cm-completionDetail": { marginLeft: "0.5em", fontStyle: "italic" }, ".cm-completionIcon": { fontSize: "90%", width: ".8em", display: "inline-block", textAlign: "center", paddingRight: ".6em", opacity: "0.6", boxSizing: "content-box" }, ".cm-completionIcon-function, .cm-completionIcon-method": { "&:after": { content: "'\u0192'" } }, ".cm-completionIcon-class": { "&:after": { content: "'\u25CB'" } }, ".cm-completionIcon-interface": { "&:after": { content: "'\u25CC'" } }, ".cm-completionIcon-variable": { "&:after": { content: "'\u{1D465}'" } }, ".cm-completionIcon-constant": { "&:after": { content: "'\u{1D436}'" } }, ".cm-completionIcon-type": { "&:after": { content: "'\u{1D461}'" } }, ".cm-completionIcon-enum": { "&:after": { content: "'\u222A'" } }, ".cm-completionIcon-property": { "&:after": { content: "'\u25A1'" } }, ".cm-completionIcon-keyword": { "&:after": { content: "'\u{1F511}\uFE0E'" } }, ".cm-completionIcon-namespace": { "&:after": { content: "'\u25A2'" } }, ".cm-completionIcon-text": { "&:after": { content: "'abc'", fontSize: "50%", verticalAlign: "middle" } } });
-  var _c = new class extends Te {
+  var _c = new class extends Te2 {
   }();
   _c.startSide = 1;
   _c.endSide = -1;
@@ -16034,8 +17886,8 @@ ${name}`;
     return [Wm, xe, se.of(n66), Fm, qm, Vm];
   }
   var Yc = [{ key: "Ctrl-Space", run: il }, { mac: "Alt-`", run: il }, { mac: "Alt-i", run: il }, { key: "Escape", run: Pm }, { key: "ArrowDown", run: ys(true) }, { key: "ArrowUp", run: ys(false) }, { key: "PageDown", run: ys(true, "page") }, { key: "PageUp", run: ys(false, "page") }, { key: "Enter", run: Rm }];
-  var qm = Je.highest(ts.computeN([se], (n66) => n66.facet(se).defaultKeymap ? [Yc] : []));
-  var Ss = class {
+  var qm = Je.highest(ts2.computeN([se], (n66) => n66.facet(se).defaultKeymap ? [Yc] : []));
+  var Ss2 = class {
     constructor(e, t, i) {
       this.from = e, this.to = t, this.diagnostic = i;
     }
@@ -16045,7 +17897,7 @@ ${name}`;
       this.diagnostics = e, this.panel = t, this.selected = i;
     }
     static init(e, t, i) {
-      let s = i.facet(sn).markerFilter;
+      let s = i.facet(sn2).markerFilter;
       s && (e = s(e, i));
       let r = e.slice().sort((d, p) => d.from - p.from || d.to - p.to), o = new Me(), l = [], a = 0, h = i.doc.iter(), c = 0, f = i.doc.length;
       for (let d = 0; ; ) {
@@ -16089,21 +17941,21 @@ ${name}`;
         for (let b = 0; b < l.length; b++) l[b].to <= a && l.splice(b--, 1);
       }
       let u = o.finish();
-      return new n63(u, t, pi(u));
+      return new n63(u, t, pi2(u));
     }
   };
-  function pi(n66, e = null, t = 0) {
+  function pi2(n66, e = null, t = 0) {
     let i = null;
     return n66.between(t, 1e9, (s, r, { spec: o }) => {
-      if (!(e && o.diagnostics.indexOf(e) < 0)) if (!i) i = new Ss(s, r, e || o.diagnostics[0]);
+      if (!(e && o.diagnostics.indexOf(e) < 0)) if (!i) i = new Ss2(s, r, e || o.diagnostics[0]);
       else {
         if (o.diagnostics.indexOf(i.diagnostic) < 0) return false;
-        i = new Ss(i.from, r, i.diagnostic);
+        i = new Ss2(i.from, r, i.diagnostic);
       }
     }), i;
   }
   function Km(n66, e) {
-    let t = e.pos, i = e.end || t, s = n66.state.facet(sn).hideOn(n66, t, i);
+    let t = e.pos, i = e.end || t, s = n66.state.facet(sn2).hideOn(n66, t, i);
     if (s != null) return s;
     let r = n66.startState.doc.lineAt(e.pos);
     return !!(n66.effects.some((o) => o.is(dl)) || n66.changes.touchesRange(r.from, Math.max(r.to, i)));
@@ -16124,41 +17976,41 @@ ${name}`;
       let t = n66.diagnostics.map(e.changes), i = null, s = n66.panel;
       if (n66.selected) {
         let r = e.changes.mapPos(n66.selected.from, 1);
-        i = pi(t, n66.selected.diagnostic, r) || pi(t, null, r);
+        i = pi2(t, n66.selected.diagnostic, r) || pi2(t, null, r);
       }
-      !t.size && s && e.state.facet(sn).autoPanel && (s = null), n66 = new qt(t, s, i);
+      !t.size && s && e.state.facet(sn2).autoPanel && (s = null), n66 = new qt(t, s, i);
     }
     for (let t of e.effects) if (t.is(dl)) {
-      let i = e.state.facet(sn).autoPanel ? t.value.length ? As.open : null : n66.panel;
+      let i = e.state.facet(sn2).autoPanel ? t.value.length ? As.open : null : n66.panel;
       n66 = qt.init(t.value, i, e.state);
     } else t.is(Qc) ? n66 = new qt(n66.diagnostics, t.value ? As.open : null, n66.selected) : t.is(Zc) && (n66 = new qt(n66.diagnostics, n66.panel, t.value));
     return n66;
-  }, provide: (n66) => [Pt.from(n66, (e) => e.panel), O.decorations.from(n66, (e) => e.diagnostics)] });
+  }, provide: (n66) => [Pt2.from(n66, (e) => e.panel), O.decorations.from(n66, (e) => e.diagnostics)] });
   var Um = L.mark({ class: "cm-lintRange cm-lintRange-active" });
   function Gm(n66, e, t) {
     let { diagnostics: i } = n66.state.field(Ge), s, r = -1, o = -1;
     i.between(e - (t < 0 ? 1 : 0), e + (t > 0 ? 1 : 0), (a, h, { spec: c }) => {
       if (e >= a && e <= h && (a == h || (e > a || t > 0) && (e < h || t < 0))) return s = c.diagnostics, r = a, o = h, false;
     });
-    let l = n66.state.facet(sn).tooltipFilter;
+    let l = n66.state.facet(sn2).tooltipFilter;
     return s && l && (s = l(s, n66.state)), s ? { pos: r, end: o, above: true, create() {
       return { dom: _m(n66, s) };
     } } : null;
   }
   function _m(n66, e) {
-    return H("ul", { class: "cm-tooltip-lint" }, e.map((t) => tf(n66, t, false)));
+    return H("ul", { class: "cm-tooltip-lint" }, e.map((t) => tf2(n66, t, false)));
   }
   var Xc = (n66) => {
     let e = n66.state.field(Ge, false);
     return !e || !e.panel ? false : (n66.dispatch({ effects: Qc.of(false) }), true);
   };
-  var sn = T.define({ combine(n66) {
+  var sn2 = T.define({ combine(n66) {
     return { sources: n66.map((e) => e.source).filter((e) => e != null), ...de(n66.map((e) => e.config), { delay: 750, markerFilter: null, tooltipFilter: null, needsRefresh: null, hideOn: () => null }, { delay: Math.max, markerFilter: Jc, tooltipFilter: Jc, needsRefresh: (e, t) => e ? t ? (i) => e(i) || t(i) : e : t, hideOn: (e, t) => e ? t ? (i, s, r) => e(i, s, r) || t(i, s, r) : e : t, autoPanel: (e, t) => e || t }) };
   } });
   function Jc(n66, e) {
     return n66 ? e ? (t, i) => e(n66(t, i), i) : n66 : e;
   }
-  function ef(n66) {
+  function ef2(n66) {
     let e = [];
     if (n66) e: for (let { name: t } of n66) {
       for (let i = 0; i < t.length; i++) {
@@ -16172,13 +18024,13 @@ ${name}`;
     }
     return e;
   }
-  function tf(n66, e, t) {
+  function tf2(n66, e, t) {
     var i;
-    let s = t ? ef(e.actions) : [];
+    let s = t ? ef2(e.actions) : [];
     return H("li", { class: "cm-diagnostic cm-diagnostic-" + e.severity }, H("span", { class: "cm-diagnosticText" }, e.renderMessage ? e.renderMessage(n66) : e.message), (i = e.actions) === null || i === void 0 ? void 0 : i.map((r, o) => {
       let l = 0, a = (d) => {
         if (d.preventDefault(), l > Date.now() - 100) return;
-        let p = pi(n66.state.field(Ge).diagnostics, e);
+        let p = pi2(n66.state.field(Ge).diagnostics, e);
         p && r.apply(n66, p.from, p.to), l = Date.now();
       }, { name: h } = r, c = s[o] ? h.indexOf(s[o]) : -1, f = c < 0 ? h : [h.slice(0, c), H("u", h.slice(c, c + 1)), h.slice(c + 1)], u = r.markClass ? " " + r.markClass : "";
       return H("button", { type: "button", class: "cm-diagnosticAction" + u, onclick: a, onmousedown: a, "aria-label": ` Action: ${h}${c < 0 ? "" : ` (access key "${s[o]})"`}.` }, f);
@@ -16197,7 +18049,7 @@ ${name}`;
   };
   var Cs = class {
     constructor(e, t) {
-      this.diagnostic = t, this.id = "item_" + Math.floor(Math.random() * 4294967295).toString(16), this.dom = tf(e, t, true), this.dom.id = this.id, this.dom.setAttribute("role", "option");
+      this.diagnostic = t, this.id = "item_" + Math.floor(Math.random() * 4294967295).toString(16), this.dom = tf2(e, t, true), this.dom.id = this.id, this.dom.setAttribute("role", "option");
     }
   };
   var As = class n64 {
@@ -16212,9 +18064,9 @@ ${name}`;
           else if (s.keyCode == 35) this.moveSelection(this.items.length - 1);
           else if (s.keyCode == 13) this.view.focus();
           else if (s.keyCode >= 65 && s.keyCode <= 90 && this.selectedIndex >= 0) {
-            let { diagnostic: r } = this.items[this.selectedIndex], o = ef(r.actions);
+            let { diagnostic: r } = this.items[this.selectedIndex], o = ef2(r.actions);
             for (let l = 0; l < o.length; l++) if (o[l].toUpperCase().charCodeAt(0) == s.keyCode) {
-              let a = pi(this.view.state.field(Ge).diagnostics, r);
+              let a = pi2(this.view.state.field(Ge).diagnostics, r);
               a && r.actions[l].apply(e, a.from, a.to);
             }
           } else return;
@@ -16264,7 +18116,7 @@ ${name}`;
     }
     moveSelection(e) {
       if (this.selectedIndex < 0) return;
-      let t = this.view.state.field(Ge), i = pi(t.diagnostics, this.items[e].diagnostic);
+      let t = this.view.state.field(Ge), i = pi2(t.diagnostics, this.items[e].diagnostic);
       i && this.view.dispatch({ selection: { anchor: i.from, head: i.to }, scrollIntoView: true, effects: Zc.of(i) });
     }
     static open(e) {
@@ -16289,15 +18141,15 @@ ${name}`;
     }
     return e;
   }
-  var Zm = Ao(Gm, { hideOn: Km });
+  var Zm = Ao2(Gm, { hideOn: Km });
   var eg = [Ge, O.decorations.compute([Ge], (n66) => {
     let { selected: e, panel: t } = n66.field(Ge);
     return !e || !t || e.from == e.to ? L.none : L.set([Um.range(e.from, e.to)]);
   }), Zm, Xm];
-  var nf = typeof String.prototype.normalize == "function" ? (n66) => n66.normalize("NFKD") : (n66) => n66;
+  var nf2 = typeof String.prototype.normalize == "function" ? (n66) => n66.normalize("NFKD") : (n66) => n66;
   var St = class {
     constructor(e, t, i = 0, s = e.length, r, o) {
-      this.test = o, this.value = { from: 0, to: 0, precise: false }, this.done = false, this.matches = [], this.buffer = "", this.bufferPos = 0, this.iter = e.iterRange(i, s), this.bufferStart = i, this.normalize = r ? (l) => r(nf(l)) : nf, this.query = this.normalize(t);
+      this.test = o, this.value = { from: 0, to: 0, precise: false }, this.done = false, this.matches = [], this.buffer = "", this.bufferPos = 0, this.iter = e.iterRange(i, s), this.bufferStart = i, this.normalize = r ? (l) => r(nf2(l)) : nf2, this.query = this.normalize(t);
     }
     peek() {
       if (this.bufferPos == this.buffer.length) {
@@ -16315,7 +18167,7 @@ ${name}`;
         let e = this.peek();
         if (e < 0) return this.done = true, this;
         let t = bn(e), i = this.bufferStart + this.bufferPos;
-        this.bufferPos += Xe(e);
+        this.bufferPos += Xe2(e);
         let s = this.normalize(t);
         if (s.length) for (let r = 0, o = i, l = true; ; r++) {
           let a = s.charCodeAt(r), h = this.match(a, o, l, this.bufferPos + this.bufferStart, r == s.length - 1);
@@ -16337,12 +18189,12 @@ ${name}`;
   typeof Symbol < "u" && (St.prototype[Symbol.iterator] = function() {
     return this;
   });
-  var of = { from: -1, to: -1, match: /.*/.exec(""), precise: true };
-  var xl = "gm" + (/x/.unicode == null ? "" : "u");
+  var of2 = { from: -1, to: -1, match: /.*/.exec(""), precise: true };
+  var xl2 = "gm" + (/x/.unicode == null ? "" : "u");
   var Ds = class {
     constructor(e, t, i, s = 0, r = e.length) {
-      if (this.text = e, this.to = r, this.curLine = "", this.done = false, this.value = of, /\\[sWDnr]|\n|\r|\[\^/.test(t)) return new Bs(e, t, i, s, r);
-      this.re = new RegExp(t, xl + (i?.ignoreCase ? "i" : "")), this.test = i?.test, this.iter = e.iter();
+      if (this.text = e, this.to = r, this.curLine = "", this.done = false, this.value = of2, /\\[sWDnr]|\n|\r|\[\^/.test(t)) return new Bs(e, t, i, s, r);
+      this.re = new RegExp(t, xl2 + (i?.ignoreCase ? "i" : "")), this.test = i?.test, this.iter = e.iter();
       let o = e.lineAt(s);
       this.curLineStart = o.from, this.matchPos = Es(e, s), this.getLine(this.curLineStart);
     }
@@ -16386,7 +18238,7 @@ ${name}`;
   };
   var Bs = class {
     constructor(e, t, i, s, r) {
-      this.text = e, this.to = r, this.done = false, this.value = of, this.matchPos = Es(e, s), this.re = new RegExp(t, xl + (i?.ignoreCase ? "i" : "")), this.test = i?.test, this.flat = Os.get(e, s, this.chunkEnd(s + 5e3));
+      this.text = e, this.to = r, this.done = false, this.value = of2, this.matchPos = Es(e, s), this.re = new RegExp(t, xl2 + (i?.ignoreCase ? "i" : "")), this.test = i?.test, this.flat = Os.get(e, s, this.chunkEnd(s + 5e3));
     }
     chunkEnd(e) {
       return e >= this.to ? this.to : this.text.lineAt(e).to;
@@ -16408,7 +18260,7 @@ ${name}`;
   });
   function tg(n66) {
     try {
-      return new RegExp(n66, xl), true;
+      return new RegExp(n66, xl2), true;
     } catch {
       return false;
     }
@@ -16442,16 +18294,16 @@ ${name}`;
     }), true;
   };
   var ng = { highlightWordAroundCursor: false, minSelectionLength: 1, maxMatches: 100, wholeWords: false };
-  var lf = T.define({ combine(n66) {
+  var lf2 = T.define({ combine(n66) {
     return de(n66, ng, { highlightWordAroundCursor: (e, t) => e || t, minSelectionLength: Math.min, maxMatches: Math.min });
   } });
   function sg(n66) {
     let e = [hg, ag];
-    return n66 && e.push(lf.of(n66)), e;
+    return n66 && e.push(lf2.of(n66)), e;
   }
   var rg = L.mark({ class: "cm-selectionMatch" });
   var og = L.mark({ class: "cm-selectionMatch cm-selectionMatch-main" });
-  function sf(n66, e, t, i) {
+  function sf2(n66, e, t, i) {
     return (t == 0 || n66(e.sliceDoc(t - 1, t)) != G.Word) && (i == e.doc.length || n66(e.sliceDoc(i, i + 1)) != G.Word);
   }
   function lg(n66, e, t, i) {
@@ -16465,7 +18317,7 @@ ${name}`;
       (n66.selectionSet || n66.docChanged || n66.viewportChanged) && (this.decorations = this.getDeco(n66.view));
     }
     getDeco(n66) {
-      let e = n66.state.facet(lf), { state: t } = n66, i = t.selection;
+      let e = n66.state.facet(lf2), { state: t } = n66, i = t.selection;
       if (i.ranges.length > 1) return L.none;
       let s = i.main, r, o = null;
       if (s.empty) {
@@ -16477,7 +18329,7 @@ ${name}`;
         let a = s.to - s.from;
         if (a < e.minSelectionLength || a > 200) return L.none;
         if (e.wholeWords) {
-          if (r = t.sliceDoc(s.from, s.to), o = t.charCategorizer(s.head), !(sf(o, t, s.from, s.to) && lg(o, t, s.from, s.to))) return L.none;
+          if (r = t.sliceDoc(s.from, s.to), o = t.charCategorizer(s.head), !(sf2(o, t, s.from, s.to) && lg(o, t, s.from, s.to))) return L.none;
         } else if (r = t.sliceDoc(s.from, s.to), !r) return L.none;
       }
       let l = [];
@@ -16485,7 +18337,7 @@ ${name}`;
         let h = new St(t.doc, r, a.from, a.to);
         for (; !h.next().done; ) {
           let { from: c, to: f } = h.value;
-          if ((!o || sf(o, t, c, f)) && (s.empty && c <= s.from && f >= s.to ? l.push(og.range(c, f)) : (c >= s.to || f <= s.from) && l.push(rg.range(c, f)), l.length > e.maxMatches)) return L.none;
+          if ((!o || sf2(o, t, c, f)) && (s.empty && c <= s.from && f >= s.to ? l.push(og.range(c, f)) : (c >= s.to || f <= s.from) && l.push(rg.range(c, f)), l.length > e.maxMatches)) return L.none;
         }
       }
       return L.set(l);
@@ -16519,7 +18371,7 @@ ${name}`;
     return s ? (e(n66.update({ selection: n66.selection.addRange(x.range(s.from, s.to), false), effects: O.scrollIntoView(s.to) })), true) : false;
   };
   var yi = T.define({ combine(n66) {
-    return de(n66, { top: false, caseSensitive: false, literal: false, regexp: false, wholeWord: false, createPanel: (e) => new bl(e), scrollToMatch: (e) => O.scrollIntoView(e) });
+    return de(n66, { top: false, caseSensitive: false, literal: false, regexp: false, wholeWord: false, createPanel: (e) => new bl2(e), scrollToMatch: (e) => O.scrollIntoView(e) });
   } });
   var Ls = class {
     constructor(e) {
@@ -16537,7 +18389,7 @@ ${name}`;
     }
     getCursor(e, t = 0, i) {
       let s = e.doc ? e : _.create({ doc: e });
-      return i == null && (i = s.doc.length), this.regexp ? gi(this, s, t, i) : mi(this, s, t, i);
+      return i == null && (i = s.doc.length), this.regexp ? gi2(this, s, t, i) : mi2(this, s, t, i);
     }
   };
   var Rs = class {
@@ -16552,7 +18404,7 @@ ${name}`;
       return n66(l, e, i, s);
     };
   }
-  function mi(n66, e, t, i) {
+  function mi2(n66, e, t, i) {
     let s;
     return n66.wholeWord && (s = pg(e.doc, e.charCategorizer(e.selection.main.head))), n66.test && (s = dg(n66.test, e, s)), new St(e.doc, n66.unquoted, t, i, n66.caseSensitive ? void 0 : (r) => r.toLowerCase(), s);
   }
@@ -16564,16 +18416,16 @@ ${name}`;
       super(e);
     }
     nextMatch(e, t, i) {
-      let s = mi(this.spec, e, i, e.doc.length).nextOverlapping();
+      let s = mi2(this.spec, e, i, e.doc.length).nextOverlapping();
       if (s.done) {
         let r = Math.min(e.doc.length, t + this.spec.unquoted.length);
-        s = mi(this.spec, e, 0, r).nextOverlapping();
+        s = mi2(this.spec, e, 0, r).nextOverlapping();
       }
       return s.done || s.value.from == t && s.value.to == i ? null : s.value;
     }
     prevMatchInRange(e, t, i) {
       for (let s = i; ; ) {
-        let r = Math.max(t, s - 1e4 - this.spec.unquoted.length), o = mi(this.spec, e, r, s), l = null;
+        let r = Math.max(t, s - 1e4 - this.spec.unquoted.length), o = mi2(this.spec, e, r, s), l = null;
         for (; !o.nextOverlapping().done; ) l = o.value;
         if (l) return l;
         if (r == t) return null;
@@ -16588,7 +18440,7 @@ ${name}`;
       return this.spec.unquote(this.spec.replace);
     }
     matchAll(e, t) {
-      let i = mi(this.spec, e, 0, e.doc.length), s = [];
+      let i = mi2(this.spec, e, 0, e.doc.length), s = [];
       for (; !i.next().done; ) {
         if (s.length >= t) return null;
         s.push(i.value);
@@ -16596,14 +18448,14 @@ ${name}`;
       return s;
     }
     highlight(e, t, i, s) {
-      let r = mi(this.spec, e, Math.max(0, t - this.spec.unquoted.length), Math.min(i + this.spec.unquoted.length, e.doc.length));
+      let r = mi2(this.spec, e, Math.max(0, t - this.spec.unquoted.length), Math.min(i + this.spec.unquoted.length, e.doc.length));
       for (; !r.next().done; ) s(r.value.from, r.value.to);
     }
   };
   function mg(n66, e, t) {
     return (i, s, r) => (!t || t(i, s, r)) && n66(r[0], e, i, s);
   }
-  function gi(n66, e, t, i) {
+  function gi2(n66, e, t, i) {
     let s;
     return n66.wholeWord && (s = gg(e.charCategorizer(e.selection.main.head))), n66.test && (s = mg(n66.test, e, s)), new Ds(e.doc, n66.search, { ignoreCase: !n66.caseSensitive, test: s }, t, i);
   }
@@ -16618,12 +18470,12 @@ ${name}`;
   }
   var gl = class extends Rs {
     nextMatch(e, t, i) {
-      let s = gi(this.spec, e, i, e.doc.length).next();
-      return s.done && (s = gi(this.spec, e, 0, t).next()), s.done ? null : s.value;
+      let s = gi2(this.spec, e, i, e.doc.length).next();
+      return s.done && (s = gi2(this.spec, e, 0, t).next()), s.done ? null : s.value;
     }
     prevMatchInRange(e, t, i) {
       for (let s = 1; ; s++) {
-        let r = Math.max(t, i - s * 1e4), o = gi(this.spec, e, r, i), l = null;
+        let r = Math.max(t, i - s * 1e4), o = gi2(this.spec, e, r, i), l = null;
         for (; !o.next().done; ) l = o.value;
         if (l && (r == t || l.from > r + 10)) return l;
         if (r == t) return null;
@@ -16644,7 +18496,7 @@ ${name}`;
       });
     }
     matchAll(e, t) {
-      let i = gi(this.spec, e, 0, e.doc.length), s = [];
+      let i = gi2(this.spec, e, 0, e.doc.length), s = [];
       for (; !i.next().done; ) {
         if (s.length >= t) return null;
         s.push(i.value);
@@ -16652,19 +18504,19 @@ ${name}`;
       return s;
     }
     highlight(e, t, i, s) {
-      let r = gi(this.spec, e, Math.max(0, t - 250), Math.min(i + 250, e.doc.length));
+      let r = gi2(this.spec, e, Math.max(0, t - 250), Math.min(i + 250, e.doc.length));
       for (; !r.next().done; ) s(r.value.from, r.value.to);
     }
   };
-  var on = E.define();
+  var on2 = E.define();
   var wl = E.define();
   var kt = J.define({ create(n66) {
-    return new rn(yl(n66).create(), null);
+    return new rn2(yl2(n66).create(), null);
   }, update(n66, e) {
-    for (let t of e.effects) t.is(on) ? n66 = new rn(t.value.create(), n66.panel) : t.is(wl) && (n66 = new rn(n66.query, t.value ? vl : null));
+    for (let t of e.effects) t.is(on2) ? n66 = new rn2(t.value.create(), n66.panel) : t.is(wl) && (n66 = new rn2(n66.query, t.value ? vl2 : null));
     return n66;
-  }, provide: (n66) => Pt.from(n66, (e) => e.panel) });
-  var rn = class {
+  }, provide: (n66) => Pt2.from(n66, (e) => e.panel) });
+  var rn2 = class {
     constructor(e, t) {
       this.query = e, this.panel = t;
     }
@@ -16693,25 +18545,25 @@ ${name}`;
       return i.finish();
     }
   }, { decorations: (n66) => n66.decorations });
-  function ln(n66) {
+  function ln2(n66) {
     return (e) => {
       let t = e.state.field(kt, false);
-      return t && t.query.spec.valid ? n66(e, t) : cf(e);
+      return t && t.query.spec.valid ? n66(e, t) : cf2(e);
     };
   }
-  var Ns = ln((n66, { query: e }) => {
+  var Ns = ln2((n66, { query: e }) => {
     let { to: t } = n66.state.selection.main, i = e.nextMatch(n66.state, t, t);
     if (!i) return false;
     let s = x.single(i.from, i.to), r = n66.state.facet(yi);
-    return n66.dispatch({ selection: s, effects: [kl(n66, i), r.scrollToMatch(s.main, n66)], userEvent: "select.search" }), hf(n66), true;
+    return n66.dispatch({ selection: s, effects: [kl2(n66, i), r.scrollToMatch(s.main, n66)], userEvent: "select.search" }), hf2(n66), true;
   });
-  var Fs = ln((n66, { query: e }) => {
+  var Fs = ln2((n66, { query: e }) => {
     let { state: t } = n66, { from: i } = t.selection.main, s = e.prevMatch(t, i, i);
     if (!s) return false;
     let r = x.single(s.from, s.to), o = n66.state.facet(yi);
-    return n66.dispatch({ selection: r, effects: [kl(n66, s), o.scrollToMatch(r.main, n66)], userEvent: "select.search" }), hf(n66), true;
+    return n66.dispatch({ selection: r, effects: [kl2(n66, s), o.scrollToMatch(r.main, n66)], userEvent: "select.search" }), hf2(n66), true;
   });
-  var wg = ln((n66, { query: e }) => {
+  var wg = ln2((n66, { query: e }) => {
     let t = e.matchAll(n66.state, 1e3);
     return !t || !t.length ? false : (n66.dispatch({ selection: x.create(t.map((i) => x.range(i.from, i.to))), userEvent: "select.search.matches" }), true);
   });
@@ -16725,7 +18577,7 @@ ${name}`;
     }
     return e(n66.update({ selection: x.create(r, o), userEvent: "select.search.matches" })), true;
   };
-  var rf = ln((n66, { query: e }) => {
+  var rf2 = ln2((n66, { query: e }) => {
     let { state: t } = n66, { from: i, to: s } = t.selection.main;
     if (t.readOnly) return false;
     let r = e.nextMatch(t, i, i);
@@ -16733,9 +18585,9 @@ ${name}`;
     let o = r, l = [], a, h, c = [];
     o.precise ? o.from == i && o.to == s && (h = t.toText(e.getReplacement(o)), l.push({ from: o.from, to: o.to, insert: h }), o = e.nextMatch(t, o.from, o.to), c.push(O.announce.of(t.phrase("replaced match on line $", t.doc.lineAt(i).number) + "."))) : o = e.nextMatch(t, o.from, o.to);
     let f = n66.state.changes(l);
-    return o && (a = x.single(o.from, o.to).map(f), c.push(kl(n66, o)), c.push(t.facet(yi).scrollToMatch(a.main, n66))), n66.dispatch({ changes: f, selection: a, effects: c, userEvent: "input.replace" }), true;
+    return o && (a = x.single(o.from, o.to).map(f), c.push(kl2(n66, o)), c.push(t.facet(yi).scrollToMatch(a.main, n66))), n66.dispatch({ changes: f, selection: a, effects: c, userEvent: "input.replace" }), true;
   });
-  var kg = ln((n66, { query: e }) => {
+  var kg = ln2((n66, { query: e }) => {
     if (n66.state.readOnly) return false;
     let t = [];
     for (let s of e.matchAll(n66.state, 1e9)) {
@@ -16746,43 +18598,43 @@ ${name}`;
     let i = n66.state.phrase("replaced $ matches", t.length) + ".";
     return n66.dispatch({ changes: t, effects: O.announce.of(i), userEvent: "input.replace.all" }), true;
   });
-  function vl(n66) {
+  function vl2(n66) {
     return n66.state.facet(yi).createPanel(n66);
   }
-  function yl(n66, e) {
+  function yl2(n66, e) {
     var t, i, s, r, o;
     let l = n66.selection.main, a = l.empty || l.to > l.from + 100 ? "" : n66.sliceDoc(l.from, l.to);
     if (e && !a) return e;
     let h = n66.facet(yi);
     return new Ls({ search: ((t = e?.literal) !== null && t !== void 0 ? t : h.literal) ? a : a.replace(/\n/g, "\\n"), caseSensitive: (i = e?.caseSensitive) !== null && i !== void 0 ? i : h.caseSensitive, literal: (s = e?.literal) !== null && s !== void 0 ? s : h.literal, regexp: (r = e?.regexp) !== null && r !== void 0 ? r : h.regexp, wholeWord: (o = e?.wholeWord) !== null && o !== void 0 ? o : h.wholeWord });
   }
-  function af(n66) {
-    let e = qi(n66, vl);
+  function af2(n66) {
+    let e = qi2(n66, vl2);
     return e && e.dom.querySelector("[main-field]");
   }
-  function hf(n66) {
-    let e = af(n66);
+  function hf2(n66) {
+    let e = af2(n66);
     e && e == n66.root.activeElement && e.select();
   }
-  var cf = (n66) => {
+  var cf2 = (n66) => {
     let e = n66.state.field(kt, false);
     if (e && e.panel) {
-      let t = af(n66);
+      let t = af2(n66);
       if (t && t != n66.root.activeElement) {
-        let i = yl(n66.state, e.query.spec);
-        i.valid && n66.dispatch({ effects: on.of(i) }), t.focus(), t.select();
+        let i = yl2(n66.state, e.query.spec);
+        i.valid && n66.dispatch({ effects: on2.of(i) }), t.focus(), t.select();
       }
-    } else n66.dispatch({ effects: [wl.of(true), e ? on.of(yl(n66.state, e.query.spec)) : E.appendConfig.of(Ag)] });
+    } else n66.dispatch({ effects: [wl.of(true), e ? on2.of(yl2(n66.state, e.query.spec)) : E.appendConfig.of(Ag)] });
     return true;
   };
-  var ff = (n66) => {
+  var ff2 = (n66) => {
     let e = n66.state.field(kt, false);
     if (!e || !e.panel) return false;
-    let t = qi(n66, vl);
+    let t = qi2(n66, vl2);
     return t && t.dom.contains(n66.root.activeElement) && n66.focus(), n66.dispatch({ effects: wl.of(false) }), true;
   };
-  var Sg = [{ key: "Mod-f", run: cf, scope: "editor search-panel" }, { key: "F3", run: Ns, shift: Fs, scope: "editor search-panel", preventDefault: true }, { key: "Mod-g", run: Ns, shift: Fs, scope: "editor search-panel", preventDefault: true }, { key: "Escape", run: ff, scope: "editor search-panel" }, { key: "Mod-Shift-l", run: vg }, { key: "Mod-Alt-g", run: ig }, { key: "Mod-d", run: ug, preventDefault: true }];
-  var bl = class {
+  var Sg = [{ key: "Mod-f", run: cf2, scope: "editor search-panel" }, { key: "F3", run: Ns, shift: Fs, scope: "editor search-panel", preventDefault: true }, { key: "Mod-g", run: Ns, shift: Fs, scope: "editor search-panel", preventDefault: true }, { key: "Escape", run: ff2, scope: "editor search-panel" }, { key: "Mod-Shift-l", run: vg }, { key: "Mod-Alt-g", run: ig }, { key: "Mod-d", run: ug, preventDefault: true }];
+  var bl2 = class {
     constructor(e) {
       this.view = e;
       let t = this.query = e.state.field(kt).query.spec;
@@ -16790,17 +18642,17 @@ ${name}`;
       function i(s, r, o) {
         return H("button", { class: "cm-button", name: s, onclick: r, type: "button" }, o);
       }
-      this.dom = H("div", { onkeydown: (s) => this.keydown(s), class: "cm-search" }, [this.searchField, i("next", () => Ns(e), [Ce(e, "next")]), i("prev", () => Fs(e), [Ce(e, "previous")]), i("select", () => wg(e), [Ce(e, "all")]), H("label", null, [this.caseField, Ce(e, "match case")]), H("label", null, [this.reField, Ce(e, "regexp")]), H("label", null, [this.wordField, Ce(e, "by word")]), ...e.state.readOnly ? [] : [H("br"), this.replaceField, i("replace", () => rf(e), [Ce(e, "replace")]), i("replaceAll", () => kg(e), [Ce(e, "replace all")])], H("button", { name: "close", onclick: () => ff(e), "aria-label": Ce(e, "close"), type: "button" }, ["\xD7"])]);
+      this.dom = H("div", { onkeydown: (s) => this.keydown(s), class: "cm-search" }, [this.searchField, i("next", () => Ns(e), [Ce(e, "next")]), i("prev", () => Fs(e), [Ce(e, "previous")]), i("select", () => wg(e), [Ce(e, "all")]), H("label", null, [this.caseField, Ce(e, "match case")]), H("label", null, [this.reField, Ce(e, "regexp")]), H("label", null, [this.wordField, Ce(e, "by word")]), ...e.state.readOnly ? [] : [H("br"), this.replaceField, i("replace", () => rf2(e), [Ce(e, "replace")]), i("replaceAll", () => kg(e), [Ce(e, "replace all")])], H("button", { name: "close", onclick: () => ff2(e), "aria-label": Ce(e, "close"), type: "button" }, ["\xD7"])]);
     }
     commit() {
       let e = new Ls({ search: this.searchField.value, caseSensitive: this.caseField.checked, regexp: this.reField.checked, wholeWord: this.wordField.checked, replace: this.replaceField.value });
-      e.eq(this.query) || (this.query = e, this.view.dispatch({ effects: on.of(e) }));
+      e.eq(this.query) || (this.query = e, this.view.dispatch({ effects: on2.of(e) }));
     }
     keydown(e) {
-      Bh(this.view, e, "search-panel") ? e.preventDefault() : e.keyCode == 13 && e.target == this.searchField ? (e.preventDefault(), (e.shiftKey ? Fs : Ns)(this.view)) : e.keyCode == 13 && e.target == this.replaceField && (e.preventDefault(), rf(this.view));
+      Bh(this.view, e, "search-panel") ? e.preventDefault() : e.keyCode == 13 && e.target == this.searchField ? (e.preventDefault(), (e.shiftKey ? Fs : Ns)(this.view)) : e.keyCode == 13 && e.target == this.replaceField && (e.preventDefault(), rf2(this.view));
     }
     update(e) {
-      for (let t of e.transactions) for (let i of t.effects) i.is(on) && !i.value.eq(this.query) && this.setQuery(i.value);
+      for (let t of e.transactions) for (let i of t.effects) i.is(on2) && !i.value.eq(this.query) && this.setQuery(i.value);
     }
     setQuery(e) {
       this.query = e, this.searchField.value = e.search, this.replaceField.value = e.replace, this.caseField.checked = e.caseSensitive, this.reField.checked = e.regexp, this.wordField.checked = e.wholeWord;
@@ -16820,7 +18672,7 @@ ${name}`;
   }
   var Ms = 30;
   var Ts = /[\s\.,:;?!]/;
-  function kl(n66, { from: e, to: t }) {
+  function kl2(n66, { from: e, to: t }) {
     let i = n66.state.doc.lineAt(e), s = n66.state.doc.lineAt(t).to, r = Math.max(i.from, e - Ms), o = Math.min(s, t + Ms), l = n66.state.sliceDoc(r, o);
     if (r != i.from) {
       for (let a = 0; a < Ms; a++) if (!Ts.test(l[a + 1]) && Ts.test(l[a])) {
@@ -16852,7 +18704,7 @@ ${name}`;
     let e = de(n66, { startVersion: 0, clientID: null, sharedEffects: () => [] }, { generatedID: (t) => t });
     return e.clientID == null && (e.clientID = n66.length && n66[0].generatedID || ""), e;
   } });
-  var Sl = oe.define();
+  var Sl = oe2.define();
   var Vs = J.define({ create(n66) {
     return new bi(n66.facet(Ws).startVersion, []);
   }, update(n66, e) {
@@ -16879,7 +18731,7 @@ ${name}`;
       let a = i.reduce((h, c) => h.compose(c.changes), ie.empty(i[0].changes.length));
       r = E.mapEffects(r, a);
     }
-    return o ? n66.update({ changes: o, effects: r, annotations: [X.addToHistory.of(false), X.remote.of(true), Sl.of(new bi(t, i))], filter: false }) : n66.update({ annotations: [Sl.of(new bi(t, i))] });
+    return o ? n66.update({ changes: o, effects: r, annotations: [X2.addToHistory.of(false), X2.remote.of(true), Sl.of(new bi(t, i))], filter: false }) : n66.update({ annotations: [Sl.of(new bi(t, i))] });
   }
   function Dg(n66) {
     return n66.field(Vs).unconfirmed;
@@ -16889,6 +18741,7 @@ ${name}`;
   }
 
   // text.js
+  var FROZEN = [_.readOnly.of(true), O.editable.of(false)];
   var WAIT2 = 15;
   var [TRIES, BETWEEN] = [300, 20];
   function explained(markdown) {
@@ -16951,8 +18804,8 @@ ${name}`;
       let waiting = 0;
       bar.append(
         el("span", { class: "space" }),
-        this.quick(S.undo, "Ctrl+Z", () => Zo(this.view)),
-        this.quick(S.redo, "Ctrl+Shift+Z", () => fs(this.view)),
+        this.quick(S.undo, "Ctrl+Z", () => Zo2(this.view)),
+        this.quick(S.redo, "Ctrl+Shift+Z", () => fs2(this.view)),
         this.revert,
         this.quick(S.format, "Shift+Alt+F", this.format)
       );
@@ -16973,10 +18826,10 @@ ${name}`;
             colourField,
             O.contentAttributes.of({ "aria-label": S.editor, tabindex: "0" }),
             zm({ override: [this.completions] }),
-            Ao(this.hovered),
+            Ao2(this.hovered),
             this.shared.of([]),
-            this.frozen.of([_.readOnly.of(true), O.editable.of(false)]),
-            ts.of([
+            this.frozen.of(FROZEN),
+            ts2.of([
               { key: "Mod-s", run: () => this.link.save() ?? true },
               { key: "F2", run: () => this.rename() ?? true },
               { key: "Mod-.", run: () => this.fixes(this.head()) ?? true },
@@ -17012,15 +18865,16 @@ ${name}`;
         receive: this.receive,
         show: this.show,
         settled: this.settled,
+        follow: this.follow,
         state: () => ({ text: this.view.state.doc.toString(), epoch: this.epoch }),
-        undo: () => Zo(this.view),
-        redo: () => fs(this.view),
+        undo: () => Zo2(this.view),
+        redo: () => fs2(this.view),
         version: () => Og(this.view.state),
         goTo: (at2) => this.select(this.offset(at2), this.offset(at2)),
         edit: async (what, details) => this.apply(await this.question(what, details), `input.${what}`),
         /** Make an edit; what is wrong with it is in the answer. */
         attempt: async (what, details) => {
-          const answer = await this.question(what, details);
+          const answer = this.link.writes() ? await this.question(what, details) : { error: S.follows };
           if (!answer.error) this.apply(answer, `input.${what}`);
           return answer;
         },
@@ -17044,7 +18898,7 @@ ${name}`;
     settled = () => Boolean(this.epoch) && !this.sending && Dg(this.view.state).length === 0;
     // --- changes ---
     send = () => {
-      if (this.sending || !this.epoch) return;
+      if (this.sending || !this.epoch || !this.link.writes()) return;
       const updates = Dg(this.view.state);
       if (!updates.length) return;
       this.sending = this.link.push(
@@ -17073,12 +18927,18 @@ ${name}`;
       this.sending = false;
       const change = difference(this.view.state.doc.toString(), message.text);
       this.view.dispatch({ effects: this.shared.reconfigure([]) });
-      this.view.dispatch({
-        effects: [this.shared.reconfigure(Mg({ startVersion: message.version - 1 })), this.frozen.reconfigure([])]
-      });
+      this.view.dispatch({ effects: this.shared.reconfigure(Mg({ startVersion: message.version - 1 })) });
+      this.follow(!this.link.writes());
       const changes = ie.of(change, this.view.state.doc.length);
       this.view.dispatch(Tg(this.view.state, [{ clientID: this.epoch, changes }]));
       this.link.edited(message.text);
+    };
+    /** Write here, or only show what another window writes. */
+    follow = (follows) => {
+      if (!this.epoch) return;
+      this.sending = false;
+      this.view.dispatch({ effects: this.frozen.reconfigure(follows ? FROZEN : []) });
+      if (!follows) this.send();
     };
     /** Ask something of the text as it is: what is typed first goes first. */
     question = async (what, details = {}) => {
@@ -17096,8 +18956,9 @@ ${name}`;
     };
     /** Put the edits of an answer into the text: one step back undoes them. */
     apply = (answer, label) => {
-      if (answer.error) {
-        this.link.say(answer.error);
+      const error = answer.error ?? (this.link.writes() ? "" : S.follows);
+      if (error) {
+        this.link.say(error);
         return false;
       }
       const changes = answer.edits ? answer.edits.map((edit) => ({
@@ -17168,13 +19029,13 @@ ${name}`;
       const doc = this.view.state.doc;
       const marks = [];
       for (const [line, start2, end, colour] of message.colours) {
-        const [from, to2] = [this.offset([line, start2]), this.offset([line, end])];
-        if (to2 > from) marks.push(L.mark({ class: `colour-${colour}` }).range(from, to2));
+        const [from, to3] = [this.offset([line, start2]), this.offset([line, end])];
+        if (to3 > from) marks.push(L.mark({ class: `colour-${colour}` }).range(from, to3));
       }
       this.findings = message.findings.map((each) => {
         const from = this.offset(each.range[0]);
-        const to2 = Math.max(from, this.offset(each.range[1]));
-        return { ...each, from, to: to2 > from ? to2 : Math.min(doc.length, from + 1) };
+        const to3 = Math.max(from, this.offset(each.range[1]));
+        return { ...each, from, to: to3 > from ? to3 : Math.min(doc.length, from + 1) };
       });
       this.view.dispatch({ effects: setColours.of(L.set(marks, true)) });
       this.view.dispatch(
@@ -17209,8 +19070,8 @@ ${each.hint}` : each.message
         ...each.fixes.length ? [fix] : []
       );
     };
-    select = (from, to2) => {
-      this.view.dispatch({ selection: { anchor: from, head: to2 }, scrollIntoView: true });
+    select = (from, to3) => {
+      this.view.dispatch({ selection: { anchor: from, head: to3 }, scrollIntoView: true });
       this.view.focus();
     };
     /** Wait until the server has everything that is here; whether it has. */
@@ -17223,6 +19084,10 @@ ${each.hint}` : each.message
     };
     /** Put another text in the place of this one: one step back undoes it. */
     replace = (words2) => {
+      if (!this.link.writes()) {
+        this.link.say(S.follows);
+        return;
+      }
       this.view.dispatch({ changes: difference(this.view.state.doc.toString(), words2), userEvent: "input.replace" });
       this.send();
     };
@@ -17245,15 +19110,16 @@ ${each.hint}` : each.message
       this.files = el("select", {
         "aria-label": S.file,
         onchange: () => {
-          const to2 = this.files.value;
+          const to3 = this.files.value;
           this.files.value = this.file;
-          this.page.turnTo(to2);
+          this.page.turnTo(to3);
         }
       });
       this.saved = null;
       this.apart = false;
       this.dirty = false;
       this.lost = false;
+      this.writes = true;
       this.latest = null;
       this.working = /* @__PURE__ */ new Set();
       this.bring = null;
@@ -17262,6 +19128,7 @@ ${each.hint}` : each.message
         push: (version, updates) => this.send({ do: "push", version, updates }),
         ask: (question) => this.connection.ask(this.file, question),
         save: () => {
+          if (!this.writes) return true;
           const trySave = () => {
             if (!this.text.settled()) setTimeout(trySave, 20);
             else this.send({ do: "save" });
@@ -17276,7 +19143,8 @@ ${each.hint}` : each.message
           this.mark(this.saved !== null && (this.apart || now !== this.saved));
           this.store.emit("edited");
         },
-        saved: () => this.saved
+        saved: () => this.saved,
+        writes: () => this.writes
       };
       this.text = textPane(this.link, this.page.nonce);
       this.makeHand();
@@ -17335,12 +19203,15 @@ ${each.hint}` : each.message
       this.TAKEN = {
         opened: (message) => {
           this.saved = message.saved;
+          this.writes = message.writes;
           this.back();
           this.text.open(message);
         },
         reopened: (message) => {
           this.saved = message.saved;
+          this.writes = message.writes;
           this.back();
+          this.text.follow(!this.writes);
           this.text.receive(message);
           this.mark(this.text.state().text !== this.saved);
         },
@@ -17358,18 +19229,19 @@ ${each.hint}` : each.message
           if (!message.scene && !message.diagram) this.store.mistaken(message.why);
           this.store.judge(message.why !== "mistakes");
         },
+        writer: (message) => {
+          this.writes = message.writes;
+          this.text.follow(!this.writes);
+          this.mark(this.dirty);
+          this.tell("");
+          if (!this.writes) this.tellFollowing();
+        },
         status: (message) => {
           this.saved = message.saved ?? this.saved;
           this.apart = message.gone || message.conflict;
           this.mark(this.apart || this.text.state().text !== this.saved);
-          if (!message.conflict) {
-            this.tell(message.gone ? S.fileGone : "");
-            return;
-          }
-          const settle = (words2, mine) => el("button", { textContent: words2, onclick: () => this.send({ do: "settle", mine }) });
-          if (message.unreadable) this.tell(S.unreadable(message.unreadable), settle(S.keepMine, true));
-          else if (message.elsewhere) this.tell(S.otherWindow, settle(S.keepThis, true), settle(S.takeOther, false));
-          else this.tell(S.conflict, settle(S.keepMine, true), settle(S.takeTheirs, false));
+          if (this.writes) this.tellState(message);
+          else this.tellFollowing();
         },
         failed: (message) => {
           if (this.text.state().epoch && !this.lost) this.link.say(message.message);
@@ -17405,8 +19277,8 @@ ${each.hint}` : each.message
           this.files.replaceChildren(...all.map((name) => el("option", { value: name, textContent: name })));
           this.files.value = this.file;
         },
-        move: (to2) => {
-          this.file = to2;
+        move: (to3) => {
+          this.file = to3;
           this.mark(this.dirty);
           if (this.text.state().epoch) this.open();
         },
@@ -17423,10 +19295,28 @@ ${each.hint}` : each.message
       };
     }
     send = (message) => this.connection.send({ ...message, file: this.file });
+    /** Say above all views what stands between the text and its file, and offer the ways out. */
+    tellState = (message) => {
+      const settle = (words2, keep) => el("button", { textContent: words2, onclick: () => this.send({ do: "settle", keep }) });
+      if (message.unreadable) this.tell(S.unreadable(message.unreadable), settle(S.keepMine, "mine"));
+      else if (message.elsewhere) this.tell(S.otherWindow, settle(S.keepThis, "mine"), settle(S.takeOther, "theirs"));
+      else if (message.conflict) {
+        const both = message.mergeable ? [settle(S.keepBoth, "both")] : [];
+        this.tell(S.conflict, ...both, settle(S.keepMine, "mine"), settle(S.takeTheirs, "theirs"));
+      } else if (message.gone) this.tell(S.fileGone);
+      else if (message.reread) this.tell(S.reread, el("button", { textContent: S.close, onclick: () => this.tell("") }));
+      else if (message.saved !== void 0 || !this.rereadShown()) this.tell("");
+    };
+    /** Whether the banner only says that the file was read again: it stays while one types. */
+    rereadShown = () => this.banner.firstChild?.textContent === S.reread;
+    tellFollowing = () => {
+      const write = () => this.send({ do: "write" });
+      this.tell(this.text.settled() ? S.follows : S.behind, el("button", { textContent: S.writeHere, onclick: write }));
+    };
     mark = (changed) => {
       this.dirty = changed;
-      this.save.disabled = !changed;
-      this.text.revertible(changed);
+      this.save.disabled = !changed || !this.writes;
+      this.text.revertible(changed && this.writes);
       if (!this.lost) this.status.textContent = changed ? S.unsaved : S.saved;
       this.page.marked();
     };
@@ -17622,27 +19512,27 @@ ${each.hint}` : each.message
       if (name !== this.shown.file()) this.show(name);
     };
     /** A file has another name, or none. */
-    moved({ file, to: to2 }) {
+    moved({ file, to: to3 }) {
       const desk = this.desks.get(file);
-      this.renamed.set(file, to2);
-      this.renamed.delete(to2);
+      this.renamed.set(file, to3);
+      this.renamed.delete(to3);
       this.listed(
-        this.names.includes(to2) || !to2 ? this.names.filter((name) => name !== file) : this.names.map((name) => name === file ? to2 : name)
+        this.names.includes(to3) || !to3 ? this.names.filter((name) => name !== file) : this.names.map((name) => name === file ? to3 : name)
       );
       if (!desk) return;
       this.desks.delete(file);
-      if (to2) {
-        desk.move(to2);
-        this.desks.set(to2, desk);
+      if (to3) {
+        desk.move(to3);
+        this.desks.set(to3, desk);
         desk.offer(this.names);
       }
       if (desk !== this.shown) {
-        if (!to2) desk.close();
+        if (!to3) desk.close();
         return;
       }
       const view = desk.view();
-      if (!to2) this.show(this.names.includes(this.first) ? this.first : this.names[0] ?? "");
-      if (!to2) desk.close();
+      if (!to3) this.show(this.names.includes(this.first) ? this.first : this.names[0] ?? "");
+      if (!to3) desk.close();
       if (view === FILES.name) this.shown.turn(view);
       history.replaceState(null, "", address(this.shown.file()));
     }
