@@ -22,6 +22,7 @@ from fuzzyarm.requests import (
     ExportRequest,
     FitRequest,
     LearnRequest,
+    ProveRequest,
     Request,
     RequestError,
     SimulateRequest,
@@ -43,6 +44,7 @@ JOBS: dict[str, type[Request]] = {
     "tune": TuneRequest,
     "fit": FitRequest,
     "compile": ExportRequest,
+    "prove": ProveRequest,
 }
 """Each job by its command."""
 
@@ -62,13 +64,13 @@ def one(known: RequestField) -> st.SearchStrategy[Any]:
     """Return values that a field takes, or each of several."""
     if known.choices:
         return st.sampled_from(known.choices)
-    low, high, _ = known.said.limits
+    low, high, is_open = known.said.limits
     if known.kind == "whole":
         least, most = (None if math.isinf(end) else int(end) for end in (low, high))
         return st.integers(-(2**40) if least is None else least, 2**40 if most is None else most)
     if known.kind == "number":
         ends = (None if math.isinf(end) else end for end in (low, high))
-        return st.floats(*ends, allow_nan=False, allow_infinity=False)
+        return st.floats(*ends, exclude_min=is_open, allow_nan=False, allow_infinity=False)
     return st.booleans() if known.kind == "truth" else st.text(min_size=1)
 
 

@@ -29,7 +29,6 @@ the tube, with runs in it.
 
 from __future__ import annotations
 
-import argparse
 import math
 import os
 import re
@@ -37,18 +36,14 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.api import controller_if_any, load_rules
+from fuzzyarm.cli.arguments import request_command
 from fuzzyarm.cli.command import (
     WordError,
-    argument,
-    command,
-    flag,
-    json_of,
     print_json,
-    read_number,
     say,
 )
 from fuzzyarm.cli.prove_loops import check, loop_data, loops_of, prove_loops, wants_loop
-from fuzzyarm.cli.prove_sectors import drives_of, only_output, print_sectors, progress
+from fuzzyarm.cli.prove_sectors import ProveWords, drives_of, only_output, print_sectors, progress
 
 if TYPE_CHECKING:
     from fuzzyarm.closed_loop import LoopVerdict
@@ -60,40 +55,30 @@ EXIT_UNDECIDED = 4
 _MODES = ("linear", "nearest", "bins")
 
 
-def _run(arguments: argparse.Namespace) -> int:
-    if arguments.check is not None:
-        return check(arguments)
-    if not arguments.files:
+def _run(asked: ProveWords) -> int:
+    if asked.check is not None:
+        return check(asked)
+    if not asked.files:
         raise WordError("no file is given", hint="a rule base or a controller, or --check")
-    _require_files(arguments.files)
-    tolerance = _above_0(arguments.tolerance, "--tolerance")
-    budget = _above_0(arguments.budget, "--budget", " seconds") or math.inf
-    if arguments.sector:
-        return print_sectors(arguments, tolerance, budget)
-    if wants_loop(arguments):
-        return prove_loops(arguments, budget)
-    if arguments.along is not None:
+    _require_files(asked.files)
+    tolerance, budget = asked.tolerance, asked.budget or math.inf
+    if asked.sector:
+        return print_sectors(asked, tolerance, budget)
+    if wants_loop(asked):
+        return prove_loops(asked, budget)
+    if asked.along is not None:
         raise WordError("--along goes with --sector")
-    if arguments.range or arguments.slope or arguments.table:
-        _require_use(arguments.plot, of=False)
-        return _single(arguments, tolerance, budget)
-    if arguments.output is not None:
+    if asked.range or asked.slope or asked.table:
+        _require_use(asked.plot, of=False)
+        return _single(asked, tolerance, budget)
+    if asked.output is not None:
         raise WordError("--output goes with --range, --slope, --table or --sector")
-    return _files(arguments, tolerance, budget)
+    return _files(asked, tolerance, budget)
 
 
 def _require_use(plot: str | None, *, of: bool) -> None:
     if plot is not None and not of:
         raise WordError("--plot goes with --sector, or with a claim about a loop")
-
-
-def _above_0(word: str | None, option: str, unit: str = "") -> float | None:
-    if word is None:
-        return None
-    value = read_number(word, option)
-    if not value > 0.0:
-        raise WordError(f"{option} must be above 0{unit}, not {value:g}")
-    return value
 
 
 def _require_files(words: Sequence[str]) -> None:
@@ -106,35 +91,35 @@ def _require_files(words: Sequence[str]) -> None:
 # ── the lines of files ───────────────────────────────────────────────────────────────
 
 
-def _files(arguments: argparse.Namespace, tolerance: float | None, budget: float) -> int:
+def _files(asked: ProveWords, tolerance: float | None, budget: float) -> int:
     from fuzzyarm.proof import prove_all
 
     verdicts: list[tuple[str, Verdict | LoopVerdict]] = []
     data: list[dict[str, Any]] = []
-    for path in arguments.files:
+    for path in asked.files:
         controller = controller_if_any(path)
         claims = controller.model.claims if controller else ()
-        _require_use(arguments.plot, of=bool(claims))
+        _require_use(asked.plot, of=bool(claims))
         rulebases = controller.model.rulebases if controller else (load_rules(path, "prove"),)
-        if controller is None and not rulebases[0].properties and not arguments.json:
+        if controller is None and not rulebases[0].properties and not asked.json:
             say(f"{path}: no `prove` lines", to_errors=True)
-        file = {"file": path} if len(arguments.files) > 1 else {}
+        file = {"file": path} if len(asked.files) > 1 else {}
         with progress() as tell:
             for rulebase in rulebases:
                 for verdict in prove_all(
-                    rulebase, tolerance=tolerance, budget=budget, exact=arguments.exact, tell=tell
+                    rulebase, tolerance=tolerance, budget=budget, exact=asked.exact, tell=tell
                 ):
                     verdicts.append((path, verdict))
                     data.append(file | _data(verdict))
-                    if not arguments.json:
+                    if not asked.json:
                         tell("", 0, 0.0)
                         say(*_lines(path, verdict))
         if controller is not None:
-            for loop in loops_of(path, controller, arguments, budget):
+            for loop in loops_of(path, controller, asked, budget):
                 verdicts.append((path, loop))
                 data.append(file | loop_data(loop))
-            data += [file | drive for drive in drives_of(path, controller, arguments, budget)]
-    if arguments.json:
+            data += [file | drive for drive in drives_of(path, controller, asked, budget)]
+    if asked.json:
         print_json(data, 2)
     found = {verdict.verdict for _, verdict in verdicts}
     if "refuted" in found:
@@ -174,26 +159,26 @@ def _lines(path: str, verdict: Verdict) -> list[str]:
 # ── one number ───────────────────────────────────────────────────────────────────────
 
 
-def _single(arguments: argparse.Namespace, tolerance: float | None, budget: float) -> int:
+def _single(asked: ProveWords, tolerance: float | None, budget: float) -> int:
     from fuzzyarm.proof import Prover
     from fuzzyarm.proof.arithmetic import Stop
 
-    if len(arguments.files) > 1:
+    if len(asked.files) > 1:
         raise WordError("--range, --slope and --table take one file")
-    path = arguments.files[0]
+    path = asked.files[0]
     rulebase = load_rules(path, "prove")
-    name = only_output(rulebase, arguments.output)
+    name = only_output(rulebase, asked.output)
     with progress() as tell:
         stop = Stop(budget, lambda count, gap: tell(path, count, gap))
         stop.say(0)
-        prover = Prover(rulebase, name, tolerance=tolerance, stop=stop, exact=arguments.exact)
-        if arguments.table:
-            found = {"worst": _table(prover, arguments.table)}
-        elif arguments.range:
+        prover = Prover(rulebase, name, tolerance=tolerance, stop=stop, exact=asked.exact)
+        if asked.table:
+            found = {"worst": _table(prover, asked.table)}
+        elif asked.range:
             found = {"range": prover.value({})}
         else:
             found = {each: prover.slope({}, each) for each in prover.names}
-    if arguments.json:
+    if asked.json:
         _print_single(found)
     else:
         for key, bounds in found.items():
@@ -264,41 +249,4 @@ def _single_lines(output: str, key: str, bounds: Bounds) -> list[str]:
     return [*lines, f"  {work}"]
 
 
-COMMANDS = (
-    command(
-        "prove",
-        __doc__,
-        _run,
-        argument("files FILE", "rule bases (.frb, .fll, .fcl, .fis) or controllers", nargs="*"),
-        argument("--tolerance T", "how tight bounds are, in units of what is bounded"),
-        argument("--budget SECONDS", "how long each statement may take"),
-        flag("--exact", "compute in rationals throughout"),
-        flag("--range", "bound the output", either="what"),
-        flag("--slope", "bound the slope along each input", either="what"),
-        argument("--table WHAT", "bound the error of a table: linear, nearest, bins or a file",
-                 either="what"),
-        flag("--sector", "bound the output by multiples of its inputs", either="what"),
-        flag("--stable", "of a controller on --plant: prove its loop stable", either="what"),
-        argument("--claim CLAIM", "of a controller: prove this, as a `prove` line says it",
-                 either="what"),
-        argument("--check CERTIFICATE", "whether a certificate proves what it says", either="what"),
-        argument("--from START", "with --stable or --for: STATE in LOW .. HIGH, ..."),
-        argument("--with VALUES", "with --stable or --for: PARAMETER in LOW .. HIGH, ..."),
-        argument("--at PORT=X,...", "with --stable or --for: constant set points"),
-        argument("--for TIME", "of a loop: bound all ports so long; with --claim: its end",
-                 dest="duration"),
-        argument("--connect NAME=PORT", "join a name of the controller to a port of the plant",
-                 action="append", default=[]),
-        argument("--quantise PORT=STEP", "resolution of a sensor, as in 0.001 or 12bit",
-                 action="append", default=[]),
-        argument("--sensor-delay PORT=TIME", "delay of a sensor, as in 3ms",
-                 action="append", default=[]),
-        flag("--continuous", "of a loop: as if the controller ran without a period"),
-        argument("--certificate OUT", "write the certificate of what is proved of a loop"),
-        argument("--along NAME=W,...", "with --sector: along this sum of the inputs only"),
-        argument("--plot FIG", "with --sector, or of a loop: draw it as .png, .svg or .pdf"),
-        argument("--plant PLANT", "of a controller: on this one instead of that of its axes"),
-        argument("--output NAME", "which output, if there are several"),
-        json_of("the verdicts, or the bounds,"),
-    ),
-)  # fmt: skip
+COMMANDS = (request_command("prove", __doc__, _run, ProveWords),)

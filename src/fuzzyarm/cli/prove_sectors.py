@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-import argparse
 import math
 import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.api import controller_if_any, load_rules
 from fuzzyarm.cli.command import WordError, print_json, read_assignments, say
+from fuzzyarm.requests.fields import Request, option
+from fuzzyarm.requests.prove import ProveRequest
 
 if TYPE_CHECKING:
     from fuzzyarm.controller.text import ControllerText
@@ -20,6 +22,24 @@ if TYPE_CHECKING:
     from fuzzyarm.proof.sector import Sector
 
 EXIT_UNDECIDED = 4
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Output(Request):
+    """What a command writes and draws of proofs."""
+
+    certificate: str | None = option(
+        "--certificate OUT", "write the certificate of what is proved of a loop", None
+    )
+    plot: str | None = option(
+        "--plot FIG", "with --sector, or of a loop: draw it as .png, .svg or .pdf", None
+    )
+    json: bool = option("--json", "print the verdicts, or the bounds, as JSON", False)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ProveWords(ProveRequest, _Output):
+    """All that ``fuzzyarm prove`` takes."""
 
 
 @contextmanager
@@ -58,22 +78,22 @@ def only_output(rulebase: RuleBase, asked: str | None) -> str:
     return asked or names[0]
 
 
-def print_sectors(arguments: argparse.Namespace, tolerance: float | None, budget: float) -> int:
+def print_sectors(asked: ProveWords, tolerance: float | None, budget: float) -> int:
     """Do what ``--sector`` says."""
-    if len(arguments.files) > 1:
+    if len(asked.files) > 1:
         raise WordError("--sector takes one file")
-    if arguments.plot is not None:
+    if asked.plot is not None:
         from fuzzyarm.figure_files import require_figure_suffix
 
-        require_figure_suffix(arguments.plot)
-    path = arguments.files[0]
+        require_figure_suffix(asked.plot)
+    path = asked.files[0]
     controller = controller_if_any(path)
     if controller is None:
-        return _of_rulebase(path, load_rules(path, "prove"), arguments, tolerance, budget)
-    if arguments.along is not None or arguments.output is not None:
+        return _of_rulebase(path, load_rules(path, "prove"), asked, tolerance, budget)
+    if asked.along is not None or asked.output is not None:
         raise WordError("--along and --output are for rule bases, not for controllers")
-    data = drives_of(path, controller, arguments, budget)
-    if arguments.json:
+    data = drives_of(path, controller, asked, budget)
+    if asked.json:
         print_json(data, 2)
     return 0
 
@@ -84,7 +104,7 @@ def print_sectors(arguments: argparse.Namespace, tolerance: float | None, budget
 def _of_rulebase(
     path: str,
     rulebase: RuleBase,
-    arguments: argparse.Namespace,
+    asked: ProveWords,
     tolerance: float | None,
     budget: float,
 ) -> int:
@@ -93,36 +113,36 @@ def _of_rulebase(
     from fuzzyarm.proof.arithmetic import Stop
     from fuzzyarm.proof.sector import form_text
 
-    if arguments.plant is not None:
+    if asked.plant is not None:
         raise WordError("--plant is for controllers, not for rule bases")
-    name = only_output(rulebase, arguments.output)
+    name = only_output(rulebase, asked.output)
     sectors: list[Sector] = []
     failed: list[str] = []
     with progress() as tell:
         stop = Stop(budget, lambda count, gap: tell(path, count, gap))
         prover = Prover(rulebase, name, tolerance=tolerance, stop=stop)
-        for weights in _forms(prover, arguments.along, failed):
+        for weights in _forms(prover, asked.along, failed):
             try:
                 sectors.append(sector(prover, weights))
             except FuzzyarmError as error:
                 failed.append(f"along {form_text(weights)}: {error}")
-    if arguments.plot is not None and sectors:
+    if asked.plot is not None and sectors:
         from fuzzyarm.figure_files import save_figure
         from fuzzyarm.show.figures.panels import chart_figure
         from fuzzyarm.show.sector import rulebase_sectors, sector_chart
 
         save_figure(
-            chart_figure(sector_chart(rulebase_sectors(rulebase, name, sectors))), arguments.plot
+            chart_figure(sector_chart(rulebase_sectors(rulebase, name, sectors))), asked.plot
         )
-    if arguments.json:
+    if asked.json:
         print_json({"sectors": [_sector_data(each) for each in sectors], "open": failed}, 2)
     else:
         for each in sectors:
             say(*_sector_lines(name, each))
         for words in failed:
             say(f"no sector {words}")
-        if arguments.plot is not None and sectors:
-            say(f"{arguments.plot}: drawn from {path}")
+        if asked.plot is not None and sectors:
+            say(f"{asked.plot}: drawn from {path}")
     return 0 if sectors and all(each.complete for each in sectors) else EXIT_UNDECIDED
 
 
@@ -188,29 +208,29 @@ def _bounds(low: float, high: float) -> str:
 
 
 def drives_of(
-    path: str, controller: ControllerText, arguments: argparse.Namespace, budget: float
+    path: str, controller: ControllerText, asked: ProveWords, budget: float
 ) -> list[dict[str, Any]]:
     """Prove the static part of a controller, print it unless as data, and return the data."""
     from fuzzyarm.plant import find_plant
     from fuzzyarm.proof.controllers import prove_drives
 
-    plant = find_plant(arguments.plant) if arguments.plant is not None else None
+    plant = find_plant(asked.plant) if asked.plant is not None else None
     with progress() as tell:
         proofs = prove_drives(controller, plant, budget=budget, tell=tell)
-    if arguments.plot is not None:
+    if asked.plot is not None:
         from fuzzyarm.figure_files import save_figure
         from fuzzyarm.show.figures.panels import chart_figure
         from fuzzyarm.show.sector import controller_sectors, sector_chart
 
         pictures = controller_sectors(controller, proofs, plant)
         if pictures:
-            save_figure(chart_figure(sector_chart(pictures)), arguments.plot)
-    if not arguments.json:
+            save_figure(chart_figure(sector_chart(pictures)), asked.plot)
+    if not asked.json:
         for each, axes in _grouped(proofs):
-            say(*_drive_lines(path, each, axes, sectors_only=arguments.sector))
-        if arguments.plot is not None:
+            say(*_drive_lines(path, each, axes, sectors_only=asked.sector))
+        if asked.plot is not None:
             drawn = any(proof.sectors for proof in proofs)
-            say(f"{arguments.plot}: drawn from {path}" if drawn else "no sector to draw")
+            say(f"{asked.plot}: drawn from {path}" if drawn else "no sector to draw")
     return [_drive_data(proof) for proof in proofs]
 
 

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from fuzzyarm.requests.fields import Request, RequestError
     from fuzzyarm.requests.learn import FitRequest, LearnRequest
     from fuzzyarm.requests.making import CompileRequest, ExportRequest
+    from fuzzyarm.requests.prove import ProveRequest
     from fuzzyarm.requests.runs import CompareRequest, SimulateRequest, SweepRequest
     from fuzzyarm.requests.tune import TuneRequest
 
@@ -23,6 +24,7 @@ __all__ = [
     "ExportRequest",
     "FitRequest",
     "LearnRequest",
+    "ProveRequest",
     "Request",
     "RequestError",
     "SimulateRequest",
@@ -37,6 +39,7 @@ if not TYPE_CHECKING:
             "fields": ("Request", "RequestError"),
             "learn": ("FitRequest", "LearnRequest"),
             "making": ("CompileRequest", "ExportRequest"),
+            "prove": ("ProveRequest",),
             "runs": ("CompareRequest", "SimulateRequest", "SweepRequest"),
             "tune": ("TuneRequest",),
         },

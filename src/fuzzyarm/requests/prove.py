@@ -1,0 +1,76 @@
+"""Proving: lines of files, one number of an output, or a controller in its loop."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from fuzzyarm.requests.fields import Limits, Request, option
+
+__all__ = ["ProveRequest"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class ProveRequest(Request):
+    """What is to be proved or refuted; see ``fuzzyarm prove``."""
+
+    files: tuple[str, ...] = option(
+        "files FILE", "rule bases (.frb, .fll, .fcl, .fis) or controllers", ()
+    )
+    tolerance: float | None = option(
+        "--tolerance T", "how tight bounds are, in units of what is bounded", None,
+        Limits(0.0, is_open=True),
+    )  # fmt: skip
+    budget: float | None = option(
+        "--budget SECONDS", "how long each statement may take", None, Limits(0.0, is_open=True),
+        unit="seconds",
+    )  # fmt: skip
+    exact: bool = option("--exact", "compute in rationals throughout", False)
+    range: bool = option("--range", "bound the output", False, either="what")
+    slope: bool = option("--slope", "bound the slope along each input", False, either="what")
+    table: str | None = option(
+        "--table WHAT", "bound the error of a table: linear, nearest, bins or a file", None,
+        either="what",
+    )  # fmt: skip
+    sector: bool = option(
+        "--sector", "bound the output by multiples of its inputs", False, either="what"
+    )
+    stable: bool = option(
+        "--stable", "of a controller on --plant: prove its loop stable", False, either="what"
+    )
+    claim: str | None = option(
+        "--claim CLAIM", "of a controller: prove this, as a `prove` line says it", None,
+        either="what",
+    )  # fmt: skip
+    check: str | None = option(
+        "--check CERTIFICATE", "whether a certificate proves what it says", None, either="what"
+    )
+    from_: str | None = option(
+        "--from START", "with --stable or --for: STATE in LOW .. HIGH, ...", None
+    )
+    with_: str | None = option(
+        "--with VALUES", "with --stable or --for: PARAMETER in LOW .. HIGH, ...", None
+    )
+    at: str | None = option("--at PORT=X,...", "with --stable or --for: constant set points", None)
+    duration: str | None = option(
+        "--for TIME", "of a loop: bound all ports so long; with --claim: its end", None
+    )
+    connect: tuple[str, ...] = option(
+        "--connect NAME=PORT", "join a name of the controller to a port of the plant", (),
+        repeated=True,
+    )  # fmt: skip
+    quantise: tuple[str, ...] = option(
+        "--quantise PORT=STEP", "resolution of a sensor, as in 0.001 or 12bit", (), repeated=True
+    )
+    sensor_delay: tuple[str, ...] = option(
+        "--sensor-delay PORT=TIME", "delay of a sensor, as in 3ms", (), repeated=True
+    )
+    continuous: bool = option(
+        "--continuous", "of a loop: as if the controller ran without a period", False
+    )
+    along: str | None = option(
+        "--along NAME=W,...", "with --sector: along this sum of the inputs only", None
+    )
+    plant: str | None = option(
+        "--plant PLANT", "of a controller: on this one instead of that of its axes", None
+    )
+    output: str | None = option("--output NAME", "which output, if there are several", None)
