@@ -263,7 +263,7 @@ def test_a_closed_output_is_no_fault(words):
         (["simulate", "x.frb", "--stp", "1"], "no option --stp (did you mean --step?)"),
         (["simulate", "x.frb", "--stp=1"], "no option --stp (did you mean --step?)"),
         (["check", "x.frb", "-x"], "no option -x"),
-        (["convert", "a", "b", "c"], "too many arguments: c"),
+        (["validate", "a", "b", "c"], "too many arguments: c"),
         (["tune", "x.frb", "--workers", "two"], "--workers must be a whole number, not 'two'"),
         (["check"], "the following arguments are required: FILE"),
     ],
