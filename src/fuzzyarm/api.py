@@ -73,8 +73,8 @@ class UnknownKindError(FuzzyarmError, ValueError):
     def __init__(self, path: str) -> None:
         from fuzzyarm.formats.not_texts import called
 
-        known = ", ".join((*READABLE, *TABLES))
-        message, hint = f"{path}: cannot tell what kind of file this is", f"known: {known}"
+        endings = ", ".join((*READABLE, *TABLES))
+        message, hint = f"{path}: cannot tell what kind of file this is", f"known: {endings}"
         if known_as := called(path):
             message, hint = f"{path}: this is {known_as[0]}, not a text", known_as[1]
         super().__init__(message, hint=hint)

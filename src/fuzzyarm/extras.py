@@ -67,9 +67,9 @@ def _requirements(extra: str) -> list[str]:
         lines = requires("fuzzyarm") or []
     except PackageNotFoundError:
         lines = []
-    own = re.compile(rf"extra\s*==\s*['\"]{re.escape(extra)}['\"]")
+    pattern = re.compile(rf"extra\s*==\s*['\"]{re.escape(extra)}['\"]")
     parts = [line.partition(";") for line in lines]
-    return [need.strip() for need, _, marker in parts if own.search(marker)] or [f".[{extra}]"]
+    return [need.strip() for need, _, marker in parts if pattern.search(marker)] or [f".[{extra}]"]
 
 
 def _pip() -> str:

@@ -139,8 +139,8 @@ def digest_of_sources() -> str:
 def _addresses_of_keys() -> dict[str, int]:
     module: Any = _module()
     best = module.levels()
-    wanted = _switch()
-    return cast("dict[str, int]", module.addresses(wanted if wanted in best else best[0]))
+    level = _switch()
+    return cast("dict[str, int]", module.addresses(level if level in best else best[0]))
 
 
 def key_of(function: Callable[..., Any], types: str, bindings: _Bindings) -> str:
@@ -418,13 +418,13 @@ def in_threads(
     left = iter(list(items))
     others = [_threads().submit(job, left) for _ in range(workers - 1)]
     try:
-        found = [job(left)]
+        results = [job(left)]
     except BaseException:
         list(left)  # so that the others begin nothing more
         raise
     finally:
-        elsewhere = [each.result() for each in others if not each.cancel()]
-    return found + elsewhere
+        elsewhere = [other.result() for other in others if not other.cancel()]
+    return results + elsewhere
 
 
 @functools.cache
@@ -490,9 +490,9 @@ def copied(
 
 def called_by(function: FunctionType, bindings: _Bindings) -> dict[str, Callable[..., Any]]:
     """Return what a kernel calls, by the names under which it does."""
-    found = {}
+    functions = {}
     for name in function.__code__.co_names:
         value = bindings.get(name, function.__globals__.get(name))
         if is_kernel(value) or name in bindings:
-            found[name] = value
-    return cast("dict[str, Callable[..., Any]]", found)
+            functions[name] = value
+    return cast("dict[str, Callable[..., Any]]", functions)

@@ -105,7 +105,7 @@ def _table(grid: HeatGrid) -> str:
 
     head = "".join(cell("th", label) for label in (grid.corner, *grid.columns))
     rows = "".join(
-        f"<tr>{cell('th', label)}{''.join(cell('td', *each) for each in row)}</tr>"
+        f"<tr>{cell('th', label)}{''.join(cell('td', *cell_words) for cell_words in row)}</tr>"
         for label, row in zip(grid.rows, grid.cells, strict=True)
     )
     return f'<table style="margin:0.4em 0"><tr>{head}</tr>{rows}</table>'

@@ -72,5 +72,5 @@ def what_it_is(text: str) -> tuple[str, str]:
     text : str
         Of a ``.frb`` or ``.lut`` file. Both are empty where it has no description.
     """
-    found = _HEAD.search(text)
-    return (_KINDS[found[1]], found[2]) if found else ("", "")
+    match = _HEAD.search(text)
+    return (_KINDS[match[1]], match[2]) if match else ("", "")

@@ -75,18 +75,20 @@ class _FuzzyModel(BaseEstimator):
         )
 
     def _learn(self, samples: Samples) -> Fit:
-        made = fit(samples, self._options())
-        if made.interrupted:  # a grid search would go on as if nothing had happened
+        fit_ = fit(samples, self._options())
+        if fit_.interrupted:  # a grid search would go on as if nothing had happened
             raise KeyboardInterrupt
-        self.rulebase_ = made.rulebase
-        self.text_ = made.text
-        self.fit_ = made
-        return made
+        self.rulebase_ = fit_.rulebase
+        self.text_ = fit_.text
+        self.fit_ = fit_
+        return fit_
 
     def _input_names(self, taken: tuple[str, ...]) -> tuple[str, ...]:
         """Return names for the inputs; x0, x1 … where the samples have none."""
-        given = getattr(self, "feature_names_in_", None)
-        names = [f"x{k}" for k in range(self.n_features_in_)] if given is None else list(given)
+        names_in = getattr(self, "feature_names_in_", None)
+        names = (
+            [f"x{k}" for k in range(self.n_features_in_)] if names_in is None else list(names_in)
+        )
         return tuple(f"{name} (input)" if name in taken else str(name) for name in names)
 
     def _outputs(self, X: Any, classes: tuple[str, ...]) -> Array:  # noqa: N803
@@ -236,9 +238,9 @@ class FuzzyClassifier(ClassifierMixin, _FuzzyModel):
         FuzzyClassifier
             Itself.
         """
-        inputs, given = validate_data(self, X, y, dtype=np.float64, ensure_min_samples=2)
-        check_classification_targets(given)
-        self.classes_, values = np.unique(given, return_inverse=True)
+        inputs, labels = validate_data(self, X, y, dtype=np.float64, ensure_min_samples=2)
+        check_classification_targets(labels)
+        self.classes_, values = np.unique(labels, return_inverse=True)
         if len(self.classes_) < 2:
             raise ValueError("the samples have one class only, two are needed")
         names = self._input_names(self._class_names())
@@ -247,7 +249,7 @@ class FuzzyClassifier(ClassifierMixin, _FuzzyModel):
         return self
 
     def _class_names(self) -> tuple[str, ...]:
-        texts = tuple(str(each) for each in self.classes_.tolist())
+        texts = tuple(str(label) for label in self.classes_.tolist())
         return texts if len(set(texts)) == len(texts) else tuple(map(repr, self.classes_.tolist()))
 
     def decision_function(self, X: Any) -> Array:  # noqa: N803

@@ -114,7 +114,7 @@ class Lines:
 
     def argument_of(self, span: Span) -> str:
         """Return the call with the arguments that a stretch of the lines came from."""
-        found = [
+        candidates = [
             argument
             for stretch, argument in self._stretches
             if stretch.line <= span.end_line
@@ -122,14 +122,14 @@ class Lines:
             and (stretch.line != span.line or stretch.end_column > span.column)
             and (stretch.line != span.end_line or stretch.column < span.end_column)
         ]
-        if not found:  # something is missing behind the last
+        if not candidates:  # something is missing behind the last
             before = [
                 argument
                 for stretch, argument in self._stretches
                 if stretch.line == span.line and stretch.end_column <= span.column
             ]
-            found = before[-1:]
-        return self.named(", ".join(dict.fromkeys(found)))
+            candidates = before[-1:]
+        return self.named(", ".join(dict.fromkeys(candidates)))
 
 
 def write_shape(lines: Lines, shape: Corners, argument: str, inputs: Sequence[str]) -> None:
@@ -195,8 +195,8 @@ _SETTINGS = {
 
 def write_settings(lines: Lines, settings: Mapping[str, object]) -> None:
     """Write the settings that are given, with commas between them."""
-    given = {key: value for key, value in settings.items() if value is not None}
-    for i, (key, value) in enumerate(given.items()):
+    present = {key: value for key, value in settings.items() if value is not None}
+    for i, (key, value) in enumerate(present.items()):
         lines.write(f"{', ' if i else ' '}{_SETTINGS[key]} ", key)
         if isinstance(value, Defuzzifier):
             lines.write(str(value), key)
@@ -226,7 +226,7 @@ class Grid:
             self.cells = [self._listed(row, f"cells[{key!r}]") for key, row in cells.items()]
         else:
             flat = self._listed(cells, "cells")
-            if flat and not any(_is_list(each) for each in flat):
+            if flat and not any(_is_list(dimension) for dimension in flat):
                 flat = [flat]  # a grid over one input
             self.cells = [self._listed(row, f"cells[{i}]") for i, row in enumerate(flat)]
 

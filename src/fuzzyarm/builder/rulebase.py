@@ -396,8 +396,8 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
         if across is None and len(others) == 1:
             across = others[0]
         if across is None:
-            given = ", ".join(inputs) or "none"
-            message = f"say which inputs go down and across (there are {given})"
+            present = ", ".join(inputs) or "none"
+            message = f"say which inputs go down and across (there are {present})"
             raise ArgumentError(grid.lines.named("rows, columns"), message)
         if down is None and len(grid.cells) > 1 and len(others) == 1:
             down = others[0]

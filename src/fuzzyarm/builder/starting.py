@@ -273,13 +273,13 @@ def controller_text(name: str, file: str, rulebase: RuleBase) -> str:
         source, comma, filtered = signal.partition(",")
         lines.append(f"{source} * {gain}{comma}{filtered}")
     gains.append(_gain(f"G_{result}", end / _reach(rulebase.outputs[0]), unit))
-    given = ", ".join(line.split()[0] for line in lines[len(ground.first) :])
-    asked = f"rules {name_text(Path(file).stem)}({given})"
+    names = ", ".join(line.split()[0] for line in lines[len(ground.first) :])
+    call = f"rules {name_text(Path(file).stem)}({names})"
     if len(rulebase.outputs) > 1:
         several = [f"{result}{number}" for number, _ in enumerate(rulebase.outputs, 1)]
-        lines += [f"{', '.join(several)} = {asked}", f"{result} = {several[0]} * G_{result}"]
+        lines += [f"{', '.join(several)} = {call}", f"{result} = {several[0]} * G_{result}"]
     else:
-        lines.append(f"{result} = {asked} * G_{result}")
+        lines.append(f"{result} = {call} * G_{result}")
     shown = printable(file).replace('"', "'")
     text = [
         f"# {ground.what}, by the rules of {shown}.",
@@ -340,8 +340,8 @@ def _declarations(kind: Start, inputs: list[Wish], output: Wish) -> list[str]:
     words = kind.descriptions
     roles = [("input", wish, words[i]) for i, wish in enumerate(inputs)]
     return [
-        f'{role} {wish.written} {number_text(wish.low)} .. {number_text(wish.high)} "{said}"'
-        for role, wish, said in [*roles, ("output", output, words[2])]
+        f'{role} {wish.written} {number_text(wish.low)} .. {number_text(wish.high)} "{description}"'
+        for role, wish, description in [*roles, ("output", output, words[2])]
     ]
 
 

@@ -285,8 +285,8 @@ def _pack_model_reference(gains: Gains, arithmetic: Arithmetic) -> list[float]:
     # Q = I in the Lyapunov equation gives P2 = 1/(2 K1) and P3 = (1 + 2 P2)/(2 K2).
     second = [0.5 / value for value in gains["K_1"].value]
     third = [
-        (1.0 + 2.0 * each) / (2.0 * value)
-        for each, value in zip(second, gains["K_2"].value, strict=True)
+        (1.0 + 2.0 * inertia) / (2.0 * value)
+        for inertia, value in zip(second, gains["K_2"].value, strict=True)
     ]
     front = [*gains["K_1"].value, *gains["K_2"].value, *second, *third]
     switches = [gains[name].value[0] for name in SWITCHES]

@@ -74,12 +74,12 @@ class Sources:
 
     def given(self) -> tuple[str, ...]:
         """Return the names of those that are given."""
-        return tuple(each.name for each in fields(self) if getattr(self, each.name) is not None)
+        return tuple(field.name for field in fields(self) if getattr(self, field.name) is not None)
 
     def sheets(self, role: str) -> tuple[Sheet, ...]:
         """Return what is given for a role, one for all axes or one for each."""
-        found = getattr(self, role)
-        return found if isinstance(found, tuple) else (found,)
+        role_sheets = getattr(self, role)
+        return role_sheets if isinstance(role_sheets, tuple) else (role_sheets,)
 
 
 NONE_GIVEN = Sources()
@@ -339,14 +339,14 @@ class TextEntry:
 
     def make(self, choice: Choice) -> Controller:
         """Make the controller."""
-        made = text_controller(self.file(choice.variant), choice, self.name)
-        compiled_controller = made.with_origin(
+        law = text_controller(self.file(choice.variant), choice, self.name)
+        compiled_controller = law.with_origin(
             **{
                 name: replace(gain, origin="identified" if name in self.identified else self.origin)
-                for name, gain in made.gains.items()
+                for name, gain in law.gains.items()
             }
         )
-        compiled_controller.name = made.name
+        compiled_controller.name = law.name
         return compiled_controller
 
 
@@ -375,14 +375,14 @@ def text_controller(
     parsed = parse(source, os.fspath(path))
     instead: dict[str, tuple[Sheet, ...]] = {}
     if parsed.controller is not None:
-        known = roles(parsed.controller)
+        known_roles = roles(parsed.controller)
         for role in choice.sources.given():
-            if role not in known:
-                hint = f"it takes {', '.join(known)}" if known else ""
+            if role not in known_roles:
+                hint = f"it takes {', '.join(known_roles)}" if known_roles else ""
                 raise SourceError(f"{name or path} takes no {role} from a file", hint=hint)
             sheets = choice.sources.sheets(role)
-            instead[known[role]] = sheets
-            change = _both(change, by_name(known[role], sheets[0]))
+            instead[known_roles[role]] = sheets
+            change = _both(change, by_name(known_roles[role], sheets[0]))
     text = read_controller(path, instead, change, source)
     compiled_controller = controller_of(text, choice)
     compiled_controller.name = name or compiled_controller.name
@@ -415,13 +415,13 @@ def controller_in(text: str, path: str) -> CompiledController:
     if parsed.controller is None:
         if parsed.rulebase is None:
             raise RuleBaseError(parsed.diagnostics)
-        made = controller("fuzzy-direct", sources=Sources(parsed.rulebase))
-        assert isinstance(made, CompiledController)
-        return made
-    found, faults = with_files(parsed.controller, Path(path).parent, path)
+        law = controller("fuzzy-direct", sources=Sources(parsed.rulebase))
+        assert isinstance(law, CompiledController)
+        return law
+    model, faults = with_files(parsed.controller, Path(path).parent, path)
     if faults:
         raise RuleBaseError(faults)
-    return controller_of(replace(found, source=text))
+    return controller_of(replace(model, source=text))
 
 
 @dataclass(frozen=True)
@@ -433,15 +433,15 @@ class CatalogueLaws:
     def __call__(self, law: str) -> CompiledController:
         """Return a law of the catalogue with its gains."""
         found = CATALOGUE.get(law)
-        made = None
+        law_ = None
         if isinstance(found, Entry):
-            made = found.make(replace(self.choice, variant="as-printed", sources=NONE_GIVEN))
-        if not isinstance(made, CompiledController):
-            laws = ", ".join(each.name for each in CONVENTIONAL if "+" not in each.name)
+            law_ = found.make(replace(self.choice, variant="as-printed", sources=NONE_GIVEN))
+        if not isinstance(law_, CompiledController):
+            laws = ", ".join(entry.name for entry in CONVENTIONAL if "+" not in entry.name)
             raise SourceError(
                 f"no law of the catalogue is called '{law}'", hint=f"there are {laws}"
             )
-        return made
+        return law_
 
 
 def _both(first: Change | None, second: Change) -> Change:
@@ -460,17 +460,17 @@ def roles(model: ControllerModel) -> dict[str, str]:
         for _, line in model.lines()
         if isinstance(line, Signal) and line.source is not None and line.source.inputs
     }
-    found: dict[str, str] = {}
+    names: dict[str, str] = {}
     for use in model.uses:
         if use.name in judges:
-            found.setdefault("performance", use.name)
+            names.setdefault("performance", use.name)
         elif called.get(use.name) == "table":
-            found.setdefault("table", use.name)
+            names.setdefault("table", use.name)
         elif use.name.startswith("alpha"):
-            found.setdefault("alpha", use.name)
+            names.setdefault("alpha", use.name)
         else:
-            found.setdefault("rulebase", use.name)
-    return found
+            names.setdefault("rulebase", use.name)
+    return names
 
 
 TEXTS = (
@@ -507,7 +507,7 @@ class UnknownControllerError(FuzzyarmError, LookupError):
         if os.path.isdir(name):
             hint = "it is a folder: name a file in it"
         elif near:
-            hint = "did you mean " + " or ".join(f"'{each}'" for each in near) + "?"
+            hint = "did you mean " + " or ".join(f"'{name_}'" for name_ in near) + "?"
         else:
             hint = "fuzzyarm simulate --list names all"
         super().__init__(f"no controller '{name}'", hint=hint)
@@ -554,7 +554,7 @@ def require_taken(name: str, entries: Sequence[Entry | TextEntry], sources: Sour
     """Raise SourceError if nothing in `entries`, which make up `name`, reads a given source."""
     for given in sources.given():
         if not any(given in entry.takes for entry in entries):
-            taken = sorted({each for entry in entries for each in entry.takes})
+            taken = sorted({role for entry in entries for role in entry.takes})
             hint = f"it takes {', '.join(taken)}" if taken else ""
             raise SourceError(f"{name} takes no {given} from a file", hint=hint)
 

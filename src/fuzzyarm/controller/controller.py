@@ -219,12 +219,12 @@ class Sum(Controller):
                 raise unknown_gain(self, name)
         changed = []
         for addend in self.addends:
-            own = {}
+            addend_gains = {}
             for name, value in values.items():
                 owner, _, bare = name.rpartition(":")
                 if bare in addend.gains and owner in {"", addend.name}:
-                    own[bare] = value
-            changed.append(addend.with_gains(own))
+                    addend_gains[bare] = value
+            changed.append(addend.with_gains(addend_gains))
         return Sum(changed, self.name)
 
     def start(self, single: bool = False) -> None:
@@ -251,6 +251,6 @@ def unknown_gain(controller: Controller, name: str) -> GainError:
     import difflib
 
     near = difflib.get_close_matches(name, list(controller.gains), n=1, cutoff=0.4)
-    known = ", ".join(dict.fromkeys(key.split(".")[0] for key in controller.gains)) or "none"
-    hint = f"did you mean {near[0]}?" if near else f"its gains: {known}"
+    names = ", ".join(dict.fromkeys(key.split(".")[0] for key in controller.gains)) or "none"
+    hint = f"did you mean {near[0]}?" if near else f"its gains: {names}"
     return GainError(f"{controller.name} has no gain '{name}'", name=name, hint=hint)

@@ -49,12 +49,12 @@ def site_by_axes(model: ControllerModel, connect: Mapping[str, str] | None = Non
     for another plant, so that nothing follows from it for certain.
     """
     connect = connect or {}
-    wanted = {connect.get(axis, axis) for axis in model.axis_names}
-    asked = [(kind, port) for kind in KINDS for port in ports_of(model, kind)]
+    axes = {connect.get(axis, axis) for axis in model.axis_names}
+    ports = [(kind, port) for kind in KINDS for port in ports_of(model, kind)]
     for shipped_site in shipped_sites():
         site = replace(shipped_site, connect=connect) if connect else shipped_site
-        found = [_has(site, model, *each) for each in asked]
-        if any(found) and (wanted <= set(site.interface.axes) or (connect and all(found))):
+        present = [_has(site, model, *each) for each in ports]
+        if any(present) and (axes <= set(site.interface.axes) or (connect and all(present))):
             return site
     return None
 
@@ -279,21 +279,21 @@ def _port(model: ControllerModel, site: Site | None, address: Address) -> Port |
 def _missing_ports(model: ControllerModel, site: Site, *, given: bool) -> Iterator[Diagnostic]:
     """Yield what a controller asks for and the plant does not have."""
     severity = Severity.ERROR if given else Severity.WARNING
-    known = _axes_on(site, model)
-    told: set[tuple[Span, str]] = set()
+    axes_there = _axes_on(site, model)
+    reported: set[tuple[Span, str]] = set()
     for kind in KINDS:
-        for asked in ports_of(model, kind):
-            place = _asking(model, kind, asked)
+        for port in ports_of(model, kind):
+            place = _asking(model, kind, port)
             if place is None:
                 continue
             axes, span = place
-            key = (span, asked[1]) if asked[0] in known else (axes.span, "")
+            key = (span, port[1]) if port[0] in axes_there else (axes.span, "")
             try:
-                site.find(model, kind, asked)
+                site.find(model, kind, port)
             except SourceError as error:
-                if key in told:
+                if key in reported:
                     continue
-                told.add(key)
+                reported.add(key)
                 hint = error.hint if given else f"{error.hint}; for another plant: --plant FILE.py"
                 message = str(error.args[0])
                 yield Diagnostic("unknown-port", message, key[0], severity, hint=hint)
@@ -392,7 +392,7 @@ def _growing(
         bounded = {word for word, _ in line.source.options} & {"within", "anti-windup"}
         if line.source.record.windup and not bounded:
             drive = axes.driven_by(line.names[0])
-            if drive is not None and any(drive is each for each in free):
+            if drive is not None and any(drive is port for port in free):
                 yield Diagnostic(
                     "windup",
                     f"the {line.source.kind} '{line.names[0]}' goes on growing while the actuator"
@@ -409,48 +409,48 @@ def _growing(
 
 def ranges_in_words(text: ControllerText) -> Mapping[str, str]:
     """Return where each signal can be and its unit, as far as that is known, by its name."""
-    found: dict[str, list[str]] = {}
+    ranges: dict[str, list[str]] = {}
     for (_, name), reach in reaches_of(text, site_by_axes(text.model)).signals.items():
         if width(reach.at) < math.inf:
             unit = f" {unit_text(reach.unit)}" if reach.unit else ""
             words = f"{_range(reach.at)}{unit}"
-            if words not in found.setdefault(name, []):
-                found[name].append(words)
-    return {name: ", ".join(words) for name, words in found.items()}
+            if words not in ranges.setdefault(name, []):
+                ranges[name].append(words)
+    return {name: ", ".join(words) for name, words in ranges.items()}
 
 
 def ports_in_words(axes: Iterable[str]) -> Mapping[str, str]:
     """Return the ports of the shipped plants with these axes, or of all, and what each is."""
-    wanted = set(axes)
-    sites = [s for s in shipped_sites() if wanted and wanted <= set(s.interface.axes)]
-    found: dict[str, str] = {}
+    wanted_axes = set(axes)
+    sites = [s for s in shipped_sites() if wanted_axes and wanted_axes <= set(s.interface.axes)]
+    ports: dict[str, str] = {}
     for site in sites or shipped_sites():
         interface = site.interface
         for (_, name), port in (*interface.outputs.items(), *interface.inputs.items()):
             limits = f", {_range(Interval(port.low, port.high))}" if port.high < math.inf else ""
-            found.setdefault(name, f"{site.name}, {port.unit}{limits}")
+            ports.setdefault(name, f"{site.name}, {port.unit}{limits}")
         for _, name in interface.references:
-            found.setdefault(name, f"{site.name}, reference only")
-    return found
+            ports.setdefault(name, f"{site.name}, reference only")
+    return ports
 
 
 def plants_in_words(axes: Iterable[str]) -> Mapping[tuple[str, str], str]:
     """Return plants, and states and parameters of those with these axes, with what each is."""
-    wanted = set(axes)
-    sites = [s for s in shipped_sites() if wanted and wanted <= set(s.interface.axes)]
-    found: dict[tuple[str, str], str] = {}
+    wanted_axes = set(axes)
+    sites = [s for s in shipped_sites() if wanted_axes and wanted_axes <= set(s.interface.axes)]
+    words: dict[tuple[str, str], str] = {}
     for name, kind in PLANTS.items():
-        found["plant", name] = (kind.__doc__ or "").strip().partition("\n")[0]
+        words["plant", name] = (kind.__doc__ or "").strip().partition("\n")[0]
     for site in sites or shipped_sites():
         plant = PLANTS.get(site.name)
         if plant is None:
             continue
         for name, unit in plant.states.items():
-            found.setdefault(("state", name), f"{site.name}, {unit}")
+            words.setdefault(("state", name), f"{site.name}, {unit}")
         for name, value in plant.parameters.items():
             number = getattr(value, "value", value)
-            found.setdefault(("parameter", name), f"{site.name}, {number:g} as it is")
-    return found
+            words.setdefault(("parameter", name), f"{site.name}, {number:g} as it is")
+    return words
 
 
 def _unknown_of_claims(text: ControllerText) -> Iterator[Diagnostic]:
@@ -462,15 +462,16 @@ def _unknown_of_claims(text: ControllerText) -> Iterator[Diagnostic]:
         interface = site_of(kind()).interface
         ports = {interface.label(port) for port in (*interface.outputs, *interface.inputs)}
         ports |= {name for _, name in (*interface.outputs, *interface.inputs)}
-        for what, names, known in (
+        for what, names, names_there in (
             ("state", [name for name, _, _ in claim.start], set(kind.states)),
             ("parameter", [name for name, _, _ in claim.parameters], set(kind.parameters)),
             ("port", [name for name, _ in claim.at] + [claim.output][: bool(claim.output)], ports),
         ):
             for name in names:
-                if name not in known:
+                if name not in names_there:
                     hint = (
-                        near_hint(name, sorted(known))[0] or f"there are {', '.join(sorted(known))}"
+                        near_hint(name, sorted(names_there))[0]
+                        or f"there are {', '.join(sorted(names_there))}"
                     )
                     message = f"{claim.plant} has no {what} '{name}'"
                     yield Diagnostic(

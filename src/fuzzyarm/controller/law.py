@@ -77,7 +77,7 @@ class Gain:
         GainError
             If the count does not fit or a number is out of range.
         """
-        values = tuple(float(each) for each in value)
+        values = tuple(float(number) for number in value)
         if len(values) == 1:
             values *= len(self.value)
         if len(values) != len(self.value):
@@ -87,13 +87,13 @@ class Gain:
                 value=value,
             )
         low, high = self.bounds or (-1e12, 1e12)
-        wanted = f"a {'positive' if self.positive else 'finite'} number below 1e12"
+        range_words = f"a {'positive' if self.positive else 'finite'} number below 1e12"
         if self.bounds:
-            wanted = f"a number from {low:g} to {high:g}"
-        for each in values:
-            if not low <= each <= high or (self.positive and each <= 0):
-                message = f"gain {self.name} = {each} is out of range"
-                raise GainError(message, name=self.name, value=each, hint=wanted)
+            range_words = f"a number from {low:g} to {high:g}"
+        for number in values:
+            if not low <= number <= high or (self.positive and number <= 0):
+                message = f"gain {self.name} = {number} is out of range"
+                raise GainError(message, name=self.name, value=number, hint=range_words)
         return replace(self, value=values, origin=origin)
 
 
@@ -193,20 +193,20 @@ def model_gains(model: ArmParameters, origin: Origin = "printed") -> tuple[Gain,
     """List the parameters of a controller's own model of the arm as gains."""
     return tuple(
         Gain(
-            f"model.{each.name}",
-            (getattr(model, each.name),),
-            UNITS[each.name],
+            f"model.{field.name}",
+            (getattr(model, field.name),),
+            UNITS[field.name],
             "the controller's model of the arm",
             origin,
         )
-        for each in fields(model)
+        for field in fields(model)
     )
 
 
 def model_of(gains: Gains) -> ArmParameters:
     """Put the model of :func:`model_gains` together again."""
     return ArmParameters(
-        **{each.name: gains[f"model.{each.name}"].value[0] for each in fields(ArmParameters)}
+        **{field.name: gains[f"model.{field.name}"].value[0] for field in fields(ArmParameters)}
     )
 
 

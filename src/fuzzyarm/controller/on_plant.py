@@ -91,20 +91,20 @@ class Site:
         SourceError
             If the plant does not have one.
         """
-        interface, told, size = self.interface, self.told, len(self.interface.inputs)
+        interface, first_told, size = self.interface, self.told, len(self.interface.inputs)
         first = {"reference": CLOCK, "measured": CLOCK + len(interface.references)}
-        first["drive"] = told + size
+        first["drive"] = first_told + size
         cells: dict[str, dict[Address, int]] = {kind: {} for kind in first}
-        for kind, found in cells.items():
+        for kind, wires in cells.items():
             places = {port: at for at, port in enumerate(self._ports(kind))}
             for asked in ports_of(model, kind):
-                found[asked] = first[kind] + places[self.find(model, kind, asked)]
+                wires[asked] = first[kind] + places[self.find(model, kind, asked)]
         return Wiring(
             cells["reference"],
             cells["measured"],
             cells["drive"],
-            tuple(range(told, told + len(interface.axes))),
-            told + 2 * size + (SIGNALS if self.extra else 0),
+            tuple(range(first_told, first_told + len(interface.axes))),
+            first_told + 2 * size + (SIGNALS if self.extra else 0),
         )
 
     def driven(self, model: ControllerModel) -> frozenset[Address]:
@@ -287,7 +287,7 @@ def make_law(text: ControllerText, find_law: FindLaw, site: Site = SITE_OF_LAWS)
             name: (law_address(partner.law, arithmetic), partner.block(arithmetic))
             for name, partner in partners().items()
         }
-        infers = any(isinstance(each, RuleBase) for each in chain(*text.sheets.values()))
+        infers = any(isinstance(sheet, RuleBase) for sheet in chain(*text.sheets.values()))
         # Tables alone need no inference, which takes long to compile.
         address = inference_address(compiled=arithmetic.compiled) if infers else 0
         return write_down(model, text.sheets, laws, site.wiring(model), arithmetic, address)
@@ -299,12 +299,12 @@ def make_law(text: ControllerText, find_law: FindLaw, site: Site = SITE_OF_LAWS)
 
     def remember(chosen: Gains, arithmetic: Arithmetic) -> NDArray[np.float64]:
         # A gain of the text counts with the π of the run, one that is given as it is.
-        given = {
+        numbers = {
             gain.name: chosen[gain.name].value
             for gain in gains
             if chosen[gain.name].value != gain.value
         }
-        return program(arithmetic).cells_with(given, arithmetic)
+        return program(arithmetic).cells_with(numbers, arithmetic)
 
     def links(arithmetic: Arithmetic) -> list[int]:
         return program(arithmetic).code
@@ -379,14 +379,14 @@ def connectable(controller: Controller) -> set[str]:
 
 def driven_by(controller: Controller, site: Site) -> frozenset[Address]:
     """Return the inputs of a plant that a controller drives."""
-    found: set[Address] = set()
+    cells: set[Address] = set()
     for part in controller.parts():
         law = text_law_of(part)
         if law is not None:
-            found |= site.driven(law.text.model)
+            cells |= site.driven(law.text.model)
         else:
-            found |= driven_plainly(site)
-    return frozenset(found)
+            cells |= driven_plainly(site)
+    return frozenset(cells)
 
 
 def driven_plainly(site: Site) -> frozenset[Address]:
@@ -478,11 +478,11 @@ def timing_on(controller: Controller, site: Site) -> Timing:
     SourceError
         If it does not say it, or two addends differ.
     """
-    own = own_timing(controller)
-    if own is None and lacking(site):
+    timing = own_timing(controller)
+    if timing is None and lacking(site):
         hint = "write  period = 0.01  into its class, in s"
         raise SourceError(f"{controller.name} does not say how often it runs", hint=hint)
-    return own or STUDY_TIMING
+    return timing or STUDY_TIMING
 
 
 # --- Where its drives end ---
@@ -623,7 +623,7 @@ class Learned:
         last : ndarray, optional
             Visits by which is chosen, where not those of these tables.
         """
-        found = []
+        tables = []
         by = self.visits if last is None else last
         for values, visits, used in zip(self.values, self.visits, by, strict=True):
             if values.ndim == 1:
@@ -631,8 +631,8 @@ class Learned:
             else:
                 sums = used.sum(axis=(-2, -1))
                 page = np.unravel_index(int(np.argmax(sums)), sums.shape) if sums.ndim else ()
-            found.append((values[page], visits[page]))
-        return found
+            tables.append((values[page], visits[page]))
+        return tables
 
     def tables(self, like: LookupTable) -> list[LookupTable]:
         """Return the table of each axis of the controller; the rest as `like` has it."""

@@ -73,9 +73,9 @@ def find_controller(
     # The name of one file may have a plus sign.
     if len(words) == 1 or Path(name).exists() or not all(map(_is_there, words)):
         return _part(name, choice)
-    known = [entry for word in words if not _is_file(word) for entry in entries_of(word)]
+    entries = [entry for word in words if not _is_file(word) for entry in entries_of(word)]
     if not any(map(_is_text, words)):
-        require_taken(name, known, sources)
+        require_taken(name, entries, sources)
     return Sum([_part(word, choice) for word in words])
 
 
@@ -97,12 +97,12 @@ def find_controllers(
     """
     controllers = [find_controller(n, start=start, variant=variant, sources=sources) for n in names]
     called: dict[str, set[str]] = {}
-    for name, made in zip(names, controllers, strict=True):
-        called.setdefault(made.name, set()).add(name)
-    for name, made in zip(names, controllers, strict=True):
-        others = called[made.name]
-        if len(others) > 1 and name != made.name:
-            made.name = f"{made.name} ({_shortest(name, others)})"
+    for name, law in zip(names, controllers, strict=True):
+        called.setdefault(law.name, set()).add(name)
+    for name, law in zip(names, controllers, strict=True):
+        others = called[law.name]
+        if len(others) > 1 and name != law.name:
+            law.name = f"{law.name} ({_shortest(name, others)})"
     return controllers
 
 
@@ -142,28 +142,28 @@ def load_own(place: str) -> Controller:
     OwnControllerError
         If the file cannot be read or run, or has no such controller.
     """
-    path, _, wanted = place.partition(":")
+    path, _, class_name = place.partition(":")
     module = executed(path, _fault(path))
-    found = {
+    classes = {
         key: value
         for key, value in vars(module).items()
         if isinstance(value, type)
         and issubclass(value, Controller)
         and value.__module__ == module.__name__
     }
-    if wanted and wanted not in found:
-        names = ", ".join(found) or "none"
+    if class_name and class_name not in classes:
+        names = ", ".join(classes) or "none"
         raise OwnControllerError(
-            f"{path} has no controller '{wanted}'", path=path, hint=f"its controllers: {names}"
+            f"{path} has no controller '{class_name}'", path=path, hint=f"its controllers: {names}"
         )
-    if not wanted and len(found) != 1:
-        hint = f"name one, as in {path}:{next(iter(found))}" if found else ""
-        message = f"{path} has {len(found) or 'no'} classes derived from Controller"
+    if not class_name and len(classes) != 1:
+        hint = f"name one, as in {path}:{next(iter(classes))}" if classes else ""
+        message = f"{path} has {len(classes) or 'no'} classes derived from Controller"
         raise OwnControllerError(message, path=path, hint=hint)
-    made = _guarded(path, found[wanted] if wanted else next(iter(found.values())))
-    if made.name == Controller.name:
-        made.name = Path(path).stem
-    return Guarded(made, path)
+    controller = _guarded(path, classes[class_name] if class_name else next(iter(classes.values())))
+    if controller.name == Controller.name:
+        controller.name = Path(path).stem
+    return Guarded(controller, path)
 
 
 class Guarded(Controller):

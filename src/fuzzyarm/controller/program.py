@@ -138,23 +138,23 @@ class Program:
     def memory(self) -> list[int]:
         """Return the cells that one period leaves for the next, in order."""
         code = self.code
-        found: set[int] = set()
+        cells: set[int] = set()
         for at in range(1, 1 + to.INSTRUCTION * code[0], to.INSTRUCTION):
             what, state = code[at], code[at + 3]
-            found |= {state + each.offset for each in to.REMEMBERED.get(what, ())}
+            cells |= {state + cell.offset for cell in to.REMEMBERED.get(what, ())}
             if what == to.UPDATE:
-                found |= set(range(state + 1, state + code[code[at + 2] + to.FILLED]))
+                cells |= set(range(state + 1, state + code[code[at + 2] + to.FILLED]))
             elif what == to.INFER:
-                found |= self._held(code[at + 2])
+                cells |= self._held(code[at + 2])
             elif what == to.PARTNER:
                 at_list = code[at + 2]
-                found |= set(range(code[at_list + to.MEMORY], code[at_list + to.MEMORY_END]))
+                cells |= set(range(code[at_list + to.MEMORY], code[at_list + to.MEMORY_END]))
         for begin, end in self.rings:
-            found |= set(range(begin, end))
+            cells |= set(range(begin, end))
         for place in self.learned.values():
-            found |= set(range(place.values, place.values + place.count))
-            found |= set(range(place.visits, place.visits + place.count))
-        return sorted(found)
+            cells |= set(range(place.values, place.values + place.count))
+            cells |= set(range(place.visits, place.visits + place.count))
+        return sorted(cells)
 
     def _held(self, at: int) -> set[int]:
         """Return the results of an inference that hold where no rule fires."""
@@ -378,9 +378,9 @@ class _Writer:
         elif source.kind == "rules":
             self._write_rules(line, source)
         else:
-            found = self._source(axes, line, source)
+            value = self._source(axes, line, source)
             (product,) = line.products or (Product(()),)
-            self._store(line.names[0], self._factors(found, product.factors))
+            self._store(line.names[0], self._factors(value, product.factors))
 
     def _store(self, name: str, cell: int) -> None:
         into = self.known.setdefault((self.axis, name), self._cell(0.0))
@@ -417,9 +417,9 @@ class _Writer:
         cell = self._taken_of(source)
         if kind.function is None:
             return cell
-        given = dict(source.options)
+        options = dict(source.options)
         arguments = {"last": LAST}
-        settings = kind.settings(given)
+        settings = kind.settings(options)
         if kind.windup:
             settings |= {"excess": 0.0, "gain": 0.0}
             drive = axes.driven_by(line.names[0]) if settings[_argument(kind.windup)] else None
@@ -435,8 +435,8 @@ class _Writer:
         }
         filled = 1 + len(kind.states)
         numbers = [settings.get(name, 0.0) for name in kind.inputs]
-        known = [float(x) if not isinstance(x, str) else 0.0 for x in numbers]
-        frame = self._cell(0.0, *kind.starts(given), *known)
+        constants = [float(x) if not isinstance(x, str) else 0.0 for x in numbers]
+        frame = self._cell(0.0, *kind.starts(options), *constants)
         self.updates[frame] = kind
         fetches = [
             (cell, arguments[name])
@@ -445,7 +445,7 @@ class _Writer:
         ]
         self._do(to.UPDATE, self.scratch, 0, frame, cell)
         address = update_address(kind, compiled=self.arithmetic.compiled)
-        head = [address, filled, int(kind.rounded), frame + filled + len(known), len(fetches)]
+        head = [address, filled, int(kind.rounded), frame + filled + len(constants), len(fetches)]
         self._list(2, [*head, *(cell for pair in fetches for cell in pair)])
         return self.scratch
 
@@ -458,11 +458,11 @@ class _Writer:
         values = {"reference": self.wiring.references, "measured": self.wiring.measured}
         if len(ports) == 1:
             return values[ports[0]][of]
-        wanted = self.wiring.references[of]
+        set_point = self.wiring.references[of]
         weight = source.option("weight")
         if isinstance(weight, str | float):
-            wanted = self._do(to.MULTIPLY, self.scratch, wanted, self._operand(weight))
-        return self._do(to.SUBTRACT, self.scratch, wanted, self.wiring.measured[of])
+            set_point = self._do(to.MULTIPLY, self.scratch, set_point, self._operand(weight))
+        return self._do(to.SUBTRACT, self.scratch, set_point, self.wiring.measured[of])
 
     def _gain_of_drive(self, axes: Axes, line: Signal, drive: Drive) -> int:
         """Return the cell of how a drive grows with an integral; 1 where that is not constant."""
@@ -566,9 +566,9 @@ class _Writer:
         inputs = tuple(self.known[self.axis, name] for name in source.inputs)
         place = self._place(source.name)
         grid, axes = self.grids[source.name]
-        known = self.cell_signal.get((source.name, self.index))
-        if known is not None and known[0] == inputs:
-            return self._do(to.LOOK_UP_CELL, self.scratch, known[1], place.values)
+        cell = self.cell_signal.get((source.name, self.index))
+        if cell is not None and cell[0] == inputs:
+            return self._do(to.LOOK_UP_CELL, self.scratch, cell[1], place.values)
         room = 0
         if self.cells[grid + 1] != 0.0:
             room = self._cell(*[0.0] * (len(axes) + 2 ** len(axes)))
@@ -609,8 +609,8 @@ class _Writer:
                 self.grids[name] = (self._cell(*pack_grid(axes, table.default_mode)), axes)
             held = [self.arithmetic.hold(value) for value in values.ravel().tolist()]
             self.tables[key] = Place(self._cell(*held), 0, len(held))
-            own = replace(table, axes=tuple(axes), values=values)
-            self.looked_up[self.tables[key].values] = (name, own)
+            table_ = replace(table, axes=tuple(axes), values=values)
+            self.looked_up[self.tables[key].values] = (name, table_)
         return self.tables[key]
 
 

@@ -273,7 +273,7 @@ class _Walk:
         return reach
 
     def _sum(self, products: Sequence[Product], span: Span) -> Reach:
-        parts = [self._product(each, span) for each in products]
+        parts = [self._product(product, span) for product in products]
         units = [part.unit for part in parts]
         origins = frozenset[str]().union(*(part.origins for part in parts))
         alone = len(origins) == sum(len(part.origins) for part in parts)
@@ -327,22 +327,22 @@ class _Walk:
         kind = of.record
         if kind.function is None:
             return reach
-        given = dict(of.options)
+        options = dict(of.options)
         near = Surroundings(
-            reach.at, reach.pace, self.text.model.period, self.text.model.every, given
+            reach.at, reach.pace, self.text.model.period, self.text.model.every, options
         )
-        settings = {name: self._number(value) for name, value in kind.settings(given).items()}
+        settings = {name: self._number(value) for name, value in kind.settings(options).items()}
         unit = of_difference(reach.unit) if kind.difference else reach.unit
-        made = Reach(
-            range_of_source(kind, near, settings, kind.starts(given)),
+        reach_ = Reach(
+            range_of_source(kind, near, settings, kind.starts(options)),
             math.inf if kind.pace is None else kind.pace(near),
             unit=product(unit, {"s": kind.seconds}),
         )
         if kind.kept == "signal":
-            return replace(made, kept=reach.kept, origins=reach.origins, tight=reach.tight)
-        kept = FED_BACK if kind.kept == "loop" else MADE
+            return replace(reach_, kept=reach.kept, origins=reach.origins, tight=reach.tight)
+        kept_by = FED_BACK if kind.kept == "loop" else MADE
         # What the text alone keeps small goes wherever it can.
-        return replace(made, kept=kept, origins=_own(of), tight=kept == MADE or reach.tight)
+        return replace(reach_, kept=kept_by, origins=_own(of), tight=kept_by == MADE or reach.tight)
 
     def _port(self, of: Source) -> Reach:
         """Return where a value of a port is, or its error."""
@@ -377,9 +377,9 @@ class _Walk:
             for (axis, _), other in outputs.items()
             if axis == address[0] and other.rate_of == address[1]
         ]
-        kept = FED_BACK if port.rate_of else PORT
+        kept_by = FED_BACK if port.rate_of else PORT
         at, pace = Interval(port.low, port.high), min(rates, default=math.inf)
-        return Reach(at, pace, kept, read_unit(port.unit), origins)
+        return Reach(at, pace, kept_by, read_unit(port.unit), origins)
 
     # --- Rule bases and tables ---
 

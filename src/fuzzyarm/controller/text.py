@@ -196,10 +196,10 @@ def _unreadable(use: Use, error: OSError | ValueError, path: str, folder: Path) 
 
 def _files_for(folder: Path) -> list[str]:
     """Return the names of files that a controller in a folder could use."""
-    found = list(shipped_names())
+    names = list(shipped_names())
     with suppress(OSError):
-        found += sorted(path.name for path in islice(folder.iterdir(), 1000))
-    return found
+        names += sorted(path.name for path in islice(folder.iterdir(), 1000))
+    return names
 
 
 def read_sheet(file: str, folder: Path) -> Sheet:
@@ -289,13 +289,13 @@ def by_name(name: str, sheet: Sheet) -> Change:
             if not isinstance(line, Signal) or line.source is None or line.source.name != name:
                 return line
             signals = [other for other in axes.lines if isinstance(other, Signal)]
-            lines = [each for other in signals for each in other.names]
-            for each in wanted:
-                if each not in lines:
-                    known = ", ".join(dict.fromkeys(line.source.inputs))
+            lines = [signal for other in signals for signal in other.names]
+            for signal in wanted:
+                if signal not in lines:
+                    names = ", ".join(dict.fromkeys(line.source.inputs))
                     raise SourceError(
-                        f"'{name}' is asked for '{each}', which the controller does not have",
-                        hint=f"its inputs may be called {known}, {AXIS}",
+                        f"'{name}' is asked for '{signal}', which the controller does not have",
+                        hint=f"its inputs may be called {names}, {AXIS}",
                     )
             return replace(line, source=replace(line.source, inputs=wanted))
 
@@ -417,7 +417,7 @@ def ports_of(model: ControllerModel, kind: str) -> Iterator[tuple[str, str]]:
     kind : str
         ``reference``, ``measured`` or ``drive``.
     """
-    found: dict[tuple[str, str], None] = {}
+    ports: dict[tuple[str, str], None] = {}
     for axes, line in model.lines():
         port = ""
         if isinstance(line, Drive):
@@ -425,8 +425,8 @@ def ports_of(model: ControllerModel, kind: str) -> Iterator[tuple[str, str]]:
         elif isinstance(line, Signal) and line.source is not None:
             port = line.source.name if kind in line.source.record.ports else ""
         if port:
-            found.update(dict.fromkeys((axis, port) for axis in axes.names))
-    yield from found
+            ports.update(dict.fromkeys((axis, port) for axis in axes.names))
+    yield from ports
 
 
 def wiring_of(model: ControllerModel) -> Wiring:
@@ -577,14 +577,14 @@ class ControllerRun:
             If a value is missing.
         """
         cells = self._cells
-        for names, given, what in (
+        for names, numbers, what in (
             (self._names[0], reference, "reference of"),
             (self._names[1], measured, "measured value of"),
         ):
             for name, cell in names.items():
-                if name not in given:
+                if name not in numbers:
                     raise PortError(f"no {what} '{name}'", port=name)
-                cells[cell] = given[name]
+                cells[cell] = numbers[name]
         self._periods += 1
         cells[LAST] = float(self._periods % self.text.model.every == 0)
         self._step(self._code, cells)

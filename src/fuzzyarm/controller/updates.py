@@ -55,7 +55,7 @@ def _roots(kind: SourceKind) -> list[Node]:
 
 def _source(kind: SourceKind, name: str) -> str:
     """Return the text of an update; all is computed before anything is filled in."""
-    body = [f"{each} = arguments[{index}]" for index, each in enumerate(kind.symbols)]
+    body = [f"{symbol} = arguments[{index}]" for index, symbol in enumerate(kind.symbols)]
     results = [VALUE, *(f"next_{state.name}" for state in kind.states)]
     taken = {*kind.symbols, *results, "arguments", "into"}
     for into, root in zip(results, (kind.expression, *kind.nexts), strict=True):
@@ -76,8 +76,8 @@ def _quiet(kind: SourceKind) -> Callable[[Any, Any], None]:
             function(arguments, into)
         except (ArithmeticError, ValueError):
             values = {name: float(arguments[i]) for i, name in enumerate(kind.symbols)}
-            found = [evaluate(root, values) for root in roots]
-            for index, value in enumerate(found):
+            results = [evaluate(root, values) for root in roots]
+            for index, value in enumerate(results):
                 into[index] = value
 
     return quiet
@@ -119,9 +119,9 @@ def range_of_source(
         ranges[_unseen(state.name)] = Interval(float(nothing), float(nothing))
     value: Interval | None = None
     for period_number in range(2 * MOST_PERIODS):
-        given, *nexts = (bounds(root, ranges) for root in roots)
+        result, *nexts = (bounds(root, ranges) for root in roots)
         before = value, dict(ranges)
-        value = given if value is None else _hull(value, given)
+        value = result if value is None else _hull(value, result)
         for state, start, after in zip(kind.states, starts, nexts, strict=True):
             first = period_number == 0 and math.isnan(start)
             interval = after if first else _hull(ranges[state.name], after)

@@ -154,10 +154,10 @@ class DefuzzifierKind(Kind):
         """Return the value from its numbers by name, which may be floats or arrays."""
         if self.figure:
             return figures[self.figure]
-        known = [figures[name] for name in self.symbols]
-        if all(isinstance(each, float) for each in known):
-            return self.scalar(*known)
-        return self.array(*known)
+        figures_ = [figures[name] for name in self.symbols]
+        if all(isinstance(figure, float) for figure in figures_):
+            return self.scalar(*figures_)
+        return self.array(*figures_)
 
 
 class Defuzzifiers(Registry[DefuzzifierKind]):
@@ -172,8 +172,8 @@ class Defuzzifiers(Registry[DefuzzifierKind]):
     @property
     def foreign(self) -> dict[str, tuple[str, str]]:
         """Words that others have, in small letters → the name here."""
-        own = {word: (kind.name, "") for kind in self.values() for word in kind.elsewhere.split()}
-        return super().foreign | own
+        names = {word: (kind.name, "") for kind in self.values() for word in kind.elsewhere.split()}
+        return super().foreign | names
 
     def plain(self, figure: str) -> str:
         """Return the name of the defuzzifier whose value is one of the numbers, as it is."""

@@ -53,16 +53,16 @@ def evaluate(root: Node, values: Mapping[str, float]) -> float:
     KeyError
         With the name of a symbol that has no value.
     """
-    found: dict[Node, Any] = {}
+    values_of_nodes: dict[Node, Any] = {}
     for node in postorder(root):
         if isinstance(node, Apply):
-            arguments = (found[argument] for argument in node.arguments)
-            found[node] = OPERATIONS[node.operation].scalar(*arguments)
+            arguments = (values_of_nodes[argument] for argument in node.arguments)
+            values_of_nodes[node] = OPERATIONS[node.operation].scalar(*arguments)
         elif isinstance(node, Constant):
-            found[node] = node.value
+            values_of_nodes[node] = node.value
         else:
-            found[node] = values[node.name]  # type: ignore[attr-defined]
-    return float(found[root])
+            values_of_nodes[node] = values[node.name]  # type: ignore[attr-defined]
+    return float(values_of_nodes[root])
 
 
 def specialise(root: Node, values: Mapping[str, float]) -> Node:
@@ -81,13 +81,13 @@ def _folded(node: Apply, made: Mapping[Node, Node]) -> Node:
     arguments = [made[argument] for argument in node.arguments]
     if node.operation == "where" and isinstance(arguments[0], Constant):
         return arguments[1] if arguments[0].value else arguments[2]
-    known = [argument.value for argument in arguments if isinstance(argument, Constant)]
-    if len(known) == len(arguments):
-        return constant(float(OPERATIONS[node.operation].scalar(*known)))
-    if node.operation in {"both", "either"} and known:
-        decides = bool(known[0]) == (node.operation == "either")
+    constants = [argument.value for argument in arguments if isinstance(argument, Constant)]
+    if len(constants) == len(arguments):
+        return constant(float(OPERATIONS[node.operation].scalar(*constants)))
+    if node.operation in {"both", "either"} and constants:
+        decides = bool(constants[0]) == (node.operation == "either")
         rest = next(argument for argument in arguments if not isinstance(argument, Constant))
-        return constant(known[0]) if decides else rest
+        return constant(constants[0]) if decides else rest
     return apply(node.operation, *arguments)
 
 
@@ -192,21 +192,21 @@ def evaluate_arrays(
     """
     import numpy as np
 
-    found: dict[Node, Any] = {}
+    values_of_nodes: dict[Node, Any] = {}
     with np.errstate(all="ignore"):
         for node, done in ((node, ()) for node in postorder(root)) if order is None else order:
             if isinstance(node, Apply):
-                arguments = (found[argument] for argument in node.arguments)
-                asked = as_floats and OPERATIONS[node.operation].of_library
-                function = (library_function if asked else array_function)(node.operation)
-                found[node] = function(*arguments)
+                arguments = (values_of_nodes[argument] for argument in node.arguments)
+                is_of_library = as_floats and OPERATIONS[node.operation].of_library
+                function = (library_function if is_of_library else array_function)(node.operation)
+                values_of_nodes[node] = function(*arguments)
             elif isinstance(node, Constant):
-                found[node] = np.dtype(real).type(node.value)
+                values_of_nodes[node] = np.dtype(real).type(node.value)
             else:
-                found[node] = values[node.name]  # type: ignore[attr-defined]
+                values_of_nodes[node] = values[node.name]  # type: ignore[attr-defined]
             for argument in done:
-                del found[argument]
-    return found[root]
+                del values_of_nodes[argument]
+    return values_of_nodes[root]
 
 
 # ── derivative ───────────────────────────────────────────────────────────────────────
@@ -239,8 +239,8 @@ def gradient(root: Node, names: tuple[str, ...]) -> tuple[Node, ...]:
         for argument, partial in zip(node.arguments, partials(*node.arguments), strict=True):
             share = _product(adjoint[node], partial)
             if share is not _ZERO:
-                known = adjoint.get(argument)
-                adjoint[argument] = share if known is None else known + share
+                earlier = adjoint.get(argument)
+                adjoint[argument] = share if earlier is None else earlier + share
     return tuple(adjoint.get(symbol(name), _ZERO) for name in names)
 
 

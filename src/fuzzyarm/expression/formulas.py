@@ -135,10 +135,10 @@ class Dialect:
     @cached_property
     def words(self) -> dict[str, str]:
         """The operations and what the dialect calls them."""
-        found: dict[str, str] = {}
+        words_of_operations: dict[str, str] = {}
         for word, operation in self.functions.items():
-            found.setdefault(operation, word)
-        return found
+            words_of_operations.setdefault(operation, word)
+        return words_of_operations
 
     @cached_property
     def token(self) -> re.Pattern[str]:
@@ -525,8 +525,8 @@ class _Writer:
 
 def _clear(node: Apply, above: int, *, at_right: bool) -> bool:
     """Whether an operand needs no parentheses beside an operator that binds so tightly."""
-    own = _BINDS.get(node.operation, 0)
-    return own > above or (own == above and not at_right and own < 3)
+    binding = _BINDS.get(node.operation, 0)
+    return binding > above or (binding == above and not at_right and binding < 3)
 
 
 def _comparison_of(node: Apply) -> tuple[str | None, tuple[Node, ...]]:

@@ -30,12 +30,12 @@ _OWN: dict[str, Callable[..., float]] = {"minimum": min, "maximum": max}
 
 
 def _namespace() -> dict[str, Any]:
-    found: dict[str, Any] = {
+    namespace: dict[str, Any] = {
         name: function for name, function in vars(math).items() if not name.startswith("_")
     }
-    found |= {word: OPERATIONS[name].scalar for word, name in _STEPS.items()}
-    found |= {name: getattr(builtins, name) for name in ("abs", "min", "max", "float")}
-    return found
+    namespace |= {word: OPERATIONS[name].scalar for word, name in _STEPS.items()}
+    namespace |= {name: getattr(builtins, name) for name in ("abs", "min", "max", "float")}
+    return namespace
 
 
 def python_function(root: Node, parameters: Sequence[str]) -> Callable[..., float]:
@@ -95,13 +95,13 @@ def row_source(root: Node, rows: Sequence[str], numbers: Sequence[str], name: st
     lines, result = printed(root, PYTHON, taken=(*rows, *numbers))
     used = symbols(root)
     head = [f"{number} = numbers[{i}]" for i, number in enumerate(numbers) if number in used]
-    each = [*(f"{row} = {row}_row[i]" for row in rows), *lines, f"into[i] = {result}"]
+    body = [*(f"{row} = {row}_row[i]" for row in rows), *lines, f"into[i] = {result}"]
     arguments = ", ".join([*(f"{row}_row" for row in rows), "numbers", "into"])
     # How many numbers there are, used or not, belongs to what the function is: its program of
     # operations counts them all, and functions of one text are taken for one.
     text = [f"def {name}({arguments}):  # numbers: {len(numbers)}"]
     text += [f"    {line}" for line in head]
-    text += ["    for i in range(into.shape[0]):", *(f"        {line}" for line in each)]
+    text += ["    for i in range(into.shape[0]):", *(f"        {line}" for line in body)]
     return "\n".join(text) + "\n"
 
 

@@ -111,11 +111,11 @@ def _over_line(line: Line, x: Any) -> Any:
     height, x_0, slope = line
     if slope == 0.0:
         return height
-    found = np.subtract(x, x_0, out=np.empty(np.shape(x)))
-    found *= slope
+    heights = np.subtract(x, x_0, out=np.empty(np.shape(x)))
+    heights *= slope
     if height != 0.0:
-        found += height
-    return np.maximum(found, 0.0, out=found)
+        heights += height
+    return np.maximum(heights, 0.0, out=heights)
 
 
 def lines_through(corners: Sequence[Corner]) -> Lines:

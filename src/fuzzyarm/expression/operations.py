@@ -330,8 +330,8 @@ def _function(
         return f"{word}({holes})" if word else ""
 
     texts = call(python), call(f"@{c}"), call(st)
-    own = call(js or f"Math.{c}")
-    return Operation(name, arity, scalar, array, *texts, bounds, partials, exact=exact, js=own)
+    text_js = call(js or f"Math.{c}")
+    return Operation(name, arity, scalar, array, *texts, bounds, partials, exact=exact, js=text_js)
 
 
 _TABLE = (

@@ -168,17 +168,17 @@ class _Lowering:
             arguments: tuple[Node, ...] = (known[node.arguments[0]], second)
         else:
             arguments = tuple(known[child] for child in node.arguments)
-        made = apply(node.operation, *arguments)
-        self.depth[made] = 1 + max(self.depth.get(argument, 0) for argument in arguments)
+        node_ = apply(node.operation, *arguments)
+        self.depth[node_] = 1 + max(self.depth.get(argument, 0) for argument in arguments)
         shared = self.uses[node] > 1 and not OPERATIONS[node.operation].is_condition
         # A chain such as a + b + c prints without nesting: its left side costs little depth.
         if OPERATIONS[node.operation].binds < 9 and isinstance(arguments[0], Apply):
             rest = [self.depth.get(argument, 0) + 1 for argument in arguments[1:]]
-            self.depth[made] = max([self.depth.get(arguments[0], 0) + 1 / 8, *rest])
-        if not shared and self.depth[made] < DEEPEST:
-            return made
+            self.depth[node_] = max([self.depth.get(arguments[0], 0) + 1 / 8, *rest])
+        if not shared and self.depth[node_] < DEEPEST:
+            return node_
         name = next(self.names)
-        body.append(Assign(name, made))
+        body.append(Assign(name, node_))
         return symbol(name)
 
     def _choose(self, node: Apply, known: dict[Node, Node], body: list[Statement]) -> None:
@@ -274,26 +274,27 @@ class Language(NamedTuple):
         template = self.text(operation)
         if not template:
             raise NotPrintableError(node.operation, self.name)
-        own = operation.binds
-        if own == 9:
+        binding = operation.binds
+        if binding == 9:
             parts = [self.expression(argument) for argument in node.arguments]
             return template.format(*parts)
         # Left to right: the left side may bind as loosely as the operator, nothing else may.
-        inner = 3 if operation.sort == "logic" else own + 1  # && within || in parentheses, too
+        inner = 3 if operation.sort == "logic" else binding + 1  # && within || in parentheses, too
         if node.operation == "negation":  # in C and Structured Text it binds more than any other
             inner = 8
         first = node.arguments[0]
         same = isinstance(first, Apply) and first.operation == node.operation
         chained = operation.arity == 2 and (same or operation.sort != "logic")
-        least = [own if chained else inner, *(inner for _ in node.arguments[1:])]
+        least = [binding if chained else inner, *(inner for _ in node.arguments[1:])]
         if self.explicit and operation.arity > 1:
             pairs = zip(node.arguments, least, strict=True)
             least = [
-                9 if _binds_unlike(argument, own) else own_least for argument, own_least in pairs
+                9 if _binds_unlike(argument, binding) else own_least
+                for argument, own_least in pairs
             ]
         parts = [self.expression(*pair) for pair in zip(node.arguments, least, strict=True)]
         text = template.format(*parts)
-        return f"({text})" if own < binds else text
+        return f"({text})" if binding < binds else text
 
     def lines(self, body: Sequence[Statement], *, made: Iterable[str] = ()) -> list[str]:
         """Return the lines of some statements; the variables in `made` exist already."""
@@ -426,10 +427,10 @@ STRUCTURED_TEXT = Language(
 
 def variables(body: Sequence[Statement]) -> tuple[str, ...]:
     """Return the variables that statements set, each once, in order."""
-    found: dict[str, None] = {}
+    names: dict[str, None] = {}
     for statement in body:
-        found.setdefault(statement.name)
+        names.setdefault(statement.name)
         if isinstance(statement, Choose):
-            found.update(dict.fromkeys(variables(statement.then)))
-            found.update(dict.fromkeys(variables(statement.otherwise)))
-    return tuple(found)
+            names.update(dict.fromkeys(variables(statement.then)))
+            names.update(dict.fromkeys(variables(statement.otherwise)))
+    return tuple(names)

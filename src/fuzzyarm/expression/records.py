@@ -443,13 +443,15 @@ class Registry(Mapping[str, _Kind], Generic[_Kind]):
 
         With it stands the order of the numbers here where it is another one there.
         """
-        found: dict[str, tuple[str, str]] = {}
+        spellings: dict[str, tuple[str, str]] = {}
         for kind in self._kinds.values():
             for spelling in chain.from_iterable(text.split(",") for text in kind.names.values()):
                 word, *order = spelling.casefold().split()
                 if word not in self.words and not word[0].isdigit():
-                    found.setdefault(word, (kind.name, " ".join(kind.parameters) if order else ""))
-        return found
+                    spellings.setdefault(
+                        word, (kind.name, " ".join(kind.parameters) if order else "")
+                    )
+        return spellings
 
     def add(self, kind: _Kind) -> _Kind:
         """Register a kind; one of the user's own may be replaced.
@@ -459,8 +461,8 @@ class Registry(Mapping[str, _Kind], Generic[_Kind]):
         KindError
             If the name is not a word, or that of a built-in kind.
         """
-        known = self._kinds.get(kind.name)
-        if known is not None and not known.own:
+        earlier = self._kinds.get(kind.name)
+        if earlier is not None and not earlier.own:
             raise KindError(f"'{kind.name}' is a built-in {self.sort}", kind.name)
         if not _WORD.fullmatch(kind.name):
             message = f"'{kind.name}' is not a word of small letters, digits and hyphens"
@@ -508,9 +510,9 @@ def _load_entry_points() -> None:
 
     for point in entry_points(group=ENTRY_POINT):
         try:
-            found = point.load()
-            if callable(found):
-                found()
+            registration = point.load()
+            if callable(registration):
+                registration()
         except (Exception, SystemExit) as error:  # whatever the code of other people raises
             text = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
             failures.append(f"the kinds '{point.name}' ({point.value}) cannot be loaded: {text}")

@@ -194,14 +194,14 @@ _TWO_SIGMOIDS_FIS = "slope1 inflection1 slope2 inflection2"
 
 def _names(fll: str, mf: str = "", fcl: str = "", *, matlab: bool = False) -> dict[str, str]:
     """Return what the programs call a shape; `mf` is its word in a FIS."""
-    found = {"fll": fll, "fcl": fll}
+    names = {"fll": fll, "fcl": fll}
     if mf:
-        found["fis"] = mf
+        names["fis"] = mf
     if matlab:
-        found |= {"matlab": mf, "octave": mf, "skfuzzy": mf}
+        names |= {"matlab": mf, "octave": mf, "skfuzzy": mf}
     if fcl:
-        found["jfl"] = fcl
-    return found
+        names["jfl"] = fcl
+    return names
 
 
 def register() -> None:

@@ -322,8 +322,8 @@ def source(name: str, update: Callable[..., X] | None = None, **facts: Any) -> S
         raise KindError(
             f"'{name}' is taken of a port, and does not say which values it reads", name
         )
-    known = {*SUPPLIED, *kind.settings({}), *(state.name for state in kind.states)}
-    if unknown := [symbol for symbol in kind.symbols if symbol not in known]:
+    names = {*SUPPLIED, *kind.settings({}), *(state.name for state in kind.states)}
+    if unknown := [symbol for symbol in kind.symbols if symbol not in names]:
         raise KindError(f"nothing gives the update of '{name}' its argument '{unknown[0]}'", name)
     return SOURCES.add(kind)
 
@@ -351,10 +351,10 @@ def _integral(
     back by ``excess Δ / (T K)``: K is by how much the drive grows with the integral, so that the
     excess counts as what it is of the integral (Åström and Hägglund, *Advanced PID Control*, 3.5).
     """
-    own = op.where(~op.equal(gain, 0.0), excess / gain, 0.0)
+    gained = op.where(~op.equal(gain, 0.0), excess / gain, 0.0)
     # In less than a period nothing goes back: it would swing.
-    back = x * period + own * period / op.maximum(anti_windup, period)
-    held = op.where((anti_windup < 0.0) & (own * x < 0.0), 0.0, x * period)
+    back = x * period + gained * period / op.maximum(anti_windup, period)
+    held = op.where((anti_windup < 0.0) & (gained * x < 0.0), 0.0, x * period)
     new = total + op.where(anti_windup > 0.0, back, held)
     new = op.where(new > within_low, new, within_low)
     return op.where(new < within_high, new, within_high)

@@ -63,16 +63,16 @@ def composed(
     low, high : float
         The range of its variable.
     """
-    known = shape_of(degree, low, high)
-    if known is not None:
-        return known, True
+    recovered = shape_of(degree, low, high)
+    if recovered is not None:
+        return recovered, True
     straight = all(SHAPES[part.kind].straight for part in parts)
     if straight and {norm.partition(":")[2] for norm in norms} <= _STRAIGHT:
         xs = _corners(degree, parts, low, high)
         lines = straight_shape(joined(xs, [degree(x) for x in xs]))
-        asked = _asked([low - (high - low), *xs, high + (high - low)])
+        positions = _asked([low - (high - low), *xs, high + (high - low)])
         for shape in (lines, *_closed(lines, low, high)):
-            if all(abs(_degree(shape, x) - degree(x)) <= 1e-9 for x in asked):
+            if all(abs(_degree(shape, x) - degree(x)) <= 1e-9 for x in positions):
                 return shape, True
     xs = [low + (high - low) * i / (POINTS - 1) for i in range(POINTS)]
     return joined(xs, [degree(x) for x in xs]), False

@@ -189,8 +189,8 @@ class Dialect:
         return self._those_that(weighs=True)
 
     def _those_that(self, *, weighs: bool) -> dict[str, str]:
-        known = words(DEFUZZIFIERS, self.methods)
-        return {word: name for word, name in known.items() if DEFUZZIFIERS[name].weighs == weighs}
+        methods = words(DEFUZZIFIERS, self.methods)
+        return {word: name for word, name in methods.items() if DEFUZZIFIERS[name].weighs == weighs}
 
     @property
     def methods(self) -> str:
@@ -316,12 +316,12 @@ class Spelling(NamedTuple):
 @lru_cache(maxsize=1000)
 def spellings(kind: Kind, key: str) -> tuple[Spelling, ...]:
     """Return the names of a kind under one key, the one to write first."""
-    found = []
+    spellings_ = []
     for text in filter(None, kind.names.get(key, "").split(",")):
         word, *numbers = text.split()
         order = map(kind.parameters.index, numbers or kind.parameters)
-        found.append(Spelling(kind.name, word, tuple(order)))
-    return tuple(found)
+        spellings_.append(Spelling(kind.name, word, tuple(order)))
+    return tuple(spellings_)
 
 
 def all_spellings(kinds: Mapping[str, Kind], *keys: str) -> Mapping[str, Spelling]:
@@ -332,11 +332,11 @@ def all_spellings(kinds: Mapping[str, Kind], *keys: str) -> Mapping[str, Spellin
 @lru_cache(maxsize=100)
 def _table(kinds: tuple[Kind, ...], keys: tuple[str, ...]) -> Mapping[str, Spelling]:
     # Of records, not of the registry: a kind of a user's own may be replaced by another.
-    found: dict[str, Spelling] = {}
+    table: dict[str, Spelling] = {}
     for key in keys:
         for spelling in chain.from_iterable(spellings(kind, key) for kind in kinds):
-            found.setdefault(spelling.word, spelling)
-    return found
+            table.setdefault(spelling.word, spelling)
+    return table
 
 
 def words(kinds: Mapping[str, Kind], *keys: str) -> dict[str, str]:
@@ -346,5 +346,5 @@ def words(kinds: Mapping[str, Kind], *keys: str) -> dict[str, str]:
 
 def word_of(kinds: Mapping[str, Kind], name: str, key: str) -> str | None:
     """Return the word to write for a kind, or None where the program does not know it."""
-    found = spellings(kinds[name], key) if name in kinds else []
-    return found[0].word if found else None
+    spellings_ = spellings(kinds[name], key) if name in kinds else []
+    return spellings_[0].word if spellings_ else None

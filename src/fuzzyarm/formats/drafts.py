@@ -86,12 +86,12 @@ def _refuse_unknown_names(rulebase: RuleBase, findings: Findings) -> None:
     """Report formulas of values that name no variable, and of sets that name one."""
     records = [(output, output.defuzzifier.record) for output in rulebase.outputs]
     values = [output for output, record in records if record.weighs and not record.inverts]
-    known = {each.name for each in (*rulebase.inputs, *rulebase.outputs)}
+    names_there = {each.name for each in (*rulebase.inputs, *rulebase.outputs)}
     for variable in (*rulebase.inputs, *values):
         is_set = isinstance(variable, Input)
         for term in variable.terms:
             names = read_formula(term.shape.formula).names if term.shape.formula else ()
-            for name in sorted(set(names) - ({POSITION} if is_set else known)):
+            for name in sorted(set(names) - ({POSITION} if is_set else names_there)):
                 message = f"the formula of '{term.name}' asks for '{shortened(name)}', "
                 message += "but a set depends on x alone" if is_set else "an unknown variable"
                 findings.error("undefined-variable", message, term.span)
@@ -101,7 +101,7 @@ def _refuse_without_inverse(rulebase: RuleBase, findings: Findings) -> None:
     """Report terms that rules conclude for Tsukamoto's method, which cannot invert them."""
     tsukamoto = {o.name for o in rulebase.outputs if o.defuzzifier.record.inverts}
     concluded = {(c.variable, c.term) for rule in rulebase.rules for c in rule.consequents}
-    for name, word in sorted(each for each in concluded if each[0] in tsukamoto):
+    for name, word in sorted(pair for pair in concluded if pair[0] in tsukamoto):
         term = rulebase.variable(name).term(word)
         if not all_invertible({term.shape.kind}):
             message = f"'{word}' of '{name}' has no inverse, which Tsukamoto needs"
@@ -125,11 +125,11 @@ def _refuse_circles(rulebase: RuleBase, dialect: Dialect, findings: Findings) ->
         for rule in block.rules:
             used = {part.variable for part in propositions(rule.antecedent)} & outputs.keys()
             for name, term in [(c.variable, c.term) for c in rule.consequents]:
-                own = formulas.get((name, term), set())
-                late += [other for other in own if outputs[other] >= outputs[name]]
-                late += [other for other in used | own if last.get(other, -1) > index]
-                waits.setdefault(name, set()).update(used, own)
-                reader |= dict.fromkeys(used | own, rule)
+                names_here = formulas.get((name, term), set())
+                late += [other for other in names_here if outputs[other] >= outputs[name]]
+                late += [other for other in used | names_here if last.get(other, -1) > index]
+                waits.setdefault(name, set()).update(used, names_here)
+                reader |= dict.fromkeys(used | names_here, rule)
     try:
         TopologicalSorter(waits).prepare()
     except CycleError as error:

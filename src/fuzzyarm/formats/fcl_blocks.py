@@ -75,16 +75,16 @@ class FunctionBlock(SystemReader):
 
     def _norms(self, text: BlockText) -> dict[str, str]:
         """Return the norms that a block names, by AND, OR, ACT and ACCU."""
-        found: dict[str, str] = {}
+        norms: dict[str, str] = {}
         for key, word in text.norms:
             read = self.tnorm if key in ("AND", "ACT") else self.snorm
             norm = read(word, f"the norm for {key}")
             if norm is None:
                 continue
             if not self.own and key in ("AND", "OR"):
-                self._pair(found, key, norm, word)
-            found[key] = norm
-        return found
+                self._pair(norms, key, norm, word)
+            norms[key] = norm
+        return norms
 
     def _pair(self, found: dict[str, str], key: str, norm: str, word: Word) -> None:
         """Set OR with AND and AND with OR, as jFuzzyLogic does."""

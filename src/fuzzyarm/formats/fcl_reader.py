@@ -166,8 +166,8 @@ class _Reader:
             self.findings.error("no-variables", message, cursor.word)
             cursor.at = len(cursor.words)
         else:
-            found = cursor.word.text[:40]
-            message = f"a section such as FUZZIFY or RULEBLOCK is expected here, not '{found}'"
+            text = cursor.word.text[:40]
+            message = f"a section such as FUZZIFY or RULEBLOCK is expected here, not '{text}'"
             raise FaultError(message, cursor.word)
 
     def _between_blocks(self) -> None:
@@ -298,8 +298,8 @@ class _Reader:
             case "LOCK" if draft.is_output:
                 self._lock(draft)
             case _:
-                found = cursor.word.text[:40]
-                message = f"TERM, RANGE and the like are expected here, not '{found}'"
+                text = cursor.word.text[:40]
+                message = f"TERM, RANGE and the like are expected here, not '{text}'"
                 raise FaultError(message, cursor.word)
         if not cursor.skip(";") and cursor.word.text not in ("", ";"):
             self._after_statement()
@@ -436,7 +436,7 @@ def parse_fcl(
     """
 
     def read(plain: str, findings: Findings) -> tuple[RuleBase | None, Dialect]:
-        found = FCL[dialect or detect(plain)]
-        return _Reader(plain, found, findings).read(block), found
+        dialect_ = FCL[dialect or detect(plain)]
+        return _Reader(plain, dialect_, findings).read(block), dialect_
 
     return imported(text, path, read, lossy=lossy, strict=strict)

@@ -218,7 +218,7 @@ class ScikitBlock(FunctionBlock):
             ):
                 return name, hedges
             words = [_WORDS.get(hedge, hedge.name) for hedge in hedges]
-            title = unique_name("_".join([*words, name]), {each.name for each in draft.terms})
+            title = unique_name("_".join([*words, name]), {other.name for other in draft.terms})
             shape = joined(xs, hedged_degrees(degrees, hedges))
             draft.add(Term(title, shape, term.span))
             self._hedged_terms[key] = title

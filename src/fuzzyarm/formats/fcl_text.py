@@ -108,8 +108,8 @@ class Cursor:
     def expect(self, *keys: str) -> Word:
         """Return the next word, which must be one of `keys`."""
         if self.ended or self.key() not in keys:
-            found = f"'{self.word.text[:40]}'" if not self.ended else "the end of the file"
-            raise FaultError(f"'{keys[0]}' is expected here, not {found}", self.word)
+            text = f"'{self.word.text[:40]}'" if not self.ended else "the end of the file"
+            raise FaultError(f"'{keys[0]}' is expected here, not {text}", self.word)
         return self.take()
 
     def name(self, what: str) -> Word:
@@ -147,8 +147,8 @@ class Cursor:
                 sign = -sign
         value = number(self.word.text) if not self.ended else None
         if value is None:
-            found = f", not '{self.word.text[:40]}'" if not self.ended else ""
-            raise FaultError(f"a number is expected here{found}", first, "not-a-number")
+            text = f", not '{self.word.text[:40]}'" if not self.ended else ""
+            raise FaultError(f"a number is expected here{text}", first, "not-a-number")
         self.at += 1
         return sign * value
 
@@ -188,8 +188,8 @@ _OF_THE_STANDARD = {
 
 def _spellings(dialect: Dialect) -> dict[str, Spelling]:
     """Return the words for shapes in capitals: those of both programs are read in either."""
-    found = all_spellings(SHAPES, "jfl", "fcl")
-    spellings = {word.upper(): spelling for word, spelling in found.items()}
+    all_known = all_spellings(SHAPES, "jfl", "fcl")
+    spellings = {word.upper(): spelling for word, spelling in all_known.items()}
     if not is_scikits(dialect):
         return spellings
     spellings |= {word: spellings[same] for word, same in _OF_THE_STANDARD.items()}

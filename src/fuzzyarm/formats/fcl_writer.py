@@ -61,7 +61,9 @@ def write_fcl(
         demand_program(dialect, ".fcl", "written for", PRODUCERS)
     producers = (dialect,) if dialect is not None else ("fuzzylite", "jfuzzylogic")
     dialects = [FCL[producer] for producer in producers]
-    return best([_Writer(rulebase, each, lossy=lossy, strict=strict).export() for each in dialects])
+    return best(
+        [_Writer(rulebase, dialect_, lossy=lossy, strict=strict).export() for dialect_ in dialects]
+    )
 
 
 class _Writer(SystemWriter):
@@ -250,8 +252,12 @@ class _Writer(SystemWriter):
             shape = replace(shape, kind="trapezoid", parameters=(p[0], p[0], p[1], p[1]))
         if shape.kind == "cosine":  # half the width, then the centre
             return f"COSINE {written(0.5 * p[1])} {written(p[0])}"
-        found = word_and_numbers(shape, self.dialect.kinds)
-        return f"{found[0]} {all_written(found[1])}" if found is not None else None
+        word_numbers = word_and_numbers(shape, self.dialect.kinds)
+        return (
+            f"{word_numbers[0]} {all_written(word_numbers[1])}"
+            if word_numbers is not None
+            else None
+        )
 
     def _formula(self, text: str) -> str:
         formula = read_formula(text)
@@ -273,7 +279,9 @@ _COMPARISONS = {"less": "lt", "less_equal": "le", "equal": "eq"}
 def _missing_functions(root: Node, dialect: Dialect) -> list[str]:
     """Return the functions of a formula that the program lacks, by their names here."""
     used = dict.fromkeys(node.operation for node in postorder(root) if isinstance(node, Apply))
-    missing = [each for each in used if each not in _OPERATORS | dialect.formula.words.keys()]
+    missing = [
+        function for function in used if function not in _OPERATORS | dialect.formula.words.keys()
+    ]
     return [(FRB.words | _COMPARISONS)[operation] for operation in missing]
 
 

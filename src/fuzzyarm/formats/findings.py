@@ -54,8 +54,8 @@ def demand_program(
     """Refuse a program that does not read or write files of a suffix."""
     programs = known_by.get(suffix, ())
     if producer is not None and producer not in programs:
-        known = ", ".join(programs) or "none"
-        raise FormatError(f"{suffix} files are not {does} '{producer}' (known: {known})")
+        names = ", ".join(programs) or "none"
+        raise FormatError(f"{suffix} files are not {does} '{producer}' (known: {names})")
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -130,8 +130,8 @@ class Word:
 
     def around(self, sign: str) -> tuple[Word, Word] | None:
         """Return what stands before and behind a sign, without space; None if it is not there."""
-        before, found, after = self.text.partition(sign)
-        if not found:
+        before, sign_, after = self.text.partition(sign)
+        if not sign_:
             return None
         start = len(self.text) - len(after.lstrip())
         return self.part(0, len(before.rstrip())), self.part(start, len(self.text))
@@ -264,13 +264,13 @@ class Findings:
             self._unknown[key] = index, times + 1
             self._errors += 1
             return
-        known = list(islice(choices, MAX_CHOICES))
+        names = list(islice(choices, MAX_CHOICES))
         hint, replacement = "", None
         if self._hints < MAX_HINTS:
             self._hints += 1
-            hint, replacement = near_hint(word.text, known)
+            hint, replacement = near_hint(word.text, names)
         if not hint or name.startswith("undefined"):
-            hint = "; ".join(filter(None, (hint, listed(known))))
+            hint = "; ".join(filter(None, (hint, listed(names))))
         message = f"{what} '{shortened(word.text)}'{ending}"
         if len(self._items) < MAX_FINDINGS:
             self._unknown[key] = len(self._items), 1

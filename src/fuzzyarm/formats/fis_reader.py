@@ -135,15 +135,15 @@ class _Reader(SystemReader):
         self.is_toolbox = is_of_toolbox(text)
 
     def read(self) -> RuleBase | None:
-        found = sections(self.text, self.findings)
-        systems = [section for section in found if section.kind == "system"]
+        sections_ = sections(self.text, self.findings)
+        systems = [section for section in sections_ if section.kind == "system"]
         for section in systems:
             self._section(section, 0)
         if not self._has_known_type():
             return None
-        inputs = sum(section.kind == "input" for section in found)
+        inputs = sum(section.kind == "input" for section in sections_)
         # [Input2] may stand before [Input1]; the rules go by number.
-        for section in sorted(found, key=lambda section: section.number):
+        for section in sorted(sections_, key=lambda section: section.number):
             if section.kind != "system":
                 self._section(section, inputs)
         self._check_whole(systems)
@@ -245,10 +245,10 @@ class _Reader(SystemReader):
         word = next((self.settings[key] for key in keys if key in self.settings), draft.word)
         is_said = any(key in self.settings for key in keys)
         name = word.text.strip().lower() if is_said else ""
-        known = reductions()
-        method = known.get(name)
+        methods = reductions()
+        method = methods.get(name)
         if method is None:
-            self.findings.unknown("unknown-defuzzifier", "the type reduction", word, known)
+            self.findings.unknown("unknown-defuzzifier", "the type reduction", word, methods)
             return
         if self.is_toolbox:
             # The toolbox starts from 0 where nothing fires; Nie and Tan divide by 0.
@@ -263,15 +263,15 @@ class _Reader(SystemReader):
 
     def _by_magnitude(self, draft: Draft, name: str) -> str:
         """Return the word of an output for which MATLAB compares the magnitudes of maxima."""
-        found = by_magnitude(name, draft.low, draft.high)
-        if found is None:
+        term = by_magnitude(name, draft.low, draft.high)
+        if term is None:
             message = (
                 f"MATLAB takes the maximum of '{draft.name}' that is nearest to 0 for som and the "
                 "farthest for lom; here the lowest and the highest are taken"
             )
             at = draft.method or draft.word
             self.findings.loss("maximum-by-magnitude", message, at, slight=True)
-        return found or name
+        return term or name
 
     # --- Variables and terms ---
 

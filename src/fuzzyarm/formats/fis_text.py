@@ -53,24 +53,24 @@ class _Comments:
         if match is None:
             return _without_comment(raw)
         self.blocks += 1
-        own, rest = str(self.blocks), raw[match.end() :]
-        rule = rest[len(own) :]
+        blanks, rest = str(self.blocks), raw[match.end() :]
+        rule = rest[len(blanks) :]
         is_rule = _OF_A_RULE.fullmatch(rule) and "," in rule and ":" in rule
-        if not rest.startswith(own) or not is_rule:
+        if not rest.startswith(blanks) or not is_rule:
             return ""
         self.glued.append(rule.strip())
-        return " " * (match.end() + len(own)) + rule
+        return " " * (match.end() + len(blanks)) + rule
 
 
 def sections(text: str, findings: Findings) -> list[Section]:
     """Return the sections of a file; ``[FISTree]`` ends the reading."""
-    found: list[Section] = []
+    sections_: list[Section] = []
     comments = _Comments()
     for line in lines_of(text, comments.cut):
         match = _HEADER.match(line.text) if len(line.text) < 100 else None
         if match:
             digits = match.group(2)[:6]
-            found.append(Section(match.group(1).lower(), int(digits or 0), line.span))
+            sections_.append(Section(match.group(1).lower(), int(digits or 0), line.span))
             name = line.part(*match.span(1))
             if name.text.lower() == "fistree":
                 message = (
@@ -80,8 +80,8 @@ def sections(text: str, findings: Findings) -> list[Section]:
                 raise FaultError(message, line, "unsupported-type")
             if name.text.capitalize() not in _SECTIONS:
                 findings.unknown("syntax", "the section", name, _SECTIONS)
-        elif found:
-            found[-1].lines.append(line)
+        elif sections_:
+            sections_[-1].lines.append(line)
         elif not findings.failed:  # of many such lines the first
             message = f"'{line.text[:40]}' stands before any section"
             findings.error("syntax", message, line)
@@ -89,7 +89,7 @@ def sections(text: str, findings: Findings) -> list[Section]:
             comments.glued.remove(line.text)
             message = "this rule is glued to the comment before it; fuzzylite leaves such rules out"
             findings.warn("glued-rule", f"{message}, here it is read", line)
-    return found
+    return sections_
 
 
 def _without_comment(raw: str) -> str:
@@ -219,11 +219,14 @@ def read_shapes(
     upper = read_shape(kind, lists[0] if len(lists) > 1 else rest, inputs, dialect, findings)
     if upper is None or len(lists) < 2:
         return None if upper is None else (upper, None)
-    found = [numbers(word.parts(BRACKETED), findings) for word in lists[1:3]]
-    if any(each is None for each in found):
+    lists_read = [numbers(word.parts(BRACKETED), findings) for word in lists[1:3]]
+    if any(value is None for value in lists_read):
         return None
-    scale, lag = (found[0] or [1.0])[0], (found[1] if len(found) > 1 else None) or [0.0]
-    if not 0.0 < scale <= 1.0 or not all(0.0 <= each < 1.0 for each in lag):
+    scale, lag = (
+        (lists_read[0] or [1.0])[0],
+        (lists_read[1] if len(lists_read) > 1 else None) or [0.0],
+    )
+    if not 0.0 < scale <= 1.0 or not all(0.0 <= value < 1.0 for value in lag):
         message = "a lower function has a scale above 0 up to 1, and lags from 0 below 1"
         findings.error("bad-height", message, lists[1])
         return None

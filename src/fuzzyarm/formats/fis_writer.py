@@ -139,9 +139,9 @@ class _Writer(SystemWriter):
                 self.findings.loss("unsupported-norm", message)
             self._check_equal_values(output)
         defuzzifier = output.defuzzifier
-        found = (defuzzifier.method, defuzzifier.resolution, defuzzifier.sampling)
+        triple = (defuzzifier.method, defuzzifier.resolution, defuzzifier.sampling)
         of_integral = ("centroid", self.dialect.samples[0], "trapezoid")
-        if self.dialect.producer == "octave" and found == of_integral:
+        if self.dialect.producer == "octave" and triple == of_integral:
             self.need_sets(output)
             return "centroid_integral"
         return self._by_magnitude(output, self.defuzzifier(output))
@@ -185,13 +185,13 @@ class _Writer(SystemWriter):
         shape = fuzzylite_shape(term.shape) if self.is_own else term.shape
         if shape.kind in VALUES or not self.dialect.heights:
             shape = self.without_height(variable, term)
-        known = word_and_numbers(shape, self.dialect.kinds)
-        found = known or word_and_numbers(shape, "fis")
-        if found is None:
+        in_dialect = word_and_numbers(shape, self.dialect.kinds)
+        word_numbers = in_dialect or word_and_numbers(shape, "fis")
+        if word_numbers is None:
             self.nothing_like(variable, term)
             return ""
-        word, values = found
-        if not self.is_own and known is None:
+        word, values = word_numbers
+        if not self.is_own and in_dialect is None:
             message = f"{self.program} has nothing like '{term.name}' of '{variable.name}' ({word})"
             self.findings.loss("unsupported-shape", message)
         if shape.kind != "formula":

@@ -341,16 +341,16 @@ class _Reader(SystemReader):
         else:
             norm = f"s:{self.snorm(element.get('t-conorm', 'MAX')) or 'max'}"
         norms.append(norm)
-        found: list[Degree | None] = []
+        degrees_: list[Degree | None] = []
         for child in element.all("termName", "and", "or"):
             if child.tag.text == "termName":
-                found.append(self._named_degree(child, draft, parts))
+                degrees_.append(self._named_degree(child, draft, parts))
             else:
-                found.append(self._joined(child, draft, parts, norms))
-        degrees = [degree for degree in found if degree is not None]
-        if len(found) < 2:
+                degrees_.append(self._joined(child, draft, parts, norms))
+        degrees = [degree for degree in degrees_ if degree is not None]
+        if len(degrees_) < 2:
             raise FaultError(f"<{element.tag.text}> joins two terms", element.tag)
-        return norm_of(norm, degrees) if len(degrees) == len(found) else None
+        return norm_of(norm, degrees) if len(degrees) == len(degrees_) else None
 
     def _named_degree(self, element: _Element, draft: Draft, parts: list[Shape]) -> Degree | None:
         word = Word(element.text, element.tag.span)
@@ -594,22 +594,22 @@ class _Reader(SystemReader):
         if not word.text:
             return ()
         named = {key: (Hedge(name),) for key, name in words(HEDGES, FML.kinds).items()}
-        known = named | MODIFIERS
-        if word.text not in known:
+        hedges = named | MODIFIERS
+        if word.text not in hedges:
             message = f"the modifier '{word.text[:40]}' is not supported"
             self.findings.loss("unsupported-hedge", message, word)
-        return known.get(word.text, ())
+        return hedges.get(word.text, ())
 
 
 def _parts(term: _Element) -> list[str]:
     """Return the names of the terms that a term is made of."""
-    found: list[str] = []
+    names: list[str] = []
     waiting = list(term.all(_CIRCULAR))
     while waiting:
         element = waiting.pop()
-        found += [child.text for child in element.all("termName")]
+        names += [child.text for child in element.all("termName")]
         waiting += element.all("and", "or")
-    return found
+    return names
 
 
 def _is_output(element: _Element) -> bool:

@@ -149,15 +149,15 @@ class _Writer(SystemWriter):
 
     def _evaluation(self, output: Output, kind: str) -> dict[str, str]:
         if kind == "fuzzyVariable":
-            found = {
+            attributes = {
                 "accumulation": self.snorm(output.aggregation),
                 "defuzzifier": self._method(output),
             }
         else:
-            found = {"combination": "WA"}
+            attributes = {"combination": "WA"}
         no_rule = self.no_rule(output)
         default = no_rule if isinstance(no_rule, float) else math.nan
-        return found | {"defaultValue": written(default)}
+        return attributes | {"defaultValue": written(default)}
 
     def _method(self, output: Output) -> str:
         if output.defuzzifier.record.weighs:
@@ -279,10 +279,10 @@ def _conditions(antecedent: Expression) -> list[Is] | None:
 
 def _points(shape: Shape) -> list[tuple[float, float]]:
     """Return the corners of points, and of a straight shape with a height, which FML lacks."""
-    known = SHAPES[shape.kind]
-    if known.corners is None or (shape.kind != "points" and shape.height == 1.0):
+    kind = SHAPES[shape.kind]
+    if kind.corners is None or (shape.kind != "points" and shape.height == 1.0):
         return []
-    corners = list(known.corners(*shape.parameters))
+    corners = list(kind.corners(*shape.parameters))
     return corners if all(math.isfinite(x) for x, _ in corners) else []
 
 

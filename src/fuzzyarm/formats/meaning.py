@@ -216,8 +216,8 @@ class _Activations:
         ]
 
     def _asks_outputs(self, groups: Iterable[list[Rule]]) -> bool:
-        asked = {p.variable for rules in groups for r in rules for p in propositions(r.antecedent)}
-        return any(self.variables[name].is_output for name in asked & self.variables.keys())
+        names = {p.variable for rules in groups for r in rules for p in propositions(r.antecedent)}
+        return any(self.variables[name].is_output for name in names & self.variables.keys())
 
     def _need_norms(self, text: RuleText, block: Block) -> None:
         used = set(map(type, _parts(text.antecedent)))

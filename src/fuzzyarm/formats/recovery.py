@@ -82,18 +82,20 @@ def recovered(xs: Sequence[float], ys: Sequence[float]) -> Shape | None:
 
 def joined(xs: Sequence[float], ys: Sequence[float]) -> Shape:
     """Return straight lines through all samples, as ``points`` without those inside a line."""
-    kept = [0]
+    corners = [0]
     low, high = -math.inf, math.inf  # slopes that pass every sample since the last one kept
     for i in range(1, len(xs)):
-        width = xs[i] - xs[kept[-1]]
-        slope = (ys[i] - ys[kept[-1]]) / width
+        width = xs[i] - xs[corners[-1]]
+        slope = (ys[i] - ys[corners[-1]]) / width
         if not low <= slope <= high:
-            kept.append(i - 1)
+            corners.append(i - 1)
             low, high, width = -math.inf, math.inf, xs[i] - xs[i - 1]
             slope = (ys[i] - ys[i - 1]) / width
         low, high = max(low, slope - _STRAIGHT / width), min(high, slope + _STRAIGHT / width)
-    kept.append(len(xs) - 1)
-    return Shape("points", tuple(chain.from_iterable((xs[i], ys[i]) for i in dict.fromkeys(kept))))
+    corners.append(len(xs) - 1)
+    return Shape(
+        "points", tuple(chain.from_iterable((xs[i], ys[i]) for i in dict.fromkeys(corners)))
+    )
 
 
 def straight_shape(points: Shape) -> Shape:
@@ -105,13 +107,13 @@ def straight_shape(points: Shape) -> Shape:
     if shape is None or not is_joined(shape, xs):
         return points
     width, degree = xs[-1] - xs[0], membership_function(points)
-    asked = [xs[0] - width, xs[0] - 1e-9 * width, *xs, xs[-1] + 1e-9 * width, xs[-1] + width]
-    degrees = [degree(x) for x in asked]
+    positions = [xs[0] - width, xs[0] - 1e-9 * width, *xs, xs[-1] + 1e-9 * width, xs[-1] + width]
+    degrees = [degree(x) for x in positions]
     scaled = [
-        replace(each, height=each.height * points.height)
-        for each in (shape, _open_ended(shape, xs))
+        replace(candidate, height=candidate.height * points.height)
+        for candidate in (shape, _open_ended(shape, xs))
     ]
-    return next((each for each in scaled if _has(each, asked, degrees)), points)
+    return next((candidate for candidate in scaled if _has(candidate, positions, degrees)), points)
 
 
 def is_joined(shape: Shape, xs: Sequence[float]) -> bool:
@@ -141,8 +143,8 @@ def beside_lines(shape: Shape, xs: Sequence[float]) -> float:
     for x in bent:
         within.setdefault(bisect_right(xs, x) - 1, []).append(x)
     for i, ((a, y), (b, z)) in enumerate(pairwise(zip(xs, ys, strict=True))):
-        asked = [*within.get(i, ()), *(a + share * (b - a) for share in (0.25, 0.5, 0.75))]
-        gaps = (abs(degree(x) - (y + (z - y) * (x - a) / (b - a))) for x in asked)
+        positions = [*within.get(i, ()), *(a + share * (b - a) for share in (0.25, 0.5, 0.75))]
+        gaps = (abs(degree(x) - (y + (z - y) * (x - a) / (b - a))) for x in positions)
         worst = max(worst, *gaps)
     return worst
 
@@ -417,8 +419,8 @@ def _logit(y: float) -> float:
 def _bells(samples: _Samples) -> Iterator[Candidate]:
     for slope in filter(None, (_bell_slope(samples, side) for side in (-1, 1))):
         lines = [
-            _fitted([(samples.xs[i], _bell(samples.ys[i], each)) for i in inside])
-            for each in dict.fromkeys((_rounded(slope), slope))
+            _fitted([(samples.xs[i], _bell(samples.ys[i], power)) for i in inside])
+            for power in dict.fromkeys((_rounded(slope), slope))
             for inside in map(samples.steep, (-1, 1))
             if len(inside) > 2
         ]

@@ -77,8 +77,8 @@ class _Parser:
         self.variables = variables
         self.findings = findings
         self.dialect = dialect
-        found = words(HEDGES, dialect.hedges or dialect.kinds)
-        self.hedges = {word: Hedge(name) for word, name in found.items()}
+        hedge_words = words(HEDGES, dialect.hedges or dialect.kinds)
+        self.hedges = {word: Hedge(name) for word, name in hedge_words.items()}
         self.words: list[Word] = []
         self.at = 0
 

@@ -332,13 +332,13 @@ def word_and_numbers(shape: Shape, key: str) -> tuple[str, tuple[float, ...]] | 
 
     `key` is that of the names in the records; None where the program has no such shape.
     """
-    found = spellings(SHAPES[shape.kind], key) if shape.kind in SHAPES else []
-    if not found:
+    spellings_ = spellings(SHAPES[shape.kind], key) if shape.kind in SHAPES else []
+    if not spellings_:
         return None
     p = shape.parameters
     # Two words for a ramp are one for each direction: MATLAB's linsmf and linzmf.
-    falls = shape.kind == "ramp" and len(found) == 2 and p[0] > p[1]
-    spelling = found[falls]
+    falls = shape.kind == "ramp" and len(spellings_) == 2 and p[0] > p[1]
+    spelling = spellings_[falls]
     numbers = tuple(p[index] for index in spelling.order) or p
     return spelling.word, numbers if shape.height == 1.0 else (*numbers, shape.height)
 
@@ -352,8 +352,12 @@ def class_and_numbers(shape: Shape, key: str, rename: Mapping[str, str]) -> str 
     """Return class and numbers as fuzzylite writes them, or None where it has no such class."""
     if shape.kind == "formula":
         return f"Function {fuzzylite_formula(shape.formula, rename)}"
-    found = word_and_numbers(shape, key)
-    return " ".join([found[0], *map(written, found[1])]) if found is not None else None
+    word_numbers = word_and_numbers(shape, key)
+    return (
+        " ".join([word_numbers[0], *map(written, word_numbers[1])])
+        if word_numbers is not None
+        else None
+    )
 
 
 _STEPS = frozenset({"ramp", "s", "arc", "concave"})

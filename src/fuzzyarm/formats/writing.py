@@ -66,14 +66,14 @@ def identifier(name: str, reserved: frozenset[str], *, ignore_case: bool) -> str
     """Return a name as an identifier that is not reserved."""
     # A fraction or a raised digit is a word character, but no reader takes it for a letter.
     plain = "".join(c if f"_{c}".isidentifier() else " " for c in name)
-    found = re.sub(r"\W+", "_", plain).strip("_") or "_"
+    name_ = re.sub(r"\W+", "_", plain).strip("_") or "_"
     if name.isidentifier() and re.fullmatch(r"\w+", name):
-        found = name
-    elif found[0].isnumeric():
-        found = f"_{found}"
-    if (found.lower() if ignore_case else found) in reserved:
-        found = f"{found}_"
-    return found
+        name_ = name
+    elif name_[0].isnumeric():
+        name_ = f"_{name_}"
+    if (name_.lower() if ignore_case else name_) in reserved:
+        name_ = f"{name_}_"
+    return name_
 
 
 def identifiers(
@@ -86,11 +86,11 @@ def identifiers(
     """Return names that are identifiers and not reserved; report every change."""
 
     def fitted(name: str, taken: set[str], what: str) -> str:
-        found = unique_name(identifier(name, reserved, ignore_case=ignore_case), taken)
-        taken.add(found)
-        if found != name:
-            findings.warn("renamed", f"the {what} '{name}' is written as {found}")
-        return found
+        name_ = unique_name(identifier(name, reserved, ignore_case=ignore_case), taken)
+        taken.add(name_)
+        if name_ != name:
+            findings.warn("renamed", f"the {what} '{name}' is written as {name_}")
+        return name_
 
     names = Names()
     variables: set[str] = set()
@@ -259,10 +259,10 @@ class _SentenceWriter:
             inner = self.closed(self.condition(expression.operand, rule))
             return " ".join([*self.negations(expression.hedges, rule), inner])
         parts = []
-        for each in expression.operands:
-            operand = each
-            if isinstance(each, Hedged) and self.dialect.activates:
-                operand = self.pushed_in(each)
+        for operand_ in expression.operands:
+            operand = operand_
+            if isinstance(operand_, Hedged) and self.dialect.activates:
+                operand = self.pushed_in(operand_)
             text = self.condition(operand, rule)
             # To fuzzylite `and` binds tighter than `or`, to jFuzzyLogic they bind alike.
             apart = isinstance(operand, Or) or type(operand) is type(expression)
@@ -283,7 +283,7 @@ class _SentenceWriter:
         return " ".join([variable, "is", *self.hedge_words(proposition.hedges), term])
 
     def hedge_words(self, hedges: tuple[Hedge, ...]) -> list[str]:
-        found = []
+        words = []
         for hedge in hedges:
             word = word_of(HEDGES, hedge.name, self.dialect.kinds)
             if word is None:
@@ -291,8 +291,8 @@ class _SentenceWriter:
                 message = f"{self.dialect.program} has no hedge '{name}'"
                 self.findings.loss("unsupported-hedge", message)
             else:
-                found.append(word)
-        return found
+                words.append(word)
+        return words
 
     def negations(self, hedges: tuple[Hedge, ...], rule: Rule) -> list[str]:
         for hedge in hedges:

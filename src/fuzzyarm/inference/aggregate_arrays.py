@@ -141,9 +141,9 @@ def sampled_aggregate_over_arrays(plan: OutputPlan, strengths: Strengths) -> tup
     total = np.zeros((samples.size, int(np.prod(strengths.shape))))
     for member, strength in strengths.flat():
         term, hedges, implication = plan.members[member][:3]
-        found = sampled_set(term.shape, hedges, output.low, output.high, output.defuzzifier)
-        degree = np.array(found.heights)[:, None]
-        part = slice(found.first, found.first + len(degree))
+        sampled = sampled_set(term.shape, hedges, output.low, output.high, output.defuzzifier)
+        degree = np.array(sampled.heights)[:, None]
+        part = slice(sampled.first, sampled.first + len(degree))
         total[part] = norm(total[part], TNORMS[implication].array(strength, degree))
     return samples, total
 
@@ -271,7 +271,7 @@ def _crossings_over_arrays(plan: OutputPlan, entries: Entries) -> list[Array]:
         for index, strength in entries
         if (lines := cut_lines(plan.members[index].implication, strength)) is not None
     }
-    found = []
+    crossings = []
     for stretch in plan.stretches:
         if stretch.first not in forms or stretch.second not in forms:
             continue
@@ -283,8 +283,8 @@ def _crossings_over_arrays(plan: OutputPlan, entries: Entries) -> list[Array]:
             cross = np.broadcast_to(before * after < 0.0, both.shape) & both
             if cross.any():
                 share = np.where(cross, before, 0.0) / np.where(cross, before - after, 1.0)
-                found.append(stretch.start + (stretch.end - stretch.start) * share)
-    return found
+                crossings.append(stretch.start + (stretch.end - stretch.start) * share)
+    return crossings
 
 
 def panel_rule(
@@ -300,14 +300,14 @@ def panel_rule(
     for start in range(0, point.size, _AT_ONCE):
         part = slice(start, start + _AT_ONCE)
         middle, half = 0.5 * (x0[part] + x1[part]), 0.5 * (x1[part] - x0[part])
-        own = [(member, strength[point[part]]) for member, strength in entries]
+        pairs = [(member, strength[point[part]]) for member, strength in entries]
         xs = np.empty((2 * len(NODES), middle.size))
         for i, node in enumerate(NODES):
             step = half * node
             xs[2 * i], xs[2 * i + 1] = middle - step, middle + step
         xs[-2] = np.nextafter(x0[part], x1[part])
         xs[-1] = np.nextafter(x1[part], x0[part])
-        heights = _aggregate_at(plan, own, xs.T).T
+        heights = _aggregate_at(plan, pairs, xs.T).T
         whole, torque = np.zeros(middle.size), np.zeros(middle.size)
         for i, (node, weight) in enumerate(zip(NODES, WEIGHTS, strict=True)):
             left, right = heights[2 * i], heights[2 * i + 1]

@@ -161,7 +161,7 @@ def firing_strengths(
                 results[name][block] = value
     outputs = {name: result.reshape(shape) for name, result in results.items()}
     if rulebase.is_type2:
-        strengths = strengths[[own[0] for own in prepared.readings]]
+        strengths = strengths[[rows[0] for rows in prepared.readings]]
     return strengths.reshape(-1, *shape), outputs
 
 

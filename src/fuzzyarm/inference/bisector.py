@@ -89,11 +89,11 @@ def bisector_over_arrays(plan: OutputPlan, strengths: Strengths) -> tuple[Array,
         reached = running >= (share * total)[point]
         panel = np.minimum.reduceat(np.where(reached, np.arange(point.size), point.size), first)
         panel = np.minimum(panel, last)
-        wanted = share * total - before[panel]
-        a, b, own = x0[panel].copy(), x1[panel].copy(), np.arange(size)
+        target = share * total - before[panel]
+        a, b, points = x0[panel].copy(), x1[panel].copy(), np.arange(size)
         for _ in range(STEPS):
             middle = 0.5 * (a + b)
-            below = panel_rule(plan, entries, own, x0[panel], middle, 0.0)[0] < wanted
+            below = panel_rule(plan, entries, points, x0[panel], middle, 0.0)[0] < target
             a, b = np.where(below, middle, a), np.where(below, b, middle)
         value += 0.5 * (0.5 * (a + b))
     return value.reshape(strengths.shape), total.reshape(strengths.shape)

@@ -65,17 +65,17 @@ def cut_into_cells(propositions: Sequence[tuple[int, Lines]], low: float, high: 
     for edge, degrees, cell in zip(cut.edges, cut.at, cut.cells[1:], strict=True):
         parts = [(edge, cell)]
         if edge in cut.apart:
-            own = {number: Line(degree, 0.0, 0.0) for number, degree in degrees.items()}
-            parts = [(edge, own), (math.nextafter(edge, math.inf), cell)]
-        for start, found in parts:
+            constants = {number: Line(degree, 0.0, 0.0) for number, degree in degrees.items()}
+            parts = [(edge, constants), (math.nextafter(edge, math.inf), cell)]
+        for start, lines_here in parts:
             # What lies in front of the range does not occur; a corner may stand on the float behind
             # another that has a cell of its own. The end of the range has one where the lines in
             # front of it would round otherwise there.
             if start <= low or start == edges[-1]:
-                lines[-1] = found
+                lines[-1] = lines_here
             elif start < high or (start == high and not _reaches(lines[-1], degrees, high)):
                 edges.append(start)
-                lines.append(found)
+                lines.append(lines_here)
     first, scale, buckets = _buckets([*edges, math.inf])
     return Cells((*edges, math.inf), tuple(lines), first, scale, buckets)
 

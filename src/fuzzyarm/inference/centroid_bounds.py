@@ -229,10 +229,10 @@ def average_bounds(
         area = sums_from_left(low) + sums_from_right(high)
         moment = sums_from_left(low * x) + sums_from_right(high * x)
         with np.errstate(all="ignore"):
-            found = np.where(area > 0.0, moment / area, -np.inf).max(axis=-1)
-        return np.asarray(found + 1e-13 * np.abs(x).max(axis=-1))
+            quotients = np.where(area > 0.0, moment / area, -np.inf).max(axis=-1)
+        return np.asarray(quotients + 1e-13 * np.abs(x).max(axis=-1))
 
-    greatest, least = (np.broadcast_to(each, upper.shape) for each in (greatest, least))
+    greatest, least = (np.broadcast_to(end, upper.shape) for end in (greatest, least))
     top, bottom = highest(greatest), -highest(-least)
     nothing = ~(upper > 0.0).any(axis=-1)
     return np.where(nothing, np.nan, bottom), np.where(nothing, np.nan, top)
@@ -276,7 +276,7 @@ def _last_above(numbers: Array, left: Array, right: Array, can_count: Any) -> Ar
 
     order = np.argsort(numbers, axis=-1, kind="stable")
     x, low, high, counts = (
-        np.take_along_axis(each, order, -1) for each in (numbers, left, right, can_count)
+        np.take_along_axis(array, order, -1) for array in (numbers, left, right, can_count)
     )
     scale = 1e-13 * np.abs(x).max(axis=-1)
     # Behind the number k: what counts on its left, itself included, and on its right.

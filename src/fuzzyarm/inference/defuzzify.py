@@ -231,19 +231,19 @@ def _point_by_point(
     import numpy as np
 
     size = int(np.prod(strengths.shape))
-    found, fires = np.zeros(size), np.zeros(size, dtype=bool)
+    results, fires = np.zeros(size), np.zeros(size, dtype=bool)
     entries = [(member, strength.tolist()) for member, strength in strengths.flat()]
-    given = {
+    arguments = {
         name: np.broadcast_to(value, strengths.shape).ravel().tolist()
         for name, value in values.items()
     }
     for i in range(size):
         fired = [(member, strength[i]) for member, strength in entries if strength[i] > 0.0]
-        here = {name: value[i] for name, value in given.items()}
+        here = {name: value[i] for name, value in arguments.items()}
         value = defuzzify_at_point(plan, fired, here, inputs) if fired else None
         if value is not None:
-            found[i], fires[i] = value, True
-    return found.reshape(strengths.shape), fires.reshape(strengths.shape)
+            results[i], fires[i] = value, True
+    return results.reshape(strengths.shape), fires.reshape(strengths.shape)
 
 
 def _centroid_over_arrays(plan: OutputPlan, strengths: Strengths) -> tuple[Array, Array]:
@@ -261,8 +261,8 @@ def _consequent_values(
     import numpy as np
 
     if member.formula is not None:
-        found: Array = member.term.shape.height * member.formula.evaluate_arrays(values)
-        return found
+        results: Array = member.term.shape.height * member.formula.evaluate_arrays(values)
+        return results
     *coefficients, constant = member.term.shape.parameters
     total = np.asarray(constant)
     for coefficient, name in zip(coefficients, inputs, strict=True):

@@ -54,11 +54,11 @@ def microseconds(rulebase: RuleBase) -> float:
     InferenceError
         If the model cannot be evaluated.
     """
-    made = plan(rulebase)
+    plan_ = plan(rulebase)
     covered = not what_is_not_covered(rulebase)
     per_rule = PER_RULE if covered else PER_RULE_OF_NUMPY
-    rules = per_rule * len(made.rules)
-    return rules + sum(_of_output(output, covered=covered) for output in made.outputs.values())
+    rules = per_rule * len(plan_.rules)
+    return rules + sum(_of_output(output, covered=covered) for output in plan_.outputs.values())
 
 
 def points_within(rulebase: RuleBase, seconds: float, *, least: int, most: int) -> int:

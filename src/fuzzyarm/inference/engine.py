@@ -151,11 +151,11 @@ class Compiled:
             What :func:`fuzzyarm.infer` returns, and it raises the same errors.
         """
         if not values and held is None:  # the thin path
-            found = self._ordinary(named)
-            if found is not None:
-                return found
-        given, labels = gathered(self._mapping(values), named, self.rulebase.inputs)
-        general = self._general(given, held)
+            result = self._ordinary(named)
+            if result is not None:
+                return result
+        values_, labels = gathered(self._mapping(values), named, self.rulebase.inputs)
+        general = self._general(values_, held)
         return general if labels is None else labels.on(general)
 
     def _general(
@@ -220,8 +220,8 @@ class _Engine:
         self.rulebase = rulebase
         self._layout = layout
         self._compiled = compiled
-        wanted = min(POINTS_PER_PROGRAM * layout.programs, LONGEST_CHUNK)
-        self._chunk = max(CHUNK, wanted)
+        length = min(POINTS_PER_PROGRAM * layout.programs, LONGEST_CHUNK)
+        self._chunk = max(CHUNK, length)
         self._free: list[tuple[Block, Callable[[], None]]] = []
         self._sweeps: list[Callable[[tuple[Any, ...], int, int], int]] = []
         self.at, self.named = self._point_functions(make_block(layout, 1))
@@ -338,7 +338,7 @@ class _Engine:
         except IndexError:
             block = make_block(self._layout, self._chunk)
             run_block = on_block(sweep, block.numbers, compiled=self._compiled)
-        shape = tuple(each.stop - each.start for each in part)
+        shape = tuple(slice_.stop - slice_.start for slice_ in part)
         count = math.prod(shape)
         block.points[0] = count
         for column, array in zip(block.columns, arrays.values(), strict=True):
@@ -359,8 +359,8 @@ class _Engine:
         """Let the engine for arrays settle points without an ordinary value."""
         where = np.isnan(results).any(axis=0)
         left = {name: np.broadcast_to(a, working)[where] for name, a in arrays.items()}
-        found = infer_arrays(self.rulebase, left, held)
-        for result, values in zip(results, found.values(), strict=True):
+        outputs = infer_arrays(self.rulebase, left, held)
+        for result, values in zip(results, outputs.values(), strict=True):
             result[where] = values
 
 
@@ -383,8 +383,8 @@ def infer_many(
         As :func:`fuzzyarm.infer`.
     """
     if has_machine_code():
-        found: dict[str, Any] = _compiled(rulebase)(dict(given), held=held)
-        return found
+        outputs: dict[str, Any] = _compiled(rulebase)(dict(given), held=held)
+        return outputs
     return dict(infer_arrays(rulebase, given, held))
 
 

@@ -146,10 +146,10 @@ class _Doubling:
             rules: list[Rule] = []
             for rule in block.rules:
                 self._refuse(rule, concluded)
-                own = self._read_twice(rule)
-                readings.append(tuple(range(count, count + len(own))))
-                count += len(own)
-                rules += own
+                readings_here = self._read_twice(rule)
+                readings.append(tuple(range(count, count + len(readings_here))))
+                count += len(readings_here)
+                rules += readings_here
             blocks.append(replace(block, rules=tuple(rules)))
         rulebase = replace(
             self.rulebase,
@@ -184,7 +184,7 @@ class _Doubling:
             else consequent
             for consequent in rule.consequents
         )
-        lower = tuple(self._consequent(each, LOWER) for each in two_sided)
+        lower = tuple(self._consequent(term, LOWER) for term in two_sided)
         return [
             replace(rule, antecedent=self._read(rule.antecedent, UPPER), consequents=upper),
             replace(rule, antecedent=self._read(rule.antecedent, LOWER), consequents=lower),
@@ -306,8 +306,8 @@ def ends(rulebase: RuleBase) -> Ends:
             names[output.name] = (output.name, output.name)
             outputs.append(output)
             continue
-        own = [_free(f"{output.name} ({side})", taken) for side in ("left", "right")]
-        names[output.name] = own[0], own[1]
+        own_names = [_free(f"{output.name} ({side})", taken) for side in ("left", "right")]
+        names[output.name] = own_names[0], own_names[1]
         if _is_read(rulebase, output.name):
             outputs.append(output)
         outputs += [
@@ -316,15 +316,19 @@ def ends(rulebase: RuleBase) -> Ends:
                 name=name,
                 defuzzifier=replace(output.defuzzifier, method=DEFUZZIFIERS.plain(side)),
             )
-            for name, side in zip(own, ("left", "right"), strict=True)
+            for name, side in zip(own_names, ("left", "right"), strict=True)
         ]
-    kept = {output.name for output in outputs}
+    names_kept = {output.name for output in outputs}
     blocks = tuple(
-        replace(block, rules=tuple(_concluding_ends(rule, names, kept) for rule in block.rules))
+        replace(
+            block, rules=tuple(_concluding_ends(rule, names, names_kept) for rule in block.rules)
+        )
         for block in rulebase.blocks
     )
-    made = replace(rulebase, outputs=tuple(outputs), blocks=blocks, expectations=(), properties=())
-    return Ends(made, names)
+    rulebase_ = replace(
+        rulebase, outputs=tuple(outputs), blocks=blocks, expectations=(), properties=()
+    )
+    return Ends(rulebase_, names)
 
 
 def _has_both_ends(output: Output) -> bool:

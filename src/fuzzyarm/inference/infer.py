@@ -74,9 +74,9 @@ def infer(
     {'u': array([ 1.24439919,  0.        , -1.24439919])}
     """
     rulebase = rulebase.model
-    given, labels = gathered(inputs, named, rulebase.inputs)
-    found = _outputs(rulebase, given, held, None if outputs is None else tuple(outputs))
-    return found if labels is None else labels.on(found)
+    values, labels = gathered(inputs, named, rulebase.inputs)
+    outputs_ = _outputs(rulebase, values, held, None if outputs is None else tuple(outputs))
+    return outputs_ if labels is None else labels.on(outputs_)
 
 
 def _outputs(
@@ -138,11 +138,15 @@ def infer_interval(
     >>> print(f"{left:.10f} .. {right:.10f}")
     5.4202799202 .. 9.4553511985
     """
-    found = both_ends(rulebase.model)
-    names = found.names if outputs is None else _named(found.names, outputs)
-    wanted = None if outputs is None else dict.fromkeys(n for pair in names.values() for n in pair)
-    each = {end: value for name, value in (held or {}).items() for end in names.get(name, (name,))}
-    values = infer(found.rulebase, inputs, held=each, outputs=wanted, **named)
+    ends = both_ends(rulebase.model)
+    names = ends.names if outputs is None else _named(ends.names, outputs)
+    names_wanted = (
+        None if outputs is None else dict.fromkeys(n for pair in names.values() for n in pair)
+    )
+    held_ends = {
+        end: value for name, value in (held or {}).items() for end in names.get(name, (name,))
+    }
+    values = infer(ends.rulebase, inputs, held=held_ends, outputs=names_wanted, **named)
     return {name: (values[left], values[right]) for name, (left, right) in names.items()}
 
 
@@ -155,9 +159,9 @@ def both_ends(rulebase: RuleBase) -> Ends:
 def _named(
     names: Mapping[str, tuple[str, str]], outputs: Iterable[str]
 ) -> dict[str, tuple[str, str]]:
-    wanted = list(outputs)
-    check_names(wanted, names, what="output")
-    return {name: names[name] for name in wanted}
+    wanted_names = list(outputs)
+    check_names(wanted_names, names, what="output")
+    return {name: names[name] for name in wanted_names}
 
 
 def _some(
@@ -171,14 +175,14 @@ def _some(
     check_names(given, [variable.name for variable in rulebase.inputs])
     check_names(held or (), [variable.name for variable in rulebase.outputs], what="output")
     needed = {variable.name for variable in part.inputs}
-    known = {variable.name for variable in part.outputs}
-    found = _outputs(
+    names_there = {variable.name for variable in part.outputs}
+    results = _outputs(
         part,
         {name: value for name, value in given.items() if name in needed},
-        {name: value for name, value in (held or {}).items() if name in known},
+        {name: value for name, value in (held or {}).items() if name in names_there},
         None,
     )
-    return {name: found[name] for name in outputs}
+    return {name: results[name] for name in outputs}
 
 
 # --- Run the `expect` lines of a rule base ---
@@ -228,8 +232,8 @@ def check_expectations(
 
 
 def _as_array(rulebase: RuleBase, inputs: Mapping[str, float]) -> Mapping[str, float]:
-    found = infer(rulebase, {name: [value] for name, value in inputs.items()})
-    return {name: float(values[0]) for name, values in found.items()}
+    results = infer(rulebase, {name: [value] for name, value in inputs.items()})
+    return {name: float(values[0]) for name, values in results.items()}
 
 
 def _check(
@@ -272,20 +276,20 @@ def holds(outcome: Outcome, value: float, output: Output) -> bool:
     output : Output
         Whose range gives the tolerance of an ``=`` without one.
     """
-    wanted = outcome.value
+    target = outcome.value
     if outcome.relation == "=":
         width = output.high - output.low
-        scale = width if math.isfinite(width) else max(1.0, abs(wanted))
+        scale = width if math.isfinite(width) else max(1.0, abs(target))
         tolerance = DEFAULT_TOLERANCE * scale if outcome.other is None else outcome.other
-        return abs(value - wanted) <= tolerance
+        return abs(value - target) <= tolerance
     if outcome.relation == "in":
-        end = wanted if outcome.other is None else outcome.other
-        return min(wanted, end) <= value <= max(wanted, end)
+        end = target if outcome.other is None else outcome.other
+        return min(target, end) <= value <= max(target, end)
     relations = {
-        "<": value < wanted,
-        "<=": value <= wanted,
-        ">": value > wanted,
-        ">=": value >= wanted,
+        "<": value < target,
+        "<=": value <= target,
+        ">": value > target,
+        ">=": value >= target,
     }
     return relations[outcome.relation]
 

@@ -105,11 +105,11 @@ def _vertices(plan: OutputPlan, fired: Fired) -> tuple[list[float], list[float]]
 
 def _part(plan: OutputPlan, index: int, strength: float, count: int) -> _Part:
     output, member = plan.output, plan.members[index]
-    found = sampled_set(
+    sampled = sampled_set(
         member.term.shape, member.hedges, output.low, output.high, output.defuzzifier
     )
     cut = TNORMS[member.implication].scalar
-    return _Part(found.over(count), strength, cut, member.implication == "min")
+    return _Part(sampled.over(count), strength, cut, member.implication == "min")
 
 
 def _half(xs: list[float], ys: list[float], areas: list[float], half: float) -> float:
@@ -153,8 +153,8 @@ def joined_over_arrays(plan: OutputPlan, strengths: Strengths) -> tuple[ArrayFig
     step = max(1, _AT_ONCE // ((len(entries) + 2) * count))
     for start in range(0, size, step):
         part = slice(start, start + step)
-        own = [(member, strength[part]) for member, strength in entries]
-        value[part], total[part] = _some(plan, own)
+        pairs = [(member, strength[part]) for member, strength in entries]
+        value[part], total[part] = _some(plan, pairs)
     (name,) = plan.record.symbols
     return {name: value.reshape(strengths.shape)}, total.reshape(strengths.shape)
 
@@ -211,15 +211,15 @@ def _halves(xs: Array, width: Array, y: Array, z: Array, areas: Array, total: Ar
     """Return for each point where the area from the left reaches a half."""
     import numpy as np
 
-    flat = [each.reshape(len(total), -1) for each in (xs, width, y, z, areas)]
+    flat = [array.reshape(len(total), -1) for array in (xs, width, y, z, areas)]
     running = np.cumsum(flat[4], axis=1)
     index = (running >= 0.5 * total[:, None]).argmax(axis=1)
     before = np.concatenate([np.zeros((len(total), 1)), running[:, :-1]], axis=1)
     a, w, y, z, reached = [
-        np.take_along_axis(each, index[:, None], axis=1)[:, 0] for each in (*flat[:4], before)
+        np.take_along_axis(array, index[:, None], axis=1)[:, 0] for array in (*flat[:4], before)
     ]
-    wanted = 0.5 * total - reached
+    target = 0.5 * total - reached
     slope = np.divide(z - y, w, out=np.zeros_like(w), where=w > 0.0)
-    root = np.sqrt(np.maximum(0.0, y * y + 2.0 * slope * wanted))
-    far = np.divide(2.0 * wanted, y + root, out=np.zeros_like(w), where=y + root > 0.0)
+    root = np.sqrt(np.maximum(0.0, y * y + 2.0 * slope * target))
+    far = np.divide(2.0 * target, y + root, out=np.zeros_like(w), where=y + root > 0.0)
     return np.asarray(a + np.minimum(w, np.maximum(0.0, far)))

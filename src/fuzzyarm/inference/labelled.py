@@ -42,19 +42,19 @@ def gathered(
     InferenceError
         If an input is given twice, or the labels of two inputs differ.
     """
-    given = by_name(inputs, named, variables)
-    for value in given.values():
+    values_by_name = by_name(inputs, named, variables)
+    for value in values_by_name.values():
         if type(value) is not float and _library(value):  # floats are most, and this is quick
             break
     else:
-        return given, None
-    labelled = {name: value for name, value in given.items() if _library(value)}
+        return values_by_name, None
+    labelled = {name: value for name, value in values_by_name.items() if _library(value)}
     libraries = {_library(value) for value in labelled.values()}
     if len(libraries) > 1:
         raise InferenceError("inputs are labelled by pandas or by xarray, not by both")
     make = _of_pandas if libraries == {"pandas"} else _of_xarray
-    plain, wrap = make(labelled, given)
-    return {**given, **plain}, Labels(wrap, type(inputs) if _library(inputs) else None)
+    plain, wrap = make(labelled, values_by_name)
+    return {**values_by_name, **plain}, Labels(wrap, type(inputs) if _library(inputs) else None)
 
 
 def by_name(inputs: Any, named: Mapping[str, Any], variables: Sequence[Variable]) -> dict[str, Any]:
@@ -63,18 +63,18 @@ def by_name(inputs: Any, named: Mapping[str, Any], variables: Sequence[Variable]
         return dict(named)
     names = [variable.name for variable in variables]
     if _library(inputs):
-        given = {name: inputs[name] for name in names if name in inputs}
+        values_by_name = {name: inputs[name] for name in names if name in inputs}
     elif isinstance(inputs, Mapping):
-        given = dict(inputs)
+        values_by_name = dict(inputs)
     else:
         kind = type(inputs).__name__
         message = f"inputs are given by name (a mapping, DataFrame or Dataset), not as {kind}"
         raise InferenceError(message, hint=f"for instance {names[0]}=…" if names else "")
     for name, value in named.items():
-        if name in given:
+        if name in values_by_name:
             raise InferenceError(f"input '{name}' is given twice")
-        given[name] = value
-    return given
+        values_by_name[name] = value
+    return values_by_name
 
 
 def _library(value: Any) -> str:
@@ -140,8 +140,10 @@ def _fitting(first: str, values: Any, shape: tuple[int, ...]) -> Any:
     try:
         return np.broadcast_to(values, shape)
     except ValueError:
-        found = np.shape(values)
-        message = f"'{first}' has labels for the shape {shape}, the inputs together have {found}"
+        broadcast = np.shape(values)
+        message = (
+            f"'{first}' has labels for the shape {shape}, the inputs together have {broadcast}"
+        )
         raise InferenceError(message) from None
 
 
@@ -179,6 +181,6 @@ def _of_xarray(
 
 def _on_dims(array: Any, dims: Sequence[Any]) -> Any:
     """Return the values of a DataArray, with an axis of size 1 for each of `dims` that it lacks."""
-    own = [dim for dim in dims if dim in array.dims]
-    index = tuple(slice(None) if dim in own else None for dim in dims)
-    return array.transpose(*own).to_numpy()[index]
+    own_dims = [dim for dim in dims if dim in array.dims]
+    index = tuple(slice(None) if dim in own_dims else None for dim in dims)
+    return array.transpose(*own_dims).to_numpy()[index]

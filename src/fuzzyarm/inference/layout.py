@@ -135,9 +135,9 @@ class _Writer:
         """Give propositions numbers; rules that a plan before had, as in tuning, keep theirs."""
         self.numbers: dict[Proposition, int] = {}
         self.truths: dict[tuple[Expression, str, str], _Truth] = {}  # inner ones first
-        for known in _last_numbered:
-            if known.planned is self.plan.rules:
-                self.numbers, self.rules = known.numbers, known.rules
+        for numbered in _last_numbered:
+            if numbered.planned is self.plan.rules:
+                self.numbers, self.rules = numbered.numbers, numbered.rules
                 return
         self.rules = [self._rule(i, planned) for i, planned in enumerate(self.plan.rules)]
         # Norms and hedges by address belong to one process, or to the text of one export.
@@ -225,14 +225,16 @@ class _Writer:
 
     def _alive(self, rule: LaidRule) -> list[Sequence[int]]:
         """Return for each input the cells in which a rule can fire."""
-        found: list[Sequence[int]] = []
+        alive: list[Sequence[int]] = []
         for cells, homes in zip(self.cells, self.homes, strict=True):
-            own = [homes[part] for part in rule.parts if part in homes] if rule.conjunction else []
-            if len(own) < 2:
-                found.append(own[0] if own else range(len(cells.lines)))
+            cells_of_parts = (
+                [homes[part] for part in rule.parts if part in homes] if rule.conjunction else []
+            )
+            if len(cells_of_parts) < 2:
+                alive.append(cells_of_parts[0] if cells_of_parts else range(len(cells.lines)))
             else:
-                found.append(sorted(set(own[0]).intersection(*own[1:])))
-        return found
+                alive.append(sorted(set(cells_of_parts[0]).intersection(*cells_of_parts[1:])))
+        return alive
 
     # ── writing ──────────────────────────────────────────────────────────────────────
 
@@ -299,8 +301,8 @@ class _Writer:
                 [output_writer.places() for output_writer in writers],
             )
         )
-        known = _programs.get(key)
-        if known is None:
+        earlier = _programs.get(key)
+        if earlier is None:
             self._write_each_program(writers, strides, count)
             if len(self.whole) - first <= MOST_KEPT:
                 if len(_programs) >= MOST_KNOWN:
@@ -308,7 +310,7 @@ class _Writer:
                 rows = tuple(writer.heights for writer in writers)
                 _programs[key] = (tuple(self.whole[first:]), rows)
             return
-        programs, rows = known
+        programs, rows = earlier
         self.whole += programs
         for writer, heights in zip(writers, rows, strict=True):
             writer.heights = heights
@@ -345,9 +347,9 @@ class _Writer:
         listed = [sorted(lines) for lines in cells.lines]
         most = max(map(len, listed))
         here: list[tuple[int, int]] = []
-        for found, lines in zip(listed, cells.lines, strict=True):
-            here.append((len(self.floats), len(found)))
-            for part in found:
+        for parts_here, lines in zip(listed, cells.lines, strict=True):
+            here.append((len(self.floats), len(parts_here)))
+            for part in parts_here:
                 self.floats += lines[part]
         self.lines.append(here)
         curves = len(self.whole)
@@ -361,7 +363,7 @@ class _Writer:
                 self.marks.append(Mark(*mark))
         always = {part: row + most + j for j, (part, _) in enumerate(self.curves[i])}
         self.rows.append(
-            [{part: row + j for j, part in enumerate(found)} | always for found in listed]
+            [{part: row + j for j, part in enumerate(parts_here)} | always for parts_here in listed]
         )
         head = at.HEAD + at.INPUT_HEAD * i
         self.whole[head : head + at.INPUT_HEAD] = [
@@ -386,17 +388,17 @@ class _Writer:
 
     def record(self, rule: LaidRule, rows: Mapping[int, int]) -> list[int]:
         """Return [norm, weight, operands …] of a rule; that of zeros for a term that is 0 there."""
-        found = [rule.norm, self.rule_floats[rule.number]]
-        found += [rows.get(part, self.zero) for part in rule.parts]
-        own = rule.norm not in at.BY_ITSELF  # which passes over a row of ones
-        neutral = self.one if rule.conjunction or own else self.zero
-        return found + [neutral] * (self.operands - len(rule.parts))
+        rows_of_rule = [rule.norm, self.rule_floats[rule.number]]
+        rows_of_rule += [rows.get(part, self.zero) for part in rule.parts]
+        is_by_itself = rule.norm not in at.BY_ITSELF  # which passes over a row of ones
+        neutral = self.one if rule.conjunction or is_by_itself else self.zero
+        return rows_of_rule + [neutral] * (self.operands - len(rule.parts))
 
 
 def _homes(cells: Cells) -> dict[int, list[int]]:
     """Return of each straight proposition in which cells it is not zero."""
-    found: dict[int, list[int]] = {}
+    homes: dict[int, list[int]] = {}
     for cell, lines in enumerate(cells.lines):
         for part in lines:
-            found.setdefault(part, []).append(cell)
-    return found
+            homes.setdefault(part, []).append(cell)
+    return homes

@@ -118,11 +118,11 @@ def _plateaus(plan: OutputPlan, fired: Fired) -> Intervals:
     greatest = max(height for height, _, _ in heights)
     if not greatest > 0.0:
         return []
-    found = [each for each in heights if each[0] >= greatest * (1.0 - SAME)]
-    wide = [(a, b) for _, a, b in found if b > a]
-    wide += _widened(value, sorted({x for _, x, _ in found}), greatest, curves)
+    highest = [each for each in heights if each[0] >= greatest * (1.0 - SAME)]
+    wide = [(a, b) for _, a, b in highest if b > a]
+    wide += _widened(value, sorted({x for _, x, _ in highest}), greatest, curves)
     near = NEAR * (output.high - output.low)
-    return _apart(found, near) + [(a, b) for a, b in _joined(wide) if b - a > near]
+    return _apart(highest, near) + [(a, b) for a, b in _joined(wide) if b - a > near]
 
 
 def _cells_to_search(
@@ -142,8 +142,8 @@ def _cells_to_search(
     bounds = []
     for k, (x0, x1) in enumerate(cells):
         low = high = 0.0
-        for implication, strength, own in parts:
-            least, most = own[k]
+        for implication, strength, cells_here in parts:
+            least, most = cells_here[k]
             low = norm(low, implication(strength, least))
             high = norm(high, implication(strength, most))
         bounds.append((low, high, x0, x1))
@@ -161,18 +161,18 @@ def _cells_to_search(
 
 def _degrees_at_ends(member: Member, cells: Intervals) -> list[tuple[float, float]]:
     """Return the least and the greatest degree of a set in each cell."""
-    pieces, found, k = member.pieces, [], 0
+    pieces, ends, k = member.pieces, [], 0
     for x0, x1 in cells:
         while k + 1 < len(pieces) and pieces[k].x1 <= x0:
             k += 1
         piece = pieces[k]
         if piece.y0 == piece.y1:
-            found.append((piece.y0, piece.y0))
+            ends.append((piece.y0, piece.y0))
             continue
         left = piece.y0 if x0 <= piece.x0 else member.membership(x0)
         right = piece.y1 if x1 >= piece.x1 else member.membership(x1)
-        found.append((left, right) if left <= right else (right, left))
-    return found
+        ends.append((left, right) if left <= right else (right, left))
+    return ends
 
 
 def _joined(stretches: Intervals) -> Intervals:
@@ -213,14 +213,14 @@ def _greatest_on_lines(plan: OutputPlan, fired: Fired, x0: float, x1: float) -> 
     def height(share: float) -> float:
         return reduce(norm, ((1.0 - share) * a + share * b for a, b in ends), 0.0)
 
-    found = []
+    heights_found = []
     for start, end in pairwise(sorted(shares)):
         a, b = (x0 + (x1 - x0) * share for share in (start, end))
         inside = [height(start + (end - start) * share) for share in (1e-6, 0.5, 1.0 - 1e-6)]
         if max(inside) - min(inside) <= SAME * max(inside):
-            found.append((min(inside), a, b))
-        found += [(height(start), a, a), (height(end), b, b)]
-    return found
+            heights_found.append((min(inside), a, b))
+        heights_found += [(height(start), a, a), (height(end), b, b)]
+    return heights_found
 
 
 def _ends_of_line(member: Member, strength: float, x0: float, x1: float) -> tuple[float, float]:
@@ -244,12 +244,12 @@ def _greatest_on_curves(value: Callable[[float], float], x0: float, x1: float) -
     # Beside an end, too: a top may lie between it and the next sample.
     xs[1:1], xs[-1:-1] = [xs[0] + 1e-3 * (xs[1] - xs[0])], [xs[-1] - 1e-3 * (xs[-1] - xs[-2])]
     ys = [value(x) for x in xs]
-    found = [(y, x, x) for x, y in zip(xs, ys, strict=True)]
+    heights_found = [(y, x, x) for x, y in zip(xs, ys, strict=True)]
     for i in range(1, len(xs) - 1):
         if ys[i] >= ys[i - 1] and ys[i] >= ys[i + 1] and ys[i] > min(ys[i - 1], ys[i + 1]):
             x = golden(value, xs[i - 1], xs[i + 1], 1.0, xs[i])
-            found.append((value(x), x, x))
-    return found
+            heights_found.append((value(x), x, x))
+    return heights_found
 
 
 def _widened(
@@ -339,8 +339,11 @@ def sampled_maxima_over_arrays(
     """Return the positions among the samples and the greatest heights (0: nothing fired)."""
     from fuzzyarm.inference.aggregate_arrays import sampled_aggregate_over_arrays
 
-    found, top = greatest_of_many(plan, *sampled_aggregate_over_arrays(plan, strengths))
-    positions = {name: each.reshape(strengths.shape) for name, each in found.items()}
+    flat_positions, top = greatest_of_many(plan, *sampled_aggregate_over_arrays(plan, strengths))
+    positions = {
+        name: positions_flat.reshape(strengths.shape)
+        for name, positions_flat in flat_positions.items()
+    }
     return positions, top.reshape(strengths.shape)
 
 
@@ -354,13 +357,13 @@ def greatest_of_many(
 
     top = heights.max(axis=0)
     among = heights >= top * (1.0 - SAME)
-    found = {}
+    positions = {}
     for name in plan.record.symbols:  # the mean takes longest
         if name == "first":
-            found[name] = samples[among.argmax(axis=0)]
+            positions[name] = samples[among.argmax(axis=0)]
         elif name == "last":
-            found[name] = samples[samples.size - 1 - among[::-1].argmax(axis=0)]
+            positions[name] = samples[samples.size - 1 - among[::-1].argmax(axis=0)]
         else:
             there = np.where(among, samples[:, None], 0.0)
-            found[name] = added_up_rows(there) / among.sum(axis=0)
-    return found, top
+            positions[name] = added_up_rows(there) / among.sum(axis=0)
+    return positions, top

@@ -241,12 +241,12 @@ class OutputWriter:
         if self.program is JOINED:
             self.samples = 2 * (2 + self._most_groups)
         for i, member in enumerate(self.plan.members):
-            found = sampled_set(
+            sampled = sampled_set(
                 member.term.shape, member.hedges, output.low, output.high, output.defuzzifier
             )
-            begin, heights = found.first, found.heights
+            begin, heights = sampled.first, sampled.heights
             if self.loose:  # a sample for each position, also where the set is 0 now
-                begin, heights = 0, found.over(count)
+                begin, heights = 0, sampled.over(count)
             self.consequents[i] = len(self.base.whole)
             cut = self._norm(TNORMS[member.implication], "T")
             end, first = begin + len(heights), self._floats(heights)
@@ -264,10 +264,10 @@ class OutputWriter:
 
     def _mark(self, sort: str, member: int, begin: int, room: int) -> None:
         """Note where the numbers of a consequent without hedges stand in a loose layout."""
-        found, output = self.plan.members[member], self.plan.output
-        if self.loose and not found.hedges:
-            counted, scaled = self.consequents[member], found.implication == "product"
-            mark = Mark(sort, output.name, found.term.name, counted, begin, room, scaled)
+        member_, output = self.plan.members[member], self.plan.output
+        if self.loose and not member_.hedges:
+            counted, scaled = self.consequents[member], member_.implication == "product"
+            mark = Mark(sort, output.name, member_.term.name, counted, begin, room, scaled)
             self.base.marks.append(mark)
 
     def _write_pieces(self) -> int:
@@ -408,8 +408,8 @@ class OutputWriter:
     def _write_numbers(self) -> int:
         inputs = [variable.name for variable in self.base.plan.rulebase.inputs]
         for i, member in enumerate(self.plan.members):
-            sort, head, own = self._number(member, inputs)
-            own_at = self._floats(own)
+            sort, head, numbers_here = self._number(member, inputs)
+            own_at = self._floats(numbers_here)
             self.consequents[i] = len(self.base.whole)
             self.base.whole += [*head, sort, own_at]
             if sort == positions.CONSTANT:
@@ -504,14 +504,14 @@ class OutputWriter:
                 top = above[0] if len(above) == 1 else len(members) + unions.index(above)
                 terms.append((group_of[member], top, layers))
         self.heights = max(self.heights, len(members) + len(unions))
-        found = [len(unions)]
+        numbers_flat = [len(unions)]
         for union in unions:
-            found += [len(union), *union]
-        found.append(sum(count for _, _, (count, _) in terms))
-        for own, other, (count, floats) in terms:
+            numbers_flat += [len(union), *union]
+        numbers_flat.append(sum(count for _, _, (count, _) in terms))
+        for layer_number, other, (count, floats) in terms:
             for layer in range(floats, floats + at.LAYER * count, at.LAYER):
-                found += (own, other, layer)
-        return found
+                numbers_flat += (layer_number, other, layer)
+        return numbers_flat
 
 
 def _renamed(root: Node, names: Sequence[str], others: Sequence[str]) -> Node:

@@ -115,11 +115,11 @@ def closed_form(
     if any(len(pieces) > MOST_PIECES for pieces in profiles):
         return None
     centre = (low + high) / 2
-    own = tuple(
+    members_form = tuple(
         _layers([_Line(*piece[:4]) for piece in pieces], centre, same_level) for pieces in profiles
     )
     if not united:
-        return ClosedForm(centre, own, ())
+        return ClosedForm(centre, members_form, ())
     stretches: dict[tuple[int, tuple[int, ...]], list[_Line]] = {}
     for cell in _cells(profiles):
         if len(cell) > MOST_OVERLAPPING:
@@ -135,7 +135,7 @@ def closed_form(
         Overlap(member, above, _layers(lines, centre, same_level))
         for (member, above), lines in sorted(stretches.items())
     )
-    return ClosedForm(centre, own, overlaps)
+    return ClosedForm(centre, members_form, overlaps)
 
 
 def _cells(profiles: Sequence[Sequence[Piece]]) -> list[list[tuple[int, _Line]]]:

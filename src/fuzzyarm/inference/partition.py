@@ -51,15 +51,17 @@ def cut_at_corners(terms: Sequence[tuple[int, Lines]]) -> Partition:
     at: list[dict[int, float]] = [{} for _ in edges]
     apart: set[float] = set()
     for number, lines in terms:
-        own = [index_of[edge] for edge in lines.edges]
-        for line, first, last in zip(lines.between, [-1, *own], [*own, len(edges)], strict=True):
+        indices = [index_of[edge] for edge in lines.edges]
+        for line, first, last in zip(
+            lines.between, [-1, *indices], [*indices, len(edges)], strict=True
+        ):
             if line.height == 0.0 and line.slope == 0.0:
                 continue
             for cell in range(first + 1, last + 1):
                 cells[cell][number] = line
             for i in range(first + 1, last):  # corners of other terms
                 at[i][number] = line.at(edges[i])
-        for i, height, behind in zip(own, lines.heights, lines.between[1:], strict=True):
+        for i, height, behind in zip(indices, lines.heights, lines.between[1:], strict=True):
             if height != 0.0:
                 at[i][number] = height
             if behind.at(edges[i]) != height:

@@ -126,13 +126,13 @@ def halving_bounds(
 
     def furthest(numbers: Array) -> Array:
         order = np.argsort(numbers, axis=-1, kind="stable")
-        x, low, high = (np.take_along_axis(each, order, -1) for each in (numbers, lower, upper))
+        x, low, high = (np.take_along_axis(array, order, -1) for array in (numbers, lower, upper))
         left = sums_from_left(low)[..., 1:] * (1.0 - TIE)
         right = sums_from_right(high)[..., 1:] * (1.0 + TIE)
         beyond = ((left <= right) & (right > 0.0)).sum(axis=-1, keepdims=True)
         return np.asarray(np.take_along_axis(x, beyond, -1)[..., 0])
 
-    greatest, least = (np.broadcast_to(each, upper.shape) for each in (greatest, least))
+    greatest, least = (np.broadcast_to(array, upper.shape) for array in (greatest, least))
     nothing = ~(upper > 0.0).any(axis=-1)
     low, high = -furthest(-least), furthest(greatest)
     return np.where(nothing, np.nan, low), np.where(nothing, np.nan, high)

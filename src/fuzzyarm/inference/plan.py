@@ -210,14 +210,14 @@ def _plan_type_2(found: Doubled) -> Plan:
 
 def _check_variables(rulebase: RuleBase) -> None:
     variables = [*rulebase.inputs, *rulebase.outputs]
-    known = [variable.name for variable in variables]
-    if len(set(known)) < len(known):
-        twice = next(name for name in known if known.count(name) > 1)
+    names_there = [variable.name for variable in variables]
+    if len(set(names_there)) < len(names_there):
+        twice = next(name for name in names_there if names_there.count(name) > 1)
         raise InferenceError(f"there are two variables called '{twice}'")
     for rule in rulebase.rules:
         parts: list[Is | Consequent] = [*propositions(rule.antecedent), *rule.consequents]
         for part in parts:
-            _check_reference(rulebase, part, known)
+            _check_reference(rulebase, part, names_there)
 
 
 def _check_reference(rulebase: RuleBase, part: Is | Consequent, known: list[str]) -> None:
@@ -259,9 +259,9 @@ def _order_once(rulebase: RuleBase) -> tuple[tuple[int | str, ...], tuple[Planne
         (variable.name, isinstance(variable, Input), *map(_name_of, variable.terms))
         for variable in (*rulebase.inputs, *rulebase.outputs)
     )
-    for known in _last_ordered:
-        if known.blocks is rulebase.blocks and known.names == names:
-            return known.steps, known.rules
+    for ordered in _last_ordered:
+        if ordered.blocks is rulebase.blocks and ordered.names == names:
+            return ordered.steps, ordered.rules
     _check_variables(rulebase)
     steps, rules = _order(rulebase)
     _last_ordered[:] = [_Ordered(rulebase.blocks, names, steps, rules), *_last_ordered[:3]]
@@ -394,15 +394,15 @@ def _both_sides(made: OutputPlan, doubled: Doubled) -> OutputPlan:
     pairs = _pairs(output, members, sides, doubled)
     if made.discrete:
         return made._replace(sides=sides, pairs=pairs)
-    own = [[i for i, each in enumerate(sides) if each == side] for side in (0, 1)]
-    closed = _closed_sides(output, members, own) if made.record.both else None
+    members_by_side = [[i for i, side_ in enumerate(sides) if side_ == side] for side in (0, 1)]
+    closed = _closed_sides(output, members, members_by_side) if made.record.both else None
     made = made._replace(
         sides=sides, pairs=pairs, closed=closed, enveloped=made.enveloped and closed is None
     )
     if output.aggregation == "max" and made.integrated:
         found = [
             stretch._replace(first=indices[stretch.first], second=indices[stretch.second])
-            for indices in own
+            for indices in members_by_side
             for stretch in stretches([members[i].pieces for i in indices])
         ]
         return made._replace(stretches=tuple(found))
@@ -518,13 +518,13 @@ def _check_formula(
 ) -> None:
     from fuzzyarm.expression.formulas import CONSTANTS
 
-    known = [variable.name for variable in (*rulebase.inputs, *rulebase.outputs)]
+    names_there = [variable.name for variable in (*rulebase.inputs, *rulebase.outputs)]
     for name in formula.names:
-        if name == POSITION and name not in known and not discrete:
+        if name == POSITION and name not in names_there and not discrete:
             continue
-        if name not in known and name not in CONSTANTS:
-            raise UnknownNameError(name, known, what="variable")
-        if name in known and is_set:
+        if name not in names_there and name not in CONSTANTS:
+            raise UnknownNameError(name, names_there, what="variable")
+        if name in names_there and is_set:
             raise InferenceError(
                 f"'{output.name} is {term.name}' is a set: its formula may use {POSITION} only"
             )
@@ -610,7 +610,7 @@ def _read(made: Plan, outputs: Iterable[str], rules: Iterable[int]) -> set[str]:
     antecedents = [made.rules[rule].rule.antecedent for rule in rules]
     read = {part.variable for antecedent in antecedents for part in propositions(antecedent)}
     members = [member for name in outputs for member in made.outputs[name].members]
-    return read | {name for each in members if each.formula for name in each.formula.names}
+    return read | {name for member_ in members if member_.formula for name in member_.formula.names}
 
 
 @remembered
@@ -638,21 +638,23 @@ def part_for(rulebase: RuleBase, outputs: Iterable[str]) -> RuleBase:
     InferenceError
         If the model cannot be evaluated, or there is no such output.
     """
-    wanted = tuple(outputs)
+    wanted_outputs = tuple(outputs)
     parts = _parts(rulebase)
-    if wanted not in parts:
-        parts[wanted] = _part_for(rulebase, wanted)
-    return parts[wanted]
+    if wanted_outputs not in parts:
+        parts[wanted_outputs] = _part_for(rulebase, wanted_outputs)
+    return parts[wanted_outputs]
 
 
 def _part_for(rulebase: RuleBase, wanted: tuple[str, ...]) -> RuleBase:
-    made = plan(rulebase)
+    plan_ = plan(rulebase)
     for name in wanted:
-        if name not in made.outputs:
-            raise UnknownNameError(name, made.outputs, what="output")
-    names, needed_readings = needed(made, wanted)
-    rules = {i for i, own in enumerate(made.readings) if needed_readings & set(own)}
-    read = _read(made, names, needed_readings)
+        if name not in plan_.outputs:
+            raise UnknownNameError(name, plan_.outputs, what="output")
+    names, needed_readings = needed(plan_, wanted)
+    rules = {
+        i for i, readings_here in enumerate(plan_.readings) if needed_readings & set(readings_here)
+    }
+    read = _read(plan_, names, needed_readings)
     linear = [
         shape.parameters
         for output in rulebase.outputs
@@ -671,7 +673,9 @@ def _part_for(rulebase: RuleBase, wanted: tuple[str, ...]) -> RuleBase:
     return replace(
         rulebase,
         inputs=tuple(rulebase.inputs[i] for i in inputs),
-        outputs=tuple(_over(each, inputs) for each in rulebase.outputs if each.name in names),
+        outputs=tuple(
+            _over(output_, inputs) for output_ in rulebase.outputs if output_.name in names
+        ),
         blocks=tuple(
             replace(
                 block,

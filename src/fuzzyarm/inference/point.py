@@ -68,7 +68,7 @@ class Propositions:
 
     def __init__(self, propositions: Sequence[Proposition]) -> None:
         curved = [proposition for proposition in propositions if proposition.lines is None]
-        self._curved = tuple((each.number, each.function) for each in curved)
+        self._curved = tuple((curve.number, curve.function) for curve in curved)
         cut = cut_at_corners(
             [
                 (proposition.number, proposition.lines)
@@ -87,16 +87,16 @@ class Propositions:
         edges = self._edges
         i = bisect_right(edges, x)
         if i and edges[i - 1] == x:
-            found = self._at[i - 1]
+            degrees = self._at[i - 1]
         else:
-            found = [
+            degrees = [
                 (n, degree)
                 for n, height, x_0, slope in self._cells[i]
                 if (degree := height + (x - x_0) * slope) > 0.0
             ]
         if self._curved:
-            found = found + [(n, degree) for n, f in self._curved if (degree := f(x)) > 0.0]
-        return found
+            degrees = degrees + [(n, degree) for n, f in self._curved if (degree := f(x)) > 0.0]
+        return degrees
 
 
 # --- Evaluation ---
@@ -366,9 +366,9 @@ class PointEngine:
 
     @staticmethod
     def _fuzzify(point: Point, name: str, fuzzifier: Propositions) -> None:
-        found = fuzzifier.at(point.values[name])
-        point.active[name] = found
-        for number, degree in found:
+        degrees = fuzzifier.at(point.values[name])
+        point.active[name] = degrees
+        for number, degree in degrees:
             point.degrees[number] = degree
 
     def _take(self, point: Point, inputs: Mapping[str, float]) -> None:

@@ -45,9 +45,9 @@ emptied_with_kinds(_prepared.clear)
 
 def prepared(rulebase: RuleBase) -> Prepared:
     """Return what has been made of a rule base; the last few are remembered."""
-    known = _prepared.get(id(rulebase))
-    if known is not None and known.rulebase is rulebase:
-        return known
+    earlier = _prepared.get(id(rulebase))
+    if earlier is not None and earlier.rulebase is rulebase:
+        return earlier
     new = Prepared(rulebase)
     _prepared[id(rulebase)] = new
     while len(_prepared) > MOST:

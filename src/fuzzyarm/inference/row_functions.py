@@ -76,8 +76,8 @@ def curve_of(shape: Shape, hedges: tuple[Hedge, ...], *, compiled: bool) -> Curv
         # An address among floats: its bits are kept, its value as a float means nothing.
         (modified,) = struct.unpack("d", struct.pack("q", hedge_row(hedges, compiled=compiled)))
         return Curve(address_of(hedged_corners_row, 3, compiled=compiled), (modified, *corners))
-    function, own = curved_row(shape, hedges)
-    return Curve(address_of(function, 3, compiled=compiled), own)
+    function, numbers = curved_row(shape, hedges)
+    return Curve(address_of(function, 3, compiled=compiled), numbers)
 
 
 def curved_row(
@@ -108,8 +108,10 @@ def _under(hedges: tuple[Hedge, ...], root: Node, number: Callable[[float], Node
     """Return an expression under hedges; `number` makes symbols of their exponents."""
     for hedge in reversed(hedges):
         modifier = HEDGES[hedge.name]
-        own = [] if hedge.exponent is None else [number(hedge.exponent)]
-        root = replace(modifier.expression, dict(zip(modifier.symbols, [root, *own], strict=True)))
+        numbers = [] if hedge.exponent is None else [number(hedge.exponent)]
+        root = replace(
+            modifier.expression, dict(zip(modifier.symbols, [root, *numbers], strict=True))
+        )
     return root
 
 
@@ -129,16 +131,16 @@ def expression_row(root: Node, numbers: Sequence[str]) -> Callable[..., None]:
     The symbols are not read as words of Python: what a user calls a variable may be any text.
     """
     plain = tuple(f"n{index}" for index in range(len(numbers)))
-    own = dict(zip(numbers, map(symbol, plain), strict=True))
-    return _row_function(replace(root, own), ("x",), plain, "expression")
+    symbols = dict(zip(numbers, map(symbol, plain), strict=True))
+    return _row_function(replace(root, symbols), ("x",), plain, "expression")
 
 
 def built_in_curve(name: str) -> Callable[..., None]:
     """Return a kind of shapes as a function of a row, with its numbers as arguments."""
     kind = SHAPES[name]
     names = [f"n{index}" for index in range(len(kind.symbols) - 1)]
-    own = dict(zip(kind.symbols[1:], map(symbol, names), strict=True))
-    return _row_function(replace(kind.expression, own), ("x",), tuple(names), name)
+    symbols = dict(zip(kind.symbols[1:], map(symbol, names), strict=True))
+    return _row_function(replace(kind.expression, symbols), ("x",), tuple(names), name)
 
 
 kernel(degree_on_corners)
@@ -200,8 +202,8 @@ class Addresses(Protocol):
 
 def norm_number(norm: Norm, sort: str, addresses: Addresses) -> int:
     """Return what a program calls a norm: a number of the kernel's own, or another."""
-    own = _OWN_NORMS.get((sort, norm.name))
-    return addresses.norm(norm, sort) if own is None else own
+    registered = _OWN_NORMS.get((sort, norm.name))
+    return addresses.norm(norm, sort) if registered is None else registered
 
 
 class InMemory(NamedTuple):

@@ -133,8 +133,8 @@ def hedged(hedges: Sequence[Hedge], degree: NDArray[np.float64]) -> NDArray[np.f
 
     for hedge in reversed(hedges):
         numbers = () if hedge.exponent is None else (hedge.exponent,)
-        found = HEDGES[hedge.name].array(degree, *numbers)
-        degree = np.broadcast_to(found, np.shape(degree)).astype(float, copy=False)
+        result = HEDGES[hedge.name].array(degree, *numbers)
+        degree = np.broadcast_to(result, np.shape(degree)).astype(float, copy=False)
     return degree
 
 
@@ -390,7 +390,7 @@ class Stretch(NamedTuple):
 
 def stretches(profiles: Sequence[Sequence[Piece]]) -> tuple[Stretch, ...]:
     """Return the stretches over which two straight sets overlap."""
-    found = []
+    stretches_ = []
     for i, pieces in enumerate(profiles):
         for j in range(i + 1, len(profiles)):
             for one in pieces:
@@ -398,8 +398,8 @@ def stretches(profiles: Sequence[Sequence[Piece]]) -> tuple[Stretch, ...]:
                     start, end = max(one.x0, other.x0), min(one.x1, other.x1)
                     if start < end and _matters(one) and _matters(other):
                         ends = (*_between(one, start, end), *_between(other, start, end))
-                        found.append(Stretch(i, j, start, end, *ends))
-    return tuple(found)
+                        stretches_.append(Stretch(i, j, start, end, *ends))
+    return tuple(stretches_)
 
 
 def _matters(piece: Piece) -> bool:

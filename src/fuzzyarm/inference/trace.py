@@ -201,10 +201,10 @@ class Trace(Drawn):
     outputs: tuple[OutputTrace, ...]
 
     def __repr__(self) -> str:
-        given = ", ".join(f"{variable.name} = {variable.given:.6g}" for variable in self.inputs)
-        found = ", ".join(f"{output.name} = {output.value:.6g}" for output in self.outputs)
+        inputs = ", ".join(f"{variable.name} = {variable.given:.6g}" for variable in self.inputs)
+        outputs = ", ".join(f"{output.name} = {output.value:.6g}" for output in self.outputs)
         fired = f"{len(self.fired)} of {len(self.rules)} rules fire"
-        return one_line(self, f"{self.rulebase}: {given} → {found}, {fired}")
+        return one_line(self, f"{self.rulebase}: {inputs} → {outputs}, {fired}")
 
     def to_dict(self) -> dict[str, Any]:
         """Return the trace as dicts, lists and numbers, fit for JSON.
@@ -233,8 +233,8 @@ def _without_absent(value: Any) -> Any:
     """Return data without what nothing of type 1 has."""
     if isinstance(value, dict):
         absent = {key for key in _OF_TYPE_2 & value.keys() if value[key] in (None, ())}
-        return {key: _without_absent(each) for key, each in value.items() if key not in absent}
-    return [_without_absent(each) for each in value] if isinstance(value, list | tuple) else value
+        return {key: _without_absent(item) for key, item in value.items() if key not in absent}
+    return [_without_absent(item) for item in value] if isinstance(value, list | tuple) else value
 
 
 def explain(
@@ -269,13 +269,13 @@ def explain(
         As :func:`fuzzyarm.inference.infer`.
     """
     rulebase = rulebase.model
-    given = by_name(inputs, named, rulebase.inputs)
+    values_by_name = by_name(inputs, named, rulebase.inputs)
     prepared = prepare(rulebase)
-    point = prepared.run(given, held)
+    point = prepared.run(values_by_name, held)
     used = dict.fromkeys([*(v.name for v in rulebase.inputs), *prepared.chained])
     return Trace(
         rulebase.name,
-        tuple(_fuzzy_value(rulebase.variable(n), given, point.values[n]) for n in used),
+        tuple(_fuzzy_value(rulebase.variable(n), values_by_name, point.values[n]) for n in used),
         _rules(rulebase, prepared, point),
         tuple(_output(output, point, rulebase) for output in prepared.plan.outputs.values()),
     )
@@ -369,9 +369,9 @@ def _rules(rulebase: RuleBase, prepared: PointEngine, point: Point) -> tuple[Rul
     traces: list[RuleTrace] = []
     for block in rulebase.blocks:
         for rule in block.rules:
-            own = [prepared.strength(i, point) for i in prepared.plan.readings[len(traces)]]
-            trace = _rule_trace(len(traces) + 1, block, rule, own[0])
-            traces.append(trace if len(own) == 1 else replace(trace, lower=own[1]))
+            strengths = [prepared.strength(i, point) for i in prepared.plan.readings[len(traces)]]
+            trace = _rule_trace(len(traces) + 1, block, rule, strengths[0])
+            traces.append(trace if len(strengths) == 1 else replace(trace, lower=strengths[1]))
     return tuple(traces)
 
 
@@ -440,11 +440,11 @@ def _output_of_type_2(plan: OutputPlan, point: Point, rulebase: RuleBase) -> Out
             _consequent(plan, plan.members[i], folded.get(i, 0.0), point, inputs) for i in pair
         )
         # One of the two has the name of the file, the other one that was made up.
-        own = next(plan.members[i] for i in pair if plan.members[i].term.name in names)
+        member = next(plan.members[i] for i in pair if plan.members[i].term.name in names)
         consequents.append(
             replace(
                 upper,
-                term=_worded(own.term.name, own.hedges),
+                term=_worded(member.term.name, member.hedges),
                 lower=lower.strength,
                 lower_value=lower.value,
                 lower_curve=lower.curve,

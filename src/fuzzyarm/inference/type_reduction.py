@@ -233,14 +233,14 @@ def nie_tan_at_point(plan: OutputPlan, fired: Fired) -> float | None:
     heap, begin = room_for_envelopes(plan) if plan.enveloped else ([], 0)
     behind = begin
     for side in (UPPER, LOWER):
-        own = side_of(plan, fired, side)
+        fired_here = side_of(plan, fired, side)
         if plan.enveloped:
-            behind = envelop_at_point(plan, own, heap, behind)
+            behind = envelop_at_point(plan, fired_here, heap, behind)
             continue
         if plan.output.defuzzifier.resolution is None:
-            a, m = _curve(plan, own).between()
+            a, m = _curve(plan, fired_here).between()
         else:
-            a, m = _sums_of_samples(plan, own)
+            a, m = _sums_of_samples(plan, fired_here)
         area, moment = area + a, moment + m
     if plan.enveloped:
         area, moment = add_up(heap, begin, behind, 0.5 * (plan.output.low + plan.output.high))

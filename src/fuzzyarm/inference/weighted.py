@@ -101,7 +101,7 @@ def chosen_over_arrays(
     from fuzzyarm.inference.maxima import greatest_of_many
 
     size = int(np.prod(strengths.shape))
-    found = {name: np.zeros(size) for name in plan.record.symbols}
+    positions_by_name = {name: np.zeros(size) for name in plan.record.symbols}
     folded = fold_over_arrays(plan, list(strengths))
     values, heights = np.empty((len(folded), size)), np.empty((len(folded), size))
     for row, (member, strength) in enumerate(folded.items()):
@@ -112,14 +112,16 @@ def chosen_over_arrays(
     # The order differs from point to point only where values depend on the inputs.
     for column in range(size) if (values != values[:, :1]).any() else [slice(None)]:
         some = slice(column, column + 1) if isinstance(column, int) else column
-        own = values[:, some][:, 0], heights[:, some]
+        numbers_and_heights = values[:, some][:, 0], heights[:, some]
         if plan.record.of == "top":
-            chosen = greatest_of_many(plan, *own)[0]
+            chosen = greatest_of_many(plan, *numbers_and_heights)[0]
         else:
-            chosen = {"half": halve_many(*own)[0]}
+            chosen = {"half": halve_many(*numbers_and_heights)[0]}
         for name, positions in chosen.items():
-            found[name][some] = positions
-    shaped = {name: positions.reshape(strengths.shape) for name, positions in found.items()}
+            positions_by_name[name][some] = positions
+    shaped = {
+        name: positions.reshape(strengths.shape) for name, positions in positions_by_name.items()
+    }
     return shaped, heights.max(axis=0).reshape(strengths.shape)
 
 
@@ -177,6 +179,7 @@ def tsukamoto_over_arrays(plan: OutputPlan, member: Member, strength: Array) -> 
 
     distinct, back = np.unique(strength, return_inverse=True)
     positions = [
-        tsukamoto_at_point(plan, member, each) if each > 0.0 else 0.0 for each in distinct.tolist()
+        tsukamoto_at_point(plan, member, height) if height > 0.0 else 0.0
+        for height in distinct.tolist()
     ]
     return np.array(positions)[back].reshape(strength.shape)

@@ -80,8 +80,8 @@ class _Reader:
         """Read everything."""
         heading = next(node for node in self.nodes if isinstance(node, ControllerHeading))
         self._report_repeated(ControllerHeading, "controller line")
-        own = () if self.rulebase is None else (self.rulebase,)
-        for rulebase in own:
+        rulebases = () if self.rulebase is None else (self.rulebase,)
+        for rulebase in rulebases:
             self.sheets[rulebase.name] = Word(rulebase.name, heading.name.span)
             self.used.add(rulebase.name)
         uses = tuple(node for node in self.nodes if isinstance(node, Use))
@@ -103,7 +103,7 @@ class _Reader:
             partners,
             self._every(),
             heading.description or "",
-            own,
+            rulebases,
             self._claims(),
         )
         self._judge_whole(heading, axes)
@@ -240,14 +240,14 @@ class _Reader:
     # --- Axes ---
 
     def _axes(self) -> list[Axes]:
-        found: list[Axes] = []
+        axes_read: list[Axes] = []
         lines: list[Line] = []
         signals: dict[str, str] = {}
         current: Axes | None = None
 
         def close() -> None:
             if current is not None:
-                found.append(replace(current, lines=tuple(lines)))
+                axes_read.append(replace(current, lines=tuple(lines)))
                 self._judge_signals(signals)
 
         for index, node in enumerate(self.nodes):
@@ -269,7 +269,7 @@ class _Reader:
             elif isinstance(node, Drive):
                 lines.append(self._drive(node, signals))
         close()
-        return found
+        return axes_read
 
     def _judge_signal(self, node: Signal, signals: dict[str, str]) -> None:
         self._judge_sum(node.products, signals)
@@ -393,16 +393,16 @@ class _Reader:
 
     def _judge_source(self, source: Source, span: Span) -> None:
         """Report what a source needs, and numbers that it cannot have."""
-        given = dict(source.options)
+        options = dict(source.options)
         for word, option in source.record.options.items():
-            if option.needed and word not in given:
+            if option.needed and word not in options:
                 self.scope.report(
                     "incomplete-statement",
                     f"the {word} of {source.kind} is missing",
                     span,
                     hint=f"add  , {word} {option.example}",
                 )
-            value = given.get(word)
+            value = options.get(word)
             if not option.positive or not isinstance(value, Figure | Word):
                 continue
             for number in self._numbers_of(value):

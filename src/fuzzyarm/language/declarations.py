@@ -408,19 +408,19 @@ def even_shapes(family: str, count: int, low: float, high: float) -> list[Shape]
 
 
 def _add(draft: Draft, term: Term, scope: Scope, *, spread: bool = False) -> None:
-    known = draft.terms.get(term.name)
-    if known is not None and (term.name in draft.spread) != spread:
+    earlier = draft.terms.get(term.name)
+    if earlier is not None and (term.name in draft.spread) != spread:
         # A `term` line replaces the shape that `terms` spread, whichever comes first.
         if not spread:
             draft.terms[term.name] = term
             draft.spread.discard(term.name)
         return
-    if known is not None:
+    if earlier is not None:
         scope.report(
             "duplicate-term",
             f"'{draft.name}' has two terms called '{term.name}'",
             term.span,
-            related=(Related("first here", known.span),),
+            related=(Related("first here", earlier.span),),
         )
         return
     if len(draft.terms) > MAX_TERMS:
@@ -471,11 +471,11 @@ def apply_inference(node: InferenceNode, scope: Scope, norms: Norms) -> None:
 
 def block_norms(node: BlockNode, scope: Scope, norms: Norms) -> Norms:
     """Return the norms of a block: those of the file, overridden by its own."""
-    own = norms.copy()
+    block_settings = norms.copy()
     _report_repeated(node.settings, scope)
     for setting in node.settings:
         if SETTINGS[setting.key].of == "rules":
-            _set_norm(setting, scope, own)
+            _set_norm(setting, scope, block_settings)
         else:
             scope.report(
                 "misplaced-setting",
@@ -483,7 +483,7 @@ def block_norms(node: BlockNode, scope: Scope, norms: Norms) -> Norms:
                 setting.key.span,
                 hint="write it on an inference line",
             )
-    return own
+    return block_settings
 
 
 def _set_norm(setting: SettingNode, scope: Scope, norms: Norms) -> None:

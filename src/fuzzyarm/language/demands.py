@@ -43,14 +43,14 @@ from fuzzyarm.text.numbers import even_levels, number_text
 def elaborate_expectation(node: ExpectNode, scope: Scope) -> Expectation | None:
     """Return the expectation of `node`, or None after a report."""
     before = len(scope.diagnostics)
-    given: dict[str, float] = {}
+    values: dict[str, float] = {}
     for word, figure in node.inputs:
         if scope.variable(word, "input") is None:
             continue
-        if word in given:
+        if word in values:
             scope.report("duplicate-setting", f"'{word}' is given twice", word.span)
-        given[str(word)] = float(figure)
-    missing = [name for name in scope.names("input") if name not in given]
+        values[str(word)] = float(figure)
+    missing = [name for name in scope.names("input") if name not in values]
     if missing and len(scope.diagnostics) == before and not scope.broken_variables:
         scope.report(
             "incomplete-expectation",
@@ -62,7 +62,7 @@ def elaborate_expectation(node: ExpectNode, scope: Scope) -> Expectation | None:
     if len(scope.diagnostics) > before:
         return None
     order = {name: i for i, name in enumerate(scope.names("input"))}
-    inputs = tuple(sorted(given.items(), key=lambda item: order[item[0]]))
+    inputs = tuple(sorted(values.items(), key=lambda item: order[item[0]]))
     return Expectation(inputs, outcomes, node.span)
 
 
@@ -279,7 +279,7 @@ def elaborate_tuning(node: TuneNode, scope: Scope) -> Tuning:
     """Return what the ``tune`` block lets move, as far as it is sound."""
     peaks: list[PeakTuning] = []
     gains: list[GainTuning] = []
-    kept: list[tuple[str, str]] = []
+    kept_names: list[tuple[str, str]] = []
     moved: set[str] = set()
     for item in node.items:
         if item.key == "peaks":
@@ -294,8 +294,8 @@ def elaborate_tuning(node: TuneNode, scope: Scope) -> Tuning:
             terms = [scope.term(draft, word) for word in item.terms]
             names = [term.name for term in terms if term is not None]
             if draft is not None and len(names) == len(item.terms):
-                kept += [(draft.name, name) for name in names or [""]]
-    return Tuning(tuple(peaks), tuple(gains), tuple(kept))
+                kept_names += [(draft.name, name) for name in names or [""]]
+    return Tuning(tuple(peaks), tuple(gains), tuple(kept_names))
 
 
 def _report_twice(item: TuneItem, moved: set[str], scope: Scope) -> None:

@@ -290,11 +290,11 @@ class ParseMemory:
     def read(self, group: _Group) -> tuple[StatementNode, Found]:
         """Return a statement and its diagnostics; it is read where it is not as it was."""
         line = group.tokens[0].line
-        known = self._statements.get(line)
-        if known is None or known[0].tokens != group.tokens or known[0].lines != group.lines:
-            known = (group, *_read_group(group))
-        self._fresh[line] = known
-        return known[1], known[2]
+        earlier = self._statements.get(line)
+        if earlier is None or earlier[0].tokens != group.tokens or earlier[0].lines != group.lines:
+            earlier = (group, *_read_group(group))
+        self._fresh[line] = earlier
+        return earlier[1], earlier[2]
 
     def finish(self) -> None:
         """Forget what the text that has just been read does not have."""
@@ -302,16 +302,16 @@ class ParseMemory:
 
     def enter_scope(self, scope: Hashable) -> None:
         """Start to give rules their meaning under these variables and terms."""
-        known = self._fresh_rules if scope == self._scope else {}
-        self._scope, self._rules, self._fresh_rules = scope, known, {}
+        rules_before = self._fresh_rules if scope == self._scope else {}
+        self._scope, self._rules, self._fresh_rules = scope, rules_before, {}
 
     def recall_rules(self, node: StatementNode) -> tuple[list[Rule], Found] | None:
         """Return the rules of a statement that was met last time under the same scope."""
-        known = self._rules.get(id(node))
-        if known is None or known[0] is not node:
+        earlier = self._rules.get(id(node))
+        if earlier is None or earlier[0] is not node:
             return None
-        self._fresh_rules[id(node)] = known
-        return known[1], known[2]
+        self._fresh_rules[id(node)] = earlier
+        return earlier[1], earlier[2]
 
     def keep_rules(self, node: StatementNode, rules: list[Rule], found: list[Diagnostic]) -> None:
         """Remember what a statement means."""
@@ -367,8 +367,8 @@ def _read_lines(
     for group in groups:
         node: StatementNode = Broken(group.record.word, group.tokens[0].span)
         if len(diagnostics) <= MAX_DIAGNOSTICS:
-            node, found = read(group)
-            diagnostics += found
+            node, line_diagnostics = read(group)
+            diagnostics += line_diagnostics
         statements.append(Statement(node, Trivia(group.before, group.behind)))
     # The lexer's complaint of a token comes before the parser's of the same one.
     first: dict[tuple[int, int], Diagnostic] = {}
@@ -383,7 +383,7 @@ def _read_lines(
 def _read_group(group: _Group) -> tuple[StatementNode, Found]:
     # A token that the lexer has already complained of needs no second complaint: it is read as the
     # name that was probably meant.
-    told = any(token.kind == "bad" for token in group.tokens)
+    is_reported = any(token.kind == "bad" for token in group.tokens)
     tokens = [t._replace(kind="name") if t.kind == "bad" else t for t in group.tokens]
     cursor = Cursor(tokens, group.lines)
     hedges = len(HEDGES.words)
@@ -393,8 +393,8 @@ def _read_group(group: _Group) -> tuple[StatementNode, Found]:
     except Fault as fault:
         if len(HEDGES.words) > hedges:
             return _read_group(group)  # another package has brought the hedge that was missing
-        return Broken(group.record.word, cursor.whole), () if told else (fault.diagnostic,)
-    return node, () if told else tuple(cursor.forgiven)
+        return Broken(group.record.word, cursor.whole), () if is_reported else (fault.diagnostic,)
+    return node, () if is_reported else tuple(cursor.forgiven)
 
 
 def size_fault(text: str) -> Diagnostic | None:

@@ -107,13 +107,13 @@ class LoopClaimNode(NamedTuple):
 
 
 def _read_set_points(cursor: Cursor) -> tuple[tuple[Word, Figure], ...]:
-    found: list[tuple[Word, Figure]] = []
-    while not found or cursor.accept(","):
+    set_points: list[tuple[Word, Figure]] = []
+    while not set_points or cursor.accept(","):
         cursor.suggest("ports")
         port = cursor.name("an output of the plant")
         cursor.expect("=", f"after '{port}'")
-        found.append((port, cursor.figure("its set point")))
-    return tuple(found)
+        set_points.append((port, cursor.figure("its set point")))
+    return tuple(set_points)
 
 
 def _set_points_text(found: Iterable[tuple[str, float]]) -> str:
@@ -238,7 +238,7 @@ def claim_node(claim: LoopClaim) -> LoopClaimNode:
         Word(claim.plant),
         tuple((Word(name), figure(value)) for name, value in claim.at),
         tuple(stretch(*parameter) for parameter in claim.parameters),
-        tuple(stretch(*each) for each in claim.start),
+        tuple(stretch(*range_) for range_ in claim.start),
         stretch(claim.output, claim.low, claim.high) if claim.output else None,
         claim.when,
         begin,

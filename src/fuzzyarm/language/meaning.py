@@ -175,13 +175,13 @@ def _blocks(
 ) -> tuple[RuleBlock, ...]:
     blocks: list[RuleBlock] = []
     rules: list[Rule] = []
-    name, own = "", norms
+    name, block_settings = "", norms
     first_spans: dict[str, Span] = {}
     budget = MAX_RULES
     for node in nodes:
         if isinstance(node, BlockNode):
             if rules or name:
-                blocks.append(RuleBlock(tuple(rules), name, **own))
+                blocks.append(RuleBlock(tuple(rules), name, **block_settings))
             if node.name in first_spans:
                 scope.report(
                     "duplicate-block",
@@ -190,17 +190,17 @@ def _blocks(
                     related=(Related("first here", first_spans[node.name]),),
                 )
             first_spans[node.name] = node.name.span
-            rules, name, own = [], str(node.name), block_norms(node, scope, norms)
+            rules, name, block_settings = [], str(node.name), block_norms(node, scope, norms)
         elif isinstance(node, RuleNode | GridNode):
             if budget < 0 or scope.overflows:
                 continue
-            found = _rules_of(node, scope, budget, memory)
-            budget -= len(found)
+            block_rules = _rules_of(node, scope, budget, memory)
+            budget -= len(block_rules)
             if budget < 0:
                 report_too_many(node.span, scope)
-            rules += found
+            rules += block_rules
     if rules or name:
-        blocks.append(RuleBlock(tuple(rules), name, **own))
+        blocks.append(RuleBlock(tuple(rules), name, **block_settings))
     return tuple(blocks)
 
 
@@ -214,10 +214,10 @@ def _identity(scope: Scope) -> Hashable:
 def _rules_of(
     node: RuleNode | GridNode, scope: Scope, budget: int, memory: ParseMemory
 ) -> list[Rule]:
-    known = memory.recall_rules(node)
-    if known is not None and len(known[0]) <= budget:
-        scope.diagnostics += known[1]
-        return known[0]
+    earlier = memory.recall_rules(node)
+    if earlier is not None and len(earlier[0]) <= budget:
+        scope.diagnostics += earlier[1]
+        return earlier[0]
     before = len(scope.diagnostics)
     if isinstance(node, RuleNode):
         rules = elaborate_rule(node, scope)
@@ -253,22 +253,22 @@ def _properties(nodes: list[StatementNode], scope: Scope) -> tuple[Property, ...
         for n in nodes
         if isinstance(n, ProveNode) and not scope.overflows
     ]
-    return tuple(each for each in properties if each is not None)
+    return tuple(proof for proof in properties if proof is not None)
 
 
 _Node = TypeVar("_Node", bound=StatementNode)
 
 
 def _single(nodes: list[StatementNode], kind: type[_Node], what: str, scope: Scope) -> _Node | None:
-    found = [node for node in nodes if isinstance(node, kind)]
-    for extra in found[1:MAX_DIAGNOSTICS]:
+    matches = [node for node in nodes if isinstance(node, kind)]
+    for extra in matches[1:MAX_DIAGNOSTICS]:
         scope.report(
             "duplicate-statement",
             f"a file has only one {what}",
             extra.span,
-            related=(Related("first here", found[0].span),),
+            related=(Related("first here", matches[0].span),),
         )
-    return found[0] if found else None
+    return matches[0] if matches else None
 
 
 def _input(draft: Draft) -> Input:

@@ -49,10 +49,10 @@ class Advice(NamedTuple):
             return None
         group = "at" if "at" in self.pattern.groupindex else 0
         span = Span(number, match.start(group) + 1, number, match.end(group) + 1)
-        said, hint = (
+        message, hint = (
             text if isinstance(text, str) else text(match) for text in (self.said, self.hint)
         )
-        return said, hint, span
+        return message, hint, span
 
 
 def small(match: re.Match[str]) -> str:

@@ -453,9 +453,9 @@ class Several(Part):
         values[self.part.field] = tuple(items)
 
     def _one(self, cursor: Cursor, values: Values) -> Any:
-        own = dict(values)
-        self.part.read(cursor, own)
-        return own[self.part.field]
+        fields_read = dict(values)
+        self.part.read(cursor, fields_read)
+        return fields_read[self.part.field]
 
     def _more(self, cursor: Cursor) -> bool:
         if self.stop and cursor.next_is(self.stop, 1):

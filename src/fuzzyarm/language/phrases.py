@@ -369,18 +369,18 @@ class ShapeNode(NamedTuple):
 
 
 def _read_parameters(cursor: Cursor, kind: str) -> tuple[Figure, ...]:
-    wanted = parameter_names(kind)
+    names = parameter_names(kind)
     start = cursor.span
     figures = []
     while cursor.at_figure:
         figures.append(cursor.figure("a number", finite=False))
-    if len(figures) == len(wanted):
+    if len(figures) == len(names):
         return tuple(figures)
     if not figures and not cursor.at_end:
-        cursor.fail(f"the numbers of {kind}: {' '.join(wanted)}")
-    if len(figures) > len(wanted):
-        start = figures[len(wanted)].span
-    message = f"{kind} takes {len(wanted)} numbers ({', '.join(wanted)}), found {len(figures)}"
+        cursor.fail(f"the numbers of {kind}: {' '.join(names)}")
+    if len(figures) > len(names):
+        start = figures[len(names)].span
+    message = f"{kind} takes {len(names)} numbers ({', '.join(names)}), found {len(figures)}"
     span = start.to(figures[-1].span) if figures else start
     raise Fault(Diagnostic("wrong-parameter-count", message, span))
 

@@ -168,8 +168,8 @@ class Row:
 
     def below(self, node: Any) -> list[tuple[str, Trivia]] | None:
         """Return the lines below; None where the statement takes none."""
-        own = [part.below(node) for part in self.parts if isinstance(part, Lines)]
-        return own[0] if own else None
+        lines_below = [part.below(node) for part in self.parts if isinstance(part, Lines)]
+        return lines_below[0] if lines_below else None
 
     def mentions(self, node: Any) -> Iterator[Occurrence]:
         """Yield every name."""
@@ -213,8 +213,10 @@ class ByHand(Row):
 
     def below(self, node: Any) -> list[tuple[str, Trivia]] | None:
         """Return the lines below."""
-        own: list[tuple[str, Trivia]] | None = node.below() if hasattr(node, "below") else None
-        return own
+        lines_below: list[tuple[str, Trivia]] | None = (
+            node.below() if hasattr(node, "below") else None
+        )
+        return lines_below
 
     def mentions(self, node: Any) -> Iterator[Occurrence]:
         """Yield the names in it."""

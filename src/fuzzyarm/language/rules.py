@@ -91,11 +91,11 @@ class RowNode(NamedTuple):
         count = len(cells)
         if count != len(columns):
             surplus = count > len(columns)
-            found = "1 cell" if count == 1 else f"{count} cells"
+            count_words = "1 cell" if count == 1 else f"{count} cells"
             cursor.forgiven.append(
                 Diagnostic(
                     "wrong-cell-count",
-                    f"row '{label}' has {found}, the header names {len(columns)} columns",
+                    f"row '{label}' has {count_words}, the header names {len(columns)} columns",
                     cells[len(columns)][0].span.to(cells[-1][-1].span) if surplus else cursor.span,
                     hint="" if surplus else "a cell without a rule is written as a dot",
                 )

@@ -102,9 +102,9 @@ HERTZ = {"hz": 1.0, "khz": 1e3}
 def _without_unit(figure: Figure, cursor: Cursor, turns: float | None) -> Diagnostic:
     """Describe a number that is to be a time and has no unit of it."""
     token = cursor.peek()
-    found = "nothing" if token is None or token.kind == "mark" else f"'{token.text}'"
+    text_there = "nothing" if token is None or token.kind == "mark" else f"'{token.text}'"
     number = number_text(figure)
-    message = f"expected a unit of time behind {number}, found {found}"
+    message = f"expected a unit of time behind {number}, found {text_there}"
     small = token.text.lower() if token is not None else ""
     unit = UNITS_ELSEWHERE.get(small) or (small if small in TIMES else None)
     if unit is not None:
@@ -271,8 +271,8 @@ def _read_option(cursor: Cursor, known: Mapping[str, OptionKind]) -> tuple[Word,
     word = cursor.word(f"one of {', '.join(known)}", known, "unknown-option")
     kind = known[word]
     if kind.takes == "words":
-        for each in kind.rest:
-            cursor.expect(each, f"behind {word}")
+        for keyword in kind.rest:
+            cursor.expect(keyword, f"behind {word}")
         return word, True
     if kind.takes == "time":
         return word, read_time(cursor, f"the time of {word}", 0.5 / math.pi)

@@ -48,8 +48,10 @@ def as_meant(text: str, document: Document) -> tuple[Document, frozenset[int]]:
         for number in sorted(first)[:_MOST]:
             put_right = None if number > len(lines) else _put_right(meant, number, first[number])
             if put_right is not None:
-                meant[number - 1], said = put_right
-                more[number] = _finding(first[number], lines[number - 1], meant[number - 1], said)
+                meant[number - 1], message = put_right
+                more[number] = _finding(
+                    first[number], lines[number - 1], meant[number - 1], message
+                )
         if not more:
             break
         again = parse_document("\n".join(meant))
@@ -219,10 +221,10 @@ def _advised(found: Diagnostic, lines: Sequence[str]) -> Diagnostic:
     controller = _controller_above(lines, number)
     _, word, _ = (_of_controller if controller else _surroundings)(lines, number)
     for advice in (controller_slips if controller else rulebase_slips).ADVICE:
-        told = advice.on(line, number) if not advice.words or word in advice.words else None
-        if told is not None:
-            said, hint, span = told
-            return Diagnostic(found.name, said, span, hint=hint)
+        reading = advice.on(line, number) if not advice.words or word in advice.words else None
+        if reading is not None:
+            message, hint, span = reading
+            return Diagnostic(found.name, message, span, hint=hint)
     return found
 
 
@@ -240,22 +242,24 @@ def _code(line: str) -> str:
 @lru_cache(maxsize=2048)
 def _rewritten(line: str, word: str, order: tuple[Slip, ...], controller: bool) -> tuple[str, str]:
     # Remembered: a text is read again at every key stroke, and most of its lines are as before.
-    said: dict[str, None] = {}
-    own = (*controller_slips.SLIPS, *order)
+    messages: dict[str, None] = {}
+    slips = (*controller_slips.SLIPS, *order)
     if not controller:
-        own = (*rulebase_slips.SLIPS, *order, LAST)
-    for slip in (*ANYWHERE, *own):
+        slips = (*rulebase_slips.SLIPS, *order, LAST)
+    for slip in (*ANYWHERE, *slips):
         if slip.words and word not in slip.words:
             continue
         if slip.whole:
-            line = _apply(slip, line, said)
+            line = _apply(slip, line, messages)
         else:
             pieces = list(_pieces(line))
-            line = "".join(_apply(slip, piece, said) if code else piece for piece, code in pieces)
+            line = "".join(
+                _apply(slip, piece, messages) if code else piece for piece, code in pieces
+            )
         # A line that began with a word of elsewhere may be a statement now.
-        if not word and said:
+        if not word and messages:
             word = (_first_word(line) if controller else _keyword(line)) or ""
-    return line.rstrip(), "; ".join(said)
+    return line.rstrip(), "; ".join(messages)
 
 
 def _pieces(line: str) -> Iterator[tuple[str, bool]]:

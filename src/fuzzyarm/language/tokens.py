@@ -271,10 +271,10 @@ class Cursor:
     def fail(self, wanted: str, choices: Collection[str] = (), name: str = "") -> NoReturn:
         """Raise the fault *expected …, found …*, with a hint if one of `choices` is near."""
         token = self.peek()
-        found = "the end of the line" if token is None else f"'{token.text}'"
+        text_there = "the end of the line" if token is None else f"'{token.text}'"
         hint, replacement = near_hint(token.text, choices) if token else ("", None)
         name = name or ("incomplete-statement" if token is None else "unexpected-token")
-        message = f"expected {wanted}, found {found}"
+        message = f"expected {wanted}, found {text_there}"
         raise Fault(Diagnostic(name, message, self.span, hint=hint, replacement=replacement))
 
     def forgive(self, fault: Fault) -> None:

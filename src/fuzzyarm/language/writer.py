@@ -109,9 +109,9 @@ class _GridRun:
     def takes(self, rule: Rule, cell: _Cell) -> bool:
         """Add `rule` if it fills a later cell of this grid; return whether it does."""
         row, column, rest = cell
-        own = self.output, self.row, self.column, self.rest
+        place = self.output, self.row, self.column, self.rest
         position = self.order[row.variable, row.term], self.order[column.variable, column.term]
-        same = (rule.consequents[0].variable, row.variable, column.variable, rest) == own
+        same = (rule.consequents[0].variable, row.variable, column.variable, rest) == place
         if not same or position <= self.last:
             return False
         self.cells[row.term, column.term] = rule
@@ -319,23 +319,29 @@ def _inference(rulebase: RuleBase) -> Iterator[InferenceNode]:
         variable.name: (_choice("outside", variable.outside),) for variable in rulebase.inputs
     }
     # What most variables share is said once, for the others each by itself.
-    nodes = {str(setting_node): setting_node for own in settings.values() for setting_node in own}
-    counts = Counter(str(setting_node) for own in settings.values() for setting_node in own)
+    nodes = {
+        str(setting_node): setting_node
+        for distinct in settings.values()
+        for setting_node in distinct
+    }
+    counts = Counter(
+        str(setting_node) for distinct in settings.values() for setting_node in distinct
+    )
     shared: list[SettingNode] = []
     for key in _OF_VARIABLES:
         texts = [text for text, node in nodes.items() if node.key == key]
         shared += [nodes[max(texts, key=counts.__getitem__)]] if texts else []
     if shared:
         yield InferenceNode(None, tuple(shared))
-    said = set(map(str, shared))
+    shared_texts = set(map(str, shared))
     for variable in (*rulebase.inputs, *rulebase.outputs):
-        own = tuple(
+        distinct = tuple(
             setting_node
             for setting_node in settings[variable.name]
-            if str(setting_node) not in said
+            if str(setting_node) not in shared_texts
         )
-        if own:
-            yield InferenceNode(Word(variable.name), own)
+        if distinct:
+            yield InferenceNode(Word(variable.name), distinct)
 
 
 def _norms(block: RuleBlock, first: RuleBlock) -> tuple[SettingNode, ...]:

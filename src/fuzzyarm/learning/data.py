@@ -197,14 +197,14 @@ def as_samples(
     if x.ndim != 2 or y.shape != x.shape[:1]:
         shapes = f"inputs have the shape {x.shape}, values {y.shape}"
         raise _refused("bad-shape", f"{shapes}: one row of inputs for each value is needed")
-    given = tuple(f"x{k + 1}" for k in range(x.shape[1])) if names is None else tuple(names)
-    if len(given) != x.shape[1]:
-        raise _refused("bad-shape", f"{len(given)} names for {x.shape[1]} inputs")
-    for name, column in (*zip(given, x.T, strict=True), (target, y)):
+    input_names = tuple(f"x{k + 1}" for k in range(x.shape[1])) if names is None else tuple(names)
+    if len(input_names) != x.shape[1]:
+        raise _refused("bad-shape", f"{len(input_names)} names for {x.shape[1]} inputs")
+    for name, column in (*zip(input_names, x.T, strict=True), (target, y)):
         if not np.isfinite(column).all():
             row = int(np.flatnonzero(~np.isfinite(column))[0])
             raise _refused("not-finite", f"'{name}' is not a finite number in sample {row + 1}")
-    return _checked(Samples(given, x, target, y, source=source))
+    return _checked(Samples(input_names, x, target, y, source=source))
 
 
 def frame_samples(frame: Any, columns: Columns = LAST, source: str = "") -> Samples:
@@ -439,8 +439,8 @@ def _split(line: str, mark: str) -> list[str]:
         return line.split()
     if '"' in line:
         try:
-            found = next(csv.reader(io.StringIO(line), delimiter=mark, skipinitialspace=True))
-            return [cell.strip() for cell in found]
+            cells = next(csv.reader(io.StringIO(line), delimiter=mark, skipinitialspace=True))
+            return [cell.strip() for cell in cells]
         except csv.Error:  # a cell longer than csv takes
             pass
     return [cell.strip() for cell in line.split(mark)]
@@ -481,18 +481,22 @@ class _Cells:
         self._check_names()
         self._check_lengths()
         target = self.names[-1] if columns.target is None else columns.target
-        wanted = columns.inputs
-        inputs = [name for name in self.names if name != target] if wanted is None else wanted
+        names_wanted = columns.inputs
+        inputs = (
+            [name for name in self.names if name != target]
+            if names_wanted is None
+            else names_wanted
+        )
         needed = [*inputs, *([target] if columns.target_needed else [])]
         for name in needed:
             if name not in self.names:
                 raise ColumnError(name, self.names)
         wrong: list[Diagnostic] = []
         values, classes = self._target(target, wrong)
-        found = [self._column(self.names.index(name), wrong) for name in inputs]
+        columns_read = [self._column(self.names.index(name), wrong) for name in inputs]
         if wrong:
             raise DataError(sorted(wrong, key=lambda d: d.span)[:MOST_FINDINGS])
-        array = np.stack(found, axis=1) if found else np.empty((len(values), 0))
+        array = np.stack(columns_read, axis=1) if columns_read else np.empty((len(values), 0))
         return _checked(Samples(tuple(inputs), array, target, values, classes, self.path, notes))
 
     def _target(self, name: str, wrong: list[Diagnostic]) -> tuple[Array, tuple[str, ...]]:

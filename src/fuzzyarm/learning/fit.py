@@ -384,8 +384,8 @@ def _nested(
             clock.run_until(JUDGEMENT)
             clock.check()
             on_step(f"the whole way without part {number} of {len(parts)}, to judge it")
-            asked = few.part(test)
-            off.append(asked.outputs - learned(few.part(train))(asked))
+            held_out = few.part(test)
+            off.append(held_out.outputs - learned(few.part(train))(held_out))
     except KeyboardInterrupt:
         return error._replace(broken_off=True)
     return Error(rms(np.concatenate(off)), "nested")
@@ -475,7 +475,7 @@ def _written(samples: Samples, options: Options, way: _Way, error: Error, clock:
             break
         digits += 1
     strengths = premises.strengths(samples.inputs)
-    made = Fit(
+    fit = Fit(
         rulebase,
         "",
         score(samples, samples.outputs - residual),
@@ -494,7 +494,7 @@ def _written(samples: Samples, options: Options, way: _Way, error: Error, clock:
         tuple(_limits(way.finished, error, clock)),
     )
     comments = rule_comments(rulebase, samples, strengths, residual)
-    return _with_text(made, commented(rulebase, _head(samples, options, made), comments))
+    return _with_text(fit, commented(rulebase, _head(samples, options, fit), comments))
 
 
 def _limits(finished: bool, error: Error, clock: Clock) -> Iterator[str]:
@@ -565,7 +565,7 @@ def _fit_words(
         judgement = _nested(samples, options, learned, judgement, on_step, clock)
     rulebase, support = wang_mendel(samples, chosen, layout)
     error = score(samples, outputs_of(rulebase, samples))
-    made = Fit(
+    fit = Fit(
         rulebase,
         "",
         error,
@@ -573,7 +573,7 @@ def _fit_words(
         score(samples, linear_outputs(samples)),
         judgement.value,
         judge.linear_error(),
-        tuple((f"{words} words", words, each) for words, each in errors.items()),
+        tuple((f"{words} words", words, squares) for words, squares in errors.items()),
         f"{chosen} words of each variable, after Wang and Mendel",
         math.nan,
         tuple(map(float, support)),
@@ -583,14 +583,14 @@ def _fit_words(
         judgement.judged,
         tuple(_limits(finished, judgement, clock)),
     )
-    head = _head(samples, options, made)
+    head = _head(samples, options, fit)
     counts = np.asarray(support)
     head.append(
         f"Samples for each rule: {counts.min()} to {counts.max()}, median {np.median(counts):g};"
         f" {int(np.sum(counts == 1))} rules rest on one."
     )
     by_rule = ["1 sample" if count == 1 else f"{count} samples" for count in counts.tolist()]
-    return _with_text(made, commented(rulebase, head, {}, by_rule))
+    return _with_text(fit, commented(rulebase, head, {}, by_rule))
 
 
 def _errors_of_words(
@@ -608,8 +608,8 @@ def _errors_of_words(
                 if errors:
                     clock.check()
                 rulebase, _ = wang_mendel(samples.part(train), words, layout)
-                asked = samples.part(test)
-                off.append(asked.outputs - outputs_of(rulebase, asked))
+                held_out = samples.part(test)
+                off.append(held_out.outputs - outputs_of(rulebase, held_out))
             errors[words] = rms(np.concatenate(off))
             clock.begin_to_end(_share_of_search(samples, options))
             on_step(f"{words} words: {errors[words]:.4g}")
@@ -626,16 +626,16 @@ def _errors_of_words(
 def outputs_of(rulebase: RuleBase, samples: Samples) -> Array:
     """Return the outputs of a rule base at samples, shape (samples, outputs)."""
     # NumPy: to lay out thousands of rules for the kernel takes longer than one evaluation.
-    found = infer_arrays(rulebase, dict(zip(samples.names, samples.inputs.T, strict=True)))
-    return np.stack([found[name] for name in output_names(samples)], axis=1)
+    results = infer_arrays(rulebase, dict(zip(samples.names, samples.inputs.T, strict=True)))
+    return np.stack([results[name] for name in output_names(samples)], axis=1)
 
 
 def linear_outputs(samples: Samples, asked: Samples | None = None) -> Array:
     """Return the outputs of linear regression on samples, at these or at others."""
     scaling = Scaling.of(samples.inputs, samples.outputs)
-    known = scaling.regressors(samples.inputs)
-    weights = np.linalg.lstsq(known, samples.outputs, rcond=1e-10)[0]
-    at = known if asked is None else scaling.regressors(asked.inputs)
+    regressors = scaling.regressors(samples.inputs)
+    weights = np.linalg.lstsq(regressors, samples.outputs, rcond=1e-10)[0]
+    at = regressors if asked is None else scaling.regressors(asked.inputs)
     values: Array = at @ weights
     return values
 

@@ -281,10 +281,10 @@ def state_of(snapshot: Snapshot, start: Learned) -> list[dict[str, int]]:
     return [
         {
             "visited": int((visits > 0).sum()),
-            "changed": int(own.sum()),
+            "changed": int(changes.sum()),
             "never_visited": int((visits == 0).sum()),
         }
-        for visits, own in zip(learned.visits, changed, strict=True)
+        for visits, changes in zip(learned.visits, changed, strict=True)
     ]
 
 

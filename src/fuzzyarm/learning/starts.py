@@ -228,13 +228,13 @@ def merged(premises: Premises, similarity: float = 0.7) -> Premises:
 
 
 def _most_alike(premises: Premises) -> tuple[float, int, int] | None:
-    found = [
+    pairs = [
         (_overlap(premises.parameters(a), premises.parameters(b)), i, j)
         for i, a in enumerate(premises.terms)
         for j, b in enumerate(premises.terms[i + 1 :], i + 1)
         if a.input == b.input and a.kind == b.kind == "gaussian"
     ]
-    return max(found, default=None)
+    return max(pairs, default=None)
 
 
 def _overlap(a: tuple[float, ...], b: tuple[float, ...]) -> float:

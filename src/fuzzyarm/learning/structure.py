@@ -131,22 +131,22 @@ class Judge(NamedTuple):
         scaling = Scaling.of(inputs[train], outputs[train])
         regressors = scaling.regressors(inputs)
         strengths = premises.strengths(inputs)
-        known = designed(strengths[train], regressors[train])
-        asked = designed(strengths[test], regressors[test])
+        design_train = designed(strengths[train], regressors[train])
+        design = designed(strengths[test], regressors[test])
         # What the linear part can say is taken out of the deviations, in both parts alike.
-        said = np.linalg.lstsq(regressors[train], known, rcond=1e-10)[0]
-        known -= regressors[train] @ said
-        asked -= regressors[test] @ said
+        linear_part = np.linalg.lstsq(regressors[train], design_train, rcond=1e-10)[0]
+        design_train -= regressors[train] @ linear_part
+        design -= regressors[test] @ linear_part
         # The spectrum is known to 1e-16 of its largest value: far below the least shrinkage.
-        values, axes = np.linalg.eigh(known.T @ known)
-        turned = axes.T @ (known.T @ (residual / scaling.range))
-        asked = asked @ axes
-        found = []
+        values, axes = np.linalg.eigh(design_train.T @ design_train)
+        turned = axes.T @ (design_train.T @ (residual / scaling.range))
+        design = design @ axes
+        residuals = []
         for shrinkage in self.shrinkages:
             least = max(shrinkage, LEAST_SHRINKAGE) * len(train)
             step = turned / (np.maximum(values, 0.0) + least)[:, None]
-            found.append(left - asked @ step * scaling.range)
-        return np.array(found)
+            residuals.append(left - design @ step * scaling.range)
+        return np.array(residuals)
 
     def moved(self, candidate: Candidate, evaluations: int = 25) -> Candidate:
         """Return a structure judged with its terms moved by variable projection."""
@@ -165,8 +165,8 @@ class Judge(NamedTuple):
             if not finished:
                 raise KeyboardInterrupt
             weights, scaling = consequents(premises, inputs, outputs, shrinkage)
-            asked = self.inputs[test]
-            values = predicted(premises, weights, scaling.regressors(asked), asked)
+            inputs_test = self.inputs[test]
+            values = predicted(premises, weights, scaling.regressors(inputs_test), inputs_test)
             errors = self.outputs[test] - (scaling.middle + values * scaling.range)
             squares[test] = np.mean(errors**2, axis=1)
             self.on_step(f"{candidate.words}, terms moved")
@@ -182,9 +182,12 @@ def _linear_residual(
 ) -> tuple[Array, Array]:
     """Return what linear regression leaves of the training and of the test part."""
     scaling = Scaling.of(inputs[train], outputs[train])
-    known, asked = scaling.regressors(inputs[train]), scaling.regressors(inputs[test])
-    weights = np.linalg.lstsq(known, outputs[train], rcond=1e-10)[0]
-    return outputs[train] - known @ weights, outputs[test] - asked @ weights
+    regressors_train, regressors_test = (
+        scaling.regressors(inputs[train]),
+        scaling.regressors(inputs[test]),
+    )
+    weights = np.linalg.lstsq(regressors_train, outputs[train], rcond=1e-10)[0]
+    return outputs[train] - regressors_train @ weights, outputs[test] - regressors_test @ weights
 
 
 # --- Candidates ---
@@ -201,9 +204,11 @@ def clearly_worse(squares: Array, least: Array) -> bool:
 
 def smallest_good(candidates: Iterable[Candidate]) -> Candidate:
     """Return the smallest candidate, then the most linear, not clearly worse than the best."""
-    known = list(candidates)
-    best = min(known, key=lambda each: each.error)
-    good = [candidate for candidate in known if not clearly_worse(candidate.squares, best.squares)]
+    candidates_ = list(candidates)
+    best = min(candidates_, key=lambda each: each.error)
+    good = [
+        candidate for candidate in candidates_ if not clearly_worse(candidate.squares, best.squares)
+    ]
     return min(good, key=lambda each: (each.size, -each.shrinkage, each.error))
 
 

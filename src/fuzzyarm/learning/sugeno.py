@@ -151,8 +151,8 @@ class Premises:
         columns = group.signs * self.numbers[group.indices]
         symbols = group.readings.symbols
         values = dict(zip(symbols, (inputs[:, group.inputs], *columns), strict=True))
-        found = evaluate_arrays(reading[0], values, order=reading[1])
-        return np.broadcast_to(found, (len(inputs), len(group.inputs)))
+        values_ = evaluate_arrays(reading[0], values, order=reading[1])
+        return np.broadcast_to(values_, (len(inputs), len(group.inputs)))
 
     def degrees(self, inputs: Array) -> Array:
         """Return the memberships, shape (samples, terms)."""
@@ -170,8 +170,8 @@ class Premises:
     def _shares(self, degrees: Array) -> Array:
         # Products of degrees as sums of logarithms: ten small ones do not vanish.
         logarithm = np.log(np.maximum(degrees, TINY)) @ self.members.T
-        found = np.exp(logarithm - logarithm.max(axis=1, keepdims=True))
-        shares: Array = found / found.sum(axis=1, keepdims=True)
+        weights = np.exp(logarithm - logarithm.max(axis=1, keepdims=True))
+        shares: Array = weights / weights.sum(axis=1, keepdims=True)
         return shares
 
     def jacobian(self, inputs: Array, consequents: Array) -> Array:
@@ -224,7 +224,7 @@ class Scaling:
     def of(cls, inputs: Array, outputs: Array) -> Scaling:
         """Return the scaling of samples; what does not vary has a spread of 1."""
         spreads = inputs.std(axis=0), outputs.std(axis=0)
-        tiny = [1e-12 * np.abs(each).max(axis=0) for each in (inputs, outputs)]
+        tiny = [1e-12 * np.abs(columns).max(axis=0) for columns in (inputs, outputs)]
         spread, extent = (np.where(s > t, s, 1.0) for s, t in zip(spreads, tiny, strict=True))
         return cls(inputs.mean(axis=0), spread, outputs.mean(axis=0), extent)
 
@@ -288,11 +288,11 @@ def consequents(
         Of inputs and outputs.
     """
     scaling = Scaling.of(inputs, outputs)
-    regressors, wanted = scaling.regressors(inputs), scaling.scaled(outputs)
+    regressors, scaled = scaling.regressors(inputs), scaling.scaled(outputs)
     shape = len(premises.rules), regressors.shape[1], outputs.shape[1]
     span = basis(regressors)
     bridge = np.linalg.lstsq(regressors, span, rcond=1e-10)[0]  # regressors @ bridge = span
-    seen = span.T @ wanted
+    seen = span.T @ scaled
     if len(premises.rules) < 2:
         return np.broadcast_to(bridge @ seen, shape).copy(), scaling
     strengths = premises.strengths(inputs)
@@ -303,7 +303,7 @@ def consequents(
     # Rows are taken in by turns, and only the triangle of those before is kept.
     triangle = np.sqrt(max(shrinkage, LEAST_SHRINKAGE) * len(inputs)) * np.eye(size)
     right = np.zeros((size, shape[2]))
-    rest = wanted - span @ seen
+    rest = scaled - span @ seen
     for rows in _turns(len(inputs)):
         design = designed(strengths[rows], regressors[rows]) - span[rows] @ crossed
         factor, triangle = np.linalg.qr(np.vstack([triangle, design]))
@@ -349,8 +349,8 @@ class Projection:
         self.premises, self.inputs = premises, inputs
         self.regressors = scaling.regressors(inputs)
         self.span = basis(self.regressors)
-        wanted = scaling.scaled(outputs)
-        self.rest = wanted - self.span @ (self.span.T @ wanted)
+        scaled = scaling.scaled(outputs)
+        self.rest = scaled - self.span @ (self.span.T @ scaled)
         self.size = len(premises.rules) * self.regressors.shape[1]
         self.penalty = np.sqrt(max(shrinkage, LEAST_SHRINKAGE) * len(inputs)) * np.eye(self.size)
         self.best = (np.inf, premises.numbers)

@@ -178,12 +178,12 @@ class Validation(Plotted):
     def to_dict(self) -> dict[str, Any]:
         """Return it as JSON data: NaN is None, and the samples themselves are left out."""
         data = {k: v for k, v in asdict(self).items() if k not in {"predicted", "observed"}}
-        data["calibration"] = [each._asdict() for each in self.calibration]
+        data["calibration"] = [bin_._asdict() for bin_ in self.calibration]
         data["regions"] = [region._asdict() for region in self.regions]
         data["rules"] = [use._asdict() for use in self.rules]
         data["never_fired"] = [rule.number for rule in self.never_fired]
-        found: dict[str, Any] = _without_nan(data)
-        return found
+        data_: dict[str, Any] = _without_nan(data)
+        return data_
 
 
 def _without_nan(data: Any) -> Any:
@@ -211,22 +211,22 @@ def validate(rulebase: AnyRuleBase, samples: Samples) -> Validation:
         If an output that the target asks for is not there.
     """
     rulebase = rulebase.model
-    wanted = output_names(samples)
-    known = [output.name for output in rulebase.outputs]
+    names_wanted = output_names(samples)
+    names_there = [output.name for output in rulebase.outputs]
     has_target = not np.isnan(samples.values).any()
-    missing = [name for name in wanted if name not in known]
+    missing = [name for name in names_wanted if name not in names_there]
     if missing and has_target:
-        hint = f"there are: {', '.join(known)}"
+        hint = f"there are: {', '.join(names_there)}"
         raise ValidationError(f"the rule base has no output '{missing[0]}'", hint=hint)
     columns = dict(zip(samples.names, samples.inputs.T, strict=True))
     strengths, outputs = firing_strengths(rulebase, columns)
-    shown = [outputs[name] for name in (known if missing else wanted)]
-    predicted = np.stack([np.broadcast_to(each, len(samples)) for each in shown], axis=1)
+    shown = [outputs[name] for name in (names_there if missing else names_wanted)]
+    predicted = np.stack([np.broadcast_to(column, len(samples)) for column in shown], axis=1)
     fired: NDArray[np.bool_] = ~np.asarray(np.isnan(predicted).any(axis=1))
     errors = _errors(samples, predicted) if has_target else np.full(len(samples), math.nan)
-    observed, given = samples.values[fired], predicted[fired, 0]
+    observed, predictions = samples.values[fired], predicted[fired, 0]
     numbers = has_target and not samples.classes and len(observed) > 0
-    slope, intercept = _line(given, observed) if numbers else (math.nan, math.nan)
+    slope, intercept = _line(predictions, observed) if numbers else (math.nan, math.nan)
     variance = float(np.var(observed)) if numbers else math.nan
     judged = errors[fired]
     error = _root_mean_square(judged)
@@ -241,12 +241,12 @@ def validate(rulebase: AnyRuleBase, samples: Samples) -> Validation:
         explained=1.0 - error**2 / variance if variance > 0.0 else math.nan,
         slope=slope,
         intercept=intercept,
-        calibration=tuple(_bins(given, observed)) if numbers else (),
+        calibration=tuple(_bins(predictions, observed)) if numbers else (),
         regions=tuple(_regions(rulebase, samples, columns, np.where(fired, errors, math.nan))),
         rules=tuple(_uses(rulebase, strengths, np.where(fired, errors, math.nan))),
         confusion=_confusion(samples, predicted, fired) if has_target else (),
         classes=samples.classes,
-        predicted=given,
+        predicted=predictions,
         observed=observed,
     )
 
@@ -266,8 +266,8 @@ def _share_or_rms(samples: Samples, errors: Array) -> float:
 
 
 def _mean(values: Array) -> float:
-    known = values[~np.isnan(values)]
-    return float(known.mean()) if len(known) else math.nan
+    finite = values[~np.isnan(values)]
+    return float(finite.mean()) if len(finite) else math.nan
 
 
 def _root_mean_square(values: Array) -> float:

@@ -117,9 +117,9 @@ def wang_mendel(samples: Samples, words: int, layout: Layout) -> tuple[RuleBase,
         raise WordsError(message)
     columns = [*samples.inputs.T, samples.values]
     ranges = [outer_range(float(column.min()), float(column.max()), 4) for column in columns]
-    found = proposals(samples.inputs, samples.values, ranges, words)
-    if len(found.support) > MAX_RULES:
-        message = f"{len(found.support):,} rules are too many"
+    proposal = proposals(samples.inputs, samples.values, ranges, words)
+    if len(proposal.support) > MAX_RULES:
+        message = f"{len(proposal.support):,} rules are too many"
         raise WordsError(message, hint=f"at most {MAX_RULES:,}: use fewer words")
     names = term_names(words)
 
@@ -136,11 +136,13 @@ def wang_mendel(samples: Samples, words: int, layout: Layout) -> tuple[RuleBase,
     output = weighted_output(samples.target, low, high, terms(low, high), silent, "clamp")
     rules = tuple(
         Rule(_antecedent(samples.names, names, row), (Consequent(output.name, names[word]),))
-        for row, word in zip(found.antecedents.tolist(), found.conclusions.tolist(), strict=True)
+        for row, word in zip(
+            proposal.antecedents.tolist(), proposal.conclusions.tolist(), strict=True
+        )
     )
     block = RuleBlock(rules, conjunction="product")
     rulebase = RuleBase(layout.name, inputs, (output,), (block,), layout.description)
-    return rulebase, found.support
+    return rulebase, proposal.support
 
 
 def _antecedent(inputs: tuple[str, ...], names: tuple[str, ...], row: list[int]) -> Expression:

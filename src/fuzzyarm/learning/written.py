@@ -126,12 +126,12 @@ def rounded_consequents(weights: Array, samples: Samples, tolerance: Array) -> A
     reach = np.maximum(np.abs(samples.inputs - centre).max(axis=0), 1e-300)
     values = weights.copy()
     parts = math.sqrt(weights.shape[2])
-    for k, each in enumerate(tolerance.tolist()):
+    for k, width in enumerate(tolerance.tolist()):
         for j, far in enumerate(reach.tolist()):
-            decimals = resolution(each / parts / far, 1)
+            decimals = resolution(width / parts / far, 1)
             values[:, k, j] = [round_to(value, decimals) for value in weights[:, k, j].tolist()]
         constants = weights[:, k, -1] + (weights[:, k, :-1] - values[:, k, :-1]) @ centre
-        decimals = resolution(each / parts, 1)
+        decimals = resolution(width / parts, 1)
         values[:, k, -1] = [round_to(value, decimals) for value in constants.tolist()]
     return values
 

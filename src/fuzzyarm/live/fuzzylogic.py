@@ -40,8 +40,8 @@ def fuzzylogic_numbers(rule: Any) -> Callable[[Mapping[str, float]], dict[str, f
     target = str(next(iter(rule.conditions.values())).domain._name)
 
     def numbers(values: Mapping[str, float]) -> dict[str, float]:
-        found = rule({domains[name]: value for name, value in values.items()})
-        return {} if found is None else {target: float(found)}
+        result = rule({domains[name]: value for name, value in values.items()})
+        return {} if result is None else {target: float(result)}
 
     return numbers
 
@@ -72,17 +72,19 @@ def from_fuzzylogic(
 
 def _domains(rule: Any) -> dict[str, Any]:
     """Return the domains of the conditions by name, in the order of their names."""
-    found = {id(s.domain): s.domain for sets in rule.conditions for s in sets}
-    return {str(each._name): each for each in sorted(found.values(), key=lambda d: str(d._name))}
+    domains = {id(s.domain): s.domain for sets in rule.conditions for s in sets}
+    return {
+        str(domain._name): domain for domain in sorted(domains.values(), key=lambda d: str(d._name))
+    }
 
 
 def _rulebase(rule: Any, name: str, findings: Findings) -> RuleBase | None:
     if not rule.conditions:
         findings.error("no-rules", "the rule has no conditions")
         return None
-    asked = [each for sets in rule.conditions for each in sets]
+    asked_sets = [each for sets in rule.conditions for each in sets]
     concluded = list(rule.conditions.values())
-    if any(each.domain is None for each in (*asked, *concluded)):
+    if any(each.domain is None for each in (*asked_sets, *concluded)):
         findings.error("undefined-variable", "a set of the rule belongs to no domain")
         return None
     targets = {id(each.domain): each.domain for each in concluded}
@@ -91,10 +93,10 @@ def _rulebase(rule: Any, name: str, findings: Findings) -> RuleBase | None:
         findings.error("rule-too-rich", f"the rule concludes several domains: {', '.join(labels)}")
         return None
     domains, (target,) = _domains(rule), targets.values()
-    if len(domains) < len({id(each.domain) for each in asked}) or labels[0] in domains:
+    if len(domains) < len({id(each.domain) for each in asked_sets}) or labels[0] in domains:
         findings.error("duplicate-variable", "two domains of the rule have one name")
         return None
-    named = {id(domain): _named(domain, asked, hedged=True) for domain in domains.values()}
+    named = {id(domain): _named(domain, asked_sets, hedged=True) for domain in domains.values()}
     values = _named(target, concluded)
     inputs = tuple(
         _input(label, domain, named[id(domain)].values(), findings)
@@ -122,18 +124,18 @@ class _Named(NamedTuple):
 
 def _named(domain: Any, used: Iterable[Any], *, hedged: bool = False) -> dict[int, _Named]:
     """Return by identity the sets of a domain, and those made of them on the way."""
-    found = {id(each): _Named(str(name), (), each) for name, each in domain._sets.items()}
-    own = list(found.values())
-    taken = {each.term for each in own}
-    for each in used:
-        if each.domain is not domain or id(each) in found:
+    names_of_sets = {id(set_): _Named(str(name), (), set_) for name, set_ in domain._sets.items()}
+    own_sets = list(names_of_sets.values())
+    taken = {set_.term for set_ in own_sets}
+    for set_ in used:
+        if set_.domain is not domain or id(set_) in names_of_sets:
             continue
-        same = _under_hedges(each, own, domain) if hedged else None
+        same = _under_hedges(set_, own_sets, domain) if hedged else None
         if same is None:
-            same = _Named(unique_name(str(each.name or "derived"), taken), (), each)
+            same = _Named(unique_name(str(set_.name or "derived"), taken), (), set_)
             taken.add(same.term)
-        found[id(each)] = same
-    return found
+        names_of_sets[id(set_)] = same
+    return names_of_sets
 
 
 def _under_hedges(each: Any, own: list[_Named], domain: Any) -> _Named | None:
@@ -165,11 +167,11 @@ _POWERS = {2.0: Hedge("very"), 0.5: Hedge("somewhat"), 3.0: Hedge("extremely")}
 def _input(label: str, domain: Any, sets: Iterable[_Named], findings: Findings) -> Input:
     low, high = float(domain._low), float(domain._high)
     shapes = {}
-    for name, _, each in sets:
-        if each is not None:
+    for name, _, set_ in sets:
+        if set_ is not None:
             what = f"'{name}' of '{label}'"
             with reading(what):
-                shapes[name] = _shape(each, low, high, what, findings)
+                shapes[name] = _shape(set_, low, high, what, findings)
     outside = "extend"
     if all(constant_beyond(shape, low, high) for shape in shapes.values()):
         outside = "clamp"
@@ -193,7 +195,7 @@ def _shape(each: Any, low: float, high: float, what: str, findings: Findings) ->
 def _output(label: str, target: Any, sets: Iterable[_Named]) -> Output:
     low, high = float(target._low), float(target._high)
     step = (high - low) / len(target.range)
-    values = {name: low + step * float(each.center_of_gravity) for name, _, each in sets}
+    values = {name: low + step * float(set_.center_of_gravity) for name, _, set_ in sets}
     return Output(
         label,
         low,

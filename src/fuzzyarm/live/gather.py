@@ -188,9 +188,9 @@ class _Finder(importlib.abc.MetaPathFinder):
         change = _AFTER_IMPORT.get(name)
         if change is None:
             return None
-        found = importlib.machinery.PathFinder.find_spec(name, path, target)
-        loader = found.loader if found is not None else None
-        if found is None or loader is None:
+        spec = importlib.machinery.PathFinder.find_spec(name, path, target)
+        loader = spec.loader if spec is not None else None
+        if spec is None or loader is None:
             return None
         load = loader.exec_module
 
@@ -202,7 +202,7 @@ class _Finder(importlib.abc.MetaPathFinder):
                 traceback.print_exc()
 
         loader.exec_module = load_and_change  # type: ignore[method-assign]
-        return found
+        return spec
 
 
 # --- The script ---
@@ -339,13 +339,13 @@ def _as_data(error: BaseException, script: str) -> dict[str, Any]:
 
 def _named(module: ModuleType) -> Iterator[tuple[str, Any]]:
     """Yield names and objects: variables, what they contain, variables of functions."""
-    own = _own_modules(module)
+    own_modules = _own_modules(module)
     seen: set[int] = set()
     variables = {n: v for n, v in vars(module).items() if not n.startswith("__")}
-    yield from _in_scope(variables, own, seen)
-    for made in reversed(_made):
-        if made.frame.f_locals is not vars(module):
-            yield from _in_scope(dict(made.frame.f_locals), own, seen)
+    yield from _in_scope(variables, own_modules, seen)
+    for creation in reversed(_made):
+        if creation.frame.f_locals is not vars(module):
+            yield from _in_scope(dict(creation.frame.f_locals), own_modules, seen)
 
 
 def _own_modules(module: ModuleType) -> frozenset[str]:
@@ -372,9 +372,9 @@ def _in_scope(
 def _inside(name: str, value: Any, own: frozenset[str]) -> dict[str, Any]:
     """Return what a value contains, by names: of a container, or of an object of the script."""
     if isinstance(value, dict):
-        return {f"{name}_{key}": each for key, each in list(value.items())[:MOST_MADE]}
+        return {f"{name}_{key}": part for key, part in list(value.items())[:MOST_MADE]}
     if isinstance(value, list | tuple):
-        return {f"{name}_{i}": each for i, each in enumerate(value[:MOST_MADE], 1)}
+        return {f"{name}_{i}": part for i, part in enumerate(value[:MOST_MADE], 1)}
     if type(value).__module__ not in own:
         return {}
     attributes = dict(getattr(value, "__dict__", {}))
@@ -391,45 +391,45 @@ def _systems(
     What has no name at all counts where nothing has one. With `whole` only those count that have
     computed something, which are complete.
     """
-    found: dict[int, tuple[str, Any]] = {}
+    systems: dict[int, tuple[str, Any]] = {}
     simulations: dict[int, tuple[str, Any]] = {}
     left_out: dict[int, str] = {}
     named = [(n, v) for n, v in _named(module) if not isinstance(v, type) and is_system(v)]
-    for name, value in named or [(stem, made.system) for made in _made]:
+    for name, value in named or [(stem, creation.system) for creation in _made]:
         system = getattr(value, "ctrl", value)
         if whole and id(value) not in _computed and id(system) not in _computed:
             left_out.setdefault(id(system), name)
         elif system is not value:
             simulations.setdefault(id(system), (name, value))
         elif not hasattr(value, "conditions") or value.conditions:
-            found.setdefault(id(value), (name, value))
+            systems.setdefault(id(value), (name, value))
     for key, (name, simulation) in simulations.items():
-        known = found.get(key, (name, None))[0]
+        known = systems.get(key, (name, None))[0]
         clips = getattr(simulation, "clip_to_bounds", True)
-        found[key] = (known, simulation.ctrl if clips else simulation)
-    return _with_names([*_without_parts(list(found.values()))]), list(left_out.values())
+        systems[key] = (known, simulation.ctrl if clips else simulation)
+    return _with_names([*_without_parts(list(systems.values()))]), list(left_out.values())
 
 
 def _without_parts(found: list[tuple[str, Any]]) -> Iterator[tuple[str, Any]]:
     """Leave out rules of fuzzylogic that are part of a sum of rules."""
-    sums = [set(each.conditions) for _, each in found if hasattr(each, "conditions")]
-    for name, each in found:
-        own = set(getattr(each, "conditions", ()))
-        if not own or not any(own < other for other in sums):
-            yield name, each
+    sums = [set(system.conditions) for _, system in found if hasattr(system, "conditions")]
+    for name, system in found:
+        conditions = set(getattr(system, "conditions", ()))
+        if not conditions or not any(conditions < other for other in sums):
+            yield name, system
 
 
 def _with_names(found: list[tuple[str, Any]]) -> dict[str, Any]:
     """Give every system a name that can be that of a file, also where case does not count."""
     named: dict[str, Any] = {}
-    for name, each in found:
+    for name, system in found:
         plain = "".join(c if c.isalnum() or c in "_-" else "_" for c in name)[:80].strip("-")
         plain = plain or "system"
         taken = {other.casefold() for other in named}
         number, unique = 2, plain
         while unique.casefold() in taken:
             unique, number = f"{plain}_{number}", number + 1
-        named[unique] = each
+        named[unique] = system
     return named
 
 
@@ -462,8 +462,8 @@ def _gathered(
         module, stem, lambda value: library_of(value) is not None, whole=whole
     )
     deadline = time.monotonic() + MEASURING
-    found = [_as_found(name, system, options, deadline) for name, system in systems.items()]
-    return {"found": found, "left_out": left_out}
+    records = [_as_found(name, system, options, deadline) for name, system in systems.items()]
+    return {"found": records, "left_out": left_out}
 
 
 def _name_sets(module: ModuleType) -> None:
@@ -483,7 +483,7 @@ def _as_found(name: str, system: Any, options: dict[str, Any], deadline: float) 
 
     library = library_of(system)
     assert library is not None
-    found: dict[str, Any] = {"name": name, "library": library.name, "text": None, "points": []}
+    record: dict[str, Any] = {"name": name, "library": library.name, "text": None, "points": []}
     reading = {key: options[key] for key in ("points", "lossy", "strict")}
     imported = read_object(system, name, **reading)
     diagnostics = list(imported.diagnostics)
@@ -491,10 +491,10 @@ def _as_found(name: str, system: Any, options: dict[str, Any], deadline: float) 
         rulebase = in_tables(imported.rulebase)
         exported = write(rulebase, ".frb", lossy=options["lossy"], strict=options["strict"])
         diagnostics += exported.diagnostics
-        found["text"] = exported.text
-        found["points"] = measured(system, rulebase, deadline)
-    found["diagnostics"] = [(d.name, d.message, str(d.severity), d.hint) for d in diagnostics]
-    return found
+        record["text"] = exported.text
+        record["points"] = measured(system, rulebase, deadline)
+    record["diagnostics"] = [(d.name, d.message, str(d.severity), d.hint) for d in diagnostics]
+    return record
 
 
 def _told_by_text(script: Path) -> dict[str, Any]:
@@ -530,7 +530,7 @@ def main() -> None:
     standing = _beside("stand_ins")
     answers = standing.prepare(str(script.parent))
     sys.meta_path.insert(0, _Finder())
-    told = _told_by_text(script)
+    record_of_text = _told_by_text(script)
 
     def finish(ended_by: dict[str, Any] | None, *, endless: bool) -> None:
         os.chdir(script.parent)
@@ -539,7 +539,7 @@ def main() -> None:
             "endless": endless,
             "stand_ins": sorted(set(standing.used)),
             "answers": answers.count,
-            **told,
+            **record_of_text,
         }
         failed = not endless and ended_by is not None and ended_by["kind"] not in HARMLESS
         try:

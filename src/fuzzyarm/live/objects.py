@@ -125,10 +125,10 @@ LIBRARIES = (
 
 def library_of(found: object) -> Library | None:
     """Return the library that an object is a system of, or None."""
-    for each in type(found).__mro__:
-        module = str(each.__module__).partition(".")[0]
+    for base in type(found).__mro__:
+        module = str(base.__module__).partition(".")[0]
         for library in LIBRARIES:
-            if library.module == module and each.__name__ in library.classes:
+            if library.module == module and base.__name__ in library.classes:
                 return library
     return None
 

@@ -62,12 +62,12 @@ def pyit2fls_numbers(system: Any) -> Callable[[Mapping[str, float]], dict[str, f
     settings = _evaluation(system) if kind == "IT2FLS" else {}
 
     def numbers(values: Mapping[str, float]) -> dict[str, float]:
-        given = dict.fromkeys(system.inputs, 0.0) | dict(values)
+        arguments = dict.fromkeys(system.inputs, 0.0) | dict(values)
         if kind == "T1TSK":
-            found = system.evaluate(given, tuple(given[name] for name in order))
+            result = system.evaluate(arguments, tuple(arguments[name] for name in order))
         else:
-            found = system.evaluate(given, **settings)
-        reduced = found[1] if isinstance(found, tuple) else found
+            result = system.evaluate(arguments, **settings)
+        reduced = result[1] if isinstance(result, tuple) else result
         middles = {str(name): _middle(value) for name, value in reduced.items()}
         return {name: value for name, value in middles.items() if not math.isnan(value)}
 
@@ -136,13 +136,13 @@ _EVALUATION = (
 
 def _evaluation(system: Any) -> dict[str, Any]:
     """Return how an ``IT2FLS`` was evaluated; of one that never was what the examples do."""
-    given, options = vars(system).get(CALL, ((), {}))
-    settings = dict(zip(_EVALUATION, given, strict=False)) | dict(options)
+    positional, options = vars(system).get(CALL, ((), {}))
+    settings = dict(zip(_EVALUATION, positional, strict=False)) | dict(options)
     settings.pop("inputs", None)
     if settings:
         return settings
     module = sys.modules[type(system).__module__]
-    used = [each for _, conclusions in system.rules for _, each in conclusions]
+    used = [conclusion for _, conclusions in system.rules for _, conclusion in conclusions]
     return {
         "t_norm": module.min_t_norm,
         "s_norm": module.max_s_norm,
@@ -165,8 +165,8 @@ def _order(system: Any) -> _Order:
     call their parameters, or as the inputs were added.
     """
     names = tuple(str(name) for name in system.inputs)
-    given, options = vars(system).get(CALL, ((), {}))
-    settings = dict(zip(("inputs", "params"), given, strict=False)) | dict(options)
+    positional, options = vars(system).get(CALL, ((), {}))
+    settings = dict(zip(("inputs", "params"), positional, strict=False)) | dict(options)
     values, arguments = settings.get("inputs"), settings.get("params")
     if not values or arguments is None:
         return _Order(_as_called(system, names) or names, len(names) > 1)
@@ -279,21 +279,21 @@ class _Reader:
             )
             self.findings.warn("assumed-norms", message)
         function = self._setting(name)
-        found = known.get(str(getattr(function, "__name__", "")))
-        if found is None:
+        norm = known.get(str(getattr(function, "__name__", "")))
+        if norm is None:
             self.findings.error("unknown-norm", f"the norm '{_called(function)}' is not supported")
-        return found or "min"
+        return norm or "min"
 
     def _engine(self) -> str:
         """Return the T-norm of a system of type 1, which is its implication too."""
         if self.kind == "T1TSK":
             return "product"
         engine = str(self.system.engine)
-        found = {"Product": "product", "Minimum": "min"}.get(engine)
-        if found is None:
+        norm = {"Product": "product", "Minimum": "min"}.get(engine)
+        if norm is None:
             message = f"the engine '{engine}' is not supported; Product and Minimum are"
             self.findings.error("unknown-norm", message)
-        return found or "min"
+        return norm or "min"
 
     @property
     def _by_centres(self) -> bool:
@@ -307,18 +307,18 @@ class _Reader:
             if not conditions or not conclusions:
                 what = "conclusion" if conditions else "condition"
                 self.findings.error("empty-rule", f"rule {number} has no {what}")
-            for known, parts in ((self.sets, conditions), (self.results, conclusions)):
+            for uses, parts in ((self.sets, conditions), (self.results, conclusions)):
                 for variable, used in parts:
-                    if variable not in known:
+                    if variable not in uses:
                         message = f"rule {number} uses '{variable}', which is not declared"
                         self.findings.error("undefined-variable", message)
-                    elif not any(_same(used, other) for other in known[variable]):
-                        known[variable].append(used)
-        for name in [each for each, used in self.sets.items() if not used]:
+                    elif not any(_same(used, other) for other in uses[variable]):
+                        uses[variable].append(used)
+        for name in [name_ for name_, used in self.sets.items() if not used]:
             if not self._has_values:
                 self.findings.info("unused-variable", f"no rule uses '{name}'; it is left out")
                 del self.sets[name]
-        for name in [each for each, used in self.results.items() if not used]:
+        for name in [name_ for name_, used in self.results.items() if not used]:
             self.findings.error("no-rules", f"no rule concludes '{name}'")
         self.partly = self._left_out()
         return not self.findings.failed
@@ -361,8 +361,8 @@ class _Reader:
 
     def _rule(self, conditions: Any, conclusions: Any, names: Mapping[str, Sequence[str]]) -> Rule:
         def term(variable: str, used: Any) -> str:
-            known = self.sets[variable] if variable in self.sets else self.results[variable]
-            return names[variable][next(i for i, s in enumerate(known) if _same(used, s))]
+            sets = self.sets[variable] if variable in self.sets else self.results[variable]
+            return names[variable][next(i for i, s in enumerate(sets) if _same(used, s))]
 
         parts = tuple(Is(str(name), term(name, used)) for name, used in conditions)
         ends = tuple(Consequent(str(name), term(name, used)) for name, used in conclusions)
@@ -399,11 +399,11 @@ class _Reader:
     ) -> tuple[Term, ...]:
         taken: set[str] = set()
         terms = []
-        for number, each in enumerate(sets, 1):
-            name = unique_name(str(getattr(each, NAME, f"set{number}")), taken)
+        for number, set_ in enumerate(sets, 1):
+            name = unique_name(str(getattr(set_, NAME, f"set{number}")), taken)
             taken.add(name)
             with reading(f"'{name}' of '{variable}'"):
-                terms.append(self._term(each, name, variable, low, high))
+                terms.append(self._term(set_, name, variable, low, high))
         return tuple(terms)
 
     def _term(self, each: Any, name: str, variable: str, low: float, high: float) -> Term:
@@ -424,8 +424,8 @@ class _Reader:
 
         xs = [low + (high - low) * i / 1000 for i in range(1001)]
         wide = [low + (high - low) * (i - 50) / 100 for i in range(201)]
-        known = _KNOWN.get(str(getattr(function, "__name__", "")))
-        shape = known(*map(float, parameters)) if known else None
+        maker = _KNOWN.get(str(getattr(function, "__name__", "")))
+        shape = maker(*map(float, parameters)) if maker else None
         if shape is None or not _fits(shape, degree, [*xs, *wide]):
             shape = shape_of(degree, low, high)
         if shape is None:
@@ -441,7 +441,7 @@ class _Reader:
         sets = self.results[name]
         low, high = _range(sets)
         points = [float(x) for x in sets[0].domain]
-        if any([*map(float, each.domain)] != points for each in sets):
+        if any([*map(float, set_.domain)] != points for set_ in sets):
             self.findings.error("bad-range", f"the sets of '{name}' have different domains")
         step = (high - low) / max(1, len(points) - 1)
         if any(abs(low + step * i - x) > 1e-9 * (high - low) for i, x in enumerate(points)):
@@ -493,7 +493,7 @@ class _Reader:
             message = "the centres (CoA) of sets that are cut move; only Product carries them"
             self.findings.error("unknown-defuzzifier", message)
         terms = self._terms(name, self.results[name], low, high)
-        centres = [float(each.defuzzify()) for each in self.results[name]]
+        centres = [float(result.defuzzify()) for result in self.results[name]]
         values = tuple(
             Term(term.name, Shape("singleton", (centre,)))
             for term, centre in zip(terms, centres, strict=True)
@@ -515,16 +515,16 @@ class _Reader:
             word = f"{function or 'EIASC'}_algorithm"
         else:
             word = str(getattr(function, "__name__", ""))
-        found = words(DEFUZZIFIERS, "pyit2fls").get(word)
-        if found is None:
+        method = words(DEFUZZIFIERS, "pyit2fls").get(word)
+        if method is None:
             message = f"the algorithm '{word or _called(function)}' is not supported"
             self.findings.error("unknown-defuzzifier", message)
-        return found or "karnik-mendel"
+        return method or "karnik-mendel"
 
     # --- Values of Takagi and Sugeno ---
 
     def _values(self, name: str, inputs: tuple[Input, ...]) -> Output:
-        shapes = [_value(each, inputs) for each in self.results[name]]
+        shapes = [_value(result, inputs) for result in self.results[name]]
         terms = tuple(Term(f"value{i}", shape) for i, shape in enumerate(shapes, 1))
         return self._average(name, inputs, terms, Defuzzifier(self._algorithm("algorithm")), 0.0)
 
@@ -617,7 +617,7 @@ def _definition(each: Any) -> tuple[Any, ...]:
 
 def _range(sets: Sequence[Any]) -> tuple[float, float]:
     """Return the range that the domains of sets span."""
-    ends = [float(x) for each in sets for x in (min(each.domain), max(each.domain))]
+    ends = [float(x) for set_ in sets for x in (min(set_.domain), max(set_.domain))]
     return (min(ends), max(ends)) if ends else (0.0, 1.0)
 
 

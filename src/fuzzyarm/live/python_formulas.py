@@ -119,13 +119,13 @@ def _points(
 
 
 def _primes(count: int) -> list[int]:
-    found: list[int] = []
+    primes: list[int] = []
     number = 2
-    while len(found) < count:
-        if all(number % prime for prime in found):
-            found.append(number)
+    while len(primes) < count:
+        if all(number % prime for prime in primes):
+            primes.append(number)
         number += 1
-    return found
+    return primes
 
 
 def _numbers_of(function: Callable[..., Any]) -> list[float]:
@@ -204,15 +204,15 @@ def _definition(function: Callable[..., Any]) -> tuple[list[str], ast.expr]:
         raise ValueError("it is not a function of one expression")
     code = function.__code__
     lines, _ = inspect.findsource(function)
-    found: list[tuple[int, list[str], ast.expr]] = []
+    definitions: list[tuple[int, list[str], ast.expr]] = []
     for node in ast.walk(ast.parse("".join(lines))):
         body = _body(node)
         if body is not None and _is_of(node, body, code):
             size = len(list(ast.walk(body)))
-            found.append((size, [arg.arg for arg in node.args.args], body))  # type: ignore[attr-defined]
-    if not found:
+            definitions.append((size, [arg.arg for arg in node.args.args], body))  # type: ignore[attr-defined]
+    if not definitions:
         raise ValueError("it is not a function of one expression")
-    _, parameters, body = min(found, key=lambda entry: entry[0])  # the innermost
+    _, parameters, body = min(definitions, key=lambda entry: entry[0])  # the innermost
     return parameters, body
 
 
@@ -285,7 +285,7 @@ def _affine(tree: ast.expr, names: list[str]) -> list[float] | None:
         case ast.Constant(value=int() | float() as number):
             return [*[0.0] * len(names), float(number)]
         case ast.Name(id=name) if name in names:
-            return [float(each == name) for each in names] + [0.0]
+            return [float(other == name) for other in names] + [0.0]
         case ast.UnaryOp(op=ast.USub() | ast.UAdd() as sign, operand=operand):
             inner = _affine(operand, names)
             return inner and [-x if isinstance(sign, ast.USub) else x for x in inner]

@@ -53,8 +53,8 @@ def simpful_numbers(system: Any) -> Callable[[Mapping[str, float]], dict[str, fl
     def numbers(values: Mapping[str, float]) -> dict[str, float]:
         for name, value in values.items():
             system.set_variable(name, value)
-        found = system.inference(ignore_warnings=True)
-        return {name: float(value) for name, value in found.items()}
+        results = system.inference(ignore_warnings=True)
+        return {name: float(value) for name, value in results.items()}
 
     return numbers
 
@@ -99,7 +99,7 @@ class _Reader:
             self.findings.error("unknown-type", message)
             return None
         rules = [self._rule(number, *rule) for number, rule in enumerate(self.system._rules, 1)]
-        read = [each for each in rules if each is not None]
+        read = [name_ for name_ in rules if name_ is not None]
         if not rules:
             self.findings.error("no-rules", "the system has no rules")
         if not read or self.findings.failed:
@@ -108,10 +108,10 @@ class _Reader:
         inputs = [n for n in self.variables if n in set(used)]
         concluded = list(dict.fromkeys(rule.consequents[0].variable for _, rule in read))
         self._note_both(inputs, concluded)
-        made = tuple(self._input(variable) for variable in inputs)
+        inputs_ = tuple(self._input(variable) for variable in inputs)
         output = self._values if self.sugeno else self._sets
-        outputs = tuple(output(each, made, [rule for _, rule in read]) for each in concluded)
-        return RuleBase(name, made, outputs, blocks_by_norms(read))
+        outputs = tuple(output(name_, inputs_, [rule for _, rule in read]) for name_ in concluded)
+        return RuleBase(name, inputs_, outputs, blocks_by_norms(read))
 
     def _note_both(self, inputs: list[str], concluded: list[str]) -> None:
         for name in concluded:
@@ -140,8 +140,8 @@ class _Reader:
             return None
         variable, term, *weight = consequent
         expression = self._expression(antecedent, used, number)
-        known = self._known_conclusion(variable, term, number)
-        if expression is None or not known:
+        is_known = self._known_conclusion(variable, term, number)
+        if expression is None or not is_known:
             return None
         if len(used & {"AND", "AND_p"}) > 1 or len(used & {"OR", "OR_p"}) > 1:
             message = f"rule {number} mixes norms, which one rule cannot do here"
@@ -157,16 +157,16 @@ class _Reader:
 
     def _term(self, variable: str, term: str) -> tuple[str, tuple[Hedge, ...]]:
         """Return a term as rules name it: an inverse gaussian is not its complement."""
-        inverse = (each for each in self.variables[variable]._FSlist if each._term == term)
+        inverse = (set_ for set_ in self.variables[variable]._FSlist if set_._term == term)
         return (_complement(term), (NOT,)) if any(map(_is_inverse, inverse)) else (term, ())
 
     def _known_conclusion(self, variable: str, term: str, number: int) -> bool:
         if self.sugeno:
-            known = [*self.system._crispvalues, *self.system._outputfunctions]
-            if term not in known:
+            names = [*self.system._crispvalues, *self.system._outputfunctions]
+            if term not in names:
                 what = f"in rule {number}, the value"
-                self.findings.unknown("undefined-term", what, Word(term), known)
-            return term in known
+                self.findings.unknown("undefined-term", what, Word(term), names)
+            return term in names
         return self._known(variable, term, number)
 
     def _known(self, variable: str, term: str, number: int) -> bool:
@@ -174,7 +174,7 @@ class _Reader:
             what = f"in rule {number}, the variable"
             self.findings.unknown("undefined-variable", what, Word(variable), self.variables)
             return False
-        terms = [each._term for each in self.variables[variable]._FSlist]
+        terms = [set_._term for set_ in self.variables[variable]._FSlist]
         if term not in terms:
             self.findings.no_term(variable, Word(term), terms, f"in rule {number}, ")
         return term in terms
@@ -197,8 +197,8 @@ class _Reader:
         used.add(function)
         joined_by = And if function.startswith("AND") else Or
         operands: list[Expression] = []
-        for each in (part._A, part._B):
-            inner = self._expression(each, used, number)
+        for operand in (part._A, part._B):
+            inner = self._expression(operand, used, number)
             if inner is None:
                 return None
             operands += inner.operands if isinstance(inner, joined_by) else (inner,)
@@ -239,13 +239,13 @@ class _Reader:
             low, high = -math.inf, math.inf
         finite = -math.inf < low < high < math.inf
         shapes: dict[str, Shape] = {}
-        for each in variable._FSlist:
-            with reading(f"the term '{each._term}' of '{name}'"):
-                shape = self._shape(each, name, *((low, high) if finite else (-1e3, 1e3)))
-            if each._term in shapes:
-                message = f"'{name}' has two terms called '{each._term}'"
+        for set_ in variable._FSlist:
+            with reading(f"the term '{set_._term}' of '{name}'"):
+                shape = self._shape(set_, name, *((low, high) if finite else (-1e3, 1e3)))
+            if set_._term in shapes:
+                message = f"'{name}' has two terms called '{set_._term}'"
                 self.findings.error("duplicate-term-name", message)
-            shapes[_complement(each._term) if _is_inverse(each) else each._term] = shape
+            shapes[_complement(set_._term) if _is_inverse(set_) else set_._term] = shape
         if not finite:
             low, high = estimated_range(list(shapes.values())) or (0.0, 1.0)
             message = f"'{name}' has no universe of discourse; {low:g} to {high:g} by its terms"
@@ -255,9 +255,9 @@ class _Reader:
     def _shape(self, each: Any, variable: str, low: float, high: float) -> Shape:
         """Return the shape of a set: by the class of its function, or by asking it."""
         function = getattr(each, "_funpointer", None)
-        known = _CLASSES.get(type(function).__name__)
-        shape = known(function) if known else shape_of(each.get_value, low, high)
-        if shape is None and not known and function is None:
+        maker = _CLASSES.get(type(function).__name__)
+        shape = maker(function) if maker else shape_of(each.get_value, low, high)
+        if shape is None and not maker and function is None:
             return _polygon(each)
         if shape is None:
             message = (

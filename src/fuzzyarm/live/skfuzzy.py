@@ -104,7 +104,7 @@ def from_skfuzzy(
     system = getattr(system, "ctrl", system)  # of a simulation
     variables = [*system.antecedents, *system.consequents]
     labels = [str(variable.label) for variable in variables]
-    for label in sorted({each for each in labels if labels.count(each) > 1}):
+    for label in sorted({label_ for label_ in labels if labels.count(label_) > 1}):
         findings.error("duplicate-variable", f"two variables are called '{label}'")
     terms = {id(variable): _terms(variable, findings, points=points) for variable in variables}
     inputs = tuple(
@@ -217,8 +217,10 @@ def _terms(variable: Any, findings: Findings, *, points: bool) -> tuple[Term, ..
     if not all(map(math.isfinite, chain(xs, *degrees.values()))):
         findings.error("not-finite", f"the universe or a term of '{name}' has a nan or inf")
         return ()
-    found = [recovered(xs, ys) or joined(xs, ys) for ys in degrees.values()]
-    shapes = dict(zip(degrees, even_family(found, xs[0], xs[-1], xs) or found, strict=True))
+    shapes_read = [recovered(xs, ys) or joined(xs, ys) for ys in degrees.values()]
+    shapes = dict(
+        zip(degrees, even_family(shapes_read, xs[0], xs[-1], xs) or shapes_read, strict=True)
+    )
     curved = [label for label, shape in shapes.items() if not is_joined(shape, xs)]
     # An output is joined by its defuzzifier, which takes no notice of a shape between the points.
     anyway = _is_output(variable) and _are_even(xs)
@@ -269,7 +271,7 @@ def _blocks(rules: list[Any], findings: Findings) -> tuple[RuleBlock, ...]:
             findings.error("unknown-norm", message)
             continue
         with reading(f"the rule '{rule.label}'"):
-            read += [(norms, made) for made in _rules(rule)]
+            read += [(norms, rule_read) for rule_read in _rules(rule)]
     return blocks_by_norms(read)
 
 
@@ -400,9 +402,9 @@ def _check_output(output: Output, findings: Findings) -> None:
 
 
 def _check_hedges(rule: Rule, findings: Findings) -> None:
-    found = [h for h in _hedges(rule.antecedent) if h != NOT]
-    found += [hedge for consequent in rule.consequents for hedge in consequent.hedges]
-    for hedge in found:
+    hedges = [h for h in _hedges(rule.antecedent) if h != NOT]
+    hedges += [hedge for consequent in rule.consequents for hedge in consequent.hedges]
+    for hedge in hedges:
         message = f"scikit-fuzzy has no hedge '{hedge.name}' there"
         findings.loss("unsupported-hedge", message, rule.span)
 
@@ -420,15 +422,15 @@ def _system(rulebase: RuleBase, samples: int) -> Any:
 
     variables: dict[str, Any] = {}
     for variable in rulebase.inputs:
-        made = control.Antecedent(_universe(variable, samples), variable.name)
-        variables[variable.name] = _with_terms(made, variable)
+        variable_ = control.Antecedent(_universe(variable, samples), variable.name)
+        variables[variable.name] = _with_terms(variable_, variable)
     for output in rulebase.outputs:
-        made = control.Consequent(
+        variable_ = control.Consequent(
             _universe(output, samples),
             output.name,
             word_of_method(output, "skfuzzy", "scikit-fuzzy", Findings(lossy=True)),
         )
-        variables[output.name] = _with_terms(made, output)
+        variables[output.name] = _with_terms(variable_, output)
     rules = [
         _rule(rule, block, variables, number)
         for number, (rule, block) in enumerate(

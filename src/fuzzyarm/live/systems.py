@@ -127,23 +127,25 @@ def compare(
         refused.
     """
     findings = Findings(lossy=lossy, strict=strict)
-    kept = [(point, numbers) for point, numbers in results if numbers is not None]
-    if len(kept) < len(results):
+    answered = [(point, numbers) for point, numbers in results if numbers is not None]
+    if len(answered) < len(results):
         message = (
-            f"{library} raises an error at {len(results) - len(kept)} of {len(results)} points"
+            f"{library} raises an error at {len(results) - len(answered)} of {len(results)} points"
         )
         findings.info("not-compared", message)
-    if not kept:
+    if not answered:
         findings.warn("not-compared", f"the numbers were not compared with those of {library}")
         return findings.all()
     try:
-        ours = _our_numbers(rulebase, [point for point, _ in kept])
+        ours = _our_numbers(rulebase, [point for point, _ in answered])
     except FuzzyarmError as error:
         findings.warn("not-compared", f"the numbers were not compared: {error}")
         return findings.all()
     for output in rulebase.outputs:
-        theirs = [numbers.get(output.name, math.nan) for _, numbers in kept]
-        _compare_output(output, [p for p, _ in kept], theirs, ours[output.name], library, findings)
+        theirs = [numbers.get(output.name, math.nan) for _, numbers in answered]
+        _compare_output(
+            output, [p for p, _ in answered], theirs, ours[output.name], library, findings
+        )
     return findings.all()
 
 
@@ -159,12 +161,12 @@ def _our_numbers(
         replace(output, no_rule=math.nan) if isinstance(output.no_rule, str) else output
         for output in rulebase.outputs
     )
-    asked = replace(rulebase, outputs=outputs, expectations=(), properties=())
+    part = replace(rulebase, outputs=outputs, expectations=(), properties=())
     columns = {
         variable.name: np.array([p[variable.name] for p in points]) for variable in rulebase.inputs
     }
-    found = infer(asked, columns)
-    return {name: np.broadcast_to(values, len(points)).tolist() for name, values in found.items()}
+    results = infer(part, columns)
+    return {name: np.broadcast_to(values, len(points)).tolist() for name, values in results.items()}
 
 
 def _compare_output(
@@ -305,7 +307,7 @@ def read_script(
     except ScriptError as error:
         raise ScriptError(f"{os.fspath(path)}: {error}", error.hint) from None
     diagnostics = _about_script(data, os.fspath(path), seconds, lossy=lossy, strict=strict)
-    systems = tuple(_system(found, lossy=lossy, strict=strict) for found in data["found"])
+    systems = tuple(_system(record, lossy=lossy, strict=strict) for record in data["found"])
     if systems:
         return systems, diagnostics
     if data.get("refused"):

@@ -130,8 +130,8 @@ def _of_rulebase(rulebase: RuleBase) -> Callable[[Vector, Vector], Vector]:
         raise AnalysisError(message, name=rulebase.name)
 
     def answer(error: Vector, rate: Vector) -> Vector:
-        given = dict(zip(names, (error, rate), strict=False))
-        return np.asarray(infer(rulebase, given, outputs=[output])[output], float)
+        values = dict(zip(names, (error, rate), strict=False))
+        return np.asarray(infer(rulebase, values, outputs=[output])[output], float)
 
     return answer
 
@@ -155,7 +155,7 @@ def _of_controller(text: ControllerText) -> Callable[[Vector, Vector], Vector]:
     first, drive = errors[0], run.drives[0]
     rates = [name for name in errors if rate_of(name, errors) == first]
     measured = dict.fromkeys(run.inputs, 0.0)
-    wanted = dict.fromkeys(run.references, 0.0)
+    set_points = dict.fromkeys(run.references, 0.0)
 
     def answer(error: Vector, rate: Vector) -> Vector:
         values = np.empty(error.shape)
@@ -163,7 +163,7 @@ def _of_controller(text: ControllerText) -> Callable[[Vector, Vector], Vector]:
             measured[first] = -float(error[place])
             for name in rates:
                 measured[name] = -float(rate[place])
-            values[place] = run.step(measured, wanted)[drive]
+            values[place] = run.step(measured, set_points)[drive]
         return values
 
     return answer
@@ -326,14 +326,14 @@ def _of_double_integrator(
     # All starts at once, by classical Runge-Kutta steps.
     x = np.array(starts or _around(centre, reach), float)
     h = duration / INTERVALS
-    found = [x]
+    path = [x]
     for _ in range(INTERVALS):
         one = slope(x)
         two = slope(x + 0.5 * h * one)
         three = slope(x + 0.5 * h * two)
         x = x + h / 6.0 * (one + 2.0 * two + 2.0 * three + slope(x + h * three))
-        found.append(x)
-    paths = list(np.stack(found, axis=1))
+        path.append(x)
+    paths = list(np.stack(path, axis=1))
     across = np.linspace(first.low, first.high, 25)
     up = np.linspace(second.low, second.high, 25)
     e, ce = np.meshgrid(across, up)
@@ -369,8 +369,8 @@ def _on_plant(
             for axes, line in text.model.lines()
             if isinstance(line, SignalLine) and line.source and line.source.kind == "error"
         ]
-        found = [site.find(text.model, "measured", error) for error in errors]
-        tracked = found[0] if found else next(iter(interface.outputs))
+        measured = [site.find(text.model, "measured", error) for error in errors]
+        tracked = measured[0] if measured else next(iter(interface.outputs))
     others = [port for port in interface.outputs if port != tracked]
     rates = [p for p in others if p[0] == tracked[0] and interface.outputs[p].rate_of == tracked[1]]
     pair = [interface.label(port) for port in (tracked, *(rates or others)[:1])]
@@ -382,11 +382,11 @@ def _on_plant(
     middle = [(p.low + p.high) / 2 if math.isfinite(p.high - p.low) else 0.0 for p in ports]
     reach = [0.35 * (p.high - p.low) if math.isfinite(p.high - p.low) else 1.0 for p in ports]
     references = references or {pair[0]: Signal("step", (middle[0],))}
-    wanted = float(references[pair[0]].at(np.array([math.inf]))[0][0])
-    target = (wanted, 0.0 if rates else math.nan)
+    set_point = float(references[pair[0]].at(np.array([math.inf]))[0][0])
+    target = (set_point, 0.0 if rates else math.nan)
     at_rest = start_of(plant, np.random.default_rng(0))
     paths = []
-    for start in starts or _around((wanted, middle[1]), (reach[0], reach[1])):
+    for start in starts or _around((set_point, middle[1]), (reach[0], reach[1])):
         state = list(at_rest)
         for name, value in zip(pair, start, strict=True):
             state[states.index(name)] = float(value)

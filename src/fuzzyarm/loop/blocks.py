@@ -69,16 +69,16 @@ def in_order(
     """
     under_way: dict[Future[Block], int] = {}
     done: dict[int, Rows] = {}
-    told = asked = begin
+    delivered = submitted = begin
     size = 1
     try:
-        while told < end:
-            while asked < end and len(under_way) < 2 * workers:
+        while delivered < end:
+            while submitted < end and len(under_way) < 2 * workers:
                 # At the end small ones, so that all workers finish together.
-                share = math.ceil((end - asked) / (2 * workers))
-                last = asked + max(1, min(size, share))
-                under_way[submit(asked, last)] = asked
-                asked = last
+                share = math.ceil((end - submitted) / (2 * workers))
+                last = submitted + max(1, min(size, share))
+                under_way[submit(submitted, last)] = submitted
+                submitted = last
             for future in wait(under_way, return_when=FIRST_COMPLETED).done:
                 first = under_way.pop(future)
                 with workers_watched():
@@ -86,10 +86,10 @@ def in_order(
                 done[first] = rows
                 if seconds > 0.0:
                     size = max(1, round(BLOCK_SECONDS * len(rows) / seconds))
-            while told in done:
-                rows = done.pop(told)
-                yield told, rows
-                told += len(rows)
+            while delivered in done:
+                rows = done.pop(delivered)
+                yield delivered, rows
+                delivered += len(rows)
     finally:
         for future in under_way:
             future.cancel()
@@ -129,8 +129,8 @@ def _processes(workers: int) -> Executor:
 
         # A fork would copy locks of threads that it does not copy.
         return ProcessPoolExecutor(workers, get_context("spawn"), initializer=deaf)
-    made: Executor = Loky(workers, initializer=deaf, env={_SAFE_PATH: "1"})
-    return made
+    executor: Executor = Loky(workers, initializer=deaf, env={_SAFE_PATH: "1"})
+    return executor
 
 
 _SAFE_PATH = "PYTHONSAFEPATH"
@@ -221,9 +221,9 @@ def _pickler() -> type[pickle.Pickler]:
 
     class Packer(base):  # type: ignore[misc]
         def reducer_override(self, thing: Any) -> Any:
-            found = recipe(thing)
-            if found is not None:
-                return found
+            reduction = recipe(thing)
+            if reduction is not None:
+                return reduction
             above = getattr(super(), "reducer_override", None)
             return above(thing) if above is not None else NotImplemented
 
@@ -262,7 +262,7 @@ def _recipe_of_fields(thing: Any) -> tuple[Any, ...] | None:
 @cache
 def _cached_names(kind: Any) -> frozenset[str]:
     """Return the cached properties of a class."""
-    names = (name for each in kind.__mro__ for name in vars(each))
+    names = (name for base in kind.__mro__ for name in vars(base))
     return frozenset(n for n in names if isinstance(getattr(kind, n, None), cached_property))
 
 
@@ -274,8 +274,8 @@ def _is_plain(kind: type) -> bool:
 
 def _name_of(law: Law) -> tuple[str, str]:
     home = law.kernel.__module__
-    for name, each in vars(sys.modules[home]).items():
-        if each is law:
+    for name, value in vars(sys.modules[home]).items():
+        if value is law:
             return home, name
     raise pickle.PicklingError(f"law '{law.name}' has no name in {home}")
 
@@ -297,14 +297,14 @@ def _recipe_of_own(thing: Any) -> tuple[Any, ...] | None:
     if not name or not hasattr(module, SOURCE):
         return None
     # A file that was loaded twice has two of each; a function knows its own.
-    found: Any = thing.__globals__ if isinstance(thing, FunctionType) else vars(module)
+    thing_: Any = thing.__globals__ if isinstance(thing, FunctionType) else vars(module)
     first, *rest = name.split(".")
-    found = found.get(first)
+    thing_ = thing_.get(first)
     for part in rest:
-        found = getattr(found, part, None)
-    if found is not thing and isinstance(thing, type) and thing.__bases__[1:] == (Plant,):
+        thing_ = getattr(thing_, part, None)
+    if thing_ is not thing and isinstance(thing, type) and thing.__bases__[1:] == (Plant,):
         return plant_class, thing.__bases__[:1]
-    if found is not thing and not _same_class(found, thing):
+    if thing_ is not thing and not _same_class(thing_, thing):
         return None  # made in a function, or under a decorator: its name does not lead to it
     return _own_thing, (module.__file__, getattr(module, SOURCE), name)
 
@@ -316,10 +316,10 @@ def _same_class(found: Any, thing: Any) -> bool:
 
 
 def _own_thing(path: str, source: str, name: str) -> Any:
-    found: Any = module_again(path, source)
+    thing: Any = module_again(path, source)
     for part in name.split("."):
-        found = getattr(found, part)
-    return found
+        thing = getattr(thing, part)
+    return thing
 
 
 def _recipe_of_plant(plant: Plant) -> tuple[Any, ...]:

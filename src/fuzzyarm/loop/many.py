@@ -142,14 +142,14 @@ class Many:
 
     def columns(self) -> dict[str, NDArray[Any]]:
         """Return everything by name, shape (n,) each: what differed, seed, divergence, metrics."""
-        found: dict[str, NDArray[Any]] = {}
+        columns_: dict[str, NDArray[Any]] = {}
         for name, values in self.changes.items():
             parts = values.reshape(len(self), -1).T
-            found |= {part_name(name, i, len(parts)): part for i, part in enumerate(parts)}
-        found |= {"seed": self.seeds, "diverged": self.diverged}
+            columns_ |= {part_name(name, i, len(parts)): part for i, part in enumerate(parts)}
+        columns_ |= {"seed": self.seeds, "diverged": self.diverged}
         for at, name in enumerate(metric_names(self.outputs)):
-            found[name] = self.values.reshape(len(self), -1)[:, at]
-        return found
+            columns_[name] = self.values.reshape(len(self), -1)[:, at]
+        return columns_
 
     def frame(self) -> Any:
         """Return it as a pandas DataFrame with a row for each run."""
@@ -267,8 +267,8 @@ class Bench:
     def column_units(self) -> dict[str, str]:
         """Units of what differs and of all metrics, by name; without those that have none."""
         units = {"diverged": "s", **{name: self._unit_of(name) for name in self.owners}}
-        for output, own in metric_units(self.loop.course).items():
-            units |= {f"{output}.{name}": unit for name, unit in own.items()}
+        for output, units_ in metric_units(self.loop.course).items():
+            units |= {f"{output}.{name}": unit for name, unit in units_.items()}
         return {name: unit for name, unit in units.items() if unit not in ("", "1")}
 
     def _unit_of(self, name: str) -> str:
@@ -315,8 +315,8 @@ class Bench:
         gains = self._of("gain", changes)
         program = None
         if gains:
-            given = {name: np.atleast_1d(value).tolist() for name, value in gains.items()}
-            program = self.loop.program_with(given)
+            gain_values = {name: np.atleast_1d(value).tolist() for name, value in gains.items()}
+            program = self.loop.program_with(gain_values)
         seed = int(changes.get("seed", self.experiment.options.seed + index))
         return self.loop.run(program, self.course(changes), seed)
 
@@ -328,12 +328,12 @@ class Bench:
             course = course.with_plants(replace(self.motion, plants=plants))
         sensors = self._of("sensor", changes)
         if sensors or "disturbance" in changes:
-            given: dict[str, Any] = {}
+            options: dict[str, Any] = {}
             if "disturbance" in changes:
-                given["disturbance"] = float(changes["disturbance"])
+                options["disturbance"] = float(changes["disturbance"])
             if sensors:
-                given["sensors"] = changed_sensors(course.options.sensors, sensors)
-            course = course.with_options(replace(course.options, **given))
+                options["sensors"] = changed_sensors(course.options.sensors, sensors)
+            course = course.with_options(replace(course.options, **options))
         return course
 
     def _plants(self, changes: Changes) -> tuple[Plant, ...] | None:
@@ -372,12 +372,14 @@ class Bench:
         for at in range(count):
             if stop is not None and stop.is_set():
                 return rows[:at], 0.0
-            own = {name: values[at] for name, values in changes.items()}
-            run = self.one(first + at, own)
+            row_changes = {name: values[at] for name, values in changes.items()}
+            run = self.one(first + at, row_changes)
             if run.diverged is not None:
                 rows[at, 0] = run.diverged
-            found = [vars(metric).values() for metric in run.metrics.values()]
-            rows[at, 1:] = [np.nan if value is None else value for row in found for value in row]
+            metric_values = [vars(metric).values() for metric in run.metrics.values()]
+            rows[at, 1:] = [
+                np.nan if value is None else value for row in metric_values for value in row
+            ]
         return rows, time.perf_counter() - begin
 
     def one(self, index: int, values: Mapping[str, Any]) -> Run:
@@ -399,11 +401,11 @@ SENSOR_FIELDS = ("noise", "resolution", "delay")
 
 def changed_sensors(sensors: Mapping[str, Sensor], values: Changes) -> dict[str, Sensor]:
     """Return sensors with some fields replaced."""
-    found = dict(sensors)
+    sensors_ = dict(sensors)
     for name, value in values.items():
         kind, _, port = name.partition(".")
-        found[port] = replace(found.get(port, Sensor()), **{kind: float(value)})
-    return found
+        sensors_[port] = replace(sensors_.get(port, Sensor()), **{kind: float(value)})
+    return sensors_
 
 
 def owner_of(name: str, controller: Controller, plant: Plant) -> str | None:
@@ -413,19 +415,19 @@ def owner_of(name: str, controller: Controller, plant: Plant) -> str | None:
     ``ADDEND:NAME``, too. None if neither has it.
     """
     gains = controller.gains
-    if name in gains or any(known.rpartition(":")[2] == name for known in gains):
+    if name in gains or any(gain.rpartition(":")[2] == name for gain in gains):
         return "gain"
     if name.removeprefix("plant.") in plant.parameters:
         return "parameter"
-    if ":" in name and name.rpartition(":")[2] in {known.rpartition(":")[2] for known in gains}:
+    if ":" in name and name.rpartition(":")[2] in {gain.rpartition(":")[2] for gain in gains}:
         return "gain"
     return None
 
 
 def _refuse(name: str, controller: Controller, plant: Plant) -> NoReturn:
     gains = controller.gains
-    known = [*gains, *plant.parameters, "seed", *(["payload"] if carries(plant) else [])]
-    hint = near_hint(name, known)[0] or f"there are {', '.join(known)}, noise.PORT"
+    names = [*gains, *plant.parameters, "seed", *(["payload"] if carries(plant) else [])]
+    hint = near_hint(name, names)[0] or f"there are {', '.join(names)}, noise.PORT"
     message = f"neither {controller.name} nor the {plant.name} has '{name}'"
     raise SweepError(message, name=name, hint=hint)
 
@@ -442,8 +444,8 @@ def columns_of(runs: Sequence[Changes] | Mapping[str, ArrayLike]) -> tuple[dict[
         If there are no runs or too many, or arrays do not match.
     """
     if isinstance(runs, Mapping):
-        found = {name: np.atleast_1d(np.asarray(v, np.float64)) for name, v in runs.items()}
-        counts = {name: len(values) for name, values in found.items()}
+        columns = {name: np.atleast_1d(np.asarray(v, np.float64)) for name, v in runs.items()}
+        counts = {name: len(values) for name, values in columns.items()}
         if len(set(counts.values())) > 1:
             text = ", ".join(f"{count} of {name}" for name, count in counts.items())
             raise SweepError(f"the runs do not match: {text}")
@@ -451,13 +453,13 @@ def columns_of(runs: Sequence[Changes] | Mapping[str, ArrayLike]) -> tuple[dict[
     else:
         count = len(runs)
         names = dict.fromkeys(name for run in runs for name in run)
-        found = {name: _column(name, runs) for name in names}
+        columns = {name: _column(name, runs) for name in names}
     if not 1 <= count <= MOST_RUNS:
         raise SweepError(f"{count:,} runs are out of range", hint=f"1 to {MOST_RUNS:,}")
-    for name, values in found.items():
+    for name, values in columns.items():
         if np.isinf(values).any():
             raise SweepError(f"'{name}' is infinite in a run", name=name)
-    return found, count
+    return columns, count
 
 
 def _column(name: str, runs: Sequence[Changes]) -> Vector:
@@ -495,9 +497,9 @@ def seeds_of(bench: Bench, changes: Columns, count: int) -> NDArray[np.int64]:
     if "seed" in bench.experiment.shared:
         values[:] = int(bench.experiment.shared["seed"])
     if "seed" in changes:
-        given = changes["seed"][:count]
-        known = ~np.isnan(given)
-        values[known] = given[known].astype(np.int64)
+        seeds = changes["seed"][:count]
+        is_given = ~np.isnan(seeds)
+        values[is_given] = seeds[is_given].astype(np.int64)
     return values
 
 
@@ -530,11 +532,13 @@ def check_extremes(bench: Bench, changes: Columns) -> None:
     """Try the smallest and the largest value of everything, so that mistakes are told at once."""
     shared = bench.experiment.shared
     for name, values in changes.items():
-        known = values[~np.isnan(values).reshape(len(values), -1).any(axis=1)]
-        if name == "seed" and len(known) and known.min() < 0.0:
-            message = f"a seed of {known.min():g} is out of range"
+        values_given = values[~np.isnan(values).reshape(len(values), -1).any(axis=1)]
+        if name == "seed" and len(values_given) and values_given.min() < 0.0:
+            message = f"a seed of {values_given.min():g} is out of range"
             raise SweepError(message, name=name, hint="0 or more")
-        for extreme in (known.min(axis=0), known.max(axis=0)) if len(known) else ():
+        for extreme in (
+            (values_given.min(axis=0), values_given.max(axis=0)) if len(values_given) else ()
+        ):
             given = {**shared, name: extreme}
             if bench.owners[name] == "gain":
                 bench.loop.program_with({name: np.atleast_1d(extreme).tolist()})

@@ -100,7 +100,7 @@ def metric_unit(metric: str, error: str, drives: Sequence[str]) -> str:
     own_error = "" if error == "1" else error
     drive = drives[0] if drives else ""
     every = drive if len(set(drives)) == 1 else ""
-    own = {
+    units = {
         "rise": "s",
         "settling": "s",
         "ise": f"{own_error}^2 s" if own_error else "s",
@@ -111,7 +111,7 @@ def metric_unit(metric: str, error: str, drives: Sequence[str]) -> str:
         "saturated": "",
         "chatter": drive,
     }
-    return own_error if metric in ERRORS else own[metric]
+    return own_error if metric in ERRORS else units[metric]
 
 
 class Counted(NamedTuple):

@@ -83,10 +83,12 @@ class Program:
         self.controller = controller
         self.arithmetic = arithmetic
         parts = list(controller.parts())
-        own = [part for part in parts if isinstance(part, CompiledController)]
-        self.compilable = len(own) == len(parts)
-        self._laws = [part.law for part in own] if self.compilable else []
-        self._blocks = [part.block(arithmetic) for part in own] if self.compilable else []
+        compiled_parts = [part for part in parts if isinstance(part, CompiledController)]
+        self.compilable = len(compiled_parts) == len(parts)
+        self._laws = [part.law for part in compiled_parts] if self.compilable else []
+        self._blocks = (
+            [part.block(arithmetic) for part in compiled_parts] if self.compilable else []
+        )
         self.numbers = np.concatenate([[], *(block.numbers for block in self._blocks)])
         self.memory = np.concatenate([[], *(block.memory for block in self._blocks)])
         self._inputs: dict[bool, tuple[Any, Any]] = {}
@@ -108,9 +110,9 @@ class Program:
     def memory_of(self, law: Law, memory: Any) -> Any:
         """Return the stretch of a memory that belongs to a law."""
         begin = 0
-        for each, block in zip(self._laws, self._blocks, strict=True):
+        for part, block in zip(self._laws, self._blocks, strict=True):
             end = begin + len(block.memory)
-            if each is law:
+            if part is law:
                 return memory[begin:end]
             begin = end
         raise ValueError("not a law of this program")
@@ -134,15 +136,15 @@ class Program:
 
     def kept(self) -> NDArray[np.int64]:
         """Return the indices of the memory that a control period leaves for the next."""
-        found: list[int] = []
+        cells: list[int] = []
         begin = 0
         for law, block in zip(self._laws, self._blocks, strict=True):
-            own: Sequence[int] = range(len(block.memory))
+            cells_of_law: Sequence[int] = range(len(block.memory))
             if isinstance(law, on_plant.TextLaw):
-                own = law.program(self.arithmetic).memory()
-            found += [begin + each for each in own]
+                cells_of_law = law.program(self.arithmetic).memory()
+            cells += [begin + cell for cell in cells_of_law]
             begin += len(block.memory)
-        return np.array(found, np.int64)
+        return np.array(cells, np.int64)
 
     def remembered(self, memory: Any) -> list[float]:
         """Return what the laws remember, of the memory after a run."""
@@ -335,13 +337,13 @@ def plain_control(program: Program, course: Course) -> Callable[..., None]:
     parts = list(program.controller.parts())
     if not any(part.takes_ports for part in parts):
         parts = [program.controller]  # which adds the torques up itself
-    asked = [_asked(part, program.arithmetic, course) for part in parts]
+    controls = [_asked(part, program.arithmetic, course) for part in parts]
     zeros = range(len(course.site.interface.inputs))
 
     def control(told: Any, _laws: Any, _numbers: Any, _memory: Any, drives: Any) -> None:
         for column in zeros:
             drives[column] = 0.0
-        for ask in asked:
+        for ask in controls:
             for column, value in ask(told):
                 drives[column] += value
 
@@ -473,8 +475,8 @@ def compiled_law(program: Program, course: Course, record: Record) -> Callable[.
     laws, numbers = program.inputs(as_array=True)
     board = np.asarray(record.board)
     size = len(course.site.interface.inputs)
-    told = board[: course.site.told + size]
-    arrays = (told, laws, numbers, np.asarray(record.memory), board[len(board) - size :])
+    signals = board[: course.site.told + size]
+    arrays = (signals, laws, numbers, np.asarray(record.memory), board[len(board) - size :])
     held = _held(course.conventions.single)
     step = bound_routine(summed_drives, "fifff", arrays, held, brief=True)
 

@@ -80,11 +80,11 @@ def metric_units(course: Course) -> dict[str, dict[str, str]]:
     """Return the units of all metrics, by the names of :func:`judged_names` and of the metrics."""
     interface, tracked = course.site.interface, course.motion.tracked
     names = judged_names([axis for axis, _ in tracked], list(map(interface.label, tracked)))
-    found = {}
+    units = {}
     for (axis, _), name, unit in zip(tracked, names, shown_units(course), strict=True):
         drives = [port.unit for (home, _), port in interface.inputs.items() if home == axis]
-        found[name] = {metric: metric_unit(metric, unit, drives) for metric in METRICS}
-    return found
+        units[name] = {metric: metric_unit(metric, unit, drives) for metric in METRICS}
+    return units
 
 
 @dataclass(frozen=True, repr=False)
@@ -260,8 +260,8 @@ class Run(Plotted):
 
     def columns(self) -> dict[str, Vector]:
         """Return the samples by name: references, outputs and drives."""
-        wanted = {f"{label} wanted": values for label, values in self.wanted.items()}
-        return {**wanted, **self.outputs, **self.drives}
+        references = {f"{label} wanted": values for label, values in self.wanted.items()}
+        return {**references, **self.outputs, **self.drives}
 
 
 def where(plant: str, trajectory: str, *, along: bool) -> str:
@@ -356,10 +356,10 @@ def text_of(controller: Controller, site: Site) -> ControllerText:
     SourceError
         If the plant does not have what it asks for, or it is in Python.
     """
-    found = next(iter(controller_on(controller, site).parts()))
-    law = text_law_of(found)
+    first_part = next(iter(controller_on(controller, site).parts()))
+    law = text_law_of(first_part)
     if law is None:
-        raise SourceError(f"{found.name} is not a controller as text")
+        raise SourceError(f"{first_part.name} is not a controller as text")
     return law.text
 
 
@@ -367,8 +367,8 @@ def first_error(text: ControllerText, site: Site) -> Address:
     """Return the first output that a controller asks a reference of, or the first of the plant."""
     from fuzzyarm.controller.text import ports_of
 
-    for asked in ports_of(text.model, "reference"):
-        port = site.find(text.model, "reference", asked)
+    for port_name in ports_of(text.model, "reference"):
+        port = site.find(text.model, "reference", port_name)
         if port in site.interface.outputs:
             return site.interface.references[port].of
     return next(iter(site.interface.outputs))
@@ -542,7 +542,7 @@ class ClosedLoop:
         count = len(followed.tracked)
         # A plant that ends a run by itself has not diverged.
         stopped, over = record.diverged(), course.plant.ended
-        wanted, outputs, drives = self._by_port(course, taps)
+        references, outputs, drives = self._by_port(course, taps)
         return Run(
             controller=program.controller.name,
             trajectory=followed.name,
@@ -558,7 +558,7 @@ class ClosedLoop:
             axes=tuple(axis for axis, _ in followed.tracked),
             labels=tuple(map(label, followed.tracked)),
             units=shown_units(course),
-            wanted=wanted,
+            wanted=references,
             outputs=outputs,
             drives=drives,
             limits=self._limits(program),
@@ -634,11 +634,11 @@ class ClosedLoop:
         """Return references of tracked outputs, outputs and drives, of a row for each tap."""
         interface, tracked = self.site.interface, course.motion.tracked
         rows = iter(taps[len(tracked) :])
-        found = [
+        by_port = [
             {interface.label(port): next(rows) for port in ports}
             for ports in (tracked, interface.outputs, interface.inputs)
         ]
-        return found[0], found[1], found[2]
+        return by_port[0], by_port[1], by_port[2]
 
     def so_far(self, found: OpenRun) -> SoFar:
         """Return the samples of a run that goes on, as views on what the loop has written."""
@@ -665,11 +665,14 @@ class SoFar:
 
 def require_timing(controller: Controller, followed: Motion) -> None:
     """Raise SourceError if set points were made for another period than a text asks for."""
-    own = own_timing(controller)
-    if own is None:
+    timing = own_timing(controller)
+    if timing is None:
         return
-    if own.every != followed.every or not math.isclose(own.period, followed.period, rel_tol=1e-9):
+    if timing.every != followed.every or not math.isclose(
+        timing.period, followed.period, rel_tol=1e-9
+    ):
         raise SourceError(
-            f"{controller.name} runs every {own.period:g} s with a set point every {own.every}, "
-            f"and these set points are for {followed.period:g} s and {followed.every}"
+            f"{controller.name} runs every {timing.period:g} s with a set point every "
+            f"{timing.every}, and these set points are for {followed.period:g} s "
+            f"and {followed.every}"
         )

@@ -89,12 +89,12 @@ def read_range(word: str) -> Range:
     try:
         if not (name.strip() and equals and dots):
             raise ValueError
-        found = float(low), float(high), int(count) if colon else 0
-        if colon and not 1 <= found[2] <= MOST_VALUES:
+        range_ = float(low), float(high), int(count) if colon else 0
+        if colon and not 1 <= range_[2] <= MOST_VALUES:
             raise ValueError
     except ValueError:
         raise SweepError(f"'{word}' is not a range", name=name.strip(), hint=hint) from None
-    return Range(name.strip(), *found, log=log)
+    return Range(name.strip(), *range_, log=log)
 
 
 def grid(ranges: Sequence[Range]) -> dict[str, Vector]:

@@ -156,13 +156,13 @@ def read_pairs(
     words: Sequence[str], option: str, read: Callable[[str], _Value]
 ) -> dict[str, _Value]:
     """Read words like ``position=0.001``."""
-    found = {}
+    pairs = {}
     for word in words:
         name, equals, text = word.partition("=")
         if not equals or not name.strip() or not text.strip():
             raise WordError(f"{option} takes NAME=VALUE, not '{word}'")
-        found[name.strip()] = read(text.strip())
-    return found
+        pairs[name.strip()] = read(text.strip())
+    return pairs
 
 
 def read_number(option: str) -> Callable[[str], float]:

@@ -53,30 +53,32 @@ def _hover(session: Session, to: Converter, params: types.HoverParams) -> types.
 def _definition(
     session: Session, to: Converter, params: types.DefinitionParams
 ) -> list[types.Location]:
-    found = session.kind.occurrences(session.reading, *to.line_and_column(params.position))
-    return [to.location(span) for span, declares in found if declares]
+    occurrences = session.kind.occurrences(session.reading, *to.line_and_column(params.position))
+    return [to.location(span) for span, declares in occurrences if declares]
 
 
 def _references(
     session: Session, to: Converter, params: types.ReferenceParams
 ) -> list[types.Location]:
-    found = session.kind.occurrences(session.reading, *to.line_and_column(params.position))
+    occurrences = session.kind.occurrences(session.reading, *to.line_and_column(params.position))
     declared = params.context.include_declaration
-    return [to.location(span) for span, declares in found if declared or not declares]
+    return [to.location(span) for span, declares in occurrences if declared or not declares]
 
 
 def _highlight(
     session: Session, to: Converter, params: types.DocumentHighlightParams
 ) -> list[types.DocumentHighlight]:
-    found = session.kind.occurrences(session.reading, *to.line_and_column(params.position))
-    return [types.DocumentHighlight(to.range(span)) for span, _ in found]
+    occurrences = session.kind.occurrences(session.reading, *to.line_and_column(params.position))
+    return [types.DocumentHighlight(to.range(span)) for span, _ in occurrences]
 
 
 def _prepare_rename(
     session: Session, to: Converter, params: types.PrepareRenameParams
 ) -> types.PrepareRenamePlaceholder | None:
-    found = session.kind.name_at(session.reading, *to.line_and_column(params.position))
-    return found and types.PrepareRenamePlaceholder(to.range(found[1]), found[0])
+    name_and_span = session.kind.name_at(session.reading, *to.line_and_column(params.position))
+    return name_and_span and types.PrepareRenamePlaceholder(
+        to.range(name_and_span[1]), name_and_span[0]
+    )
 
 
 def _rename(session: Session, to: Converter, params: types.RenameParams) -> types.WorkspaceEdit:

@@ -236,7 +236,7 @@ class FuzzyarmServer(LanguageServer):
     def _publish(self, uri: str, text: Session) -> None:
         """Send the findings of a file to the editor."""
         converter = self.converter(uri)
-        found = [converter.diagnostic(d) for d in text.review().diagnostics]
+        diagnostics = [converter.diagnostic(d) for d in text.review().diagnostics]
         self.text_document_publish_diagnostics(
-            types.PublishDiagnosticsParams(uri, found, text.version)
+            types.PublishDiagnosticsParams(uri, diagnostics, text.version)
         )

@@ -181,10 +181,10 @@ def _ports(reading: Reading) -> Facts:
     from fuzzyarm.controller.findings import plants_in_words, ports_in_words
 
     axes = reading.parsed.whole.axis_names
-    found = {(Name.PORT, name): words for name, words in ports_in_words(axes).items()}
+    names = {(Name.PORT, name): words for name, words in ports_in_words(axes).items()}
     of_plants = plants_in_words(axes)
-    found |= {(Name(kind), name): words for (kind, name), words in of_plants.items()}
-    return found
+    names |= {(Name(kind), name): words for (kind, name), words in of_plants.items()}
+    return names
 
 
 def _facts(reading: Reading) -> Facts:
@@ -327,12 +327,12 @@ class Session:
         """Return the promises that fail; those found last, if nothing has changed in meaning."""
         if rulebase is None or not (rulebase.expectations or rulebase.properties):
             return None
-        known, spans = self._judged, [expectation.span for expectation in rulebase.expectations]
+        judged, spans = self._judged, [expectation.span for expectation in rulebase.expectations]
         spans += [statement.span for statement in rulebase.properties]
-        if known is None or known[1] != spans or known[0] != rulebase:
-            known = rulebase, spans, judge(rulebase, on_step)
-        self._judged = known
-        return known[2].findings
+        if judged is None or judged[1] != spans or judged[0] != rulebase:
+            judged = rulebase, spans, judge(rulebase, on_step)
+        self._judged = judged
+        return judged[2].findings
 
     @property
     def verdicts(self) -> tuple[Verdict, ...]:
@@ -342,7 +342,7 @@ class Session:
     def hover(self, line: int, column: int) -> Hover | None:
         """Return what stands at a position, with the last verdict on a ``prove`` line."""
         found: Hover | None = self.kind.hover(self.reading, line, column)
-        verdict = next((each for each in self.verdicts if each.line == line), None)
+        verdict = next((candidate for candidate in self.verdicts if candidate.line == line), None)
         if found is None or verdict is None:
             return found
         text = "\n\n".join(plain(words) for words in str(verdict).splitlines())

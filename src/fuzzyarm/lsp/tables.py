@@ -65,8 +65,8 @@ class TableText:
 
     def occurrences(self, line: int, column: int) -> list[tuple[Span, bool]]:
         """Return every occurrence of the name at a position, and whether it is declared there."""
-        found = self.name_at(line, column)
-        return [] if found is None else self._occurrences(found[0])
+        name_and_span = self.name_at(line, column)
+        return [] if name_and_span is None else self._occurrences(name_and_span[0])
 
     def _occurrences(self, name: str) -> list[tuple[Span, bool]]:
         return [
@@ -78,15 +78,15 @@ class TableText:
 
     def rename(self, line: int, column: int, new_name: str) -> list[Edit]:
         """Return the edits that give the name at a position another one, or raise RenameError."""
-        found = self.name_at(line, column)
-        if found is None:
+        name_and_span = self.name_at(line, column)
+        if name_and_span is None:
             raise RenameError("there is no input or output at this position")
         name = new_name.strip().strip("'")
         if not name:
             raise RenameError("the new name is empty")
-        if name != found[0] and name in self.names:
+        if name != name_and_span[0] and name in self.names:
             raise RenameError(f"'{name}' is taken already")
-        return [Edit(span, name_text(name)) for span, _ in self._occurrences(found[0])]
+        return [Edit(span, name_text(name)) for span, _ in self._occurrences(name_and_span[0])]
 
     def complete(self, line: int, column: int) -> list[Candidate]:
         """Return the words that could stand at a position of the header."""
@@ -207,17 +207,17 @@ class TableText:
     def coloured(self) -> list[Coloured]:
         """Return every word that has a colour."""
         names = set(self.names)
-        found: list[Coloured] = []
+        colours: list[Coloured] = []
         for number, tokens in enumerate(self.tokens, start=1):
             for index, token in enumerate(tokens):
                 colour = _colour(token, names, first=index == 0)
                 if colour:
-                    found.append(Coloured(token.line, token.column, token.end, colour))
+                    colours.append(Coloured(token.line, token.column, token.end, colour))
             start = self.lines[number - 1].find("#", tokens[-1].end - 1 if tokens else 0)
             if start >= 0:
                 end = len(self.lines[number - 1].rstrip())
-                found.append(Coloured(number, start + 1, end + 1, "comment"))
-        return found
+                colours.append(Coloured(number, start + 1, end + 1, "comment"))
+        return colours
 
     def _line(self, line: int) -> tuple[Token, ...]:
         return self.tokens[line - 1] if 1 <= line <= len(self.tokens) else ()

@@ -50,11 +50,11 @@ def core_of(term: Term, variable: Variable) -> Core | None:
 
 def cores(variable: Variable) -> dict[str, Core] | None:
     """Return the core of each term in the order of their middles; None where one has none."""
-    found = {term.name: core_of(term, variable) for term in variable.terms}
-    known = {name: core for name, core in found.items() if core is not None}
-    if len(known) < len(found):
+    cores_of_terms = {term.name: core_of(term, variable) for term in variable.terms}
+    cores_found = {name: core for name, core in cores_of_terms.items() if core is not None}
+    if len(cores_found) < len(cores_of_terms):
         return None
-    return dict(sorted(known.items(), key=lambda each: each[1].middle))
+    return dict(sorted(cores_found.items(), key=lambda each: each[1].middle))
 
 
 # --- Order ---
@@ -66,11 +66,11 @@ def crossing(variable: Variable) -> tuple[str, str, str] | None:
     All others must lie as they are listed, up or down, and be three at least: a variable whose
     terms are listed at random has no order to break.
     """
-    found = cores(variable)
-    if found is None or len(found) < 4:
+    cores_of_terms = cores(variable)
+    if cores_of_terms is None or len(cores_of_terms) < 4:
         return None
     names = [term.name for term in variable.terms]
-    middles = [found[name].middle for name in names]
+    middles = [cores_of_terms[name].middle for name in names]
     for sign in (1.0, -1.0):
         if _rises(middles, sign):
             return None
@@ -103,7 +103,7 @@ def partition_faults(variable: Variable) -> list[Unlike] | None:
     None where nobody would expect them to: terms that are values, curved or lowered, or fewer
     than two.
     """
-    found = cores(variable)
+    cores_of_terms = cores(variable)
     straight = all(
         SHAPES[each.shape.kind].fuzzy
         and SHAPES[each.shape.kind].straight
@@ -111,12 +111,12 @@ def partition_faults(variable: Variable) -> list[Unlike] | None:
         and each.shape.height == 1.0
         for each in variable.terms
     )
-    if found is None or len(found) < 2 or not straight:
+    if cores_of_terms is None or len(cores_of_terms) < 2 or not straight:
         return None
     degrees = [membership_function(term.shape) for term in variable.terms]
     corners = sorted({x for term in variable.terms for x in corner_points(term.shape)})
     faults = []
-    for (left, first), (right, second) in pairwise(found.items()):
+    for (left, first), (right, second) in pairwise(cores_of_terms.items()):
         begin, end = first.right, second.left
         inside = [begin, *(x for x in corners if begin < x < end), end]
         # Where a line goes from one corner to the next, ends and middle tell.
@@ -133,10 +133,10 @@ def partition_faults(variable: Variable) -> list[Unlike] | None:
 
 def mirror_pairs(variable: Variable) -> list[tuple[str, str]] | None:
     """Return opposite terms from outside in, by their order; the middle one is its own."""
-    found = cores(variable)
-    if found is None or not (math.isfinite(variable.low) and math.isfinite(variable.high)):
+    cores_of_terms = cores(variable)
+    if cores_of_terms is None or not (math.isfinite(variable.low) and math.isfinite(variable.high)):
         return None
-    names = list(found)
+    names = list(cores_of_terms)
     return [(names[at], names[-1 - at]) for at in range((len(names) + 1) // 2)]
 
 

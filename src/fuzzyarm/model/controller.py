@@ -352,10 +352,10 @@ def _gain_through(
         others = tuple(factor for factor in product.factors if factor is not inside[0])
         if before is None or len(inside) > 1 or inside[0].divides:
             return None
-        own = _times(before, (Product(others, product.negative),), constants)
-        if own is None:
+        gain_here = _times(before, (Product(others, product.negative),), constants)
+        if gain_here is None:
             return None
-        gain += own
+        gain += gain_here
     return tuple(gain)
 
 

@@ -110,10 +110,10 @@ def _shape_fault(kind: str, parameters: tuple[float, ...]) -> RuleBaseError | No
     record = SHAPES[kind]
     if not record.fuzzy:
         return None
-    wanted = len(record.parameters) or 2 * max(1, len(parameters) // 2)
-    if len(parameters) != wanted:
+    count = len(record.parameters) or 2 * max(1, len(parameters) // 2)
+    if len(parameters) != count:
         names = ", ".join(name.replace("-", "_") for name in record.parameters) or "x, y, x, y, …"
-        message = f"{kind} takes {wanted} numbers ({names}), found {len(parameters)}"
+        message = f"{kind} takes {count} numbers ({names}), found {len(parameters)}"
         return RuleBaseError.of_argument("wrong-parameter-count", message, "Shape(parameters)")
     fault = record.fault(parameters)
     if fault is None:
@@ -168,12 +168,12 @@ class Defuzzifier:
     sampling: str = "endpoints"
 
     def __post_init__(self) -> None:
-        for what, word, known in (
+        for what, word, names in (
             ("defuzzifier", self.method, DEFUZZIFIERS),
             ("sampling", self.sampling, SAMPLINGS),
         ):
-            if word not in known:
-                hint, near = near_hint(word, known)
+            if word not in names:
+                hint, near = near_hint(word, names)
                 argument = "method" if what == "defuzzifier" else what
                 raise RuleBaseError.of_argument(
                     f"unknown-{what}", f"unknown {what} '{word}'", f"Defuzzifier({argument})",

@@ -275,10 +275,10 @@ def first_sample_above(
 
 def _finite(low: float, high: float, features: Collection[float]) -> tuple[float, float]:
     """Return a range; where it has no end, one beyond what is in it."""
-    known = [x for x in (low, high, *features) if math.isfinite(x)] or [0.0]
-    width = 1.0 + max(known) - min(known)
-    start = low if math.isfinite(low) else min(known) - width
-    return start, high if math.isfinite(high) else max(known) + width
+    positions = [x for x in (low, high, *features) if math.isfinite(x)] or [0.0]
+    width = 1.0 + max(positions) - min(positions)
+    start = low if math.isfinite(low) else min(positions) - width
+    return start, high if math.isfinite(high) else max(positions) + width
 
 
 def _beside(line: Sequence[tuple[float, float]], x: float, side: int) -> Fraction:

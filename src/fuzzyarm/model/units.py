@@ -49,9 +49,9 @@ def product(a: Unit | None, b: Unit | None, power: int = 1) -> Unit | None:
     if a is None or b is None:
         return None
     unit = dict(a)
-    for symbol, each in b.items():
-        unit[symbol] = unit.get(symbol, 0) + power * each
-    return {symbol: each for symbol, each in unit.items() if each}
+    for symbol, exponent in b.items():
+        unit[symbol] = unit.get(symbol, 0) + power * exponent
+    return {symbol: exponent for symbol, exponent in unit.items() if exponent}
 
 
 def of_difference(unit: Unit | None) -> Unit | None:

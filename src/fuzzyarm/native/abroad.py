@@ -56,8 +56,8 @@ def headers_for_any_platform(folder: Path) -> Path:
     path
         The folder, for ``-I``.
     """
-    own = Path(sysconfig.get_path("include"))
-    shutil.copytree(own, folder, ignore=shutil.ignore_patterns("internal", "pyconfig*"))
+    headers = Path(sysconfig.get_path("include"))
+    shutil.copytree(headers, folder, ignore=shutil.ignore_patterns("internal", "pyconfig*"))
     (folder / "pyconfig.h").write_text(_PYCONFIG, encoding="ascii")
     return folder
 

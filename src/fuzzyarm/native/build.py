@@ -243,8 +243,8 @@ def _jobs(work: Path, compiler: Compiler) -> Iterator[Job]:
             yield Job(source, work / f"{level}_{unit}.o", (*flags, *UNITS[unit], *words))
     module = work / "module.c"
     sources = f'const char fuzzyarm_sources[] = "{digest_of_sources()}";\n'
-    own = Path(__file__).with_name("module.c").read_text(encoding="utf-8")
-    module.write_text(own + sources, encoding="utf-8")
+    module_source = Path(__file__).with_name("module.c").read_text(encoding="utf-8")
+    module.write_text(module_source + sources, encoding="utf-8")
     v3 = ["-DFUZZYARM_V3"] if "v3" in compiler.levels else []
     yield Job(module, work / "module.o", (f"-I{_headers(work, compiler)}", *v3))
 

@@ -101,9 +101,9 @@ def _filled_by(entry: Entry, by_types: dict[tuple[Array, ...], set[int]]) -> Ite
     """Iterate over what a kernel fills in, by itself or by what it calls by address."""
     parameters = entry.function.parameters
     yield from map(parameters.index, entry.function.writes)
-    for asked in entry.function.asks:
-        for position in by_types[tuple(type_ for type_, _ in asked)]:
-            yield from map(parameters.index, asked[position][1])
+    for request in entry.function.asks:
+        for position in by_types[tuple(type_ for type_, _ in request)]:
+            yield from map(parameters.index, request[position][1])
 
 
 _WALK = """\

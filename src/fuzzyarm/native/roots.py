@@ -133,10 +133,10 @@ def _rows() -> Iterator[Root]:
 
 
 def _plants() -> Iterator[Root]:
-    found: list[Root] = []
+    roots: list[Root] = []
 
     def asked(function: Callable[..., None], **bindings: Callable[..., Any]) -> int:
-        found.append(Root(function, letters_of(PLANT_ARRAYS), bindings))
+        roots.append(Root(function, letters_of(PLANT_ARRAYS), bindings))
         return 0
 
     plants = [plant for kind in PLANTS.values() for plant in kind.variants()]
@@ -145,5 +145,5 @@ def _plants() -> Iterator[Root]:
         for plant in plants:
             for finely in (False, True):
                 dynamics_of(plant, arithmetic, finely=finely, address=asked)
-    yield from found
+    yield from roots
     yield from (Root(run_plant, PLANT_ARRAYS, bindings) for bindings in BY_PROGRAM)

@@ -85,8 +85,8 @@ class ControlPlant(Plant):
         self.name = re.sub(r"[^\w+-]+", "", system.name) or "system"
         # Interpreted, a linear system is two nests of loops; numpy takes ten times as long here.
         linear = hasattr(system, "A")
-        self._rows = [_rows(getattr(system, each)) for each in "ABCD"] if linear else []
-        self._start = None if start is None else [float(each) for each in start]
+        self._rows = [_rows(getattr(system, matrix)) for matrix in "ABCD"] if linear else []
+        self._start = None if start is None else [float(matrix) for matrix in start]
         bounds = {name: (float(low), float(high)) for name, (low, high) in (limits or {}).items()}
         names = _names(system.input_labels)
         for name in bounds:
@@ -117,12 +117,12 @@ class ControlPlant(Plant):
         return {**self._fixed, **dict(zip(self.parameters, p, strict=True))}
 
     def _slope(self, t: float, x: Any, u: Any, p: Any) -> list[float]:
-        found = self.system.dynamics(t, x, u, params=self._params(p))
-        return cast(list[float], np.asarray(found, float).ravel().tolist())
+        rates = self.system.dynamics(t, x, u, params=self._params(p))
+        return cast(list[float], np.asarray(rates, float).ravel().tolist())
 
     def _outputs(self, t: float, x: Any, u: Any, p: Any) -> list[float]:
-        found = self.system.output(t, x, u, params=self._params(p))
-        return cast(list[float], np.asarray(found, float).ravel().tolist())
+        values = self.system.output(t, x, u, params=self._params(p))
+        return cast(list[float], np.asarray(values, float).ravel().tolist())
 
     def _linear_slope(self, t: float, x: Any, u: Any, p: Any) -> list[float]:
         return _product(self._rows[0], x, self._rows[1], u)
@@ -261,11 +261,11 @@ def to_control(thing: Any, period: float | None = None, **options: Any) -> Any:
     if not hasattr(thing, "run"):
         message = f"{type(thing).__name__} is neither a plant nor a controller as text"
         raise PlantError(message)
-    own = float(thing.model.period)
-    if period is not None and period != own:
-        message = f"{thing.model.name} runs every {own:g} s, not every {period:g} s"
+    own_period = float(thing.model.period)
+    if period is not None and period != own_period:
+        message = f"{thing.model.name} runs every {own_period:g} s, not every {period:g} s"
         raise PlantError(message, name="period")
-    return _system_of_controller(thing.run(**options), own)
+    return _system_of_controller(thing.run(**options), own_period)
 
 
 def signal_name(port: str) -> str:
@@ -299,9 +299,9 @@ def _system_of_plant(plant: Plant, period: float | None) -> Any:
         return values
 
     def clock(t: float) -> Any:
-        made = np.zeros(CLOCK_SIZE)
-        made[:3] = t, period, parts
-        return made
+        clock_values = np.zeros(CLOCK_SIZE)
+        clock_values[:3] = t, period, parts
+        return clock_values
 
     def after(t: float, x: Any, u: Any, _params: Any) -> Any:
         driven = felt(x, u)
@@ -339,9 +339,9 @@ def _system_of_controller(run: Any, period: float) -> Any:
         key = (np.asarray(x, float).tobytes(), np.asarray(u, float).tobytes())
         if seen.get("key") != key:
             run.state = tuple(float(value) for value in x)
-            wanted = dict(zip(references, map(float, u), strict=False))
+            set_points = dict(zip(references, map(float, u), strict=False))
             is_now = dict(zip(measured, map(float, u[len(references) :]), strict=True))
-            drives = run.step(is_now, wanted)
+            drives = run.step(is_now, set_points)
             seen.update(key=key, found=([drives[name] for name in run.drives], run.state))
         return cast(tuple[list[float], tuple[float, ...]], seen["found"])
 

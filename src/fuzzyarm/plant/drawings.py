@@ -165,9 +165,9 @@ def draw_motor(plant: Plant, scene: Scene) -> Drawing:
     """Draw the shaft as a dial, the set point as a mark."""
     around = [2.0 * math.pi * i / 90 for i in range(91)]
     parts: list[Part] = [Line([*map(math.cos, around)], [*map(math.sin, around)], "metal", 2.0)]
-    wanted = scene.wanted("position")
-    if wanted is not None:
-        x, y = math.cos(wanted), math.sin(wanted)
+    set_point = scene.wanted("position")
+    if set_point is not None:
+        x, y = math.cos(set_point), math.sin(set_point)
         parts.append(Line((0.85 * x, 1.15 * x), (0.85 * y, 1.15 * y), "mark", 3.0))
     angle = scene.output("position")
     x, y = 0.9 * math.cos(angle), 0.9 * math.sin(angle)
@@ -185,9 +185,9 @@ def draw_cartpole(plant: Plant, scene: Scene) -> Drawing:
         rectangle(place - 0.25, 0.02, 0.5, 0.22, "first"),
         Line((place, tip[0]), (0.24, tip[1]), "second", 4.0),
     ]
-    wanted = scene.wanted("x")
-    if wanted is not None:
-        parts.append(Line((wanted, wanted), (-0.25, -0.05), "mark", 3.0))
+    set_point = scene.wanted("x")
+    if set_point is not None:
+        parts.append(Line((set_point, set_point), (-0.25, -0.05), "mark", 3.0))
     return Drawing((-2.6, 2.6, -0.6, 1.6), parts, (place, 0.13))
 
 
@@ -200,9 +200,9 @@ def draw_tanks(plant: Plant, scene: Scene) -> Drawing:
         parts.append(rectangle(0.0, bottom, 0.2, min(levels[name], height), "water"))
         top = bottom + height
         parts.append(Line((0.0, 0.0, 0.2, 0.2), (top, bottom, bottom, top), "metal", 1.5))
-        wanted = scene.wanted(name)
-        if wanted is not None:
-            parts.append(Line((-0.05, 0.25), (bottom + wanted,) * 2, "mark", 1.5))
+        set_point = scene.wanted(name)
+        if set_point is not None:
+            parts.append(Line((-0.05, 0.25), (bottom + set_point,) * 2, "mark", 1.5))
         parts.append(Words(0.24, bottom + 0.02, f"{name} {scene.output(name):.3f} m", 7))
     if levels["level1"] > 0:
         parts.append(Line((0.1, 0.1), (0.0, below + levels["level2"]), "water", 2.0))
@@ -226,9 +226,9 @@ def draw_beam(plant: Plant, scene: Scene) -> Drawing:
         Mark(0.0, -0.04, "^", 12),
         Mark(*centre, "o", 13, "first"),
     ]
-    wanted = scene.wanted("position")
-    if wanted is not None:
-        parts.append(between(at(wanted, -0.06), at(wanted, -0.01), "mark"))
+    set_point = scene.wanted("position")
+    if set_point is not None:
+        parts.append(between(at(set_point, -0.06), at(set_point, -0.01), "mark"))
     return Drawing((-0.65, 0.65, -0.5, 0.5), parts, centre)
 
 
@@ -238,7 +238,7 @@ SCALE = 5.0
 
 def draw_room(plant: Plant, scene: Scene) -> Drawing:
     """Draw a thermometer and the heater's power."""
-    wanted = scene.wanted("temperature")
+    set_point = scene.wanted("temperature")
     # Of all samples that there are: the scale of a run that is over never changes.
     curves = (scene.run.outputs, scene.run.wanted)
     seen = np.concatenate([curve["temperature"] for curve in curves if "temperature" in curve])
@@ -256,8 +256,8 @@ def draw_room(plant: Plant, scene: Scene) -> Drawing:
         Words(0.24, -0.02, f"{low:g}", 7),
         Words(0.24, 0.97, f"{high:g}", 7),
     ]
-    if wanted is not None:
-        parts.append(Line((-0.1, 0.3), (height(wanted),) * 2, "metal", 1.5))
+    if set_point is not None:
+        parts.append(Line((-0.1, 0.3), (height(set_point),) * 2, "metal", 1.5))
     parts += [
         rectangle(0.8, 0.0, 0.4, power / 100.0, "second"),
         frame(0.8, 0.0, 0.4, 1.0),

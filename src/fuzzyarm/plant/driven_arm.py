@@ -113,8 +113,8 @@ class Arm(Plant):
     ) -> None:
         self._equip(torque_limits, inductance, supply)
         self.outputs = {
-            f"{joint}.{port.rpartition(' ')[2]}": given
-            for port, given in (
+            f"{joint}.{port.rpartition(' ')[2]}": port_limits
+            for port, port_limits in (
                 ("position", POSITION),
                 ("velocity", Port("rad/s", -10.0, 10.0, rate_of="position", bound=SPEED_BOUND)),
             )

@@ -181,16 +181,16 @@ def _limit(spec: Any) -> int | None:
     """Return after how many steps an episode is cut off, as its id says."""
     import gymnasium
 
-    known = spec is not None and spec.id in gymnasium.registry
-    return gymnasium.registry[spec.id].max_episode_steps if known else None
+    is_registered = spec is not None and spec.id in gymnasium.registry
+    return gymnasium.registry[spec.id].max_episode_steps if is_registered else None
 
 
 def _period(unwrapped: Any) -> float | None:
     """Return the time of a step, s, under the names that environments give it."""
     for name in ("tau", "dt"):
-        found = getattr(unwrapped, name, None)
-        if isinstance(found, (int, float)) and found > 0:
-            return float(found)
+        period = getattr(unwrapped, name, None)
+        if isinstance(period, (int, float)) and period > 0:
+            return float(period)
     frames = unwrapped.metadata.get("render_fps")
     return 1.0 / frames if frames else None
 

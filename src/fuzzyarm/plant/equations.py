@@ -189,24 +189,24 @@ def _agrees(plant: Any, roots: Roots) -> bool:
     """
     rates, outputs = roots
     key = (*rates, *(outputs or ()))
-    known = _agreed.setdefault(type(plant), set())
-    if key in known:
+    agreements = _agreed.setdefault(type(plant), set())
+    if key in agreements:
         return True
-    if len(known) >= MOST_AGREED:
-        known.clear()
+    if len(agreements) >= MOST_AGREED:
+        agreements.clear()
     names = _names_of(plant)
-    asked = apart(plant)
+    separate = apart(plant)
     try:
-        start = [float(value) for value in asked.start(np.random.default_rng(0))]
+        start = [float(value) for value in separate.start(np.random.default_rng(0))]
     except USERS:
         return False
     for point in _points(plant, start):
         (t,), *groups = point
         values = dict(zip((n for row in names for n in row), (t, *chain(*groups)), strict=True))
-        for method, expected in ((asked.derivative, rates), (asked.measure, outputs)):
+        for method, expected in ((separate.derivative, rates), (separate.measure, outputs)):
             if expected is not None and not _is_answer(method, t, groups, expected, values):
                 return False
-    known.add(key)
+    agreements.add(key)
     return True
 
 
@@ -223,8 +223,8 @@ def _is_answer(
         return True
     traced_answers = [evaluate(root, values) for root in roots]
     return all(
-        math.isclose(answer, own, rel_tol=1e-9, abs_tol=1e-12) or not math.isfinite(answer)
-        for answer, own in zip(answers, traced_answers, strict=True)
+        math.isclose(answer, traced, rel_tol=1e-9, abs_tol=1e-12) or not math.isfinite(answer)
+        for answer, traced in zip(answers, traced_answers, strict=True)
     )
 
 
@@ -265,8 +265,10 @@ def _begun_roots(plant: Any, seed: int) -> Roots | None:
     if rates is not None and plant.measure is not None:
         outputs = _roots(plant.measure, _names_of(plant), len(plant.outputs))
         rates = None if outputs is None else rates
-    kept = _is_alike(before, vars(plant), _is_same) and shared == _class_attributes(plant)
-    return (rates, outputs) if rates is not None and kept else None  # what counts is not traced
+    is_unchanged = _is_alike(before, vars(plant), _is_same) and shared == _class_attributes(plant)
+    return (
+        (rates, outputs) if rates is not None and is_unchanged else None
+    )  # what counts is not traced
 
 
 def _class_attributes(plant: Any) -> dict[tuple[type, str], bytes]:
@@ -300,9 +302,9 @@ def _roots(
     """Return what a function answers to symbols; None where it is no expression of them."""
     (time,), *groups = names
     arguments = (symbol(time), *([symbol(name) for name in group] for group in groups))
-    asked = over_symbols(function)
+    symbolic = over_symbols(function)
     try:
-        first, again = ([as_node(rate) for rate in asked(*arguments)] for _ in range(2))
+        first, again = ([as_node(rate) for rate in symbolic(*arguments)] for _ in range(2))
     except USERS:  # whatever it raises when it meets no numbers
         return None
     # What draws at random, or counts its calls, answers differently.

@@ -61,15 +61,15 @@ class UnitPlant(Plant):
             message = f"variable '{shaped.name}' of {self.name} is an array, which is not supported"
             raise PlantError(message, name=shaped.name)
         drives = [scalar for scalar in scalars if scalar.causality == "input"]
-        found = [scalar for scalar in scalars if scalar.causality == "output"]
-        for what, each in (("inputs", drives), ("outputs", found)):
+        outputs_found = [scalar for scalar in scalars if scalar.causality == "output"]
+        for what, each in (("inputs", drives), ("outputs", outputs_found)):
             if not each:
                 raise PlantError(f"{self.name} has no {what} that are real numbers", name=what)
         self._of_inputs = _References(drives)
-        self._of_outputs = _References(found)
-        names = [each.name for each in found]
+        self._of_outputs = _References(outputs_found)
+        names = [each.name for each in outputs_found]
         self.inputs = {drive.name: _port(drive) for drive in drives}
-        self.outputs = {each.name: _port(each, rate_of(each.name, names)) for each in found}
+        self.outputs = {each.name: _port(each, rate_of(each.name, names)) for each in outputs_found}
         self._tunable = {scalar.name: scalar for scalar in scalars if _is_parameter(scalar)}
         self.parameters = {
             name: Parameter(float(each.start), each.unit or "1", each.description or "")
@@ -80,7 +80,7 @@ class UnitPlant(Plant):
         if self.exchanges:
             self._exchange(description)
         else:
-            self.states = {each.name: each.unit or "1" for each in found}
+            self.states = {each.name: each.unit or "1" for each in outputs_found}
             self.step = self._do_step
             stop = getattr(description.defaultExperiment, "stopTime", None)
             self.duration = float(stop) if stop else None
@@ -165,8 +165,8 @@ class UnitPlant(Plant):
 
     def _do_step(self, t: float, x: Any, u: Any, p: Any, dt: float) -> Sequence[float]:
         self._of_inputs.write(self._instance, u)
-        said = self._instance.doStep(currentCommunicationPoint=t, communicationStepSize=dt)
-        self.ended = bool(said and said[1])  # FMI 3 says whether it is over
+        status = self._instance.doStep(currentCommunicationPoint=t, communicationStepSize=dt)
+        self.ended = bool(status and status[1])  # FMI 3 says whether it is over
         return self._of_outputs.read(self._instance)
 
     def _put(self, t: float, x: Any, u: Any) -> Any:
@@ -199,16 +199,16 @@ class _References:
 
     def write(self, unit: Any, values: Sequence[float]) -> None:
         for kind, places in self._kinds.items():
-            given = [float(values[index]) for index in places]
-            getattr(unit, f"set{kind}")([self._references[index] for index in places], given)
+            numbers = [float(values[index]) for index in places]
+            getattr(unit, f"set{kind}")([self._references[index] for index in places], numbers)
 
     def read(self, unit: Any) -> list[float]:
-        found = [0.0] * len(self._references)
+        numbers = [0.0] * len(self._references)
         for kind, places in self._kinds.items():
             values = getattr(unit, f"get{kind}")([self._references[index] for index in places])
             for index, value in zip(places, values, strict=True):
-                found[index] = float(value)
-        return found
+                numbers[index] = float(value)
+        return numbers
 
 
 def _described(path: str) -> Any:
@@ -217,14 +217,14 @@ def _described(path: str) -> Any:
     if not Path(path).is_file():
         raise FileNotFoundError(2, "No such file or directory", path)
     try:
-        found = fmpy.read_model_description(path)
+        description = fmpy.read_model_description(path)
     except Exception as error:  # a damaged archive raises whatever its reader does
         raise PlantError(f"{path} is not an FMU: {_in_one_line(error)}", name=path) from error
-    if found.fmiVersion != "2.0" and not found.fmiVersion.startswith("3."):
-        raise PlantError(f"{path} uses FMI {found.fmiVersion}, not 2.0 or 3", name=path)
-    if found.coSimulation is None and found.modelExchange is None:
+    if description.fmiVersion != "2.0" and not description.fmiVersion.startswith("3."):
+        raise PlantError(f"{path} uses FMI {description.fmiVersion}, not 2.0 or 3", name=path)
+    if description.coSimulation is None and description.modelExchange is None:
         raise PlantError(f"{path} is neither for co-simulation nor for model exchange", name=path)
-    return found
+    return description
 
 
 def _port(variable: Any, rate: str = "") -> Port:

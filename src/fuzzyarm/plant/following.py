@@ -59,17 +59,17 @@ def trajectory_of(plant: Plant, name: str = "", **given: Any) -> Trajectory:
     ArmError
         If it does not take what is given, or a number is out of range.
     """
-    known = plant.trajectories
-    if not known:
+    names = plant.trajectories
+    if not names:
         hint = f"it follows references, as in {_port_words(plant)}=step:1"
         raise UnknownTrajectoryError(f"the {plant.name} has no trajectories", name=name, hint=hint)
-    if name and name not in known:
-        hint = near_hint(name, known)[0] or f"there are {', '.join(known)}"
+    if name and name not in names:
+        hint = near_hint(name, names)[0] or f"there are {', '.join(names)}"
         raise UnknownTrajectoryError(
             f"the {plant.name} has no trajectory '{name}'", name=name, hint=hint
         )
-    chosen = name or next(iter(known))
-    make = known[chosen]
+    chosen = name or next(iter(names))
+    make = names[chosen]
     taken = set() if isinstance(make, Trajectory) else set(_arguments_of(make))
     for option, value in given.items():
         if option not in taken:

@@ -91,19 +91,19 @@ def own_plant(place: str) -> Plant:
     PlantError
         If the file cannot be read or run, or has no such plant.
     """
-    path, _, wanted = place.partition(":")
+    path, _, class_name = place.partition(":")
     module = executed(path, PlantError)
-    found = {key: value for key, value in vars(module).items() if _is_plant_of(module, value)}
+    classes = {key: value for key, value in vars(module).items() if _is_plant_of(module, value)}
     whys = lacks({k: v for k, v in vars(module).items() if _is_class_of(module, v)})
-    if wanted and wanted not in found:
-        why = next((each for each in whys if each.startswith(f"class {wanted} ")), "")
-        hint = why or near_hint(wanted, found)[0]
-        hint = hint or f"its plants: {', '.join(found) or 'none'}"
-        raise PlantError(f"{path} has no plant '{wanted}'", name=wanted, hint=hint)
-    if not wanted and len(found) != 1:
-        hint = f"name one, as in {path}:{next(iter(found))}" if found else "; ".join(whys)
-        raise PlantError(f"{path} has {len(found) or 'no'} plants", name=path, hint=hint)
-    return _made(module, wanted or next(iter(found)))
+    if class_name and class_name not in classes:
+        why = next((reason for reason in whys if reason.startswith(f"class {class_name} ")), "")
+        hint = why or near_hint(class_name, classes)[0]
+        hint = hint or f"its plants: {', '.join(classes) or 'none'}"
+        raise PlantError(f"{path} has no plant '{class_name}'", name=class_name, hint=hint)
+    if not class_name and len(classes) != 1:
+        hint = f"name one, as in {path}:{next(iter(classes))}" if classes else "; ".join(whys)
+        raise PlantError(f"{path} has {len(classes) or 'no'} plants", name=path, hint=hint)
+    return _made(module, class_name or next(iter(classes)))
 
 
 def _made(module: ModuleType, key: str) -> Plant:
@@ -297,11 +297,11 @@ def start_of(plant: Plant, generator: np.random.Generator) -> list[float]:
     """
     begun = vars(plant).get(BEGUN)
     if begun is not None:
-        kept = {name: vars(plant)[name] for name in (BEGUN, TRACED)}
+        state_kept = {name: vars(plant)[name] for name in (BEGUN, TRACED)}
         fill(plant, begun)
-        vars(plant).update(kept)
+        vars(plant).update(state_kept)
     with plain_errors(plant):
-        start = [float(each) for each in plant.start(generator)]
+        start = [float(value) for value in plant.start(generator)]
     if len(start) != len(plant.states):
         message = f"start gives {len(start)} values for {len(plant.states)} states"
         raise PlantError(f"plant {plant.name}: {message}", name="start")

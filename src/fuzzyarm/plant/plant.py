@@ -314,13 +314,13 @@ class Interface:
         PlantError
             If there is no such port, or several.
         """
-        known = [*self.outputs, *self.inputs]
-        found = [each for each in known if name in (each[1], ".".join(each))]
-        if len(found) == 1:
-            return found[0]
-        names = [self.label(each) for each in known]
-        if found:
-            hint = " or ".join(self.label(each) for each in found)
+        all_ports = [*self.outputs, *self.inputs]
+        ports = [each for each in all_ports if name in (each[1], ".".join(each))]
+        if len(ports) == 1:
+            return ports[0]
+        names = [self.label(each) for each in all_ports]
+        if ports:
+            hint = " or ".join(self.label(each) for each in ports)
             raise PlantError(f"several axes have a port '{name}'", name=name, hint=hint)
         hint = near_hint(name, names)[0] or f"there are {', '.join(names)}"
         raise PlantError(f"no port '{name}'", name=name, hint=hint)
@@ -652,9 +652,9 @@ def numbers_of(
     arithmetic : Arithmetic
         Of the run.
     """
-    own = getattr(plant, "pack", None)
-    if own is not None:
-        return np.asarray(own(driven, arithmetic), float)
+    pack = getattr(plant, "pack", None)
+    if pack is not None:
+        return np.asarray(pack(driven, arithmetic), float)
     numbers = [parameter(plant, name).value for name in plant.parameters]
     if arithmetic.compiled and is_traced(plant):
         equations = traced(plant)

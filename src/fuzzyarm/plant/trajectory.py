@@ -137,8 +137,8 @@ class Trajectory:
         moves = [segment for segment in self.segments if not segment.hold]
         ends = ", ".join(f"({', '.join(f'{x:g}' for x in move.end)})" for move in moves)
         times = dict.fromkeys(f"{move.duration:g} s" for move in moves)
-        each = " each" if len(times) == 1 < len(moves) else ""
-        return f"{ends} in {' and '.join(times)}{each}"
+        suffix = " each" if len(times) == 1 < len(moves) else ""
+        return f"{ends} in {' and '.join(times)}{suffix}"
 
     def scaled(self, scale: float) -> Trajectory:
         """Return it with ways of another size from where it begins."""

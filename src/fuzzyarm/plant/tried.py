@@ -66,21 +66,26 @@ def require_ports(plant: Plant) -> None:
         Of a user's own.
     """
     for what, example in EXAMPLES.items():
-        found = getattr(plant, what)
-        if not found and what != "parameters":
+        ports = getattr(plant, what)
+        if not ports and what != "parameters":
             raise _fault(plant, what, f"it has no {what}", hint=f"write  {what} = {example}")
-        if not isinstance(found, Mapping):
+        if not isinstance(ports, Mapping):
             raise _fault(
-                plant, what, f"{what} are not names with what they are, but {_words(found)}",
+                plant, what, f"{what} are not names with what they are, but {_words(ports)}",
                 hint=f"write  {what} = {example}",
             )  # fmt: skip
-        for name, value in found.items():
+        for name, value in ports.items():
             if not isinstance(name, str):
                 raise _fault(plant, what, f"a name among the {what} is {_words(name)}")
             _require_value(plant, what, name, value)
     if plant.derivative is None and plant.step is None and plant.dynamics is None:
         near = next(
-            (each for each in dir(plant) if each.startswith("der") and each != "derivative"), ""
+            (
+                attribute
+                for attribute in dir(plant)
+                if attribute.startswith("der") and attribute != "derivative"
+            ),
+            "",
         )
         text = f", but '{near}'" if near else ""
         hint = "def derivative(self, t, x, u, p):  returns the rate of each state"
@@ -95,8 +100,8 @@ def require_ports(plant: Plant) -> None:
 
 def _require_no_slip(plant: Plant) -> None:
     """Raise PlantError for an attribute that is a misspelt one of those that need not be there."""
-    own = [kind for kind in type(plant).__mro__ if not is_of_package(kind)]
-    for name, value in [pair for kind in own for pair in vars(kind).items()]:
+    own_classes = [kind for kind in type(plant).__mro__ if not is_of_package(kind)]
+    for name, value in [pair for kind in own_classes for pair in vars(kind).items()]:
         options = ["longest_step"]
         if isinstance(value, Mapping | Trajectory) and not hasattr(Plant, name):
             options.append("trajectories")
@@ -180,11 +185,11 @@ def try_equations(plant: Plant) -> None:
     ]
     drives = [min(max(0.0, port.low), port.high) for port in plant.inputs.values()]
     states = _numbers(plant, "start", lambda: plant.start(np.random.default_rng(0)), plant.states)
-    for what, wanted in (("derivative", plant.states), ("measure", plant.outputs)):
+    for what, names in (("derivative", plant.states), ("measure", plant.outputs)):
         equations = getattr(plant, what)
         if equations is None:
             continue
-        _numbers(plant, what, partial(equations, 0.0, list(states), drives, numbers), wanted)
+        _numbers(plant, what, partial(equations, 0.0, list(states), drives, numbers), names)
 
 
 def _numbers(
@@ -192,14 +197,14 @@ def _numbers(
 ) -> list[float]:
     """Return what a method of a plant gives, one number for each that is wanted."""
     try:
-        given = ask()
+        answer = ask()
     except PlantError:
         raise
     except USERS as error:
         message, hint = _of_error(plant, what, error)
         raise _fault(plant, what, message, hint, _user_frame(error)) from error
-    values = _one_for_each(plant, what, given, wanted)
-    for name, value in zip(wanted, given, strict=True):
+    values = _one_for_each(plant, what, answer, wanted)
+    for name, value in zip(wanted, answer, strict=True):
         if not _is_number(value):
             raise _fault(plant, what, f"{what} returns {_words(value)} for '{name}', not a number")
         if not math.isfinite(value):
@@ -220,9 +225,9 @@ def _one_for_each(plant: Plant, what: str, given: Any, wanted: Mapping[str, obje
         if len(values) == len(wanted):
             return values
     kind = {"derivative": "rate for each state", "measure": "value for each output"}
-    each = f"one {kind.get(what, 'number for each state')}: {', '.join(wanted)}"
+    expectation = f"one {kind.get(what, 'number for each state')}: {', '.join(wanted)}"
     if given is None:
-        raise _fault(plant, what, f"{what} returns nothing", hint=f"return a list, {each}")
+        raise _fault(plant, what, f"{what} returns nothing", hint=f"return a list, {expectation}")
     try:
         values = list(given)
     except TypeError:
@@ -230,12 +235,12 @@ def _one_for_each(plant: Plant, what: str, given: Any, wanted: Mapping[str, obje
             plant,
             what,
             f"{what} returns {_words(given)}, not a list",
-            hint=f"return a list, {each}",
+            hint=f"return a list, {expectation}",
         ) from None
     if len(values) != len(wanted):
         counts = f"{len(values)} number{'' if len(values) == 1 else 's'} for {len(wanted)}"
         nouns = "outputs" if what == "measure" else "states"
-        raise _fault(plant, what, f"{what} returns {counts} {nouns}", hint=f"return {each}")
+        raise _fault(plant, what, f"{what} returns {counts} {nouns}", hint=f"return {expectation}")
     name, value = next((n, v) for n, v in zip(wanted, values, strict=True) if not _is_number(v))
     raise _fault(plant, what, f"{what} returns {_words(value)} for '{name}', not a number")
 
@@ -302,9 +307,9 @@ def _of_error(plant: Plant, what: str, error: BaseException) -> tuple[str, str]:
 
 def _user_frame(error: BaseException) -> str:
     """Return `FILE:LINE: ` of the last line of somebody else that an error went through."""
-    own = str(Path(__file__).parents[1])
+    own_folder = str(Path(__file__).parents[1])
     frames = traceback.extract_tb(error.__traceback__)
-    places = [f"{f.filename}:{f.lineno}: " for f in frames if not f.filename.startswith(own)]
+    places = [f"{f.filename}:{f.lineno}: " for f in frames if not f.filename.startswith(own_folder)]
     return places[-1] if places else ""
 
 
@@ -317,7 +322,7 @@ def _fault(plant: Plant, what: str, message: str, hint: str = "", place: str = "
 def place_of(plant: Plant, what: str) -> str:
     """Return ``FILE:LINE: `` of an attribute of a plant in its text; empty where it has none."""
     classes = [kind for kind in type(plant).__mro__ if not is_of_package(kind)]
-    kind = next((each for each in classes if what in vars(each)), type(plant))
+    kind = next((base for base in classes if what in vars(base)), type(plant))
     try:
         method = inspect.unwrap(vars(kind)[what])
         code = method.__code__
@@ -365,15 +370,15 @@ def lacks(found: Mapping[str, object]) -> Sequence[str]:
     found : mapping of str to object
         The classes that the file defines.
     """
-    said = []
+    sentences = []
     for name, kind in found.items():
         has = {what for what in (*EXAMPLES, *ARGUMENTS, "dynamics") if hasattr(kind, what)}
         if not has & {"inputs", "outputs", "states", "derivative", "step"}:
             continue
         if "outputs" not in has or not getattr(kind, "outputs", None):
-            said.append(f"class {name} has no outputs")
+            sentences.append(f"class {name} has no outputs")
         elif not {"derivative", "step"} & {w for w in has if getattr(kind, w) is not None}:
             near = [word for word in vars(kind) if word[:3] == "der"]
             other = f", but {near[0]}" if near else ""
-            said.append(f"class {name} has no derivative(self, t, x, u, p){other}")
-    return said
+            sentences.append(f"class {name} has no derivative(self, t, x, u, p){other}")
+    return sentences

@@ -44,28 +44,28 @@ Strengths = Sequence[tuple[int, Interval]]
 def folded(output: OutputPlan, strengths: Strengths) -> dict[int, Interval]:
     """Return bounds of one strength for each member, folded by the aggregation."""
     norm = SNORMS[output.output.aggregation]
-    found: dict[int, Interval] = {}
+    bounds: dict[int, Interval] = {}
     for member, (least, most) in strengths:
-        if member not in found:
-            found[member] = least, most
+        if member not in bounds:
+            bounds[member] = least, most
             continue
-        found[member] = joined(norm, found[member], (least, most))
-    return found
+        bounds[member] = joined(norm, bounds[member], (least, most))
+    return bounds
 
 
 def folded_where_max(output: OutputPlan, strengths: Strengths) -> Strengths:
     """Return one strength for each member under max: a T-norm rises with the strength."""
     if output.output.aggregation != "max":
         return strengths
-    found: dict[int, Interval] = {}
+    bounds: dict[int, Interval] = {}
     for member, (least, most) in strengths:
-        known = found.get(member)
-        found[member] = (
+        earlier = bounds.get(member)
+        bounds[member] = (
             (least, most)
-            if known is None
-            else (np.maximum(known[0], least), np.maximum(known[1], most))
+            if earlier is None
+            else (np.maximum(earlier[0], least), np.maximum(earlier[1], most))
         )
-    return list(found.items())
+    return list(bounds.items())
 
 
 def _aggregate(
@@ -168,9 +168,9 @@ class Panels:
         if self.lined:
             self.lines = [self._lines(member, pairs) for member in output.members]
             return
-        found = [self._levels(member, pairs, stop) for member in output.members]
-        self.least = [low for low, _ in found]
-        self.most = [high for _, high in found]
+        levels = [self._levels(member, pairs, stop) for member in output.members]
+        self.least = [low for low, _ in levels]
+        self.most = [high for _, high in levels]
 
     def _has_lines(self) -> bool:
         return self.output.output.aggregation == "max" and all(
@@ -208,7 +208,7 @@ class Panels:
         """Return the lower and the upper line, of the shape (boxes, panels, 2)."""
         if not self.lined:
             level = _aggregate(self.output, strengths, self.least, self.most)
-            lower, upper = (np.stack([each, each], -1) for each in level)
+            lower, upper = (np.stack([array, array], -1) for array in level)
             return lower, upper
         count, panels = len(strengths[0][1][0]), len(self.edges) - 1
         lower = np.zeros((count, panels, 2))
@@ -222,8 +222,8 @@ class Panels:
                 under = np.minimum(a[:, None, None], line)
                 middle = 0.5 * line.sum(axis=2, keepdims=True)
                 over = np.where(middle < b[:, None, None], line, b[:, None, None])
-            own, known = under.sum(axis=2), lower[:, some].sum(axis=2)
-            lower[:, some] = np.where((own > known)[:, :, None], under, lower[:, some])
+            sums_under, sums_now = under.sum(axis=2), lower[:, some].sum(axis=2)
+            lower[:, some] = np.where((sums_under > sums_now)[:, :, None], under, lower[:, some])
             upper[:, some] = np.maximum(upper[:, some], over)
         return lower * (1.0 - SLACK), upper * (1.0 + SLACK)
 
@@ -284,11 +284,11 @@ def panel_edges(output: OutputPlan, panels: int) -> list[float]:
 def set_bounds(member: Member, panels: Sequence[tuple[float, float]], stop: Stop) -> Interval:
     """Return bounds of a set, hedges included, over each of the panels."""
     of_stretch = membership_bounder(member.term.shape)
-    made = []
+    bounds = []
     for low, high in panels:
         stop.check()
         least, most = of_stretch(low, high)
-        found = hedged(member.hedges, (np.array([least]), np.array([most])))
-        made.append((float(found[0][0]), float(found[1][0])))
-    ends = np.array(made)
+        degree_bounds = hedged(member.hedges, (np.array([least]), np.array([most])))
+        bounds.append((float(degree_bounds[0][0]), float(degree_bounds[1][0])))
+    ends = np.array(bounds)
     return ends[:, 0], ends[:, 1]

@@ -58,9 +58,9 @@ class Arithmetic(NamedTuple):
         """Return an array of numbers from (nested lists of) Fractions or whole numbers."""
         plain = np.array(values, dtype=object)
         numbers = [self.number(value) for value in plain.ravel()]
-        made: Array = np.empty(plain.size, dtype=object if self.exact else np.float64)
-        made[:] = numbers
-        return made.reshape(plain.shape)
+        numbers_array: Array = np.empty(plain.size, dtype=object if self.exact else np.float64)
+        numbers_array[:] = numbers
+        return numbers_array.reshape(plain.shape)
 
     def zeros(self, *shape: int) -> Array:
         """Return an array of zeros."""

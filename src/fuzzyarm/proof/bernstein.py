@@ -85,14 +85,14 @@ def vertices_of(dimension: int, degree: int) -> tuple[int, ...]:
 def _beside_vertices(dimension: int, degree: int) -> tuple[tuple[int, int, int], ...]:
     """Return (vertex, another or the same, the coefficient one step from one to the other)."""
     indices = lattice(dimension, degree)
-    found = []
+    neighbours = []
     for near in range(dimension + 1):
         for far in range(dimension + 1):
             index = [0] * (dimension + 1)
             index[near] += degree - 1
             index[far] += 1
-            found.append((near, far, indices.index(tuple(index))))
-    return tuple(found)
+            neighbours.append((near, far, indices.index(tuple(index))))
+    return tuple(neighbours)
 
 
 @cache
@@ -235,8 +235,8 @@ class Quotients:
                 for part in _in_parts(self.count, stop)
             ]
             return np.concatenate([np.zeros(0, dtype=object), *parts])
-        found = self.upper - bound * self.lower
-        return greatest_of_rows(found + (self.reach + abs(bound)) * self.error)
+        differences = self.upper - bound * self.lower
+        return greatest_of_rows(differences + (self.reach + abs(bound)) * self.error)
 
     def attained(self) -> tuple[Any, int, Array] | None:
         """Return the greatest value at a vertex, with the simplex and the position; or None.
@@ -245,7 +245,7 @@ class Quotients:
         coefficients next to the vertex.
         """
         dimension = self.corners.shape[2]
-        found: tuple[Any, int, Array] | None = None
+        attained_: tuple[Any, int, Array] | None = None
         for near, far, position in _beside_vertices(dimension, self.degree):
             upper, lower = self.upper[:, position], self.lower[:, position]
             sure = lower > (0 if self.error is None else 1e3 * self.error[:, position])
@@ -257,11 +257,11 @@ class Quotients:
                 continue
             values = upper[rows] / lower[rows]
             best = int(values.argmax())
-            if found is None or values[best] > found[0]:
+            if attained_ is None or values[best] > attained_[0]:
                 owner = int(rows[best])
                 a, b = self.corners[owner, near], self.corners[owner, far]
-                found = values[best], owner, a + (b - a) / 2**24
-        return found
+                attained_ = values[best], owner, a + (b - a) / 2**24
+        return attained_
 
     def bound(self) -> float:
         """Return what N / D cannot exceed, crude; infinite where D may vanish."""
@@ -404,10 +404,10 @@ def maximise(
     given_up: Quotients = quotients.take(np.zeros(0, dtype=int))
     try:
         while open_.count:
-            found = open_.attained()
-            if found is not None and (best is None or found[0] > best):
-                best, corner = found[0], found[2]
-                owner = int(open_.owner[found[1]])
+            attained = open_.attained()
+            if attained is not None and (best is None or attained[0] > best):
+                best, corner = attained[0], attained[2]
+                owner = int(open_.owner[attained[1]])
                 if decide:
                     return Extremum(best, best, corner, owner, seen, given_up)
             open_, too_small = _worth_halving(open_, best, tolerance, smallest, stop)

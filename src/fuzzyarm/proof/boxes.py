@@ -95,11 +95,13 @@ class Boxes:
             rulebase,
             outputs=tuple(
                 replace(
-                    each,
-                    no_rule=each.no_rule if isinstance(each.no_rule, float | int) else math.nan,
-                    outside="extend" if each.outside == "error" else each.outside,
+                    output_,
+                    no_rule=output_.no_rule
+                    if isinstance(output_.no_rule, float | int)
+                    else math.nan,
+                    outside="extend" if output_.outside == "error" else output_.outside,
                 )
-                for each in rulebase.outputs
+                for output_ in rulebase.outputs
             ),
         )
         # Outputs that the rules or values of this one read; there are no circles.
@@ -140,8 +142,8 @@ class Boxes:
             a, b = self._value_bounds(low, high)
             return (-b, -a) if negated else (a, b)
 
-        found = self._search(over, None, 0.0, [[] for _ in self.names], least=bound)
-        return found.complete, found.boxes
+        search = self._search(over, None, 0.0, [[] for _ in self.names], least=bound)
+        return search.complete, search.boxes
 
     def table(self, table: Any, mode: str, gap: float) -> Bounds:
         """Return bounds of what a table is above the output, with the sign of the output's."""
@@ -230,10 +232,10 @@ class Boxes:
             a, b = over(low, high)
             return -b, -a
 
-        wanted = gap if gap >= 1e-7 * self.range else COARSE * self.range
+        tolerance = gap if gap >= 1e-7 * self.range else COARSE * self.range
         # Where time runs out both ends have a bound all the same.
-        high = self.over(self.ends, self.stop.half())._search(over, at, wanted, positions)
-        low = self._search(below, lambda points: -at(points), wanted, positions)
+        high = self.over(self.ends, self.stop.half())._search(over, at, tolerance, positions)
+        low = self._search(below, lambda points: -at(points), tolerance, positions)
         widen = WIDENED * self.range
         return Bounds(
             -low.bound - widen,
@@ -304,9 +306,9 @@ class Boxes:
             inner = {float(x) for x in (*extra, *turns) if low < x < high}
             cuts.append(sorted({low, high, *inner}))
         if math.prod(len(cut) for cut in cuts) > 100_000:
-            wanted = [sorted({low, high, *(x for x in extra if low < x < high)})
+            cuts_by_input = [sorted({low, high, *(x for x in extra if low < x < high)})
                       for (low, high), extra in zip(self.ends, positions, strict=True)]  # fmt: skip
-            cuts = wanted
+            cuts = cuts_by_input
         stretches = [list(pairwise(cut)) or [(cut[0], cut[0])] for cut in cuts]
         boxes = np.array(list(product(*stretches)), dtype=float)
         return boxes[:, :, 0].copy(), boxes[:, :, 1].copy()
@@ -336,8 +338,8 @@ class Boxes:
         from fuzzyarm.inference import infer
 
         inputs = {name: points[:, i] for i, name in enumerate(self.names)}
-        found = infer(self._bare, inputs)[self.output.output.name]
-        return np.asarray(found, dtype=float)
+        values = infer(self._bare, inputs)[self.output.output.name]
+        return np.asarray(values, dtype=float)
 
     # ── one step: from a box to bounds of the output ─────────────────────────────────
 
@@ -385,21 +387,21 @@ class Boxes:
     def _strengths(self, low: Array, high: Array, open_: Array) -> list[tuple[int, Interval]]:
         """Return (member, bounds of its firing strength) of each rule: anything in open boxes."""
         degrees = self._degrees.over(low, high)
-        found: dict[int, Interval] = {}
-        made = []
+        intervals: dict[int, Interval] = {}
+        intervals_of_members = []
         for member, rule in self.output.contributions:
             planned = self.plan.rules[rule]
-            if rule not in found:
+            if rule not in intervals:
                 least, most = self._truth(planned.rule.antecedent, planned, degrees)
                 weight = planned.rule.weight
                 least, most = widened(least * weight, most * weight)
                 least, most = np.where(open_, 0.0, least), np.where(open_, abs(weight), most)
-                found[rule] = (
+                intervals[rule] = (
                     np.where(least > planned.threshold, least, 0.0),
                     np.where(most > planned.threshold, most, 0.0),
                 )
-            made.append((member, found[rule]))
-        return made
+            intervals_of_members.append((member, intervals[rule]))
+        return intervals_of_members
 
     def _truth(
         self, expression: Expression, planned: PlannedRule, degrees: Callable[[Is], Interval]

@@ -149,7 +149,7 @@ def infers(model: RuleBase | LookupTable, how: Making) -> bool:
     if how.direct or not isinstance(model, RuleBase):
         return how.direct
     of_a_table = (how.levels, how.tolerance, how.rounding, how.mode, how.date, how.q)
-    return model.lookup is None and not how.table and all(each is None for each in of_a_table)
+    return model.lookup is None and not how.table and all(option is None for option in of_a_table)
 
 
 def compiled(

@@ -199,7 +199,7 @@ class _Trial:
 
     def _by_ports(self, law: Law, unit: Unit | None) -> tuple[DriveGain, ...]:
         """Return gains by ports: those of rates and integrals through what they are made of."""
-        found: dict[str, list[Any]] = {}
+        by_port: dict[str, list[Any]] = {}
         assert isinstance(law.gains, dict)
         assert isinstance(law.around, dict)
         for source, gain in _notable(law.gains).items():
@@ -207,17 +207,17 @@ class _Trial:
                 both = [
                     combine("multiply", interval, share) for interval in (gain, law.around[source])
                 ]
-                known = found.get(name)
-                if known is not None:
-                    both = [combine("add", a, b) for a, b in zip(known[0], both, strict=True)]
-                found[name] = [both, product(unit, its_unit, -1)]
-        intervals = _notable({name: gain for name, ((gain, _), _) in found.items()})
+                earlier = by_port.get(name)
+                if earlier is not None:
+                    both = [combine("add", a, b) for a, b in zip(earlier[0], both, strict=True)]
+                by_port[name] = [both, product(unit, its_unit, -1)]
+        intervals = _notable({name: gain for name, ((gain, _), _) in by_port.items()})
         return tuple(
             DriveGain(
                 name, gain.low, gain.high, around.low, around.high,
                 unit_text(each) if each is not None else "",
             )
-            for name, ((gain, around), each) in found.items()
+            for name, ((gain, around), each) in by_port.items()
             if name in intervals or largest(around) > 0.0
         )  # fmt: skip
 
@@ -334,8 +334,8 @@ class _Trial:
 def _cut_off(law: Law, limits: Interval, farthest: float) -> Law:
     """Return a law after limits; σ goes to ± `farthest`."""
     gains, around, along = law.gains, law.around, law.along
-    known = isinstance(gains, dict)
-    if known and not (limits.low < law.rest.low and law.rest.high < limits.high):
+    is_known = isinstance(gains, dict)
+    if is_known and not (limits.low < law.rest.low and law.rest.high < limits.high):
         gains = around = "the drive is at a limit at rest"
     if isinstance(along, Interval) and not inside(law.at, limits):
         if limits.low < 0.0 < limits.high:
@@ -386,8 +386,8 @@ def sampled_drive(
     site = site_of(plant, connect) if plant is not None else site_by_axes(text.model)
     case = _Trial(AxisLines(text, site, found.axis, Stop(), {}), site)
     ends = list(along.within.values())
-    each = max(3, round((points / 10 if len(ends) == 1 else points) ** (1.0 / len(ends))) | 1)
-    grid = [np.linspace(low, high, each) for low, high in ends]
+    count = max(3, round((points / 10 if len(ends) == 1 else points) ** (1.0 / len(ends))) | 1)
+    grid = [np.linspace(low, high, count) for low, high in ends]
     where = np.stack([axis.ravel() for axis in np.meshgrid(*grid, indexing="ij")], axis=1)
     values = [
         case.value_at(found.port, dict(zip(along.within, point, strict=True)), limited=True)
@@ -434,9 +434,9 @@ def prove_drives(
     [('error of position', 108.0, 'V/rad'), ('error of velocity', 4.725, 'V s/rad')]
     """
     site = site_of(plant, connect) if plant is not None else site_by_axes(text.model)
-    known: dict[Any, Any] = {}
+    shared: dict[Any, Any] = {}
     proofs: list[DriveProof] = []
     for name in text.model.axis_names:
         watch = None if tell is None else (lambda count, gap, name=name: tell(name, count, gap))
-        proofs += _Trial(AxisLines(text, site, name, Stop(budget, watch), known), site).proofs()
+        proofs += _Trial(AxisLines(text, site, name, Stop(budget, watch), shared), site).proofs()
     return proofs

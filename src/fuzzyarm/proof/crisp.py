@@ -143,16 +143,16 @@ def value_bounds(record: DefuzzifierKind, figures: Figures) -> Interval:
     """Return bounds of the value of a defuzzifier from those of the numbers that it is made of."""
     if record.figure:
         return figures[record.figure]
-    own = [figures[name] for name in record.symbols]
-    nothing = np.isnan(own[0][0])
+    figure_bounds = [figures[name] for name in record.symbols]
+    nothing = np.isnan(figure_bounds[0][0])
     if record.rises:  # as the floats do that inference computes: no rounding turns them round
-        low, high = (record.array(*(each[side] for each in own)) for side in (0, 1))
+        low, high = (record.array(*(figure[side] for figure in figure_bounds)) for side in (0, 1))
         return np.where(nothing, np.nan, low), np.where(nothing, np.nan, high)
     values = np.full((2, len(nothing)), np.nan)
     for box in np.flatnonzero(~nothing).tolist():
         ranges = {
             name: (float(ends[0][box]), float(ends[1][box]))
-            for name, ends in zip(record.symbols, own, strict=True)
+            for name, ends in zip(record.symbols, figure_bounds, strict=True)
         }
         values[:, box] = bounds(record.expression, ranges)
     return values[0], values[1]
@@ -193,11 +193,11 @@ class Crisp:
 
     def sides(self, strengths: Strengths) -> list[Strengths]:
         """Return the strengths of the upper and of the lower set; of type 1 all of them."""
-        own = self.output.sides
-        if not own:
+        sides_of_members = self.output.sides
+        if not sides_of_members:
             return [strengths]
         return [
-            [strength for strength in strengths if own[strength[0]] == side]
+            [strength for strength in strengths if sides_of_members[strength[0]] == side]
             for side in (UPPER, LOWER)
         ]
 
@@ -256,8 +256,8 @@ class _OfSamples(Crisp):
 
     def __call__(self, strengths: Strengths, low: Array, high: Array) -> Valued:
         weighted = [
-            tuple(side * self.samples.weights for side in self.samples.bounds(own))
-            for own in self.sides(strengths)
+            tuple(side * self.samples.weights for side in self.samples.bounds(side_))
+            for side_ in self.sides(strengths)
         ]
         may_lack = ~(weighted[UPPER][0] > 0.0).any(axis=1)
         positions = self.samples.positions
@@ -364,7 +364,7 @@ class _OfNumbers(Crisp):
         """
         degrees = strength[0] * (1.0 - SLACK), strength[1] * (1.0 + SLACK)
         distinct, back = np.unique(np.stack(degrees), return_inverse=True)
-        at = np.array([self._positions(member, each) for each in distinct.tolist()])
+        at = np.array([self._positions(member, share) for share in distinct.tolist()])
         values = at[back.reshape(2, -1)]
         output = self.output.output
         sizes = [abs(x) for x in (*member.term.shape.parameters, output.low, output.high)]

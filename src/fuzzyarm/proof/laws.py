@@ -271,7 +271,7 @@ def _ratio(root: Node, slope: Node, at: Interval) -> Interval:
     if not math.isfinite(largest(at)):
         return whole
     low, high = math.inf, -math.inf
-    for end in (each for each in at if each):
+    for end in (end_ for end_ in at if end_):
         for part in range(PARTS):
             ends = sorted((end * part / PARTS, end * (part + 1) / PARTS))
             here = Interval(*map(float, ends))
@@ -307,8 +307,10 @@ def table_law(table: LookupTable, given: Mapping[str, Law], at: Interval, *, ask
         law = given[moving[0]]
         along = law.along
         if isinstance(along, Interval):
-            found = _table_sector(table, rest, list(given).index(moving[0]), law.at)
-            along = found if isinstance(found, str) else combined("multiply", outward(found), along)
+            sector = _table_sector(table, rest, list(given).index(moving[0]), law.at)
+            along = (
+                sector if isinstance(sector, str) else combined("multiply", outward(sector), along)
+            )
     return Law(at, Interval(value, value), gains, gains, None, along)
 
 

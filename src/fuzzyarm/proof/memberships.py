@@ -81,7 +81,7 @@ class Degrees:
     def over(self, low: Array, high: Array) -> Callable[[Is], Interval]:
         """Return what gives the bounds of a proposition over boxes."""
         stretches: dict[int, tuple[list[tuple[float, float]], Array]] = {}
-        made: dict[tuple[str, str], Interval] = {}
+        bounds: dict[tuple[str, str], Interval] = {}
         columns = {name: i for i, name in enumerate(self.names)}
         for i in range(len(self.names) - len(self._others)):
             both = np.stack([low[:, i], high[:, i]], axis=1)
@@ -91,21 +91,21 @@ class Degrees:
 
         def degree(part: Is) -> Interval:
             key = part.variable, part.term
-            if key not in made:
+            if key not in bounds:
                 i = columns[part.variable]
                 shape = self.rulebase.variable(part.variable).term(part.term).shape
                 if part.variable in self._others:
-                    made[key] = membership_over(shape, low[:, i], high[:, i])
-                    return made[key]
+                    bounds[key] = membership_over(shape, low[:, i], high[:, i])
+                    return bounds[key]
                 pairs, back = stretches[i]
-                known = self._known.setdefault(key, {})
+                bounds_of_pairs = self._known.setdefault(key, {})
                 of_stretch = membership_bounder(shape)
                 for pair in pairs:
-                    if pair not in known:
-                        known[pair] = of_stretch(*pair)
-                ends = np.array([known[pair] for pair in pairs])[back]
-                made[key] = ends[:, 0], ends[:, 1]
-            return made[key]
+                    if pair not in bounds_of_pairs:
+                        bounds_of_pairs[pair] = of_stretch(*pair)
+                ends = np.array([bounds_of_pairs[pair] for pair in pairs])[back]
+                bounds[key] = ends[:, 0], ends[:, 1]
+            return bounds[key]
 
         return degree
 

@@ -176,13 +176,13 @@ def _cuts(
     extra: Sequence[Fraction],
     levels: Sequence[Fraction],
 ) -> list[Fraction]:
-    found = {x for corners in lines for x, _ in corners} | set(extra)
+    positions = {x for corners in lines for x, _ in corners} | set(extra)
     for corners in lines:
         for (x0, y0), (x1, y1) in pairwise(corners):
             for level in levels:
                 if (y0 - level) * (y1 - level) < 0 and x0 < x1:
-                    found.add(x0 + (level - y0) / (y1 - y0) * (x1 - x0))
-    inner = sorted(x for x in found if low < x < high)
+                    positions.add(x0 + (level - y0) / (y1 - y0) * (x1 - x0))
+    inner = sorted(x for x in positions if low < x < high)
     return [low, *inner, high] if low < high else [low]
 
 
@@ -293,9 +293,9 @@ class Pieces:
             return
         more = max(count, 2 * room) - room
         for name in ("_cell", "_corners", "_heights", "_slopes", "_doubtful"):
-            known = getattr(self, name)
-            grown = np.empty((room + more, *known.shape[1:]), dtype=known.dtype)
-            grown[:room] = known
+            array = getattr(self, name)
+            grown = np.empty((room + more, *array.shape[1:]), dtype=array.dtype)
+            grown[:room] = array
             setattr(self, name, grown)
 
     @property
@@ -313,11 +313,11 @@ class Pieces:
         """Return the inputs at a share of the cell of a piece."""
         from fuzzyarm.proof.arithmetic import as_fraction
 
-        found = []
+        positions = []
         for i, share in enumerate(corner):
             left, right = self.grid.cells[i][self.cell[owner, i]]
-            found.append(left + (right - left) * as_fraction(share))
-        return found
+            positions.append(left + (right - left) * as_fraction(share))
+        return positions
 
     def _simplices(self, cells: Array, orders: list[tuple[int, ...]]) -> Array:
         count, dimension = cells.shape
@@ -364,32 +364,33 @@ class Pieces:
         first = system * self.model.columns
 
         def strength(which: Array, undecided: list[Array]) -> _Affine:
-            found = self._truth(rule.antecedent, which, shift, undecided)
+            strength_ = self._truth(rule.antecedent, which, shift, undecided)
             if rule.weight == 1:
-                return found
-            return _Affine(found.values * weight, found.slopes * weight)
+                return strength_
+            return _Affine(strength_.values * weight, strength_.slopes * weight)
 
         def against(which: Array) -> list[Array]:
             undecided: list[Array] = []
-            found = strength(which, undecided)
+            strength_ = strength(which, undecided)
             if not adds:
                 undecided += [
-                    found.values - self.heights[which, :, first + column] for column in rule.columns
+                    strength_.values - self.heights[which, :, first + column]
+                    for column in rule.columns
                 ]
             return undecided
 
         which = np.flatnonzero(self.may_fire(rule.antecedent, shift))
         which = self._refine(which, against)
-        found = strength(which, [])
+        strength_ = strength(which, [])
         for column in rule.columns:
             if adds:
-                self.heights[which, :, first + column] += found.values
-                self.slopes[which, :, first + column] += found.slopes
+                self.heights[which, :, first + column] += strength_.values
+                self.slopes[which, :, first + column] += strength_.slopes
                 continue
             affine = _Affine(
                 self.heights[which, :, first + column], self.slopes[which, :, first + column]
             )
-            highest = self._chosen(affine, found, which, largest=True)
+            highest = self._chosen(affine, strength_, which, largest=True)
             self.heights[which, :, first + column] = highest.values
             self.slopes[which, :, first + column] = highest.slopes
 
@@ -483,9 +484,9 @@ class Pieces:
                     for other in overlap.others[1:]:
                         undecided.append(above - column(other, ids))
                         above = np.maximum(above, column(other, ids))
-                    own = column(overlap.member, ids)
-                    lower = np.minimum(own, above)
-                    return [*undecided, own - above, *(lower - level for level in levels)]
+                    own_degree = column(overlap.member, ids)
+                    lower = np.minimum(own_degree, above)
+                    return [*undecided, own_degree - above, *(lower - level for level in levels)]
 
                 self._refine(which, against)
 

@@ -118,13 +118,13 @@ class _OfHighest(Places):
         self.sets: list[_Set] = []
         for number, member in enumerate(output.members):
             if samples is not None:
-                made: _Set = _Sampled(member, samples.positions, samples.sets[number])
+                set_of_member: _Set = _Sampled(member, samples.positions, samples.sets[number])
             elif all(piece.straight for piece in member.pieces):
-                made = _Straight(member.pieces)
+                set_of_member = _Straight(member.pieces)
             else:
-                made = _Curved(member, panel_edges(output, LEVEL_PANELS), stop)
-            self.sets.append(made)
-        self.width = sum(each.count for each in self.sets)
+                set_of_member = _Curved(member, panel_edges(output, LEVEL_PANELS), stop)
+            self.sets.append(set_of_member)
+        self.width = sum(set_.count for set_ in self.sets)
         if samples is not None:
             self.width = samples.width * len(self.sets)
 
@@ -137,15 +137,17 @@ class _OfHighest(Places):
         lead = np.max([low for low, _ in heights], axis=0)
         highest = [(high > 0.0) & (high >= lead * (1.0 - TIE)) for _, high in heights]
         alone = np.sum(highest, axis=0) == 1
-        found = []
+        humps_of_sets = []
         for (index, strength), can_be in zip(entries, highest, strict=True):
-            member, own = self.output.members[index], self.sets[index]
-            humps = own.humps(_level(member, strength, own.top), strength)
+            member, member_set = self.output.members[index], self.sets[index]
+            humps = member_set.humps(_level(member, strength, member_set.top), strength)
             there = humps.can_be & can_be[:, None]
-            found.append(
+            humps_of_sets.append(
                 humps._replace(can_be=there, certain=humps.certain & there & alone[:, None])
             )
-        return Humps(*(np.concatenate(part, axis=1) for part in zip(*found, strict=True))), lead
+        return Humps(
+            *(np.concatenate(part, axis=1) for part in zip(*humps_of_sets, strict=True))
+        ), lead
 
 
 def _level(member: Member, strength: Interval, top: Interval) -> _Level:
@@ -234,7 +236,7 @@ class _Curved(_Set):
         certain = can_be & (self.least >= level.high[:, None] * (1.0 + TIE))
         shape = can_be.shape
         starts, ends, length = (
-            np.broadcast_to(each, shape) for each in (self.starts, self.ends, self.lengths)
+            np.broadcast_to(array, shape) for array in (self.starts, self.ends, self.lengths)
         )
         latest, earliest = np.where(certain, starts, ends), np.where(certain, ends, starts)
         return Humps(starts, ends, latest, earliest, can_be, certain, length, length)

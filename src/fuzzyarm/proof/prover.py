@@ -148,7 +148,7 @@ class Prover:
         UnprovableError
             If an input is unbounded and the region does not bound it.
         """
-        found = []
+        ranges = []
         for variable in self.inputs:
             low, high = region.get(variable.name, (variable.low, variable.high))
             if variable.outside != "extend":  # beyond its range an input takes the border
@@ -158,8 +158,8 @@ class Prover:
                     f"'{variable.name}' is unbounded",
                     hint=f"say in which part:  {variable.name} in LOW .. HIGH -> …",
                 )
-            found.append((Fraction(low), Fraction(high)))
-        return tuple(found)
+            ranges.append((Fraction(low), Fraction(high)))
+        return tuple(ranges)
 
     def with_fixed(self, values: Mapping[str, Fraction]) -> Prover:
         """Return the prover of a rule base of straight pieces in which some inputs have a value.
@@ -342,8 +342,8 @@ class Prover:
                 return None
             cells = np.unique(surface.pieces.flat_cells[open_])
             surface = self.surface(question, rationals(), cells)
-        found = surface.silent(valued=valued)
-        return None if found is None else self.named(surface.pieces.position(*found))
+        corner = surface.silent(valued=valued)
+        return None if corner is None else self.named(surface.pieces.position(*corner))
 
     # ── the search ───────────────────────────────────────────────────────────────────
 
@@ -368,9 +368,9 @@ class Prover:
             )
             for sign in ((-1, 1) if both else (1,))
         }
-        open_ = [found.left.owner for found in searched.values()]
+        open_ = [search.left.owner for search in searched.values()]
         left = np.concatenate([*open_, np.flatnonzero(doubtful)])
-        if any(found.reached is None for found in searched.values()):
+        if any(search.reached is None for search in searched.values()):
             if self.exact or not left.size:
                 raise NothingFiresError(f"no rule fires anywhere for '{self.output.name}'")
             rational = self.in_rationals()
@@ -378,13 +378,13 @@ class Prover:
         # What floats leave open is cut once in rationals, for both ends.
         exact = self._again(question, surface, left) if left.size and not self.exact else None
         pieces, complete, ends = 0, True, []
-        for sign, found in searched.items():
-            pieces = max(pieces, found.pieces)
-            reached, bound = found.reached, found.bound
+        for sign, search in searched.items():
+            pieces = max(pieces, search.pieces)
+            reached, bound = search.reached, search.bound
             at: dict[str, Fraction] = {}
-            if found.corner is not None:
-                at = self.named(surface.pieces.position(found.owner, found.corner))
-            if exact is not None and (found.left.count or doubtful.any()):
+            if search.corner is not None:
+                at = self.named(surface.pieces.position(search.owner, search.corner))
+            if exact is not None and (search.left.count or doubtful.any()):
                 again = self._searched_again(exact, sign, reached)
                 bound = max(float(reached) + float(gap), float(again.bound))
                 if again.corner is not None:
@@ -418,8 +418,8 @@ class Prover:
     def _searched_again(self, exact: tuple[Surface, Quotients], sign: int, least: Any) -> Extremum:
         number, quotients = rationals().number, exact[1]
         chosen = quotients if sign == 1 else quotients.negated()
-        known = number(Fraction(float(least)))
-        return maximise(chosen, number(Fraction(self.gap)), self.stop, least=known)
+        floor = number(Fraction(float(least)))
+        return maximise(chosen, number(Fraction(self.gap)), self.stop, least=floor)
 
     def at_most(
         self,
@@ -487,7 +487,7 @@ class Prover:
         self, ends: list[tuple[int, Any, Any, dict[str, Fraction]]], shift: Any, pieces: int, *,
         complete: bool,
     ) -> Bounds:  # fmt: skip
-        made: dict[int, tuple[float, float, Point]] = {}
+        bounds: dict[int, tuple[float, float, Point]] = {}
         for sign, reached, bound, at in ends:
             if self.exact:
                 high = as_fraction(bound) * sign + as_fraction(shift)
@@ -497,9 +497,9 @@ class Prover:
                 outer = float(bound) * sign + float(shift)
                 outer += sign * WIDENED * max(self.range, abs(outer))
                 inner = float(reached) * sign + float(shift)
-            made[sign] = outer, inner, {name: float(x) for name, x in at.items()}
-        low, reached_low, at_low = made.get(-1, (-math.inf, math.nan, {}))
-        high_, reached_high, at_high = made[1]
+            bounds[sign] = outer, inner, {name: float(x) for name, x in at.items()}
+        low, reached_low, at_low = bounds.get(-1, (-math.inf, math.nan, {}))
+        high_, reached_high, at_high = bounds[1]
         way = "exact" if self.exact else "widened"
         return Bounds(low, high_, reached_low, reached_high, at_low, at_high, pieces, way, complete)
 
@@ -513,9 +513,9 @@ class Prover:
         positions = tuple(tuple(position) for position in question.positions)
         key = (question.box, positions, question.mirrored, question.form, arithmetic.exact)
         if cells is None and key in self._surfaces:
-            known = self._surfaces[key]
-            known.pieces.stop = self.stop
-            return known
+            surface_ = self._surfaces[key]
+            surface_.pieces.stop = self.stop
+            return surface_
         what = Cut(question.box, positions, question.mirrored, question.form)
         try:
             pieces = cut(self.model, what, arithmetic, cells, self.stop)
@@ -563,8 +563,8 @@ class Prover:
 
     def named(self, position: list[Fraction]) -> dict[str, Fraction]:
         """Return inputs by name, those that are fixed included, in the order of the rule base."""
-        found = {**self.fixed, **dict(zip(self.names, position, strict=True))}
-        return {variable.name: found[variable.name] for variable in self.rulebase.inputs}
+        values = {**self.fixed, **dict(zip(self.names, position, strict=True))}
+        return {variable.name: values[variable.name] for variable in self.rulebase.inputs}
 
     # ── what is refused ──────────────────────────────────────────────────────────────
 

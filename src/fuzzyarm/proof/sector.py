@@ -112,7 +112,7 @@ def sector(
     exact = (prover if prover.exact else prover.in_rationals()).with_fixed(values)
     exact.demand_inside_range("sectors")
     form = tuple(Fraction(weights.get(name, 0)) for name in exact.names)
-    box = exact.box({name: each for name, each in region.items() if name in exact.names})
+    box = exact.box({name: name_ for name, name_ in region.items() if name in exact.names})
     silent = _silent(exact, region)
     if all(low <= 0 <= high for low, high in box):  # σ is 0 there: mostly this tells
         _demand_zero(exact, dict.fromkeys(exact.names, Fraction(0)))
@@ -239,18 +239,18 @@ class Slopes(NamedTuple):
     def around(self, name: str) -> tuple[Fraction, Fraction]:
         """Return the least and the greatest slope along an input, over all pieces."""
         axis = self.names.index(name)
-        found = [side.gradient[axis] for side in self.sides]
-        return min(found), max(found)
+        gradients = [side.gradient[axis] for side in self.sides]
+        return min(gradients), max(gradients)
 
     def along(self, direction: Mapping[str, Fraction]) -> Fraction | None:
         """Return the slope in a direction, to one side; None where no piece lies there."""
-        wanted = [direction.get(name, Fraction(0)) for name in self.names]
-        plain = np.array([float(each) for each in wanted])
+        weights = [direction.get(name, Fraction(0)) for name in self.names]
+        plain = np.array([float(weight) for weight in weights])
         for side in self.sides:
             shares = np.linalg.solve(side.edges.T, plain)
             if (shares >= -1e-9 * np.abs(shares).max(initial=1e-300)).all():
                 return sum(
-                    (a * b for a, b in zip(side.gradient, wanted, strict=True)), start=Fraction(0)
+                    (a * b for a, b in zip(side.gradient, weights, strict=True)), start=Fraction(0)
                 )
         return None
 

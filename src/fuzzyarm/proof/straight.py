@@ -302,10 +302,10 @@ class _Reading:
         kinds = _CONJUNCTIONS if conjunction else _DISJUNCTIONS
         if name not in kinds:
             raise NotStraightError(f"{'and' if conjunction else 'or'} {name} bends straight lines")
-        found, *rest = (self._node(operand, planned) for operand in expression.operands)
+        operand_node, *rest = (self._node(operand, planned) for operand in expression.operands)
         for node in rest:
-            found = Node(kinds[name], (found, node))
-        return found
+            operand_node = Node(kinds[name], (operand_node, node))
+        return operand_node
 
     @staticmethod
     def _hedged(node: Node, hedges: Sequence[Hedge]) -> Node:

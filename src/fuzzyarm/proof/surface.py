@@ -344,8 +344,8 @@ class Surface:
             for other in overlap.others[1:]:
                 height, slope = at(other, rows)
                 above, above_slope = _pick(above, above_slope, height, slope, larger=True)
-            own, own_slope = at(overlap.member, rows)
-            lower, lower_slope = _pick(own, own_slope, above, above_slope, larger=False)
+            degree, own_slope = at(overlap.member, rows)
+            lower, lower_slope = _pick(degree, own_slope, above, above_slope, larger=False)
             sums.add_layers(rows, self._as_numbers(overlap.layers), lower, lower_slope, -1)
 
     @cached_property
@@ -379,7 +379,7 @@ class Surface:
         """Return the number of a consequent at the lattice, and its slopes."""
         number = self.arithmetic.number
         value = self.model.values[column]
-        found = self.arithmetic.zeros(len(which), len(points)) + number(value.constant)
+        values = self.arithmetic.zeros(len(which), len(points)) + number(value.constant)
         slopes = self.arithmetic.zeros(len(which), self.dimension)
         shares: Array | None = None
         for axis, coefficient in enumerate(value.coefficients):
@@ -391,9 +391,9 @@ class Surface:
             left = self.arithmetic.array([c.left for c in cells])[self.pieces.cell[which, axis]]
             width = self.pieces.widths(axis)[which]
             factor = number(coefficient)
-            found = found + factor * (left[:, None] + width[:, None] * shares[:, :, axis])
+            values = values + factor * (left[:, None] + width[:, None] * shares[:, :, axis])
             slopes[:, axis] = slopes[:, axis] + factor * width
-        return found, slopes
+        return values, slopes
 
     def _strengths(
         self, which: Array, points: Array, first: int
@@ -614,15 +614,15 @@ class TableValues:
                 continue
             levels = [Fraction(level) for level in axis.levels]
             last = max(len(levels) - 2, 0)
-            found = [min(max(sum(x > y for y in levels) - 1, 0), last) for x in middles]
-            self.first.append(np.array(found))
+            indices = [min(max(sum(x > y for y in levels) - 1, 0), last) for x in middles]
+            self.first.append(np.array(indices))
             self.shares.append(
                 (
                     self.arithmetic.array(
-                        [_share(levels, i, c.left) for i, c in zip(found, cells, strict=True)]
+                        [_share(levels, i, c.left) for i, c in zip(indices, cells, strict=True)]
                     ),
                     self.arithmetic.array(
-                        [_share(levels, i, c.right) for i, c in zip(found, cells, strict=True)]
+                        [_share(levels, i, c.right) for i, c in zip(indices, cells, strict=True)]
                     ),
                 )
             )

@@ -256,14 +256,14 @@ class _Case:
     @property
     def prover(self) -> Prover:
         """The prover of the output, with what it has cut for other statements."""
-        known = self.provers.get(self.claim.output)
-        if known is None:
-            known = Prover(
+        prover_ = self.provers.get(self.claim.output)
+        if prover_ is None:
+            prover_ = Prover(
                 self.rulebase, self.claim.output, tolerance=self.tolerance, exact=self.exact
             )
-            self.provers[self.claim.output] = known
-        known.stop = self.stop
-        return known
+            self.provers[self.claim.output] = prover_
+        prover_.stop = self.stop
+        return prover_
 
     def verdict(self) -> Verdict:
         judge = {
@@ -486,12 +486,12 @@ class _Case:
         claim, prover = self.claim, self.prover
         falls = claim.kind == "falls"
         # The slope is at least −0: the supremum of minus the slope is at most 0.
-        found = prover.slope_at_most(self.region, claim.input, Fraction(0), negated=not falls)
-        facts: dict[str, Any] = {"pieces": found.pieces, "way": _way(found)}
-        if found.holds:
+        bound = prover.slope_at_most(self.region, claim.input, Fraction(0), negated=not falls)
+        facts: dict[str, Any] = {"pieces": bound.pieces, "way": _way(bound)}
+        if bound.holds:
             return self._said(PROVED, **facts)
-        if found.holds is False:
-            pair = self._pair_along(found.at, -1 if falls else 1)
+        if bound.holds is False:
+            pair = self._pair_along(bound.at, -1 if falls else 1)
             if pair is not None:
                 return self._said(REFUTED, evidence=self._points(list(pair)), **facts)
         return self._said(UNDECIDED, **facts)
@@ -646,8 +646,8 @@ class _Case:
                 reason = f"the error is {max(bounds.reached_high, -bounds.reached_low):.10g}"
                 return self._said(REFUTED, evidence=confirmed or (), reason=reason, **facts)
         if prover.model is not None:
-            found = prover.table_at_most(table, claim.mode, claim.high)
-            if found.holds:
+            bound = prover.table_at_most(table, claim.mode, claim.high)
+            if bound.holds:
                 return self._said(PROVED, **{**facts, "bound": claim.high})
         return self._said(UNDECIDED, **facts)
 

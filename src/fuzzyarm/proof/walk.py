@@ -81,9 +81,11 @@ class AxisLines:
         self.lines = next(axes.lines for axes in text.model.axes if name in axes.names)
         self.learned = {line.table: line for line in self.lines if isinstance(line, Learn)}
         reaches = reaches_of(text, site)
-        own = {of: reach for (axis, of), reach in reaches.sources.items() if axis == name}
-        self._names = _names_of(own)
-        self.sources: dict[str, Reach] = {self._names[of]: reach for of, reach in own.items()}
+        own_reaches = {of: reach for (axis, of), reach in reaches.sources.items() if axis == name}
+        self._names = _names_of(own_reaches)
+        self.sources: dict[str, Reach] = {
+            self._names[of]: reach for of, reach in own_reaches.items()
+        }
         self.made: dict[str, tuple[Source, Law | None]] = {}
         self.only_values = False
         self._known = known
@@ -130,9 +132,9 @@ class AxisLines:
         key = id(sheet), output
         if key not in self._known:
             self._known[key] = Prover(sheet, output)
-        found: Prover = self._known[key]
-        found.stop = self.stop
-        return found
+        prover_: Prover = self._known[key]
+        prover_.stop = self.stop
+        return prover_
 
     def value(self, prover: Prover, region: Mapping[str, Any]) -> Any:
         """Return bounds of an output; None where there are none."""
@@ -157,8 +159,8 @@ class AxisLines:
         key = "sector", id(prover), tuple(weights.items()), tuple(sorted(region.items()))
         if key not in self._known:
             self._known[key] = sector(prover, weights, region)
-        found: Sector = self._known[key]
-        return found
+        sector_: Sector = self._known[key]
+        return sector_
 
 
 # ── the walk over one axis ───────────────────────────────────────────────────────────
@@ -304,8 +306,8 @@ class Walk:
 
     def _inputs(self, names: Sequence[str], asked: Sequence[str]) -> dict[str, Law]:
         """Return the inputs of a rule base or a table by its own names."""
-        own = [name for name in names if name != AXIS or AXIS in asked]
-        laws = {name: self._named(each) for name, each in zip(own, asked, strict=False)}
+        names_used = [name for name in names if name != AXIS or AXIS in asked]
+        laws = {name: self._named(law) for name, law in zip(names_used, asked, strict=False)}
         return {name: laws.get(name) or constant(float(self.case.index + 1)) for name in names}
 
     def _note_group(self, given: Mapping[str, Law]) -> None:
@@ -402,10 +404,10 @@ class Walk:
             return found, 0.0
         weights, by = found
         try:
-            known = self.case.sector(prover, weights, region)
+            sector = self.case.sector(prover, weights, region)
         except FuzzyarmError as error:
             return str(error), 0.0
-        gains = Interval(known.low, known.high)
+        gains = Interval(sector.low, sector.high)
         universe = {
             variable.name: Interval(variable.low, variable.high) for variable in prover.inputs
         }
@@ -413,7 +415,7 @@ class Walk:
             if len(moving) > 1:
                 return "an input leaves its universe", 0.0
             gains = hull(gains, NOTHING)  # the value stays where the input is cut off
-        return combined("multiply", gains, by), known.slack
+        return combined("multiply", gains, by), sector.slack
 
     def _weights(
         self, moving: Sequence[str], given: Mapping[str, Law]
@@ -455,15 +457,15 @@ class Walk:
         if learned is not None:
             bound = largest(self._named(learned.bound).at)
             return unknown(hull(at, symmetric(bound)), f"'{of.name}' learns")
-        own = replace(sheet, axes=tuple(axes), values=np.asarray(values))
-        laws = self._inputs(own.names, of.inputs)
+        table = replace(sheet, axes=tuple(axes), values=np.asarray(values))
+        laws = self._inputs(table.names, of.inputs)
         self._note_group(laws)
         for axis in axes:
             self._note_zone(laws[axis.name], Interval(axis.low, axis.high))
         if all(law.at.low == law.at.high for law in laws.values()):
-            value = float(own.lookup(*(law.at.low for law in laws.values())))
+            value = float(table.lookup(*(law.at.low for law in laws.values())))
             at = Interval(value, value)
-        return table_law(own, laws, at, asked=bool(self.asked.form))
+        return table_law(table, laws, at, asked=bool(self.asked.form))
 
 
 def _chained(slopes: Slopes, given: Mapping[str, Law]) -> tuple[Gains | str, Gains | str]:
@@ -480,8 +482,8 @@ def _chained(slopes: Slopes, given: Mapping[str, Law]) -> tuple[Gains | str, Gai
         total = NOTHING
         for name, law in given.items():
             assert isinstance(law.around, dict)
-            each = Interval(*map(float, slopes.around(name)))
-            slope = combine("multiply", each, law.around.get(source, NOTHING))
+            gain = Interval(*map(float, slopes.around(name)))
+            slope = combine("multiply", gain, law.around.get(source, NOTHING))
             total = combine("add", total, slope)
         around[source] = gains[source] = total
         inner = {name: dict(law.gains).get(source, NOTHING) for name, law in given.items()}  # type: ignore[arg-type]

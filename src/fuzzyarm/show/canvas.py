@@ -126,19 +126,19 @@ class Canvas:
         """Return the rows of characters."""
         from rich.text import Text
 
-        found = []
+        lines_ = []
         for i in range(self.rows):
             line = Text(no_wrap=True, overflow="crop")
             for j in range(self.columns):
                 bits = self._bits.get((i, j), 0)
                 line.append(self._character(bits), self._colours.get((i, j), ""))
-            found.append(line)
+            lines_.append(line)
         for row, column, text in self._words:
             if 0 <= row < self.rows and column < self.columns:
                 shown = fitted(text, self.columns - column)
-                whole = found[row]
-                found[row] = whole[:column] + Text(shown) + whole[column + len(shown) :]
-        return found
+                whole = lines_[row]
+                lines_[row] = whole[:column] + Text(shown) + whole[column + len(shown) :]
+        return lines_
 
     def _character(self, bits: int) -> str:
         if self.unicode:

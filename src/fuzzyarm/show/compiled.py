@@ -30,13 +30,13 @@ def report_lines(report: CompileReport, out: str) -> list[str]:
     if report.few_points:
         lines.append("only a few points were compared, because direct inference is slow here")
     if report.tolerance is not None:
-        known = (
+        grid_words = (
             "proved"
             if all(fidelity.proved is not None for fidelity in report.fidelities)
             else "sampled"
         )
         lines.append(
-            f"this is the smallest even grid within {report.tolerance:g} ({known}),"
+            f"this is the smallest even grid within {report.tolerance:g} ({grid_words}),"
             " looked up linearly"
         )
     return lines

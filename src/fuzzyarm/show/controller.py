@@ -257,14 +257,14 @@ def flow_rows(axes: Axes, partners: Collection[str] = ()) -> list[FlowRow]:
         going = [bool(name) and last.get(name, -1) > index for name in lanes]
         passing = [bool(name) and k not in taken for k, name in enumerate(lanes)]
         lanes = [name if goes else "" for name, goes in zip(lanes, going, strict=True)]
-        made = []
+        places = []
         for name in line.names if isinstance(line, Signal) else ():
             free = [k for k, each in enumerate(lanes) if not each]
             ended = [k for k in free if k in taken]  # it goes on as what is made of it
-            made.append((ended or free or [len(lanes)])[0])
-            lanes[made[-1] : made[-1] + 1] = [name]
+            places.append((ended or free or [len(lanes)])[0])
+            lanes[places[-1] : places[-1] + 1] = [name]
         out = isinstance(line, Drive | Learn)
-        signs = _signs(len(lanes), passing, going, taken, made, out=out)
+        signs = _signs(len(lanes), passing, going, taken, places, out=out)
         if isinstance(line, Zoom):
             signs = ["◆" if k in taken else sign for k, sign in enumerate(signs)]
         lanes = [name if last.get(name, -1) > index else "" for name in lanes]

@@ -58,8 +58,8 @@ class ControllerDiff:
     @property
     def same(self) -> bool:
         """Whether both do the same."""
-        own = self.settings or self.gains or self.lines or self.order
-        return not (own or self.rulebases or self.tables)
+        differs = self.settings or self.gains or self.lines or self.order
+        return not (differs or self.rulebases or self.tables)
 
 
 def compare_controllers(before: ControllerText, after: ControllerText) -> ControllerDiff:
@@ -133,25 +133,25 @@ def _pairs(before: ControllerText, after: ControllerText) -> Iterator[tuple[str,
 
 
 def _settings(model: ControllerModel) -> dict[str, str]:
-    found = {"name": model.name, "period": time_text(model.period)}
+    settings = {"name": model.name, "period": time_text(model.period)}
     if model.every != 1:
-        found["set-point"] = f"every {model.every}"
-    found.update({f"use {name_text(use.name)}": ", ".join(use.files) for use in model.uses})
+        settings["set-point"] = f"every {model.every}"
+    settings.update({f"use {name_text(use.name)}": ", ".join(use.files) for use in model.uses})
     for partner in model.partners:
         gains = "".join(f", {name} = {number_text(value)}" for name, value in partner.gains)
-        found[f"partner {name_text(partner.name)}"] = f"{partner.law}{gains}"
-    found.update({f"rule base {rulebase.name}": "in the file" for rulebase in model.rulebases})
-    return found
+        settings[f"partner {name_text(partner.name)}"] = f"{partner.law}{gains}"
+    settings.update({f"rule base {rulebase.name}": "in the file" for rulebase in model.rulebases})
+    return settings
 
 
 def _gains(model: ControllerModel) -> dict[str, str]:
-    found: dict[str, str] = {}
+    gains: dict[str, str] = {}
     for gain in model.gains:
         name = name_text(gain.name)
-        found[name] = gain_words(gain)
+        gains[name] = gain_words(gain)
         if gain.tune is not None:
-            found[f"{name}, tune"] = tune_words(gain).removeprefix("tune ")
-    return found
+            gains[f"{name}, tune"] = tune_words(gain).removeprefix("tune ")
+    return gains
 
 
 def _lines(
@@ -186,13 +186,13 @@ def _parts(
 def _definitions(axes: Axes | None, model: ControllerModel) -> dict[str, str]:
     """Return what stands behind the name of each signal, drive, zoom and learner."""
     partners = [partner.name for partner in model.partners]
-    found: dict[str, str] = {}
+    definitions: dict[str, str] = {}
     for line in () if axes is None else axes.lines:
         text = line_words(line, partners)
         if isinstance(line, Signal | Drive):
             what, _, text = text.partition(" = ")
         else:
             what, _, text = text.partition(" by ")
-        number = sum(1 for each in found if each.partition(" (")[0] == what)
-        found[what if not number else f"{what} ({number + 1})"] = text
-    return found
+        number = sum(1 for name in definitions if name.partition(" (")[0] == what)
+        definitions[what if not number else f"{what} ({number + 1})"] = text
+    return definitions

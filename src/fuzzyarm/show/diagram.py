@@ -180,9 +180,9 @@ def block_diagram(controller: ControllerText | ControllerModel) -> Diagram:
             {rulebase.name: (rulebase,) for rulebase in controller.rulebases},
         )
     counts = {
-        name: len(found[0].rules)
-        for name, found in sheets.items()
-        if found and isinstance(found[0], RuleBase)
+        name: len(sheet_list[0].rules)
+        for name, sheet_list in sheets.items()
+        if sheet_list and isinstance(sheet_list[0], RuleBase)
     }
     blocks: list[DiagramBlock] = []
     wires: list[DiagramWire] = []
@@ -367,14 +367,14 @@ class _Part:
 
     def _sheet(self, name: str) -> list[str]:
         """Return what is said of a rule base or a table: its files and its size."""
-        found = []
+        words = []
         if name in self.counts:
             count = self.counts[name]
-            found.append(f"{count} rule{'' if count == 1 else 's'}")
+            words.append(f"{count} rule{'' if count == 1 else 's'}")
         files = self.files.get(name, ())
         if files == ("zero",):
-            return [*found, "begins at zero"]
-        return [*found, *files]
+            return [*words, "begins at zero"]
+        return [*words, *files]
 
     def _read(self, name: str) -> Pin:
         """Return a signal; of a text with mistakes one that comes from nowhere."""
@@ -412,7 +412,7 @@ class _Part:
         return self._gain(numbers, pin, span) if numbers else pin
 
     def _zoom(self, line: Zoom) -> None:
-        by, inside = (self._number(each) for each in (line.by, line.inside))
+        by, inside = (self._number(value) for value in (line.by, line.inside))
         details = [f"by {by}", f"inside {inside}", *(["edge wait"] if line.wait else [])]
         sources = [(self._read(name), "") for name in line.signals]
         index = self._block("zoom", "zoom", details, sources, [""] * len(sources), line.span)

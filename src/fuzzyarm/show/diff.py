@@ -147,8 +147,10 @@ def _sorted(expression: Expression, rulebase: RuleBase) -> Expression:
     names = [variable.name for variable in rulebase.inputs]
 
     def position(operand: Expression) -> tuple[int, str]:
-        known = isinstance(operand, Is) and operand.variable in names
-        first = names.index(operand.variable) if known and isinstance(operand, Is) else len(names)
+        is_ranked = isinstance(operand, Is) and operand.variable in names
+        first = (
+            names.index(operand.variable) if is_ranked and isinstance(operand, Is) else len(names)
+        )
         return first, expression_words(operand)
 
     operands = sorted((_sorted(operand, rulebase) for operand in expression.operands), key=position)

@@ -374,8 +374,8 @@ def fitted(text: str, room: int) -> str:
     """Return a text of at most `room` letters; of a longer one both ends, where names differ."""
     if len(text) <= room:
         return text
-    kept = max(0, room - 1)
-    return f"{text[: (kept + 1) // 2]}…{text[len(text) - kept // 2 :]}" if room > 0 else ""
+    shown = max(0, room - 1)
+    return f"{text[: (shown + 1) // 2]}…{text[len(text) - shown // 2 :]}" if room > 0 else ""
 
 
 def ruler(low: float, high: float, width: int, name: str = "") -> str:

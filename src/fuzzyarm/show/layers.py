@@ -410,8 +410,8 @@ def _tracks(net: _Net, rows: Sequence[float]) -> tuple[list[int], list[tuple[Cor
         ways.append(way)
     counts = [0] * len(net.columns)
     for gap in range(len(counts)):
-        own = [trunk for (_, _, at), trunk in trunks.items() if at == gap]
-        counts[gap] = _assign(own)
+        trunks_here = [trunk for (_, _, at), trunk in trunks.items() if at == gap]
+        counts[gap] = _assign(trunks_here)
     paths = []
     for link, way in zip(net.links, ways, strict=True):
         corners: list[Corner] = []

@@ -241,7 +241,7 @@ def _names_of_nets(diagram: Diagram) -> dict[tuple[int, int], str]:
     for wire in diagram.wires:
         if wire.signal:
             names[wire.source, wire.output][wire.signal] = None
-    return {net: " = ".join(found) for net, found in names.items()}
+    return {net: " = ".join(names_of_net) for net, names_of_net in names.items()}
 
 
 def _whole(text: str) -> str:

@@ -116,12 +116,12 @@ def table_grids(
     import numpy as np
     from rich.text import Text
 
-    own = values is None
-    array = table.values if own else np.asarray(values)
+    is_own = values is None
+    array = table.values if is_own else np.asarray(values)
     drawn = [_drawn(size, all_levels=all_levels) for size in array.shape]
     shown = array[np.ix_(*drawn)]
     if scale is None:
-        bounds = (table.low, table.high) if own else (None, None)
+        bounds = (table.low, table.high) if is_own else (None, None)
         scale = scale_of(array.ravel().tolist(), *bounds)
     flat = [float(x) for x in shown.ravel()]
     texts = [text(x) for x in flat] if text else _readable(flat)
@@ -262,7 +262,7 @@ def learned_view(
     if with_visits:
         # Most visits go to a few cells: colours by the logarithm tell the others apart.
         shades = np.log10(1.0 + counts)
-        texts = iter([_count_text(int(each)) for each in counts.ravel()])
+        texts = iter([_count_text(int(count)) for count in counts.ravel()])
         parts += [
             Text(f"{name}: visits per cell ({_NEVER} never)", "bold"),
             *table_grids(now, shades, scale=scale_of([0.0, *shades.ravel().tolist()]),

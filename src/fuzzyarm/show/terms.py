@@ -161,8 +161,8 @@ class TermPlots:
         if not names:
             return
         left = max(map(len, names))
-        known = [len(text) for text in (*words, *behind_over) if len(text) <= _LONG]
-        behind = max(known, default=0)
+        lengths = [len(text) for text in (*words, *behind_over) if len(text) <= _LONG]
+        behind = max(lengths, default=0)
         room -= left + 5 + behind + (7 if self.at is not None else 0)
         width = max(15, min(_WIDEST, room))
         width -= 1 - width % 2  # an odd number has a middle

@@ -164,10 +164,10 @@ def compare(
         find_controllers([controller for controller in controllers if isinstance(controller, str)])
     )
     for controller in controllers:
-        made = controller if isinstance(controller, Controller) else next(named)
+        controller_ = controller if isinstance(controller, Controller) else next(named)
         runs = [
             watched_run(
-                made,
+                controller_,
                 way,
                 conventions,
                 options or Options(),
@@ -178,7 +178,7 @@ def compare(
             for way in ways
         ]
         yield Compared(
-            made.name,
+            controller_.name,
             tuple(unit for run in runs for unit in run.units),
             tuple(error for run in runs for error in run.rms),
             tuple(error for run in runs for error in run.rms_periods),

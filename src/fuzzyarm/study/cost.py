@@ -232,10 +232,10 @@ def _torque_of_law(
 ) -> Sequence[float]:
     if isinstance(law, TextLaw):
         return _torque_of_text(law, arrays, reference, state, clock)
-    wanted = Reference(*(_pair(each) for each in reference))
-    now = State(*(_pair(each) for each in state))
+    reference_ = Reference(*(_pair(axis_values) for axis_values in reference))
+    now = State(*(_pair(axis_values) for axis_values in state))
     pose: Any = _CountedPose(state.position)
-    torque: Sequence[float] = law.kernel(Moment(wanted, now, pose, clock), *arrays)
+    torque: Sequence[float] = law.kernel(Moment(reference_, now, pose, clock), *arrays)
     return torque
 
 
@@ -261,7 +261,7 @@ def _torque_of_text(
 
 def _functions_of_partners(law: TextLaw) -> int:
     """Return how many sines and cosines the partners of a text ask the arm for."""
-    found = 0
+    functions = 0
     for partner in law.text.model.partners:
         controller = law.find_law(partner.law)
         block = controller.block(Arithmetic())
@@ -270,9 +270,9 @@ def _functions_of_partners(law: TextLaw) -> int:
         now = Moment(Reference((0.1, 0.2), (0.0, 0.0), (0.0, 0.0)), still, pose, CLOCK_AT_REST)
         before = _tally.functions
         controller.law.kernel(now, list(block.numbers), list(block.memory), block.links)
-        found += _tally.functions - before
+        functions += _tally.functions - before
         _tally.functions = before
-    return found
+    return functions
 
 
 def timed_motion(
@@ -335,4 +335,4 @@ def measure_time(
 
     once(controller), once(nothing)  # compiled, loaded, warm
     pairs = [(once(controller), once(nothing)) for _ in range(rounds)]
-    return min(own for own, _ in pairs) - min(idle for _, idle in pairs)
+    return min(busy for busy, _ in pairs) - min(idle for _, idle in pairs)

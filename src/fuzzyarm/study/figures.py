@@ -207,10 +207,10 @@ def draw_overview(results: Sequence[Reproduced], beyond: Sequence[Beyond] = ()) 
     for column, (panel, place) in enumerate(zip(panels, RMS_PLACES, strict=True)):
         for height, result in enumerate(chosen):
             _mark(panel, -height, result, place)
-        for line, own in enumerate(beyond, len(chosen)):
+        for line, comparison in enumerate(beyond, len(chosen)):
             panel.axhline(-line, color="0.94", linewidth=0.7, zorder=0)
-            panel.plot(own.figures[place], -line, "D", color=OWN_COLOUR, markersize=5.5)
-            panel.plot(own.rms_path[column], -line, "D", color=OWN_COLOUR, **_FROM_PATH)
+            panel.plot(comparison.figures[place], -line, "D", color=OWN_COLOUR, markersize=5.5)
+            panel.plot(comparison.rms_path[column], -line, "D", color=OWN_COLOUR, **_FROM_PATH)
         panel.set_xscale("log")
         panel.xaxis.set_major_formatter("{x:g}")
         panel.set_title(HEADINGS[column].format(first=first, second=second), fontsize=10)
@@ -221,7 +221,7 @@ def draw_overview(results: Sequence[Reproduced], beyond: Sequence[Beyond] = ()) 
         panel.tick_params(axis="y", length=0)
     names = [result.published.row for result in chosen]
     colours = [FAMILIES[chapter_of(result.published)][1] for result in chosen]
-    names += [own.name for own in beyond]
+    names += [comparison.name for comparison in beyond]
     colours += [OWN_COLOUR] * len(beyond)
     panels[0].set_yticks([-height for height in range(len(names))])
     panels[0].set_yticklabels(names, fontsize=9)
@@ -240,15 +240,15 @@ def _mark(panel: Axes, height: float, result: Reproduced, place: int) -> None:
         ends = [ensemble.lowest[place], ensemble.highest[place]]
         panel.plot(ends, [height, height], color=colour, alpha=0.35, linewidth=5.0, zorder=1)
     panel.plot(result.figures[place], height, "o", color=colour, markersize=4.0, zorder=3)
-    wanted = result.published.figures[place]
-    panel.plot(wanted, height, "o", color="black", markersize=8.5, fillstyle="none", zorder=2)
+    published = result.published.figures[place]
+    panel.plot(published, height, "o", color="black", markersize=8.5, fillstyle="none", zorder=2)
 
 
 def _key(figure: Figure, chosen: Sequence[Reproduced], beyond: Sequence[Beyond]) -> None:
     from matplotlib.lines import Line2D
 
     ring: dict[str, Any] = {"marker": "o", "linestyle": "none"}
-    found = {chapter_of(result.published) for result in chosen}
+    chapters = {chapter_of(result.published) for result in chosen}
     entries = [
         Line2D([], [], color="black", fillstyle="none", markersize=8.5, label="published", **ring),
         Line2D([], [], color="0.3", markersize=4.0, label="reproduced", **ring),
@@ -257,17 +257,17 @@ def _key(figure: Figure, chosen: Sequence[Reproduced], beyond: Sequence[Beyond])
         label = "spread when the last bit is disturbed"
         entries.append(Line2D([], [], color="0.3", alpha=0.35, linewidth=5.0, label=label))
     for chapter, (name, colour) in FAMILIES.items():
-        if chapter in found:
+        if chapter in chapters:
             entries.append(Line2D([], [], color=colour, markersize=4.0, label=name, **ring))
     if beyond:
-        own: dict[str, Any] = {
+        style: dict[str, Any] = {
             "marker": "D",
             "color": OWN_COLOUR,
             "markersize": 5.5,
             "linestyle": "none",
         }
-        entries.append(Line2D([], [], label="beyond the study", **own))
-        entries.append(Line2D([], [], label="the same from the path", **own | _FROM_PATH))
+        entries.append(Line2D([], [], label="beyond the study", **style))
+        entries.append(Line2D([], [], label="the same from the path", **style | _FROM_PATH))
     figure.legend(
         handles=entries, loc="outside lower center", ncols=len(entries), fontsize=9, frameon=False
     )
@@ -372,7 +372,7 @@ def place_labels(
     """
     # Rectangles that are taken: left, bottom, right, top. The marks first, then labels in turn.
     taken = [(x - 4.0, y - 4.0, x + 4.0, y + 4.0) for x, y in spots]
-    found = []
+    positions = []
     for (x, y), label in zip(spots, labels, strict=True):
         width, height = _width(label), 1.15 * LETTERS
         sides = [
@@ -395,8 +395,8 @@ def place_labels(
         best = min(sides, key=covered)
         left, bottom = x + best[0], y + best[1] - 0.5 * height
         taken.append((left, bottom, left + width, bottom + height))
-        found.append(best)
-    return found
+        positions.append(best)
+    return positions
 
 
 def _width(label: str) -> float:
@@ -410,14 +410,14 @@ def _colour_of(chapter: str) -> str:
 def _key_of_families(figure: Figure, names: Sequence[str]) -> None:
     from matplotlib.lines import Line2D
 
-    found = {chapter_of_controller(name) for name in names}
+    chapters = {chapter_of_controller(name) for name in names}
     marks: dict[str, Any] = {"linestyle": "none", "markersize": 5.0}
     entries = [
         Line2D([], [], marker=MARKS[chapter], color=colour, label=name, **marks)
         for chapter, (name, colour) in FAMILIES.items()
-        if chapter in found
+        if chapter in chapters
     ]
-    if "" in found:
+    if "" in chapters:
         entries.append(
             Line2D([], [], marker=MARKS[""], color=OWN_COLOUR, label="beyond the study", **marks)
         )

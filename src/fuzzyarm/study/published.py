@@ -49,7 +49,7 @@ class UnknownRowError(FuzzyarmError, LookupError):
 
     def __init__(self, name: str, near: list[str]) -> None:
         hint = (
-            "did you mean " + " or ".join(f"'{each}'" for each in near) + "?"
+            "did you mean " + " or ".join(f"'{name_}'" for name_ in near) + "?"
             if near
             else "fuzzyarm reproduce --list names all"
         )
@@ -164,16 +164,16 @@ def find_rows(names: list[str]) -> list[PublishedRow]:
     rows = published_rows()
     if not names:
         return list(rows)
-    wanted = set()
+    identifiers = set()
     for name in names:
         hits = {row.identifier for row in rows if name.lower() in _names(row)}
         if not hits:
             import difflib
 
-            known = dict.fromkeys(each for row in rows for each in sorted(_names(row)))
+            known = dict.fromkeys(alias for row in rows for alias in sorted(_names(row)))
             raise UnknownRowError(name, difflib.get_close_matches(name.lower(), known, n=3))
-        wanted |= hits
-    return [row for row in rows if row.identifier in wanted]
+        identifiers |= hits
+    return [row for row in rows if row.identifier in identifiers]
 
 
 def _names(row: PublishedRow) -> set[str]:

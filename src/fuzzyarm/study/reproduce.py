@@ -241,12 +241,12 @@ def judge(row: PublishedRow, figures: Eight, ensemble: Ensemble | None = None) -
     ensemble : Ensemble, optional
         Decides about the rows :data:`BY_EXTREMES`.
     """
-    wanted = row.corrected
-    apart = [abs(figures[i] / wanted[i] - 1.0) for i in RMS_PLACES]
+    published = row.corrected
+    apart = [abs(figures[i] / published[i] - 1.0) for i in RMS_PLACES]
     worst, mean = max(apart), sum(apart) / 4
     note = _NOTES.get(row.identifier, _NOTES.get(row.controller, ""))
     if ensemble is not None and row.controller in BY_EXTREMES:
-        return Judgement(ensemble.rms_inside(wanted), worst, mean, None, (), note)
+        return Judgement(ensemble.rms_inside(published), worst, mean, None, (), note)
     bound = _BOUNDS.get(row.identifier, _BOUNDS.get(row.controller, _DEFAULT))
     faults = []
     if worst > bound.rms or (bound.mean_rms is not None and mean > bound.mean_rms):
@@ -254,8 +254,8 @@ def judge(row: PublishedRow, figures: Eight, ensemble: Ensemble | None = None) -
     for i in (1, 3, 5, 7):
         if row.trajectories[i // 4] == MAXIMUM_ON or not bound.final:
             continue
-        difference = abs(figures[i] - wanted[i])
-        allowed = max(FINAL_ABSOLUTE, FINAL_RELATIVE * abs(wanted[i]))
+        difference = abs(figures[i] - published[i])
+        allowed = max(FINAL_ABSOLUTE, FINAL_RELATIVE * abs(published[i]))
         if difference > allowed:
             faults.append(f"a final error is {difference:.4f}° off")
     return Judgement(not faults, worst, mean, bound, tuple(faults), note)
@@ -345,8 +345,8 @@ def variants(row: PublishedRow) -> tuple[Variant, ...]:
 def row_controller(row: PublishedRow, variant: str = "as-printed") -> Controller:
     """Make the controller of a row, with the model that it had."""
     start = cast(Start, row.start or "warm")
-    made = controller(row.controller, start=start, variant=cast(Variant, variant))
-    return made if row.model_mass is None else _with_mass(made, row.model_mass)
+    controller_ = controller(row.controller, start=start, variant=cast(Variant, variant))
+    return controller_ if row.model_mass is None else _with_mass(controller_, row.model_mass)
 
 
 def _with_mass(made: Controller, mass: float) -> Controller:

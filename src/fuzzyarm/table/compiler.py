@@ -165,18 +165,18 @@ def over_inputs(table: LookupTable, inputs: Sequence[Input]) -> LookupTable:
     LookupTable
         `table` itself where it has them all.
     """
-    known = {axis.name: axis for axis in table.axes}
-    if len(known) == len(inputs):
+    axes_by_name = {axis.name: axis for axis in table.axes}
+    if len(axes_by_name) == len(inputs):
         return table
     axes = [
-        known.get(variable.name)
+        axes_by_name.get(variable.name)
         or Axis(variable.name, even_levels(variable, 2), low=variable.low, high=variable.high)
         for variable in inputs
     ]
-    own = [len(axis.levels) if axis.name in known else 1 for axis in axes]
-    order = [table.names.index(axis.name) for axis in axes if axis.name in known]
+    shape = [len(axis.levels) if axis.name in axes_by_name else 1 for axis in axes]
+    order = [table.names.index(axis.name) for axis in axes if axis.name in axes_by_name]
     whole = [len(axis.levels) for axis in axes]
-    spread = np.broadcast_to(table.values.transpose(order).reshape(own), whole)
+    spread = np.broadcast_to(table.values.transpose(order).reshape(shape), whole)
     values = np.ascontiguousarray(spread)
     values.setflags(write=False)
     return replace(table, axes=tuple(axes), values=values)
@@ -193,14 +193,14 @@ def choose_axes(
     """
     if not rulebase.inputs:
         raise TableError(f"'{rulebase.name}' has no inputs")
-    asked: Mapping[str, Levels]
+    levels_by_name: Mapping[str, Levels]
     if isinstance(levels, Mapping):
-        asked = levels
+        levels_by_name = levels
     else:
-        asked = {} if levels is None else {v.name: levels for v in rulebase.inputs}
+        levels_by_name = {} if levels is None else {v.name: levels for v in rulebase.inputs}
     names = [variable.name for variable in rulebase.inputs]
     listed = ", ".join(names)
-    for name in asked:
+    for name in levels_by_name:
         if name not in names:
             hint, _ = near_hint(name, names)
             raise TableError(
@@ -208,7 +208,9 @@ def choose_axes(
                 hint=hint or f"it has {listed}",
             )
     inputs = rulebase.inputs if output is None else needed_inputs(rulebase, output)
-    return tuple(_axis(rulebase, variable, asked.get(variable.name)) for variable in inputs)
+    return tuple(
+        _axis(rulebase, variable, levels_by_name.get(variable.name)) for variable in inputs
+    )
 
 
 def _axis(rulebase: RuleBase, variable: Input, levels: Levels | None) -> Axis:
@@ -322,16 +324,16 @@ def _describe(
     """Return the provenance of a compiled table."""
     from fuzzyarm.language import write
 
-    asked = {axis.variable for axis in rulebase.lookup.axes} if rulebase.lookup else set()
-    default = levels is None and not asked.issuperset(axis.name for axis in axes)
-    given = "at the levels of the file" if levels is None else "at the levels asked for"
+    axes_of_file = {axis.variable for axis in rulebase.lookup.axes} if rulebase.lookup else set()
+    default = levels is None and not axes_of_file.issuperset(axis.name for axis in axes)
+    words = "at the levels of the file" if levels is None else "at the levels asked for"
     provenance = {"made": "compiled", "rulebase": rulebase.name}
     if source is not None:
         provenance["source"] = Path(source).name
     provenance["sha256"] = hashlib.sha256(write(rulebase).encode()).hexdigest()
     provenance["engine"] = f"fuzzyarm {__version__}"
     provenance["defuzzifier"] = str(output.defuzzifier)
-    provenance["sampled"] = f"at {DEFAULT_LEVELS} even levels by default" if default else given
+    provenance["sampled"] = f"at {DEFAULT_LEVELS} even levels by default" if default else words
     if date is not None:
         provenance["date"] = date
     return provenance

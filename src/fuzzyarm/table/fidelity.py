@@ -420,9 +420,9 @@ class _Probes:
             lines[:, :, axis] = marks[:, None]
             y = self._infer(np.moveaxis(lines, 2, 0))
             steepest = np.abs(np.diff(y, axis=0)).argmax(axis=0)
-            own = np.arange(self.lines)
-            a, b = lines[steepest, own].copy(), lines[steepest + 1, own].copy()
-            fa, fb = y[steepest, own], y[steepest + 1, own]
+            columns = np.arange(self.lines)
+            a, b = lines[steepest, columns].copy(), lines[steepest + 1, columns].copy()
+            fa, fb = y[steepest, columns], y[steepest + 1, columns]
             for _ in range(_HALVINGS):
                 middle = 0.5 * (a + b)
                 f_middle = self._infer(middle.T)
@@ -485,8 +485,8 @@ class CompileReport:
     few_points: bool = False
 
     def __repr__(self) -> str:
-        known = "; ".join(f"{fidelity.mode}: {fidelity}" for fidelity in self.fidelities)
-        return one_line(self, f"{self.table!r}: {known}")
+        words = "; ".join(f"{fidelity.mode}: {fidelity}" for fidelity in self.fidelities)
+        return one_line(self, f"{self.table!r}: {words}")
 
 
 class ReportKeywords(TypedDict, total=False):
@@ -569,12 +569,14 @@ def compile_with_report(
         provenance["sampled"] = f"at the fewest even levels within {tolerance:g} (linear)"
     for fidelity in fidelities:
         provenance[f"error-{fidelity.mode}"] = str(fidelity)
-    asked = {axis.variable for axis in rulebase.lookup.axes} if rulebase.lookup else set()
-    given = set(levels) if isinstance(levels, Mapping) else set(table.names if levels else ())
+    axes_of_file = {axis.variable for axis in rulebase.lookup.axes} if rulebase.lookup else set()
+    axes_by_levels = (
+        set(levels) if isinstance(levels, Mapping) else set(table.names if levels else ())
+    )
     return CompileReport(
         table.with_values(table.values, provenance),
         fidelities,
-        default_levels=bool(set(table.names) - asked - given),
+        default_levels=bool(set(table.names) - axes_of_file - axes_by_levels),
         tolerance=tolerance,
         few_points=_even_points(part_for(rulebase, [table.output])) < _DENSE_POINTS,
     )

@@ -231,8 +231,8 @@ def _page(cells: list[str], levels: list[set[float]]) -> tuple[float, ...] | Non
         page = tuple(map(float, cells))
     except ValueError:
         return None
-    known = len(page) == len(levels) and all(map(set.__contains__, levels, page))
-    return page if known else None
+    is_complete = len(page) == len(levels) and all(map(set.__contains__, levels, page))
+    return page if is_complete else None
 
 
 def _at_start(token: Token) -> Token:

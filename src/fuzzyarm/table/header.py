@@ -181,13 +181,13 @@ def _read_index(header: Header, cursor: Cursor, span: Span) -> None:
         names.append(cursor.name(f"the input that is the {word}"))
         if not cursor.accept(","):
             break
-    wanted = index_words(len(names))
-    if words != wanted:
+    expected = index_words(len(names))
+    if words != expected:
         raise _fault(
             "wrong-index-order",
             "the index order is any pages, then the row, then the column",
             cursor.whole,
-            hint=f"with {len(names)} inputs: {', '.join(f'{word} NAME' for word in wanted)}",
+            hint=f"with {len(names)} inputs: {', '.join(f'{word} NAME' for word in expected)}",
         )
     for name in names:
         header.once(f"input '{name}' in the index order", name.span)
@@ -407,11 +407,11 @@ def resolve(header: Header, diagnostics: list[Diagnostic]) -> TableHeader | None
         return None
     _check_names(header, diagnostics)
     axes = [_axis(header, str(name), diagnostics) for name in header.index]
-    known = tuple(axis for axis in axes if axis is not None)
-    if output is None or len(known) < len(axes):
+    axes_known = tuple(axis for axis in axes if axis is not None)
+    if output is None or len(axes_known) < len(axes):
         return None
     return TableHeader(
-        known,
+        axes_known,
         str(output.name),
         low=output.low,
         high=output.high,
@@ -449,9 +449,11 @@ def _axis(header: Header, name: str, diagnostics: list[Diagnostic]) -> Axis | No
             )
         )
         return None
-    count, wanted = len(levels.values), len(levels.values) - 1
-    if bins is not None and len(bins.values) != wanted:
-        message = f"'{name}' has {count} levels and so needs {wanted} bins, not {len(bins.values)}"
+    count, wanted_count = len(levels.values), len(levels.values) - 1
+    if bins is not None and len(bins.values) != wanted_count:
+        message = (
+            f"'{name}' has {count} levels and so needs {wanted_count} bins, not {len(bins.values)}"
+        )
         diagnostics.append(Diagnostic("wrong-bin-count", message, bins.span))
         return None
     line = header.inputs.get(name)

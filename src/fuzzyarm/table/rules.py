@@ -89,10 +89,10 @@ def rules_of_table(table: LookupTable, name: str = "", *, terms: int = TERMS) ->
         tuple(
             Rule(
                 _conjunction(inputs, chosen),
-                (Consequent(output.name, _nearest(values, wanted)),),
+                (Consequent(output.name, _nearest(values, target)),),
                 in_grid=True,
             )
-            for chosen, wanted in zip(
+            for chosen, target in zip(
                 product(*(variable.terms for variable in inputs)),
                 table.values.ravel().tolist(),
                 strict=True,
@@ -162,7 +162,7 @@ def _names(peaks: tuple[float, ...]) -> tuple[str, ...]:
 
 def _own_values(output: Output) -> list[tuple[str, float]]:
     """Return the value of each term when it alone is concluded, fully."""
-    found = []
+    values = []
     for term in output.terms:
         left, peak, right = term.shape.parameters
         # The centroid of the part of the triangle that lies within the range.
@@ -172,8 +172,8 @@ def _own_values(output: Output) -> list[tuple[str, float]]:
             value = peak - (peak - left) / 3.0
         else:
             value = peak
-        found.append((term.name, value))
-    return found
+        values.append((term.name, value))
+    return values
 
 
 def _nearest(values: list[tuple[str, float]], wanted: float) -> str:

@@ -71,8 +71,8 @@ class LookupTable(TableHeader):
         ends = (self.low, self.high)
         reached = (float(self.values.min()), float(self.values.max()))
         low, high = (
-            own if end is None or not math.isfinite(end) else end
-            for end, own in zip(ends, reached, strict=True)
+            limit if end is None or not math.isfinite(end) else end
+            for end, limit in zip(ends, reached, strict=True)
         )
         return low, high
 
@@ -111,10 +111,10 @@ class LookupTable(TableHeader):
             return self._at_point(inputs, chosen)  # type: ignore[arg-type]
         from fuzzyarm.inference.labelled import gathered
 
-        given, labels = gathered(None, dict(zip(self.names, inputs, strict=True)), ())
+        values_by_name, labels = gathered(None, dict(zip(self.names, inputs, strict=True)), ())
         if labels is not None:
-            found = self.lookup(*given.values(), mode=chosen)
-            return labels.on({self.output: found})[self.output]
+            values = self.lookup(*values_by_name.values(), mode=chosen)
+            return labels.on({self.output: values})[self.output]
         arrays = [np.asarray(x, dtype=np.float64) for x in inputs]
         if all(array.ndim == 0 for array in arrays):
             return self._at_point(tuple(array.item() for array in arrays), chosen)
@@ -168,15 +168,15 @@ class LookupTable(TableHeader):
             raise TableError(
                 f"the table has {len(names)} inputs ({', '.join(names)}), not {len(inputs)}"
             )
-        given: dict[str, ArrayLike] = dict(zip(names, inputs, strict=False))
+        values_by_name: dict[str, ArrayLike] = dict(zip(names, inputs, strict=False))
         for name, value in named.items():
             if name not in names:
                 hint = near_hint(name, names)[0] or f"it has {', '.join(names)}"
                 raise TableError(f"the table has no input '{name}'", hint=hint)
-            if name in given:
+            if name in values_by_name:
                 raise TableError(f"input '{name}' is given twice")
-            given[name] = value
-        missing = [name for name in names if name not in given]
+            values_by_name[name] = value
+        missing = [name for name in names if name not in values_by_name]
         if missing:
             raise TableError(f"no value for input '{missing[0]}' of the table")
-        return tuple(given[name] for name in names)
+        return tuple(values_by_name[name] for name in names)

@@ -208,21 +208,21 @@ def _report_missing_pages(
 def _page_index(head: TableHeader, grid: Grid, diagnostics: list[Diagnostic]) -> int | None:
     """Return which of the pages the ``when`` of a grid means."""
     pages = {axis.name: axis for axis in head.axes[:-2]}
-    given: dict[str, int] = {}
+    indices: dict[str, int] = {}
     cursor = Cursor(grid.tokens)
     cursor.take()
     try:
         if cursor.accept("when"):
             while True:
                 name, index = _page_level(cursor, pages)
-                given[name] = index
+                indices[name] = index
                 if not cursor.accept(","):
                     break
         cursor.finish()
     except Fault as fault:
         diagnostics.append(fault.diagnostic)
         return None
-    missing = [name for name in pages if name not in given]
+    missing = [name for name in pages if name not in indices]
     if missing:
         diagnostics.append(
             Diagnostic(
@@ -235,7 +235,7 @@ def _page_index(head: TableHeader, grid: Grid, diagnostics: list[Diagnostic]) ->
         return None
     index = 0
     for name, axis in pages.items():
-        index = index * len(axis.levels) + given[name]
+        index = index * len(axis.levels) + indices[name]
     return index
 
 
@@ -293,9 +293,11 @@ class _Block:
     def _read_head(self, number: int, line: str) -> bool:
         """Check the line with the names and the column levels."""
         names, rest = _names_and_rest(number, line)
-        wanted = [self.column.name] if self.row is None else [self.row.name, self.column.name]
-        if names is None or [token.text for token in names] != wanted:
-            self._report_corner(names, wanted, number, line)
+        names_expected = (
+            [self.column.name] if self.row is None else [self.row.name, self.column.name]
+        )
+        if names is None or [token.text for token in names] != names_expected:
+            self._report_corner(names, names_expected, number, line)
             return False
         cells = _cells(number, line, rest)
         return self._check_levels(cells, self.column, number, line)
@@ -310,9 +312,9 @@ class _Block:
             self._report("missing-corner", message, span)
             return
         span = names[0].span.to(names[-1].span)
-        found = [token.text for token in names]
-        read = " \\ ".join(found)
-        if found == wanted[::-1]:
+        names_there = [token.text for token in names]
+        read = " \\ ".join(names_there)
+        if names_there == wanted[::-1]:
             self._report(
                 "transposed-labels",
                 f"the corner '{read}' contradicts the index order "
@@ -371,15 +373,15 @@ class _Block:
         return next(iter(numbers_or_none), None), []
 
     def _check_count(self, cells: list[Cell], number: int, line: str) -> None:
-        count, wanted = max(0, len(cells) - 1), len(self.column.levels)
-        if count == wanted:
+        count, count_expected = max(0, len(cells) - 1), len(self.column.levels)
+        if count == count_expected:
             return
-        extra = cells[wanted + 1 :]
+        extra = cells[count_expected + 1 :]
         span = extra[0].span.to(extra[-1].span) if extra else _line_end(number, line)
         self._report(
             "wrong-cell-count",
             f"the row has {_counted(count, 'cell')}, '{self.column.name}' has "
-            f"{_counted(wanted, 'level')}",
+            f"{_counted(count_expected, 'level')}",
             span,
         )
 

@@ -37,8 +37,8 @@ def confined(*folders: str | Path) -> Iterator[None]:
 
 def demand_allowed(path: str | Path) -> None:
     """Raise `OutsideFolderError` where a file, or what a link leads to, may not be used."""
-    found = Path(path).resolve()
-    if _roots and not any(found.is_relative_to(root) for root in _roots):
+    resolved = Path(path).resolve()
+    if _roots and not any(resolved.is_relative_to(root) for root in _roots):
         raise OutsideFolderError("it is outside the folder that is open")
 
 

@@ -26,7 +26,7 @@ def jsonable(data: Any) -> Any:
     if isinstance(data, float):
         return float(data) if math.isfinite(data) else None
     if isinstance(data, Mapping):
-        return {key: jsonable(each) for key, each in data.items()}
+        return {key: jsonable(item) for key, item in data.items()}
     if hasattr(data, "tolist"):
         return jsonable(data.tolist())
-    return [jsonable(each) for each in data]
+    return [jsonable(item) for item in data]

@@ -113,11 +113,11 @@ class OfKind:
 
         def __getattr__(self, name: str) -> object:
             kind = type(self).kind_of_value
-            wanted = HAS.get(name)
-            if wanted in (None, kind) and name != "sheets":
+            kind_with_it = HAS.get(name)
+            if kind_with_it in (None, kind) and name != "sheets":
                 raise AttributeError(
                     f"'{type(self).__name__}' object has no attribute '{name}'",
                     name=name,
                     obj=self,
                 )
-            raise wrong_kind(self, wanted)
+            raise wrong_kind(self, kind_with_it)

@@ -34,8 +34,8 @@ def _closest(word: str, options: tuple[str, ...]) -> str | None:
     import difflib
 
     cutoff = 0.5 if len(word) <= 3 else 0.6
-    found = difflib.get_close_matches(word, options, n=1, cutoff=cutoff)
-    return found[0] if found else None
+    matches = difflib.get_close_matches(word, options, n=1, cutoff=cutoff)
+    return matches[0] if matches else None
 
 
 def near_hint(word: str, choices: Iterable[str]) -> tuple[str, str | None]:
@@ -43,9 +43,9 @@ def near_hint(word: str, choices: Iterable[str]) -> tuple[str, str | None]:
 
     Choices that know what other programs call them (`foreign`) are found by those names first.
     """
-    known = getattr(choices, "foreign", {}).get(word.casefold())
-    if known is not None:
-        ours, order = known
+    spelling = getattr(choices, "foreign", {}).get(word.casefold())
+    if spelling is not None:
+        ours, order = spelling
         if order:  # to put the one word for the other would change what the numbers mean
             return f"'{word}' of other programs is '{ours}' here: {ours} {order}", None
         return f"'{word}' of other programs is '{ours}' here", ours

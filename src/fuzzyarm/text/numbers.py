@@ -88,5 +88,5 @@ def outward_text(value: float, *, up: bool, digits: int = 7) -> str:
 
     exact = Decimal(repr(value))
     step = Decimal(1).scaleb(exact.adjusted() - digits + 1)
-    found = exact.quantize(step, ROUND_CEILING if up else ROUND_FLOOR)
-    return f"{found.normalize():f}"
+    rounded = exact.quantize(step, ROUND_CEILING if up else ROUND_FLOOR)
+    return f"{rounded.normalize():f}"

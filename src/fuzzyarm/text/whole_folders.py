@@ -82,22 +82,22 @@ def write_folder(folder: str | Path, files: Mapping[str, str]) -> None:
     demand_allowed(target)
     demand_own(target)
     with tempfile.TemporaryDirectory(dir=target.parent, prefix=".fuzzyarm-") as room:
-        made = Path(room) / "new"
+        new_folder = Path(room) / "new"
         if target.is_dir():
-            shutil.copytree(target, made, symlinks=True)
-            for name in _hashes(made) or {}:
-                (made / name).unlink(missing_ok=True)
+            shutil.copytree(target, new_folder, symlinks=True)
+            for name in _hashes(new_folder) or {}:
+                (new_folder / name).unlink(missing_ok=True)
         hashes = {}
         for name, text in files.items():
-            path = made / name
+            path = new_folder / name
             path.parent.mkdir(parents=True, exist_ok=True)
             data = text.encode()
             path.write_bytes(data)
             hashes[name] = hashlib.sha256(data).hexdigest()
-        (made / LIST).write_text(json.dumps(hashes, indent=1) + "\n", "utf-8")
+        (new_folder / LIST).write_text(json.dumps(hashes, indent=1) + "\n", "utf-8")
         if target.is_dir():
             os.replace(target, Path(room) / "old")
-        os.replace(made, target)
+        os.replace(new_folder, target)
 
 
 def _hashes(folder: Path) -> dict[str, str] | None:

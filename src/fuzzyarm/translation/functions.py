@@ -89,10 +89,10 @@ class Translation:
         bound = _used_by(function, dict(bindings))
         key = (function, tuple(types), bound)
         if key not in self._functions:
-            made = self.new_function(function, types, bound)
-            self._functions[key] = made
-            made.translate()
-            self._finished.append(made)
+            translation = self.new_function(function, types, bound)
+            self._functions[key] = translation
+            translation.translate()
+            self._finished.append(translation)
         return self._functions[key]
 
     def new_function(
@@ -301,8 +301,8 @@ class _Function:
         # the name keeps the number of the last turn.
         index = self.temporary()
         head = self.target.counted.format(index=index, start=start, end=end, sign=sign, step=step)
-        kept = self.stored(target, Value(index, WHOLE))
-        return [head, *(f"  {line}" for line in kept), *self.block(node.body), "}"]
+        lines = self.stored(target, Value(index, WHOLE))
+        return [head, *(f"  {line}" for line in lines), *self.block(node.body), "}"]
 
     _STATEMENTS: ClassVar[dict[type, Callable[..., list[str]]]] = {
         ast.Expr: plain,
@@ -497,11 +497,11 @@ class _Function:
             return self.record(arguments, function._fields)  # type: ignore[attr-defined]
         if is_kernel(function):
             types = [argument.type for argument in arguments]
-            made = self.whole.function(function, types, self.bindings)
-            kinds = [made.types[name] for name in made.parameters]
+            callee = self.whole.function(function, types, self.bindings)
+            kinds = [callee.types[name] for name in callee.parameters]
             texts = [self.as_type(*pair) for pair in zip(arguments, kinds, strict=True)]
-            memory = self.handed_over(made, arguments)
-            return Value(f"{made.name}({', '.join(texts)})", made.returned, memory)
+            memory = self.handed_over(callee, arguments)
+            return Value(f"{callee.name}({', '.join(texts)})", callee.returned, memory)
         if function is len:
             return self.length(arguments[0])
         return self.spelled(node, function, arguments)
@@ -513,8 +513,8 @@ class _Function:
         }
         for name in made.writes:
             self.writes |= memory[name]
-        for asked in made.asks:
-            self.asks.add(tuple((type_, _together_in(memory, names)) for type_, names in asked))
+        for request in made.asks:
+            self.asks.add(tuple((type_, _together_in(memory, names)) for type_, names in request))
         returns_arrays = isinstance(made.returned, Array | Record)
         return _together_in(memory, memory) if returns_arrays else frozenset()
 
@@ -588,7 +588,7 @@ def _used_by(
     """Return the bindings that a function knows, or one that it calls: others change nothing."""
     if not bindings or not is_kernel(function):
         return ()
-    names = {name for each in reached(function, bindings) for name in each.__code__.co_names}
+    names = {name for used in reached(function, bindings) for name in used.__code__.co_names}
     return tuple((name, bindings[name]) for name in sorted(names & bindings.keys()))
 
 

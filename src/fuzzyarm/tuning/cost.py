@@ -108,7 +108,7 @@ def values_of(run: Run) -> dict[str, float]:
     A step that is not reached or has not settled counts with the whole time of the run; what only
     a step has is left out where the reference is none.
     """
-    found: dict[str, list[float]] = {}
+    numbers_by_name: dict[str, list[float]] = {}
     named: dict[str, float] = {}
     span = float(run.time[-1] - run.time[0]) + run.period if run.samples else math.nan
     for label, metrics in run.metrics.items():
@@ -118,9 +118,9 @@ def values_of(run: Run) -> dict[str, float]:
             number = span if value is None else float(value)
             # A largest or a last error counts by its magnitude, whatever its sign.
             number = abs(number) if name in ("max", "final") else number
-            found.setdefault(name, []).append(number)
+            numbers_by_name.setdefault(name, []).append(number)
             named[f"{label}.{name}"] = number
-    return {name: float(np.mean(numbers)) for name, numbers in found.items()} | named
+    return {name: float(np.mean(numbers)) for name, numbers in numbers_by_name.items()} | named
 
 
 BRIEF = ("rms", "chatter")
@@ -147,9 +147,9 @@ def lost(diverged: float | None, duration: float) -> float:
 
 def errors_of(rulebase: RuleBase, samples: Samples) -> dict[str, float]:
     """Return the errors of a rule base on samples, by name; infinite where no rule fires."""
-    given = dict(zip(samples.names, samples.inputs.T, strict=True))
+    inputs = dict(zip(samples.names, samples.inputs.T, strict=True))
     try:
-        values = infer_arrays(rulebase, given)[samples.target]
+        values = infer_arrays(rulebase, inputs)[samples.target]
     except InferenceError:
         return dict.fromkeys(ERRORS, math.inf)
     return errors_between(np.broadcast_to(values, samples.values.shape), samples.values)

@@ -62,9 +62,9 @@ class Parameter:
     def value(self, share: float) -> float:
         """Return the number at a share of its range; exact at both ends and at the start."""
         inside = self.low <= self.start <= self.high
-        known = {**({self.share: self.start} if inside else {}), 0.0: self.low, 1.0: self.high}
-        if share in known:
-            return known[share]
+        ends = {**({self.share: self.start} if inside else {}), 0.0: self.low, 1.0: self.high}
+        if share in ends:
+            return ends[share]
         first, last = self._steps(self.low), self._steps(self.high)
         return self._number(first + (last - first) * share)
 
@@ -150,8 +150,8 @@ class Design:
         self.sheets = rulebases_of(subject)
         model = subject.model if isinstance(subject, ControllerText) else None
         blocks = blocks_of(subject, tuning)
-        own = tuning is None  # ranges behind gains are part of what the file says
-        parts = [*_gains(model, blocks, own=own)] if model is not None else []
+        is_default = tuning is None  # ranges behind gains are part of what the file says
+        parts = [*_gains(model, blocks, own=is_default)] if model is not None else []
         for sheet, block in blocks.items():
             parts += _peaks(sheet, self.sheets[sheet], block) if block.peaks else []
         self._parts = tuple(parts)
@@ -175,10 +175,10 @@ class Design:
         gains: dict[str, tuple[float, ...]] = {}
         changed: dict[str, dict[str, Variable]] = {}
         for part in self._parts:
-            own, waiting = waiting[: len(part.parameters)], waiting[len(part.parameters) :]
+            shares_here, waiting = waiting[: len(part.parameters)], waiting[len(part.parameters) :]
             values = [
                 parameter.value(share)
-                for parameter, share in zip(part.parameters, own, strict=True)
+                for parameter, share in zip(part.parameters, shares_here, strict=True)
             ]
             if part.movement is not None:
                 variable = part.movement.at(values, digits)
@@ -188,7 +188,10 @@ class Design:
                     value if digits is None else parameter.rounded(value, digits)
                     for parameter, value in zip(part.parameters, values, strict=True)
                 )
-        sheets = {name: with_variables(self.sheets[name], own) for name, own in changed.items()}
+        sheets = {
+            name: with_variables(self.sheets[name], shares_here)
+            for name, shares_here in changed.items()
+        }
         return Candidate(gains, sheets)
 
     def rulebase_at(self, candidate: Candidate) -> RuleBase:
@@ -283,32 +286,34 @@ WIDE = 5.0
 
 def default_ranges(model: ControllerModel) -> dict[str, tuple[float, float]]:
     """Return ranges to begin with for the gains that have none and are above zero."""
-    found = {}
+    ranges = {}
     for gain in model.gains:
         values = [value.value(math.pi) for value in gain.values]
         if gain.tune is None and min(values) > 0.0:
             ends = min(values) / WIDE, max(values) * WIDE
-            found[gain.name] = significant(ends[0], 2), significant(ends[1], 2)
-    return found
+            ranges[gain.name] = significant(ends[0], 2), significant(ends[1], 2)
+    return ranges
 
 
 def _divided(tuning: Tuning, sheets: Mapping[str, RuleBase]) -> Iterator[tuple[str, Tuning]]:
     """Yield what lines that are given beside a file say of each rule base that they fit."""
-    names = {each: {v.name for v in (*r.inputs, *r.outputs)} for each, r in sheets.items()}
+    names = {name_: {v.name for v in (*r.inputs, *r.outputs)} for name_, r in sheets.items()}
     for name in (*(v for peaks in tuning.peaks for v in peaks.variables), *dict(tuning.kept)):
-        if not any(name in own for own in names.values()):
-            known = sorted(set().union(*names.values()))
-            hint = near_hint(name, known)[0] or f"there are {', '.join(known) or 'none'}"
+        if not any(name in names_of_sheet for names_of_sheet in names.values()):
+            names_there = sorted(set().union(*names.values()))
+            hint = (
+                near_hint(name, names_there)[0] or f"there are {', '.join(names_there) or 'none'}"
+            )
             raise TuneError(f"no rule base has a variable '{name}'", name=name, hint=hint)
     # Gains belong to the controller: they are said once.
     yield "", Tuning((), tuning.gains)
-    for sheet, own in names.items():
+    for sheet, names_of_sheet in names.items():
         peaks = tuple(
-            replace(peak, variables=tuple(v for v in peak.variables if v in own))
+            replace(peak, variables=tuple(v for v in peak.variables if v in names_of_sheet))
             for peak in tuning.peaks
         )
-        kept = tuple((v, term) for v, term in tuning.kept if v in own)
-        yield sheet, Tuning(peaks, (), kept)
+        kept_terms = tuple((v, term) for v, term in tuning.kept if v in names_of_sheet)
+        yield sheet, Tuning(peaks, (), kept_terms)
 
 
 # --- Gains ---
@@ -343,12 +348,12 @@ def gain_ranges(
     """
     tunings: dict[str, GainTuning] = {}
     for block in blocks:
-        for each in block.gains:
-            for name in each.names:
-                if name in tunings and tunings[name] != each:
+        for tuning in block.gains:
+            for name in tuning.names:
+                if name in tunings and tunings[name] != tuning:
                     message = f"it is said twice, and not alike, how the gain '{name}' moves"
                     raise TuneError(message, name=name)
-                tunings[name] = each
+                tunings[name] = tuning
     models = {gain_model.name: gain_model for gain_model in model.gains}
     for name in tunings:
         if name not in models:
@@ -390,8 +395,8 @@ def _named(name: str, values: Sequence[float]) -> Iterator[tuple[str, float]]:
 def _peaks(sheet: str, rulebase: RuleBase, tuning: Tuning) -> Iterator[_Part]:
     for peaks in tuning.peaks:
         for name in peaks.variables:
-            kept = [term for variable, term in tuning.kept if variable == name]
-            movement = Movement(rulebase.variable(name), peaks, kept)
+            kept_terms = [term for variable, term in tuning.kept if variable == name]
+            movement = Movement(rulebase.variable(name), peaks, kept_terms)
             ends = (NARROWEST, 1.0 - NARROWEST) if movement.sliding else (0.0, 1.0)
             scale: Scale = "logit" if movement.sliding else "linear"
             counts: dict[str, int] = {}

@@ -203,9 +203,9 @@ class Examiner:
     ) -> Outcome:
         error, chatter = values.get("rms", math.nan), values.get("chatter", math.nan)
         if diverged is not None:
-            kept = run if self.own is not None else None
+            run_kept = run if self.own is not None else None
             cost = lost(diverged, stand.duration)
-            return Outcome(cost, error, chatter, diverged=True, run=kept)
+            return Outcome(cost, error, chatter, diverged=True, run=run_kept)
         if isinstance(self.problem.cost, Cost):
             return Outcome(self.problem.cost.of(values), error, chatter)
         return Outcome(0.0, error, chatter, run=run)
@@ -311,8 +311,8 @@ class Panel:
         self.problem = problem
         self.examiner = Examiner(problem)
         self.design = self.examiner.design
-        known = getattr(executor, "_max_workers", None)
-        self.workers = workers or known or os.cpu_count() or 1
+        count = getattr(executor, "_max_workers", None)
+        self.workers = workers or count or os.cpu_count() or 1
         self.executor = executor
         self._own_pool: Executor | None = None
         self._question = b""
@@ -334,7 +334,7 @@ class Panel:
                 begun.append(self._begun(self.design.at(point, digits)))
             except FuzzyarmError as error:
                 begun.append(error)
-        return [_outcome_of(each) for each in begun]
+        return [_outcome_of(run) for run in begun]
 
     def score_of(self, candidate: Candidate) -> Score:
         """Examine a candidate, in threads of this process where it can; what fails is raised."""
@@ -391,11 +391,11 @@ def panel(
     problem: Problem, workers: int | None = None, executor: Executor | None = None
 ) -> Iterator[Panel]:
     """Give a :class:`Panel`, and close it."""
-    made = Panel(problem, workers, executor)
+    panel_ = Panel(problem, workers, executor)
     try:
-        yield made
+        yield panel_
     finally:
-        made.close()
+        panel_.close()
 
 
 def _outcome_of(begun: Callable[[], Score] | FuzzyarmError) -> Score:

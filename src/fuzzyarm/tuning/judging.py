@@ -148,7 +148,10 @@ def with_judgement(
         search.interrupted = True
     if job.regression:
         assert isinstance(job.problem.cost, Cost)
-        scores = {key: Score(job.problem.cost.of(each)) for key, each in job.regression.items()}
+        scores = {
+            key: Score(job.problem.cost.of(regression))
+            for key, regression in job.regression.items()
+        }
         rows.append(Row("linear regression", scores))
     return replace(
         made,
@@ -177,8 +180,11 @@ def _in_time(job: Job, plan: Plan, found: Found) -> Job:
         return replace(problem, scenarios=problem.scenarios[:fitting])
 
     return job._replace(
-        judged={name: cut(each) for name, each in sets.items()},
-        linear={name: each if name == "train" else cut(each) for name, each in job.linear.items()},
+        judged={name: cut(scenarios) for name, scenarios in sets.items()},
+        linear={
+            name: scenarios if name == "train" else cut(scenarios)
+            for name, scenarios in job.linear.items()
+        },
         names={**job.names, "unseen": job.names["unseen"][:fitting]},
     )
 
@@ -222,13 +228,13 @@ def _linear(problem: Problem, plan: Plan, means: Means) -> tuple[Found, Candidat
     with panel(problem, means.workers, means.executor) as examining:
         budget = plan.shared(judged=plan.unseen > 0, linear=True)
         search = Search(examining, None, budget, watch=means.watch_linear)
-        found = search.run(plan.method, plan.seed)
-        if found.interrupted:
+        result = search.run(plan.method, plan.seed)
+        if result.interrupted:
             raise KeyboardInterrupt
-        if found.fault:
-            raise OpponentError(found.fault)
-        candidate, _, score = rounded(examining, Promises({}), found, plan.digits)
-    return found, candidate, Row(LINEAR, {"train": score})
+        if result.fault:
+            raise OpponentError(result.fault)
+        candidate, _, score = rounded(examining, Promises({}), result, plan.digits)
+    return result, candidate, Row(LINEAR, {"train": score})
 
 
 class OpponentError(FuzzyarmError, RuntimeError):

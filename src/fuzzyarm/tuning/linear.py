@@ -248,17 +248,17 @@ class _Planes:
 
 def _scaling_gains(model: ControllerModel) -> dict[str, set[str]]:
     """Return the gains that do nothing but scale signals that only rules read, by signal."""
-    found: dict[str, set[str]] = {}
+    common_gains: dict[str, set[str]] = {}
     scaled: list[str] = []
     for part in model.axes:
         for line in part.lines:
             if isinstance(line, Signal) and len(line.names) == 1 and _only_rules_read(line, part):
                 common = set.intersection(*map(_multipliers, line.products))
-                found[line.names[0]] = found.get(line.names[0], common) & common
+                common_gains[line.names[0]] = common_gains.get(line.names[0], common) & common
                 scaled += common
     return {
         signal: {name for name in names if _mentions(model, name) == scaled.count(name)}
-        for signal, names in found.items()
+        for signal, names in common_gains.items()
     }
 
 
@@ -303,16 +303,16 @@ def nearest_plane(rulebase: RuleBase, output: str) -> tuple[list[float], float]:
     if not all(math.isfinite(end) for ends in ranges for end in ends):
         raise TuneError(f"'{rulebase.name}' has an input without end", name=rulebase.name)
     lines = [np.linspace(low, high, GRID) for low, high in ranges]
-    mesh = np.stack([each.ravel() for each in np.meshgrid(*lines, indexing="ij")], axis=1)
+    mesh = np.stack([axis.ravel() for axis in np.meshgrid(*lines, indexing="ij")], axis=1)
     names = [variable.name for variable in rulebase.inputs]
     try:
-        found = infer(rulebase, dict(zip(names, mesh.T, strict=True)), outputs=(output,))[output]
+        values = infer(rulebase, dict(zip(names, mesh.T, strict=True)), outputs=(output,))[output]
     except InferenceError as error:
         raise TuneError(f"'{rulebase.name}': {error.message}", name=rulebase.name) from None
     columns = np.hstack([mesh, np.ones((len(mesh), 1))])
-    *slopes, constant = np.linalg.lstsq(columns, np.asarray(found), rcond=None)[0].tolist()
+    *slopes, constant = np.linalg.lstsq(columns, np.asarray(values), rcond=None)[0].tolist()
     widths = [high - low for low, high in ranges]
-    height = float(np.ptp(found)) or 1.0
+    height = float(np.ptp(values)) or 1.0
     # What is left of a slope by rounding alone is none.
     slopes = [0.0 if abs(s) * w < 1e-9 * height else s for s, w in zip(slopes, widths, strict=True)]
     return slopes, 0.0 if abs(constant) < 1e-9 * height else constant

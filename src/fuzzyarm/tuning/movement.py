@@ -90,8 +90,13 @@ def moved(shape: Shape, to: Map) -> Shape:
         message = f"it is not known which numbers of a {shape.kind} are positions"
         raise TuneError(message, name=shape.kind)
     names = SHAPES[shape.kind].parameters
-    known = dict(zip(names, shape.parameters, strict=True))
-    return replace(shape, parameters=tuple(_number(shape.kind, name, known, to) for name in known))
+    numbers_by_name = dict(zip(names, shape.parameters, strict=True))
+    return replace(
+        shape,
+        parameters=tuple(
+            _number(shape.kind, name, numbers_by_name, to) for name in numbers_by_name
+        ),
+    )
 
 
 def _number(kind: str, name: str, known: Mapping[str, float], to: Map) -> float:
@@ -198,11 +203,11 @@ class Movement:
         self.width = variable.high - variable.low
         self.turn = variable.low + variable.high
         self.begun = self._mended()
-        found = cores(self.begun)
-        if found is None:
+        cores_found = cores(self.begun)
+        if cores_found is None:
             message = f"the terms of '{variable.name}' are not sets or values with a peak"
             raise TuneError(message, name=variable.name)
-        self.cores: dict[str, Core] = found
+        self.cores: dict[str, Core] = cores_found
         self.gap = peaks.gap * self.width
         self.sliding = peaks.ordered or peaks.partition
         if self.sliding:
@@ -249,8 +254,8 @@ class Movement:
 
     def _with_feet(self, variable: Variable) -> Variable:
         """Return it with each foot under the core of the neighbour."""
-        found = cores(variable) or {}
-        names = list(found)
+        cores_found = cores(variable) or {}
+        names = list(cores_found)
         terms = {term.name: term for term in variable.terms}
         for at, name in enumerate(names):
             shape = terms[name].shape
@@ -259,9 +264,9 @@ class Movement:
                 raise TuneError(message, name=variable.name, hint="triangles and trapezoids are")
             numbers = list(shape.parameters)
             if at:
-                numbers[0] = found[names[at - 1]].right
+                numbers[0] = cores_found[names[at - 1]].right
             if at + 1 < len(names):
-                numbers[-1] = found[names[at + 1]].left
+                numbers[-1] = cores_found[names[at + 1]].left
             terms[name] = replace(terms[name], shape=replace(shape, parameters=tuple(numbers)))
         return replace(variable, terms=tuple(terms.values()))
 
@@ -289,14 +294,14 @@ class Movement:
                     knots.setdefault(edge, name)
         begin = 0.5 * self.turn if self.peaks.mirrored else low
         nails = sorted(nail for nail in self.nails if nail >= begin)
-        found = []
+        stretches_ = []
         for first, last in pairwise(nails):
             inside = [Knot(knots[edge], edge) for edge in sorted(knots) if first < edge < last]
             if inside and first == low and last < high:
-                found.append(Stretch(last, first, tuple(reversed(inside))))
+                stretches_.append(Stretch(last, first, tuple(reversed(inside))))
             elif inside:
-                found.append(Stretch(first, last, tuple(inside)))
-        return found
+                stretches_.append(Stretch(first, last, tuple(inside)))
+        return stretches_
 
     def _demand_room(self) -> None:
         for part in self.stretches:
@@ -309,8 +314,8 @@ class Movement:
         pairs = {nail: nail for nail in self.nails}
         waiting = list(shares)
         for part in self.stretches:
-            own, waiting = waiting[: len(part.knots)], waiting[len(part.knots) :]
-            for knot, at in zip(part.knots, part.positions(own, self.gap), strict=True):
+            shares_here, waiting = waiting[: len(part.knots)], waiting[len(part.knots) :]
+            for knot, at in zip(part.knots, part.positions(shares_here, self.gap), strict=True):
                 pairs[knot.at] = rounded(at)
                 if self.peaks.mirrored:
                     # Rounded once: the image is exact where the middle of the range is 0.

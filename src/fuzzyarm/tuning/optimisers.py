@@ -59,11 +59,11 @@ def nelder_mead(ask: Ask, start: Vector, seed: int) -> NoReturn:
 
     generator = np.random.default_rng(seed)
     size, best = FIRST_SIMPLEX, start
-    known: list[tuple[float, Vector]] = []
+    tried: list[tuple[float, Vector]] = []
 
     def cost(point: Vector) -> float:
         (value,) = ask([point.copy()])
-        known.append((value, point.copy()))
+        tried.append((value, point.copy()))
         return value
 
     while True:
@@ -83,8 +83,8 @@ def nelder_mead(ask: Ask, start: Vector, seed: int) -> NoReturn:
             },
         )
         # The search may have left the best point behind, as a corner that was cut off.
-        value, best = min(known, key=lambda each: each[0])
-        known = [(value, best)]
+        value, best = min(tried, key=lambda each: each[0])
+        tried = [(value, best)]
         size = float(generator.uniform(0.2, 1.0)) * FIRST_SIMPLEX
 
 
@@ -117,8 +117,8 @@ def cma_es(ask: Ask, start: Vector, seed: int) -> NoReturn:
     best, least, deviation = start, np.inf, FIRST_DEVIATION
     while True:
         # The package takes the time of day for a seed of 0.
-        own = seed % SEEDS or SEEDS - 1
-        settings: dict[str, Any] = {"bounds": [0.0, 1.0], "seed": own, "verbose": -9}
+        seed_ = seed % SEEDS or SEEDS - 1
+        settings: dict[str, Any] = {"bounds": [0.0, 1.0], "seed": seed_, "verbose": -9}
         strategy = cma.CMAEvolutionStrategy(best.tolist(), deviation, settings)
         while not strategy.stop():
             points = [np.asarray(point) for point in strategy.ask()]
@@ -155,7 +155,7 @@ def differential_evolution(ask: Ask, start: Vector, seed: int) -> NoReturn:
         def costs(columns: Vector) -> Vector:
             return np.array(ask([np.array(column) for column in np.atleast_2d(columns.T)]))
 
-        found = evolve(
+        result = evolve(
             costs,
             [(0.0, 1.0)] * len(start),
             init=people,
@@ -166,7 +166,7 @@ def differential_evolution(ask: Ask, start: Vector, seed: int) -> NoReturn:
             maxiter=10**7,
             rng=int(generator.integers(2**31)),
         )
-        first = np.asarray(found.x)
+        first = np.asarray(result.x)
 
 
 OPTIMISERS: dict[str, Optimiser] = {

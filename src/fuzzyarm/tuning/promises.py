@@ -44,12 +44,12 @@ class Promises:
     def _proved(self, name: str, rulebase: RuleBase) -> list[bool]:
         from fuzzyarm.proof import prove_all
 
-        found = []
+        outcomes = []
         for verdict in prove_all(rulebase, budget=PROOF_SECONDS):
             if verdict.verdict == "refuted":
                 raise TuneError(f"'{name}' breaks a promise of its own: {verdict.statement}")
-            found.append(bool(verdict.proved))
-        return found
+            outcomes.append(bool(verdict.proved))
+        return outcomes
 
     def expected(self, candidate: Candidate) -> str:
         """Return which ``expect`` line a candidate breaks; empty where it keeps all of them."""
@@ -74,11 +74,11 @@ class Promises:
         from fuzzyarm.proof import prove_all
 
         for name, rulebase in candidate.rulebases.items():
-            known = self.proved.get(name)
-            if not known:
+            outcomes = self.proved.get(name)
+            if not outcomes:
                 continue
             verdicts = prove_all(rulebase, budget=PROOF_SECONDS)
-            for verdict, held in zip(verdicts, known, strict=True):
+            for verdict, held in zip(verdicts, outcomes, strict=True):
                 if verdict.verdict == "refuted" or (held and not verdict.proved):
                     return str(verdict.statement)
         return ""

@@ -95,8 +95,8 @@ def changes_of(
                 changes.append(Change(gain.name, shown, _numbers(new)))
     for name, rulebase in candidate.rulebases.items():
         for variable, term, old_shape in _moved(sheets[name], rulebase):
-            own = f"{name}." if isinstance(subject, ControllerText) else ""
-            label = f"{own}{variable} {term.name}"
+            prefix = f"{name}." if isinstance(subject, ControllerText) else ""
+            label = f"{prefix}{variable} {term.name}"
             changes.append(Change(label, str(_shape_node(old_shape)), str(_shape_node(term.shape))))
     return changes
 
@@ -251,13 +251,13 @@ def _is_canonical(text: str) -> bool:
 def _gain_edits(
     document: Document, model: ControllerModel, gains: Mapping[str, Sequence[float]]
 ) -> Iterator[Edit]:
-    known = {gain.name: [v.value(math.pi) for v in gain.values] for gain in model.gains}
+    values_by_name = {gain.name: [v.value(math.pi) for v in gain.values] for gain in model.gains}
     for statement in document.statements:
         node = statement.node
         if not isinstance(node, GainModel) or node.name not in gains:
             continue
         values = list(gains[node.name])
-        if values != known[node.name]:
+        if values != values_by_name[node.name]:
             yield Edit(span_of(node.values[0]).to(span_of(node.values[-1])), _numbers(values))
 
 

@@ -295,11 +295,11 @@ def read_tuning(lines: Sequence[str]) -> Tuning:
     from fuzzyarm.language.tune import TUNE_ROW
     from fuzzyarm.model.rulebase import GainTuning, PeakTuning
 
-    peaks, gains, kept = list[PeakTuning](), list[GainTuning](), list[tuple[str, str]]()
+    peaks, gains, kept_terms = list[PeakTuning](), list[GainTuning](), list[tuple[str, str]]()
     for line in lines:
-        found: list[Any] = []
-        tokens = tokenize_line(1, line, found).tokens
-        if not tokens or found:
+        diagnostics: list[Any] = []
+        tokens = tokenize_line(1, line, diagnostics).tokens
+        if not tokens or diagnostics:
             raise TuneError(f"'{line}' is not a line of a tune block", hint=TUNE_HINT)
         try:
             item = TUNE_ROW.read_line(Cursor(tokens), Trivia())
@@ -324,8 +324,8 @@ def read_tuning(lines: Sequence[str]) -> Tuning:
             flags = ("times" in words, "log" in words, "per axis" in words)
             gains.append(GainTuning(names, item.low, item.high, *flags))
         else:
-            kept += [(names[0], term) for term in item.terms] or [(names[0], "")]
-    return Tuning(tuple(peaks), tuple(gains), tuple(kept))
+            kept_terms += [(names[0], term) for term in item.terms] or [(names[0], "")]
+    return Tuning(tuple(peaks), tuple(gains), tuple(kept_terms))
 
 
 TUNE_HINT = "as in  peaks e, ce mirrored, partition  or  gain G_e 0.1 .. 10 times"
@@ -390,8 +390,8 @@ def _in_loop(
 ) -> Job:
     stage = keywords.get("stage") or _stage(text, on, plan.seed, keywords)
     cost = keywords.get("cost")
-    said = DEFAULT_COST if cost is None else cost
-    asked = read_cost(said) if isinstance(said, str) else said
+    wish = DEFAULT_COST if cost is None else cost
+    cost_ = read_cost(wish) if isinstance(wish, str) else wish
     controller = controller_of(text)
     scenarios = keywords.get("scenarios")
     if scenarios is None or isinstance(scenarios, int):
@@ -402,7 +402,7 @@ def _in_loop(
     problem = Problem(
         text,
         tuning,
-        asked,
+        cost_,
         train,
         over=keywords.get("over", "mean"),
         conventions=keywords.get("conventions", PLAIN),
@@ -427,7 +427,7 @@ def _in_loop(
             linear = {key: replace(p, subject=other, tuning=moving) for key, p in sets.items()}
     unseen_names = tuple(scenario.name for scenario in judged["unseen"].scenarios) if judged else ()
     names = {"train": tuple(each.name for each in train), "unseen": unseen_names}
-    return Job(problem, judged, linear, _cost_name(said), names, {}, alone)
+    return Job(problem, judged, linear, _cost_name(wish), names, {}, alone)
 
 
 def _stage(
@@ -469,11 +469,11 @@ def _on_samples(
         hint = "give samples, or tune the controller that uses it"
         raise TuneError(message, hint=hint)
     text = cost if cost is not None else DEFAULT_DATA_COST
-    asked = read_cost(text, tuple(ERRORS)) if isinstance(text, str) else text
+    cost_ = read_cost(text, tuple(ERRORS)) if isinstance(text, str) else text
     name = _cost_name(text)
     if data is None:
         nothing: dict[str, tuple[str, ...]] = {"train": (), "unseen": ()}
-        return Job(Problem(rulebase, tuning, asked), {}, {}, name, nothing, {})
+        return Job(Problem(rulebase, tuning, cost_), {}, {}, name, nothing, {})
     data = _fitting(data, rulebase)
     if test is None:
         order = np.random.default_rng(seed).permutation(len(data))
@@ -486,7 +486,7 @@ def _on_samples(
     if not len(data) or not len(test):
         raise TuneError("too few samples to keep some back", hint="give others to judge by")
     noisy = _with_noise(test, seed)
-    problem = Problem(rulebase, tuning, asked, samples=data)
+    problem = Problem(rulebase, tuning, cost_, samples=data)
     sets = {"train": data, "unseen": test, "noisy": noisy}
     judged = {key: replace(problem, samples=sets[key]) for key in ("unseen", "noisy")}
     regression = {
@@ -536,20 +536,20 @@ def _done(job: Job, plan: Plan, means: Means, originals: Originals) -> Tuned:
         promises = Promises(design.as_it_is().rulebases)
         budget = plan.shared(judged=bool(job.judged), linear=bool(job.linear))
         search = Search(examining, promises, budget, means.journal, means.watch)
-        found = search.run(plan.method, plan.seed)
-        candidate, digits, score = rounded(examining, promises, found, plan.digits)
+        result = search.run(plan.method, plan.seed)
+        candidate, digits, score = rounded(examining, promises, result, plan.digits)
     rows = [
-        Row("as in the file", {"train": found.trials[0].score}),
+        Row("as in the file", {"train": result.trials[0].score}),
         Row("tuned", {"train": score}),
     ]
     tuning = Tuned(
         job.problem.subject,
         candidate,
         design.parameters,
-        found,
+        result,
         digits,
         tuple(rows),
-        tuple(design.on_a_bound(found.best.point)),
+        tuple(design.on_a_bound(result.best.point)),
         tuple(changes_of(job.problem.subject, design.sheets, candidate)),
         (),
         job.cost,
@@ -559,7 +559,7 @@ def _done(job: Job, plan: Plan, means: Means, originals: Originals) -> Tuned:
         plan,
         job.problem.over,
         (),
-        (found.fault,) if found.fault else (),
+        (result.fault,) if result.fault else (),
     )
     tuning = _written(tuning, originals)
     means.take(tuning)

@@ -168,10 +168,10 @@ class Tuned:
 
     def wins(self, over: str) -> tuple[int, int]:
         """Return on how many unseen scenarios it costs less than another row, and of how many."""
-        own, other = self.row("tuned"), self.row(over)
-        if own is None or other is None:
+        own_row, other = self.row("tuned"), self.row(over)
+        if own_row is None or other is None:
             return 0, 0
-        pairs = list(zip(_parts(own, "unseen"), _parts(other, "unseen"), strict=False))
+        pairs = list(zip(_parts(own_row, "unseen"), _parts(other, "unseen"), strict=False))
         return sum(mine < theirs for mine, theirs in pairs), len(pairs)
 
     @cached_property
@@ -288,33 +288,42 @@ BEYOND_WORDS = 1000.0
 
 def comparisons_of(tuned: Tuned) -> list[Comparison]:
     """Return how the tuned file compares with every other row on what was not seen."""
-    own = tuned.row("tuned")
-    if own is None or "unseen" not in own.scores:
+    tuned_row = tuned.row("tuned")
+    if tuned_row is None or "unseen" not in tuned_row.scores:
         return []
     return [
         Comparison(
-            row.name, *tuned.wins(row.name), own.scores["unseen"].cost, row.scores["unseen"].cost
+            row.name,
+            *tuned.wins(row.name),
+            tuned_row.scores["unseen"].cost,
+            row.scores["unseen"].cost,
         )
         for row in tuned.rows
-        if row is not own and "unseen" in row.scores
+        if row is not tuned_row and "unseen" in row.scores
     ]
 
 
 def _claim(tuned: Tuned) -> str:
     # Beside itself a file is as good as itself.
     others = [x for x in tuned.comparisons if tuned.changes or x.other != "as in the file"]
-    said = [comparison.words(tuned.over) for comparison in others]
+    sentences = [comparison.words(tuned.over) for comparison in others]
     if not tuned.changes:
-        found = math.isfinite(tuned.found.best.score.cost)
-        none = "nothing better was found" if found else "no candidate has a cost that is a number"
-        said = [f"{none}: the file stays as it is", *said]
-    elif not said:
+        is_finite = math.isfinite(tuned.found.best.score.cost)
+        none = (
+            "nothing better was found" if is_finite else "no candidate has a cost that is a number"
+        )
+        sentences = [f"{none}: the file stays as it is", *sentences]
+    elif not sentences:
         return "no unseen scenarios: nothing is known beyond what it was tuned on"
-    own = tuned.row("tuned")
-    diverged = own.scores["unseen"].diverged if own is not None and "unseen" in own.scores else 0
+    tuned_row = tuned.row("tuned")
+    diverged = (
+        tuned_row.scores["unseen"].diverged
+        if tuned_row is not None and "unseen" in tuned_row.scores
+        else 0
+    )
     if diverged:
-        said.append(f"{diverged} of {len(tuned.unseen)} runs diverge")
-    return "; ".join(said)
+        sentences.append(f"{diverged} of {len(tuned.unseen)} runs diverge")
+    return "; ".join(sentences)
 
 
 def _remarks(tuned: Tuned) -> Iterator[str]:
@@ -336,8 +345,8 @@ def _remarks(tuned: Tuned) -> Iterator[str]:
         yield f"the linear opponent had {_trials(len(tuned.linear.trials))} in the same time"
     if tuned.alone:
         yield f"no linear opponent: {tuned.alone}"
-    own = tuned.row("tuned")
-    judged = len(_parts(own, "unseen")) if own is not None else 0
+    tuned_row = tuned.row("tuned")
+    judged = len(_parts(tuned_row, "unseen")) if tuned_row is not None else 0
     if 0 < judged < plan.unseen:
         yield f"judged by {judged} of {plan.unseen} unseen scenarios, for want of time"
     if tuned.digits == ALL_DIGITS:
@@ -452,8 +461,8 @@ def _write(tuned: Tuned, out: Path) -> list[Path]:
         paths.append(out.parent / name)
     text = first.new
     if isinstance(tuned.subject, ControllerText):
-        kept = {} if over else _files_elsewhere(tuned.subject, origin, out)
-        text = with_files(text, {**kept, **names})
+        own_files = {} if over else _files_elsewhere(tuned.subject, origin, out)
+        text = with_files(text, {**own_files, **names})
     write_atomically(out, text)
     return [out, *paths]
 
@@ -462,12 +471,12 @@ def _files_elsewhere(text: ControllerText, origin: Path | None, out: Path) -> di
     """Return used files that stand beside the old file and not beside the new one."""
     if origin is None or origin.resolve().parent == out.resolve().parent:
         return {}
-    found = {}
+    files = {}
     for use in text.model.uses:
         place = origin.parent / use.files[0]
         if len(use.files) == 1 and place.exists() and not _shipped(use.files[0]):
-            found[use.name] = os.path.relpath(str(place), str(out.parent))
-    return found
+            files[use.name] = os.path.relpath(str(place), str(out.parent))
+    return files
 
 
 def _shipped(name: str) -> bool:

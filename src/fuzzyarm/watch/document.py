@@ -28,8 +28,8 @@ class NotShownError(FuzzyarmError, ValueError):
 
     def __init__(self, path: str) -> None:
         foreign = Path(path).suffix.lower() in READABLE
-        own = f"{Path(path).stem}.frb"
-        hint = f"fuzzyarm convert {typed(path)} {typed(own)} brings it in" if foreign else ""
+        converted = f"{Path(path).stem}.frb"
+        hint = f"fuzzyarm convert {typed(path)} {typed(converted)} brings it in" if foreign else ""
         super().__init__(f"{path} is neither a .frb nor a .lut file", hint=hint)
         self.path = path
 

@@ -159,11 +159,11 @@ def _combinations(output: Output, subject: Subject) -> Iterator[Diagnostic]:
 
 
 def _wanted(propositions: Iterable[Is]) -> dict[str, frozenset[Literal]]:
-    wanted: dict[str, frozenset[Literal]] = {}
+    literals: dict[str, frozenset[Literal]] = {}
     for part in propositions:
-        known = wanted.get(part.variable, frozenset())
-        wanted[part.variable] = known | {(part.term, part.hedges)}
-    return wanted
+        earlier = literals.get(part.variable, frozenset())
+        literals[part.variable] = earlier | {(part.term, part.hedges)}
+    return literals
 
 
 def _undecided(what: str, output: Output) -> Diagnostic:
@@ -214,14 +214,14 @@ def silent_point(output: Output, subject: Subject) -> dict[str, float] | None:
     literals: dict[str, set[Literal]] = {name: set() for name in used}
     by_degree: set[str] = set()
     for need in needs:
-        for name, wanted in need.literals.items():
-            literals[name] |= wanted
+        for name, literals_here in need.literals.items():
+            literals[name] |= literals_here
         by_degree |= need.literals.keys() if need.fires else set()
     cells = {}
     for name in used:
-        found = _holding(subject.probes(inputs[name]), literals[name], name in by_degree)
+        points = _holding(subject.probes(inputs[name]), literals[name], name in by_degree)
         # What fires by its degree may do so in a cell and not in a smaller one.
-        cells[name] = distinct(found) if name in by_degree else smallest(found)
+        cells[name] = distinct(points) if name in by_degree else smallest(points)
     silent = next(Search(needs, cells, subject.on_step).uncovered(), None)
     if silent is None:
         return None
@@ -236,16 +236,16 @@ _MOST_ALTERNATIVES = 64
 
 def _needs(block: RuleBlock, rule: Rule) -> list[Need]:
     """Return what a rule needs to fire, each alternative by itself."""
-    found = None if block.threshold > FAINT else _alternatives(rule.antecedent, block)
-    if found is not None:
-        return [Need(_wanted(parts)) for parts in found]
+    alternatives = None if block.threshold > FAINT else _alternatives(rule.antecedent, block)
+    if alternatives is not None:
+        return [Need(_wanted(parts)) for parts in alternatives]
     antecedent = rule.antecedent
-    wanted: dict[str, frozenset[Literal]] = {
+    literals: dict[str, frozenset[Literal]] = {
         p.variable: frozenset() for p in propositions(antecedent)
     }
     parts = antecedent.operands if isinstance(antecedent, And) else (antecedent,)
     # Without one of its operands a conjunction is 0, whatever the norm.
-    wanted |= _wanted(part for part in parts if isinstance(part, Is))
+    literals |= _wanted(part for part in parts if isinstance(part, Is))
 
     def fires(cells: Cells) -> bool:
         def degree(variable: str, term: str) -> float:
@@ -254,7 +254,7 @@ def _needs(block: RuleBlock, rule: Rule) -> list[Need]:
         strength = truth(antecedent, degree, block)
         return strength >= FAINT and strength * rule.weight > block.threshold
 
-    return [Need(wanted, fires)]
+    return [Need(literals, fires)]
 
 
 def _alternatives(expression: Expression, block: RuleBlock) -> list[tuple[Is, ...]] | None:
@@ -264,14 +264,14 @@ def _alternatives(expression: Expression, block: RuleBlock) -> list[tuple[Is, ..
     if isinstance(expression, Hedged):
         return None
     parts = [_alternatives(operand, block) for operand in expression.operands]
-    known = [part for part in parts if part is not None]
-    if len(known) < len(parts):
+    alternatives = [part for part in parts if part is not None]
+    if len(alternatives) < len(parts):
         return None
     if isinstance(expression, Or):
-        return [each for part in known for each in part]
-    if not TNORMS[block.conjunction].positive or prod(map(len, known)) > _MOST_ALTERNATIVES:
+        return [literal for part in alternatives for literal in part]
+    if not TNORMS[block.conjunction].positive or prod(map(len, alternatives)) > _MOST_ALTERNATIVES:
         return None
-    return [tuple(chain(*each)) for each in product(*known)]
+    return [tuple(chain(*literal)) for literal in product(*alternatives)]
 
 
 def _holding(probes: list[Cell], wanted: set[Literal], by_degree: bool) -> list[Cell]:

@@ -33,16 +33,18 @@ def conflicting_rules(subject: Subject) -> Iterator[Diagnostic]:
     for block in subject.rulebase.blocks:
         first: dict[Hashable, dict[str, tuple[Rule, Consequent]]] = {}
         for rule in block.rules:
-            known = first.setdefault(_key(rule.antecedent), {})
+            earlier = first.setdefault(_key(rule.antecedent), {})
             for consequent in rule.consequents:
-                if consequent.variable not in known:
-                    known[consequent.variable] = (rule, consequent)
+                if consequent.variable not in earlier:
+                    earlier[consequent.variable] = (rule, consequent)
                     continue
-                yield _conflict(rule, consequent, *known[consequent.variable])
+                yield _conflict(rule, consequent, *earlier[consequent.variable])
 
 
 def _conflict(rule: Rule, consequent: Consequent, other: Rule, earlier: Consequent) -> Diagnostic:
-    text, before = (f"{each.variable} is {each.term}" for each in (consequent, earlier))
+    text, before = (
+        f"{conclusion.variable} is {conclusion.term}" for conclusion in (consequent, earlier)
+    )
     same = (consequent.term, consequent.hedges) == (earlier.term, earlier.hedges)
     span, line = rule.span, other.span.line
     related = Related(f"the other rule, on line {line}", other.span)
@@ -84,10 +86,10 @@ def shared_conclusions(subject: Subject) -> Iterator[Diagnostic]:
         weighted = _weighs(output) and output.aggregation == "max"
         if not weighted or not subject.document.statements or stated & {None, output.name}:
             continue
-        found = next(_pairs_that_fold(output, subject), None)
-        if found is None:
+        fold = next(_pairs_that_fold(output, subject), None)
+        if fold is None:
             continue
-        first, second, conclusion = found
+        first, second, conclusion = fold
         yield Diagnostic(
             "shared-conclusion",
             f"this rule and that on line {first.span.line} conclude '{conclusion}' at once, and"
@@ -141,13 +143,13 @@ def _pairs_that_fold(output: Output, subject: Subject) -> Iterator[tuple[Rule, R
 
 def _overlap(parts: tuple[Is, ...], subject: Subject) -> bool:
     """Whether there is an input at which all these propositions hold."""
-    wanted: dict[str, set[tuple[str, tuple[()]]]] = {}
+    terms_by_variable: dict[str, set[tuple[str, tuple[()]]]] = {}
     for part in parts:
-        wanted.setdefault(part.variable, set()).add((part.term, ()))
+        terms_by_variable.setdefault(part.variable, set()).add((part.term, ()))
     inputs = {variable.name: variable for variable in subject.rulebase.inputs}
-    return wanted.keys() <= inputs.keys() and all(
+    return terms_by_variable.keys() <= inputs.keys() and all(
         any(terms <= cell.degrees.keys() for cell in subject.probes(inputs[name]))
-        for name, terms in wanted.items()
+        for name, terms in terms_by_variable.items()
     )
 
 
@@ -202,17 +204,17 @@ def broken_symmetries(subject: Subject) -> Iterator[Diagnostic]:
             if all(_has_opposites(name, subject) for name in around - fixed)
         ]
         breaks = [
-            found
+            break_
             for pairs in mirrors
             if opposites and len(pairs) >= _FEWEST_PAIRS
-            for found in _breaks(pairs, opposites)
+            for break_ in _breaks(pairs, opposites)
         ]
         best = min(breaks, key=lambda each: each.share, default=None)
         if best is not None and best.share <= 1.0 - ALMOST:
             for pair in best.pairs:
                 first = _term(pair[0])
-                wanted = opposites[first][0] if best.name == "antisymmetric" else first
-                yield _asymmetry(best.name, pair, wanted)
+                expected = opposites[first][0] if best.name == "antisymmetric" else first
+                yield _asymmetry(best.name, pair, expected)
 
 
 def _has_opposites(name: str, subject: Subject) -> bool:
@@ -279,15 +281,15 @@ def _ranks_of_condition(grid: GridNode, subject: Subject) -> _Position | None:
     parts = condition.operands if isinstance(condition, JunctionNode) else (condition,)
     if isinstance(condition, JunctionNode) and condition.word != "and":
         return None
-    found = []
+    ranks = []
     for part in parts:
         if not isinstance(part, PropositionNode) or part.hedges:
             return None
         order = subject.ranks(part.variable)
         if order is None:
             return None
-        found.append((part.variable, order[part.term]))
-    return tuple(sorted(found))
+        ranks.append((part.variable, order[part.term]))
+    return tuple(sorted(ranks))
 
 
 def _pairs(family: _Family, subject: Subject, fixed: frozenset[str]) -> list[_Pair]:

@@ -115,17 +115,17 @@ class Search:
         by_several: list[tuple[frozenset[Literal], tuple[int, Need]]] = []
         elsewhere: list[tuple[int, Need]] = []
         for rule in rules:
-            wanted = rule[1].literals.get(variable)
-            if wanted is None:
+            literals_here = rule[1].literals.get(variable)
+            if literals_here is None:
                 elsewhere.append(rule)
-            elif len(wanted) == 1:
-                by_literal.setdefault(next(iter(wanted)), []).append(rule)
+            elif len(literals_here) == 1:
+                by_literal.setdefault(next(iter(literals_here)), []).append(rule)
             else:
-                by_several.append((wanted, rule))
+                by_several.append((literals_here, rule))
         for cell in self._cells[variable]:
             holding = cell.degrees
             met = [rule for literal in holding for rule in by_literal.get(literal, ())]
-            met += [rule for wanted, rule in by_several if wanted <= holding.keys()]
+            met += [rule for literals_here, rule in by_several if literals_here <= holding.keys()]
             self._count(1 + len(holding) + len(by_several) + len(met))
             decided[variable] = cell
             if not any(left == 1 and self._fires(need, decided) for left, need in met):
@@ -161,7 +161,9 @@ def smallest(cells: Sequence[Cell]) -> list[Cell]:
     for literals in sorted(first, key=len):
         if not literals:
             return [first[literals]]
-        if any(known <= literals for literal in literals for known in by_literal.get(literal, ())):
+        if any(
+            earlier <= literals for literal in literals for earlier in by_literal.get(literal, ())
+        ):
             continue
         by_literal.setdefault(next(iter(literals)), []).append(literals)
         found.append(first[literals])

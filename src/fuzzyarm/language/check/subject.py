@@ -63,12 +63,12 @@ class Subject:
 
     @cached_property
     def _by_output(self) -> dict[str, list[tuple[RuleBlock, Rule]]]:
-        found: dict[str, list[tuple[RuleBlock, Rule]]] = {}
+        rules_by_output: dict[str, list[tuple[RuleBlock, Rule]]] = {}
         for block in self.rulebase.blocks:
             for rule in block.rules:
                 for name in dict.fromkeys(consequent.variable for consequent in rule.consequents):
-                    found.setdefault(name, []).append((block, rule))
-        return found
+                    rules_by_output.setdefault(name, []).append((block, rule))
+        return rules_by_output
 
     def rules_for(self, output: Output) -> list[tuple[RuleBlock, Rule]]:
         """Return the rules that set `output`, each with its block."""
@@ -154,7 +154,7 @@ def probe(variable: Input) -> list[Cell]:
             degree = function(points[i])
             if degree >= FAINT:
                 degrees[i][term.name, ()] = degree
-    return [Cell(x, found) for x, found in zip(points, degrees, strict=True)]
+    return [Cell(x, literals_here) for x, literals_here in zip(points, degrees, strict=True)]
 
 
 def plain_propositions(rule: Rule) -> tuple[Is, ...]:

@@ -274,8 +274,8 @@ def _values_where_fired(
                 ]
                 low = constant + sum(low for low, _ in ends)
                 high = constant + sum(high for _, high in ends)
-                known = reach.get(consequent.term, (low, high))
-                reach[consequent.term] = min(known[0], low), max(known[1], high)
+                earlier = reach.get(consequent.term, (low, high))
+                reach[consequent.term] = min(earlier[0], low), max(earlier[1], high)
     for name, (low, high) in reach.items():
         slack = 1e-9 * (output.high - output.low)
         if low < output.low - slack or high > output.high + slack:
@@ -284,17 +284,17 @@ def _values_where_fired(
 
 def _supports(rule: Rule, subject: Subject) -> list[tuple[float, float]]:
     """Return the stretch of each input in which the propositions of a plain rule hold."""
-    wanted: dict[str, set[str]] = {}
+    terms_by_variable: dict[str, set[str]] = {}
     for part in plain_propositions(rule):
-        wanted.setdefault(part.variable, set()).add(part.term)
-    found = []
+        terms_by_variable.setdefault(part.variable, set()).add(part.term)
+    supports = []
     for variable in subject.rulebase.inputs:
         low, high = variable.low, variable.high
-        for term in wanted.get(variable.name, ()):
+        for term in terms_by_variable.get(variable.name, ()):
             left, right = subject.support(variable, term)
             low, high = max(low, left), min(high, right)
-        found.append((low, high))
-    return found
+        supports.append((low, high))
+    return supports
 
 
 # --- Terms that lie unlike all others: crossed, off a partition, not a mirror image ---
@@ -303,10 +303,10 @@ def _supports(rule: Rule, subject: Subject) -> list[tuple[float, float]]:
 def crossed_terms(subject: Subject) -> Iterator[Diagnostic]:
     """Yield ``crossed-terms`` for a term that lies elsewhere than in its place in the list."""
     for variable in subject.families:
-        found = crossing(variable)
-        if found is None:
+        crossing_ = crossing(variable)
+        if crossing_ is None:
             continue
-        name, *neighbours = found
+        name, *neighbours = crossing_
         places = cores(variable) or {}
         beside = " and ".join(
             f"'{neighbour}' ({places[neighbour].middle:g})" for neighbour in neighbours if neighbour
@@ -452,15 +452,15 @@ def _used_terms(rulebase: RuleBase) -> dict[str, set[str]]:
 
 def _used_in_values(rulebase: RuleBase) -> set[str]:
     """Return the inputs that a linear consequent or a formula refers to."""
-    found: set[str] = set()
+    names: set[str] = set()
     for output in rulebase.outputs:
         for term in output.terms:
             shape = term.shape
             if shape.kind == "linear":
                 pairs = zip(rulebase.inputs, shape.parameters, strict=False)
-                found |= {variable.name for variable, factor in pairs if factor != 0.0}
-            found |= _names_in(term)
-    return found
+                names |= {variable.name for variable, factor in pairs if factor != 0.0}
+            names |= _names_in(term)
+    return names
 
 
 def _shared_spans(subject: Subject) -> dict[Span, tuple[str, ...]]:

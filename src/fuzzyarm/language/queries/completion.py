@@ -156,8 +156,8 @@ class _AskingCursor(Cursor):
 
     def variable_called(self, name: str) -> Variable | None:
         """Return the declared variable of that name."""
-        found = (v for v in (*self.model.inputs, *self.model.outputs) if v.name == name)
-        return next(found, None)
+        variables = (v for v in (*self.model.inputs, *self.model.outputs) if v.name == name)
+        return next(variables, None)
 
     def _variables(self, role: str, follow: str = "") -> list[Candidate]:
         inputs = self.model.inputs if role != "output" else ()
@@ -308,8 +308,8 @@ class _AskingCursor(Cursor):
         return _words(TIMES, "value")
 
     def _named(self, kind: Kind) -> list[Candidate]:
-        found = self.names.get(kind, {})
-        return [Candidate(n, "variable", name_text(n), words) for n, words in found.items()]
+        names_there = self.names.get(kind, {})
+        return [Candidate(n, "variable", name_text(n), words) for n, words in names_there.items()]
 
     # In the lines of a grid.
 
@@ -335,8 +335,8 @@ class _AskingCursor(Cursor):
         self._last(candidates)
 
     def _suggest_terms(self, variable: Word, named: Sequence[Word]) -> NoReturn:
-        found = self.variable_called(variable)
-        self._last(_terms(found, without=list(named)))
+        variable_ = self.variable_called(variable)
+        self._last(_terms(variable_, without=list(named)))
 
     def _suggest_labels(self, grid: GridNode) -> NoReturn:
         if grid.row is None:
@@ -417,11 +417,11 @@ def complete(reading: Reading, line: int, column: int, facts: Facts = NOTHING) -
     start = match.start() + 1 if match else column
     if text[: start - 1][-1:].isdigit():
         return []
-    wanted = text[start - 1 :].strip("'").casefold()
+    prefix = text[start - 1 :].strip("'").casefold()
     span = Span(line, start, line, column)
     tokens = tokenize_line(line, text[: start - 1], []).tokens
     offered = _offered(reading, line, tokens, facts, indented=text[:1].isspace())
-    ranked = sorted(offered, key=lambda c: not c.label.casefold().startswith(wanted))
+    ranked = sorted(offered, key=lambda c: not c.label.casefold().startswith(prefix))
     return [replace(candidate, span=span) for candidate in ranked]
 
 

@@ -50,31 +50,31 @@ def fixes(diagnostic: Diagnostic, text: str, grids: Sequence[GridNode] = ()) -> 
         The grids of the file.
     """
     lines = split_lines(text)
-    found: list[Fix] = []
+    fixes_: list[Fix] = []
     if diagnostic.replacement is not None:
         old = text_of(diagnostic.span, lines)
-        found.append(
+        fixes_.append(
             Fix(
                 f"change {_shown(old)} to {_shown(diagnostic.replacement)}",
                 (Edit(diagnostic.span, diagnostic.replacement),),
             )
         )
     if diagnostic.name == "wrong-cell-count":
-        found += _cells(diagnostic, lines, grids)
+        fixes_ += _cells(diagnostic, lines, grids)
     elif diagnostic.name == "missing-heading":
         start = Span(1, 1, 1, 1)
-        found.append(Fix("add a heading", (Edit(start, 'rulebase unnamed "description"\n\n'),)))
+        fixes_.append(Fix("add a heading", (Edit(start, 'rulebase unnamed "description"\n\n'),)))
     elif diagnostic.name == "missing-rule":
-        found += _missing_rows(diagnostic, grids)
+        fixes_ += _missing_rows(diagnostic, grids)
     elif diagnostic.name == "duplicate-rule":
-        found += _remove_line(diagnostic, lines)
+        fixes_ += _remove_line(diagnostic, lines)
     elif diagnostic.name == "useless-allow":
-        found += _remove_comment(diagnostic, lines)
+        fixes_ += _remove_comment(diagnostic, lines)
     if diagnostic.lines:
-        found.append(_paste(diagnostic, lines))
+        fixes_.append(_paste(diagnostic, lines))
     if not diagnostic.is_error and diagnostic.name not in ("useless-allow", "missing-heading"):
-        found += _allow(diagnostic, lines)
-    return found
+        fixes_ += _allow(diagnostic, lines)
+    return fixes_
 
 
 def text_of(span: Span, lines: Sequence[str]) -> str:
@@ -100,10 +100,10 @@ def _grid_of(line: int, grids: Sequence[GridNode]) -> tuple[GridNode, RowNode | 
 
 
 def _cells(diagnostic: Diagnostic, lines: Sequence[str], grids: Sequence[GridNode]) -> list[Fix]:
-    found = _grid_of(diagnostic.line, grids)
-    if found is None:
+    place = _grid_of(diagnostic.line, grids)
+    if place is None:
         return []
-    grid, row = found
+    grid, row = place
     if row is None:
         return []
     missing = len(grid.columns) - len(row.cells)
@@ -119,10 +119,10 @@ def _cells(diagnostic: Diagnostic, lines: Sequence[str], grids: Sequence[GridNod
 
 
 def _missing_rows(diagnostic: Diagnostic, grids: Sequence[GridNode]) -> list[Fix]:
-    found = _grid_of(diagnostic.line, grids)
-    if found is None or found[1] is not None or "has no row" not in diagnostic.message:
+    place = _grid_of(diagnostic.line, grids)
+    if place is None or place[1] is not None or "has no row" not in diagnostic.message:
         return []
-    grid = found[0]
+    grid = place[0]
     names = diagnostic.message.rpartition(" for ")[2].partition(" is ")[2].split(", ")
     last = grid.rows[-1].label.span.line if grid.rows else grid.header_span.line
     rows = "".join(f"  {name_text(n)}{'  .' * len(grid.columns)}\n" for n in names)

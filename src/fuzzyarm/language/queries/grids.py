@@ -100,23 +100,23 @@ def _share(index: int, names: Sequence[str]) -> float:
 
 def _terms(reading: Reading, variable: str) -> list[str]:
     """Return the names of the terms of a variable, from low to high."""
-    found = reading.variable(variable)
-    if found is None:
+    variable_ = reading.variable(variable)
+    if variable_ is None:
         raise ReshapeError(f"the text declares no variable '{variable}'")
-    if not found.terms:
+    if not variable_.terms:
         raise ReshapeError(f"'{variable}' has no terms yet", hint="add some first")
-    order = _order(found)
-    return sorted((term.name for term in found.terms), key=order.__getitem__)
+    order = _order(variable_)
+    return sorted((term.name for term in variable_.terms), key=order.__getitem__)
 
 
 def _order(variable: Variable) -> dict[str, tuple[float, int]]:
     """Return by their names where terms stand: by their centres, else as they are declared."""
-    found = {}
+    order = {}
     for index, term in enumerate(variable.terms):
         middle = centre(term.shape, variable.low, variable.high)
         at = middle if middle is not None and math.isfinite(middle) else math.inf
-        found[term.name] = (at, index)
-    return found
+        order[term.name] = (at, index)
+    return order
 
 
 def remove_grid(reading: Reading, line: int) -> list[Edit]:
@@ -208,12 +208,12 @@ def remove_row(reading: Reading, line: int, term: str) -> list[Edit]:
         If there is no such grid or row.
     """
     grid = _grid(reading, line)
-    found = [row.label.span.line for row in grid.rows if row.label == term]
-    if grid.row is None or not found:
+    lines = [row.label.span.line for row in grid.rows if row.label == term]
+    if grid.row is None or not lines:
         raise ReshapeError(f"the grid on line {line} has no row '{term}'")
     if len(grid.rows) == 1:
         return remove_grid(reading, line)
-    return demand_sound(reading, without_line_ranges(reading, [(found[0], found[0])]))
+    return demand_sound(reading, without_line_ranges(reading, [(lines[0], lines[0])]))
 
 
 def remove_column(reading: Reading, line: int, term: str) -> list[Edit]:
@@ -242,15 +242,15 @@ def _placed(
     reading: Reading, variable: str, labels: Sequence[str], term: str, shape: Shape | None
 ) -> tuple[list[Edit], int]:
     """Return the edits that declare a new term, and its place among the heads of a grid."""
-    found = reading.variable(variable)
-    if found is None:
+    variable_ = reading.variable(variable)
+    if variable_ is None:
         raise ReshapeError(f"the text declares no variable '{variable}'")
     if term in labels:
         raise ReshapeError(f"the grid has '{term}' already")
-    order = _order(found)
+    order = _order(variable_)
     if shape is not None:
         edits = add_term(reading, variable, term, shape)
-        middle = centre(shape, found.low, found.high)
+        middle = centre(shape, variable_.low, variable_.high)
         order[term] = (math.inf if middle is None else middle, len(order))
     else:
         edits = []

@@ -55,16 +55,16 @@ def picture(shape: Shape, variable: Variable) -> str:
 def _highest(shape: Shape, x: float, step: float) -> float:
     # A peak between two columns must not be lost, and a singleton has no width at all.
     inside = [c for c in corner_points(shape) if abs(c - x) <= 0.5 * step]
-    return max(membership(shape, each) for each in (x, *inside))
+    return max(membership(shape, position) for position in (x, *inside))
 
 
 def _shown_range(variable: Variable) -> tuple[float, float]:
     """Return the range of `variable`; where it is unbounded, the stretch its terms mark."""
     xs = [x for term in variable.terms for x in corner_points(term.shape)]
     ends = [x for x in (variable.low, variable.high) if math.isfinite(x)]
-    known = [*xs, *ends] or [0.0]
-    low = variable.low if math.isfinite(variable.low) else min(known) - 1.0
-    high = variable.high if math.isfinite(variable.high) else max(known) + 1.0
+    positions = [*xs, *ends] or [0.0]
+    low = variable.low if math.isfinite(variable.low) else min(positions) - 1.0
+    high = variable.high if math.isfinite(variable.high) else max(positions) + 1.0
     return (low, high) if low < high else (low, low + 1.0)
 
 
@@ -117,8 +117,8 @@ def hover(reading: Reading, line: int, column: int, facts: Facts = NOTHING) -> H
         return _of_cell(reading, *cell)
     occurrence = occurrence_at(reading, line, column)
     if occurrence is not None:
-        known = facts.get((occurrence.kind, occurrence.name), "")
-        text = "\n\n".join(filter(None, (_of_occurrence(reading, occurrence), plain(known))))
+        fact = facts.get((occurrence.kind, occurrence.name), "")
+        text = "\n\n".join(filter(None, (_of_occurrence(reading, occurrence), plain(fact))))
         return Hover(text, occurrence.span) if text else None
     return _of_word(reading, line, column)
 
@@ -190,15 +190,15 @@ def _of_line(reading: Reading, occurrence: Occurrence) -> str:
     """Return the lines of a controller that define a name, and how often it is used."""
     occurrences = references(reading, occurrence)
     lines = [
-        " ".join(reading.raw_line(each.span.line).split())
-        for each in occurrences
-        if each.is_definition
+        " ".join(reading.raw_line(occurrence_.span.line).split())
+        for occurrence_ in occurrences
+        if occurrence_.is_definition
     ]
     if occurrence.kind is Kind.PLANT:
         return f"the plant {code(occurrence.name)}"
     if occurrence.kind in (Kind.PORT, Kind.STATE, Kind.PARAMETER):
         return f"{occurrence.kind} {code(occurrence.name)} of the plant"
-    uses = sum(not each.is_definition for each in occurrences)
+    uses = sum(not occurrence_.is_definition for occurrence_ in occurrences)
     return "\n\n".join([*map(code, lines), f"used {uses} time{'s' if uses != 1 else ''}"])
 
 

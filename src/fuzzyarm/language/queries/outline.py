@@ -76,7 +76,7 @@ class Coloured:
 def coloured(reading: Reading) -> list[Coloured]:
     """Return every word and comment that has a colour, in the order of the text."""
     names = {(o.span.line, o.span.column): o for o in reading.occurrences}
-    found: list[Coloured] = []
+    words: list[Coloured] = []
     for line in reading.lines:
         for index, token in enumerate(line.tokens):
             name = names.get((token.line, token.column))
@@ -86,14 +86,14 @@ def coloured(reading: Reading) -> list[Coloured]:
                 colour = _of_token(token, first=index == 0)
             if colour is not None:
                 declares = name is not None and name.is_definition
-                found.append(Coloured(token.line, token.column, token.end, colour, declares))
+                words.append(Coloured(token.line, token.column, token.end, colour, declares))
         if line.comment:
             after = line.tokens[-1].end - 1 if line.tokens else 0
             start = reading.raw_line(line.number).find("#", after)
             if start >= 0:
                 end = start + len(line.comment)
-                found.append(Coloured(line.number, start + 1, end + 1, "comment"))
-    return found
+                words.append(Coloured(line.number, start + 1, end + 1, "comment"))
+    return words
 
 
 def _of_token(token: Token, *, first: bool) -> str | None:
@@ -127,10 +127,10 @@ class Fold:
 
 def folds(reading: Reading) -> list[Fold]:
     """Return grids, lookup settings, long rules, blocks and runs of comment lines."""
-    found = [Fold(first, last) for _, first, last in reading.extents if last > first]
-    found += _blocks(reading)
-    found += _comments(reading)
-    return sorted(found, key=lambda fold: (fold.first, -fold.last))
+    folds_ = [Fold(first, last) for _, first, last in reading.extents if last > first]
+    folds_ += _blocks(reading)
+    folds_ += _comments(reading)
+    return sorted(folds_, key=lambda fold: (fold.first, -fold.last))
 
 
 def _blocks(reading: Reading) -> list[Fold]:
@@ -145,7 +145,7 @@ def _blocks(reading: Reading) -> list[Fold]:
 
 
 def _comments(reading: Reading) -> list[Fold]:
-    found: list[Fold] = []
+    folds: list[Fold] = []
     first = 0
     for number in range(1, len(reading.lines) + 2):
         inside = number <= len(reading.lines)
@@ -154,9 +154,9 @@ def _comments(reading: Reading) -> list[Fold]:
             first = first or number
             continue
         if first and number - 1 > first:
-            found.append(Fold(first, number - 1, is_comment=True))
+            folds.append(Fold(first, number - 1, is_comment=True))
         first = 0
-    return found
+    return folds
 
 
 # --- The outline of a file ---
@@ -189,7 +189,7 @@ class Symbol:
 
 def symbols(reading: Reading) -> list[Symbol]:
     """Return the parts of a file in its order; the terms of a variable below it."""
-    found: list[Symbol] = []
+    symbols_: list[Symbol] = []
     for node, first, last in reading.extents:
         word = reading.tokens_of(first)[0].text
         record = STATEMENTS.get(word) or CONTROLLER_STATEMENTS.get(word)
@@ -197,10 +197,10 @@ def symbols(reading: Reading) -> list[Symbol]:
             continue
         whole = Span(first, node.span.column, last, len(reading.raw_line(last)) + 1)
         if isinstance(node, VariableNode):
-            found.append(_variable(reading, node, whole))
+            symbols_.append(_variable(reading, node, whole))
         else:
-            found.append(_named(*_title(reading, node, first), record.outline, whole))
-    return found
+            symbols_.append(_named(*_title(reading, node, first), record.outline, whole))
+    return symbols_
 
 
 def _title(reading: Reading, node: StatementNode, line: int) -> tuple[str, str, Span]:

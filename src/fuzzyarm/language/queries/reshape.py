@@ -75,11 +75,11 @@ def set_shapes(reading: Reading, shapes: Sequence[Reshaped | tuple[str, str, Sha
     """
     edits: list[Edit] = []
     behind: dict[int, list[str]] = {}
-    for each in shapes:
-        variable, term, shape, lower = Reshaped(*each)
-        own = _own_line(reading, variable, term)
-        if own is not None:
-            edits.append(Edit(own, _shape_text(reading, shape, lower)))
+    for reshaped in shapes:
+        variable, term, shape, lower = Reshaped(*reshaped)
+        span = _own_line(reading, variable, term)
+        if span is not None:
+            edits.append(Edit(span, _shape_text(reading, shape, lower)))
             continue
         line = _line_behind_family(reading, variable, term)
         behind.setdefault(line, []).append(_term_text(reading, variable, term, shape, lower))
@@ -107,7 +107,7 @@ def set_kind(reading: Reading, variable: str, term: str, kind: str) -> list[Edit
     """
     declaration_of(reading, variable)
     model = reading.model.variable(variable)
-    found = model.term(term) if any(each.name == term for each in model.terms) else None
+    found = model.term(term) if any(term_.name == term for term_ in model.terms) else None
     if found is None:
         raise ReshapeError(f"the text declares no term '{term}' of '{variable}'")
     low, high = model.low, model.high
@@ -129,13 +129,13 @@ def _shape_text(reading: Reading, shape: Shape, lower: Shape | None = None) -> s
     """Return a shape, or one over another, as a line of the text has it."""
     names = [variable.name for variable in reading.model.inputs]
     nodes = []
-    for each in (shape, lower):
-        if each is None:
+    for shape_ in (shape, lower):
+        if shape_ is None:
             continue
-        if each.kind == "linear" and len(each.parameters) != len(names) + 1:
+        if shape_.kind == "linear" and len(shape_.parameters) != len(names) + 1:
             message = f"a sum of {len(names)} inputs has {len(names) + 1} numbers"
-            raise ReshapeError(f"{message}, not {len(each.parameters)}")
-        nodes.append(shape_node(each, names))
+            raise ReshapeError(f"{message}, not {len(shape_.parameters)}")
+        nodes.append(shape_node(shape_, names))
     upper, *under = nodes
     return str(upper._replace(lower=under[0] if under else None))
 
@@ -203,7 +203,7 @@ def add_term(reading: Reading, variable: str, term: str, shape: Shape) -> list[E
     declaration_of(reading, variable)
     if not term.strip():
         raise ReshapeError("a term needs a name")
-    own = 0
+    line_number = 0
     for node in nodes_of(reading):
         if isinstance(node, TermNode) and node.variable == variable:
             names = [node.name]
@@ -211,12 +211,12 @@ def add_term(reading: Reading, variable: str, term: str, shape: Shape) -> list[E
             names = list(node.names)
         else:
             continue
-        own = node.span.line
+        line_number = node.span.line
         if term in names:
-            raise ReshapeError(f"'{variable}' has a term '{term}' already, on line {own}")
+            raise ReshapeError(f"'{variable}' has a term '{term}' already, on line {line_number}")
     words = [_term_text(reading, variable, term, shape)]
-    if own:
-        return [lines_behind(reading, last_lines(reading)[own], words)]
+    if line_number:
+        return [lines_behind(reading, last_lines(reading)[line_number], words)]
     # Its first term: behind those of others, or below the variables.
     termed, declared = last_line(reading, TermNode, EvenTermsNode), last_line(reading, VariableNode)
     if termed > declared:
@@ -239,12 +239,12 @@ def remove_term(reading: Reading, variable: str, term: str) -> list[Edit]:
     """
     edits: list[Edit] = []
     family = _family_of(reading, variable, term)
-    own = [node for node in _terms(reading, variable) if node.name == term]
-    if family is None and not own:
+    nodes = [node for node in _terms(reading, variable) if node.name == term]
+    if family is None and not nodes:
         raise ReshapeError(f"the text declares no term '{term}' of '{variable}'")
     if family is not None:
         edits += _without_family(reading, family, variable, term)
-    gone = {node.span.line for node in own}
+    gone = {node.span.line for node in nodes}
     edits += [without_lines(reading, line, last_lines(reading)[line]) for line in sorted(gone)]
     for node in nodes_of(reading):
         if isinstance(node, RuleNode) and names_term(node, variable, term):
@@ -261,11 +261,11 @@ def remove_term(reading: Reading, variable: str, term: str) -> list[Edit]:
 
 def _without_family(reading: Reading, node: EvenTermsNode, variable: str, term: str) -> list[Edit]:
     """Take a variable out of a family; the other terms get lines of their own."""
-    own = {term_node.name for term_node in _terms(reading, variable)}
+    names = {term_node.name for term_node in _terms(reading, variable)}
     lines = [
         _term_text(reading, variable, word, reading.model.variable(variable).term(word).shape)
         for word in node.names
-        if word != term and word not in own
+        if word != term and word not in names
     ]
     others = tuple(word for word in node.variables if word != variable)
     if others:

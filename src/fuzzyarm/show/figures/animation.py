@@ -193,7 +193,7 @@ def _gif(figure: Figure, pictures: Iterator[None], rate: int) -> bytes:
         canvas.draw()
         drawn.append(Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB"))
     palette = drawn[-1].quantize(64, method=Image.Quantize.MAXCOVERAGE)  # white stays white
-    reduced = [each.quantize(palette=palette, dither=Image.Dither.NONE) for each in drawn]
+    reduced = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in drawn]
     buffer = io.BytesIO()
     reduced[0].save(
         buffer,

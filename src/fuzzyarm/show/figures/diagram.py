@@ -105,16 +105,16 @@ def controller_figure(controller: ControllerText) -> Figure:
 
 def _sheets(controller: ControllerText) -> list[tuple[str, RuleBase | LookupTable]]:
     """Return what a controller looks up, each once; tables that begin at zero show nothing."""
-    found: list[tuple[str, RuleBase | LookupTable]] = []
+    sheets_found: list[tuple[str, RuleBase | LookupTable]] = []
     for name, sheets in controller.sheets.items():
         for index, sheet in enumerate(sheets):
-            if any(sheet == other for _, other in found):
+            if any(sheet == other for _, other in sheets_found):
                 continue
             if not isinstance(sheet, RuleBase) and not sheet.values.any():
                 continue
             axis = controller.model.axis_names[index] if len(sheets) > 1 else ""
-            found.append((f"{name} of {axis}" if axis else name, sheet))
-    return found
+            sheets_found.append((f"{name} of {axis}" if axis else name, sheet))
+    return sheets_found
 
 
 def _title(diagram: Diagram) -> str:

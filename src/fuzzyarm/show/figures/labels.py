@@ -65,15 +65,17 @@ def _even(text: str, lines: list[str], size: float) -> list[str]:
 
     longest = max(map(len, text.split()))
     tries = (textwrap.wrap(text, n) for n in range(longest, max(map(len, lines))))
-    return min([lines, *(each for each in tries if len(each) == len(lines))], key=widest)
+    return min(
+        [lines, *(candidate for candidate in tries if len(candidate) == len(lines))], key=widest
+    )
 
 
 def shortened(text: str, size: float, room: float) -> str:
     """Return a text no wider than `room`; of a longer one both ends stay."""
     if text_width(text, size) <= room:
         return text
-    for kept in range(len(text) - 1, 1, -1):
-        short = f"{text[: (kept + 1) // 2]}…{text[len(text) - kept // 2 :]}"
+    for length in range(len(text) - 1, 1, -1):
+        short = f"{text[: (length + 1) // 2]}…{text[len(text) - length // 2 :]}"
         if text_width(short, size) <= room:
             return short
     return "…"

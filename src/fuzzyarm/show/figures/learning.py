@@ -195,8 +195,8 @@ def _draw_errors(axes: Axes, training: Training, index: int) -> None:
     axes.clear()
     tidy(axes)
     over = [snapshot for snapshot in training.snapshots[: index + 1] if snapshot.complete]
-    errors = np.array([each.rms for each in training.passes])
-    number = [each.passage for each in over]
+    errors = np.array([passage.rms for passage in training.passes])
+    number = [passage.passage for passage in over]
     for column, unit in enumerate(training.snapshots[-1].units):
         name = training.axes[column] if column < len(training.axes) else f"output {column + 1}"
         axes.plot(

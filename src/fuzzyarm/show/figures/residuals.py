@@ -66,8 +66,8 @@ def _calibration(axes: Axes, validation: Validation, target: str) -> None:
         line = validation.intercept + validation.slope * ends
         label = f"observed = {validation.slope:.3g} × predicted {validation.intercept:+.3g}"
         axes.plot(ends, line, color=COLOURS[3], linewidth=0.9, linestyle="--", label=label)
-    predicted = [each.predicted for each in validation.calibration]
-    observed = [each.observed for each in validation.calibration]
+    predicted = [bin_.predicted for bin_ in validation.calibration]
+    observed = [bin_.observed for bin_ in validation.calibration]
     axes.plot(predicted, observed, "o", color=COLOURS[0], markersize=5, label="means of tenths")
     axes.legend(fontsize=7, frameon=False)
     label_axes(axes, safe(f"{target}, predicted"), safe(f"{target}, observed"), "calibration")

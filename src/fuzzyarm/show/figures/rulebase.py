@@ -227,8 +227,8 @@ def _placed_names(variable: Variable, width: float) -> tuple[tuple[_Name, ...], 
         if upright and size == 6.0:  # the smallest letters that can be read
             tops = thinned(tops, int(width / row))
             texts, rooms = [shortened(top.text, size, longest) for top in tops], [row] * len(tops)
-        wanted = [(top.middle - low + margin) / inch for top in tops]
-        places = spread(wanted, rooms, -_OVER, width + _OVER)
+        positions = [(top.middle - low + margin) / inch for top in tops]
+        places = spread(positions, rooms, -_OVER, width + _OVER)
         if places is not None:
             break
     assert places is not None
@@ -349,8 +349,8 @@ def inference_figure(rulebase: AnyRuleBase, trace: Trace) -> Figure:
     panels = _panels(parts[0], max(rows, 1), columns, len(inputs))
     for axes, value, plan in zip(panels, inputs, plans, strict=True):
         variable = plan.variable
-        given = f"{value.name} = {number_words(value.given, 5)}"
-        plan.draw(axes, shortened(given, LABEL, width / columns - _EDGE))
+        label = f"{value.name} = {number_words(value.given, 5)}"
+        plan.draw(axes, shortened(label, LABEL, width / columns - _EDGE))
         axes.vlines(value.value, 0, 1, colors="#111111", linewidth=1.2)
         for k, term in enumerate(variable.terms):
             if is_set(term.shape):
@@ -404,8 +404,8 @@ def _reach_of(variable: Output, output: OutputTrace) -> tuple[float, float]:
     low, high = visible_range(variable)
     if not math.isfinite(output.high - output.low):
         places = [output.value, *(consequent.value for consequent in output.consequents)]
-        known = [x for x in places if x is not None and math.isfinite(x)]
-        low, high = min([low, *known]), max([high, *known])
+        positions = [x for x in places if x is not None and math.isfinite(x)]
+        low, high = min([low, *positions]), max([high, *positions])
     return low, high
 
 

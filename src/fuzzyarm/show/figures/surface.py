@@ -154,10 +154,10 @@ def _points(variable: Variable, count: int, *, edges: bool) -> Any:
 
     low, high = visible_range(variable)
     bends = {x for term in variable.terms for x in corner_points(term.shape) if low < x < high}
-    found = [*np.linspace(low, high, count), *bends]
+    positions = [*np.linspace(low, high, count), *bends]
     if edges:
-        found += [math.nextafter(x, end) for x in bends for end in (-math.inf, math.inf)]
-    return np.unique(found)
+        positions += [math.nextafter(x, end) for x in bends for end in (-math.inf, math.inf)]
+    return np.unique(positions)
 
 
 def _mark(axes: Axes, x: float, y: float, number: int) -> None:

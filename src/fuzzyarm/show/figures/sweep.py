@@ -57,7 +57,7 @@ def sweep_figure(many: Many, over: Sequence[Range], metric: str = "rms") -> Figu
     title = f"{many.controller} on {many.where}"
     if lost.any():
         title += f", {int(lost.sum())} of {lost.size} points diverge (grey)"
-    rest = [name for name in many.changes if name not in [each.name for each in over]]
+    rest = [name for name in many.changes if name not in [range_.name for range_ in over]]
     if rest:
         title += f"; the worst over {', '.join(rest)}"
     head(figure, title, size=10, weight="normal")
@@ -73,20 +73,20 @@ def worst(many: Many, over: Sequence[Range], metric: str) -> tuple[Vector, Any]:
         Largest magnitude; not a number where a run diverged or nothing was measured.
     ndarray of bool, shape (up, across) or (across,)
     """
-    axes = [each.values() for each in reversed(over)]
+    axes = [range_.values() for range_ in reversed(over)]
     places = tuple(
-        np.searchsorted(values, many.changes[each.name])
-        for values, each in zip(axes, reversed(over), strict=True)
+        np.searchsorted(values, many.changes[range_.name])
+        for values, range_ in zip(axes, reversed(over), strict=True)
     )
     shape = tuple(map(len, axes))
     lost = np.zeros(shape, bool)
     np.logical_or.at(lost, places, ~np.isnan(many.diverged))
-    found = np.full((len(many.outputs), *shape), -np.inf)
-    for at, grid in enumerate(found):
+    worst_values = np.full((len(many.outputs), *shape), -np.inf)
+    for at, grid in enumerate(worst_values):
         magnitude = np.abs(many[metric][:, at])
         np.maximum.at(grid, places, np.where(np.isnan(magnitude), -np.inf, magnitude))
         grid[lost | np.isneginf(grid)] = np.nan
-    return found, lost
+    return worst_values, lost
 
 
 def _draw_curve(axes: Axes, over: Range, values: Vector, lost: Any) -> None:
@@ -108,8 +108,10 @@ def _scale_up(axes: Axes, values: Vector) -> None:
 
 def _spreads(values: Vector) -> bool:
     """Whether values need a logarithm to be told apart."""
-    known = values[~np.isnan(values)]
-    return bool(len(known)) and bool(known.min() > 0.0) and bool(known.max() > 30.0 * known.min())
+    finite = values[~np.isnan(values)]
+    return (
+        bool(len(finite)) and bool(finite.min() > 0.0) and bool(finite.max() > 30.0 * finite.min())
+    )
 
 
 def edges_of(over: Range) -> Vector:

@@ -46,15 +46,15 @@ def tuning_figure(tuned: Tuned, title: str = "") -> Figure:
 
 
 def _searches(tuned: Tuned) -> list[tuple[str, Found, str]]:
-    found = [("tuned", tuned.found, COLOURS[0])]
+    searches = [("tuned", tuned.found, COLOURS[0])]
     if tuned.linear is not None:
-        found.append(("linear PD", tuned.linear, COLOURS[1]))
-    return found
+        searches.append(("linear PD", tuned.linear, COLOURS[1]))
+    return searches
 
 
 def _draw_front(axes: Axes, tuned: Tuned) -> None:
-    for name, found, colour in _searches(tuned):
-        front = front_of(found)
+    for name, search, colour in _searches(tuned):
+        front = front_of(search)
         error, chatter = np.array(front).T if front else np.zeros((2, 0))
         axes.plot(error, chatter, "o-", color=colour, markersize=2.5, linewidth=0.8, label=name)
     markers = {"as in the file": "s", "tuned": "*", "linear PD": "D"}
@@ -68,7 +68,7 @@ def _draw_front(axes: Axes, tuned: Tuned) -> None:
                 row.name, (score.error, score.chatter), xytext=(5, 4),
                 textcoords="offset points", fontsize=7,
             )  # fmt: skip
-    pairs = [pair for _, found, _ in _searches(tuned) for pair in front_of(found)]
+    pairs = [pair for _, search, _ in _searches(tuned) for pair in front_of(search)]
     _spread(axes, "x", [error for error, _ in pairs])
     _spread(axes, "y", [chatter for _, chatter in pairs])
     label_axes(axes, "RMS error", "chatter", "front of error and chatter")
