@@ -41,12 +41,35 @@ def test_a_claim_gets_its_end(capsys, claim, status, verdict):
     assert (data["tube"] is None) == (verdict == "refuted")
 
 
-def test_a_tube_has_no_certificate(capsys, tmp_path):
+def test_a_tube_has_a_certificate(capsys, tmp_path):
     path = tmp_path / "c.json"
     claim = ["--claim", f"from {START}: position in 0 .. 0.2", "--for", "3ms"]
     assert main([*ON, *claim, "--certificate", str(path)]) == 0
-    assert "a tube has no certificate" in capsys.readouterr().err
-    assert not path.exists()
+    assert "the certificate" in capsys.readouterr().out
+    assert main(["prove", "--check", str(path)]) == 0
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--plant", "nope", "--stable"], "no plant 'nope'"),
+        (
+            ["--plant", "motor", "--claim", "stable from positon in 0 .. 1"],
+            "did you mean 'position'",
+        ),
+        (
+            ["--plant", "motor", "--claim", "position in 0.5 .. 0.1"],
+            "0.5 .. 0.1 is not an interval",
+        ),
+        (
+            ["--plant", "motor", "--stable", "--with", "K in 0 .. 1"],
+            "the plant has no parameter 'K'",
+        ),
+    ],
+)
+def test_a_claim_that_names_what_is_not_there_is_at_fault(words, message, capsys):
+    assert main([*ON[:2], *words]) == 1
+    assert message in capsys.readouterr().err
 
 
 def test_a_certificate_knows_the_sensors(capsys, tmp_path):

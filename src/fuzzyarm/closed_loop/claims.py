@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import replace
 
-from fuzzyarm.closed_loop.problem import LoopProblem, loop_problem
+from fuzzyarm.closed_loop.problem import ClaimError, LoopProblem, loop_problem
 from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.language.document import parse_document
 from fuzzyarm.language.loop_claims import LoopClaimNode, claim_node
@@ -77,6 +77,13 @@ def problem_of(
     ----------
     text, claim, plant, connect, sensors
         As for :func:`fuzzyarm.closed_loop.prove_loop`.
+
+    Raises
+    ------
+    PlantError
+        If there is no such plant, or it has no such port.
+    ClaimError
+        If it names another state or parameter, or has ends in the wrong order.
     """
     problem = loop_problem(
         text,
@@ -89,6 +96,9 @@ def problem_of(
     )
     if claim.output:
         claimed_port(problem, claim)
+        if not claim.low <= claim.high:
+            ends = f"{claim.low:g} .. {claim.high:g}"
+            raise ClaimError(f"{claim.output} in {ends} is not an interval")
     return problem
 
 

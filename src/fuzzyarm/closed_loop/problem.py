@@ -50,6 +50,10 @@ class LoopProofError(FuzzyarmError, ValueError):
         super().__init__(message, hint=hint)
 
 
+class ClaimError(LoopProofError):
+    """A claim names what its plant does not have, or has ends in the wrong order."""
+
+
 # ── the record ───────────────────────────────────────────────────────────────────────
 
 
@@ -196,7 +200,7 @@ def loop_problem(
     for name, value in (set_point or {}).items():
         port = interface.port(name)
         if port not in wanted or interface.references[port].order:
-            raise LoopProofError(f"'{name}' has no constant set point")
+            raise ClaimError(f"'{name}' has no constant set point")
         wanted[port] = float(value)
     seen = {
         port: sensor
@@ -219,9 +223,9 @@ def _chosen(
     for name, (low, high) in (given or {}).items():
         if name not in names:
             hint = near_hint(name, list(names))[0] or f"there are {', '.join(names)}"
-            raise LoopProofError(f"the plant has no {what} '{name}'", hint=hint)
+            raise ClaimError(f"the plant has no {what} '{name}'", hint=hint)
         if not (math.isfinite(low) and math.isfinite(high) and low <= high):
-            raise LoopProofError(f"{name} in {low:g} .. {high:g} is not an interval")
+            raise ClaimError(f"{name} in {low:g} .. {high:g} is not an interval")
         intervals[name] = Interval(float(low), float(high))
     return intervals
 

@@ -25,7 +25,7 @@ from fuzzyarm.closed_loop.checker import refutation
 from fuzzyarm.closed_loop.claims import claim_text, problem_of
 from fuzzyarm.closed_loop.enclosure import EnclosureError
 from fuzzyarm.closed_loop.form_maker import FormMaker
-from fuzzyarm.closed_loop.problem import LoopProblem
+from fuzzyarm.closed_loop.problem import ClaimError, LoopProblem
 from fuzzyarm.closed_loop.runs import refuting_run
 from fuzzyarm.closed_loop.search import Proposal, proposals, rate_of
 from fuzzyarm.closed_loop.timed import Haven, claim_of_stability, followed, in_the_way
@@ -38,7 +38,7 @@ from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.loop.course import Sensor
 from fuzzyarm.loop.run import Run
 from fuzzyarm.model.claims import LoopClaim
-from fuzzyarm.plant.plant import Plant
+from fuzzyarm.plant.plant import Plant, PlantError
 from fuzzyarm.proof.arithmetic import Stop
 from fuzzyarm.text.diagnostic import NOWHERE
 from fuzzyarm.text.shown import Shown, one_line
@@ -186,6 +186,13 @@ def prove_loop(
     -------
     LoopVerdict
         With its certificate or its evidence.
+
+    Raises
+    ------
+    PlantError
+        If there is no such plant, or it has no such port.
+    ClaimError
+        If the claim names another state or parameter, or has ends in the wrong order.
     """
     case = _Case(text, claim, plant, connect, sensors, budget, tell, continuous=continuous)
     return case.verdict()
@@ -224,6 +231,8 @@ class _Case:
             problem = problem_of(
                 self.text, self.claim, plant=self.plant, connect=self.connect, sensors=self.sensors
             )
+        except (ClaimError, PlantError):
+            raise  # the claim is at fault, not its proof
         except FuzzyarmError as error:
             return self._said(UNDECIDED, reason=_sentence(error))
         if self.claim.output:
