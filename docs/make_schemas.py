@@ -882,6 +882,14 @@ GRADED = record(
     ),
 )
 
+_REPORT_FILE = record(
+    "a file",
+    file=text("its name"),
+    sha256=text("of its bytes"),
+    bytes=whole("how many"),
+)
+_REPORT_LINE = record("a line", line=whole("its number"), text=text("what stands there"))
+
 OUTPUTS = (
     Output("grade", "grade DIR", "who passes what", GRADED),
     Output("cite", "cite FILE", "publications of the methods of a file", CITED),
@@ -930,6 +938,88 @@ OUTPUTS = (
         "compile CONTROLLER -o OUT.c",
         "source text of a controller",
         CONTROLLER_REPORT,
+    ),
+    Output(
+        "compile-report",
+        "compile FILE -o OUT.c --report DIR",
+        "what stands in DIR/report.json, too",
+        record(
+            "a report on an export",
+            format=whole("of this description"),
+            engine=text("which fuzzyarm"),
+            source=_REPORT_FILE,
+            used=rows(_REPORT_FILE, "what it reads beside itself"),
+            settings={"type": "object", "description": "every option of the export"},
+            written=rows(_REPORT_FILE, "the export"),
+            functions=rows(
+                record(
+                    "a function",
+                    call=text("its prototype"),
+                    worst=number("largest difference to what it is compared with"),
+                    against=text("what that is"),
+                    points=whole("over how many points"),
+                    proved=number("worst error against the rules", null="where none is proved"),
+                    operations=by_name({"type": "integer"}, "most of a call, by their sort"),
+                    stack=whole("bytes of local variables", null="of a controller"),
+                ),
+                "in order",
+            ),
+            findings=rows(
+                record(
+                    "a finding",
+                    name=text("its sort"),
+                    severity=text("how bad", "error", "warning", "info"),
+                    message=text("in words"),
+                    line=whole("of the file"),
+                ),
+                "of the check",
+            ),
+            proofs=rows(
+                record(
+                    "a statement about all points",
+                    statement=text("in words"),
+                    verdict=text("what is known", "proved", "refuted", "undecided"),
+                    reason=text("why, or empty"),
+                ),
+                "by `prove` lines and certificates",
+            ),
+            self_test=record(
+                "the self-test",
+                compiler=text("and its version"),
+                flags=names("of it"),
+                passed=truth("whether every point does"),
+                rows=rows(
+                    record(
+                        "a point, or a period",
+                        function=text("which is called"),
+                        inputs=numbers("that go in", null="where it is not a number"),
+                        expected=numbers("of the model", null="where it is not a number"),
+                        computed=numbers("by the C", null="where it is not a number"),
+                        tolerance=number("of a difference"),
+                        passed=truth("whether it is met"),
+                    ),
+                    "in order",
+                ),
+            ),
+            coverage=record(
+                "of the exported code by the self-test",
+                statements=rows({"type": "integer"}, "reached, and in all", length=2),
+                branches=rows({"type": "integer"}, "taken, and in all", length=2),
+                missed=rows(_REPORT_LINE, "that no point reaches"),
+                untaken=rows(_REPORT_LINE, "with a branch that no point takes"),
+            ),
+            sizes=rows(
+                record(
+                    "bytes of the functions alone",
+                    processor=text("for which"),
+                    compiler=text("and its version"),
+                    flags=names("of it"),
+                    flash=whole("bytes"),
+                    ram=whole("bytes of static variables"),
+                ),
+                "by the cross compilers that are installed",
+            ),
+        ),
     ),
     Output(
         "convert",

@@ -64,6 +64,7 @@ TESTS = {
     "loop/": ["tests/loop", "tests/controller"],
     "control.py": ["tests/controller", "tests/export/test_exported_controllers.py"],
     "sklearn.py": ["tests/learning/test_sklearn.py"],
+    "dossier/": ["tests/dossier"],
     "api.py": ["tests/python", "tests/lsp"],
     "builder/": ["tests/python"],
     "notebook.py": ["tests/python"],

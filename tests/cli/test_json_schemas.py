@@ -97,6 +97,7 @@ CALLS = {
     ],
     "compile-source": [["compile", PD7, "-o", "a.c"], ["compile", PD7, "--direct", "-o", "b.st"]],
     "compile-controller": [["compile", SERVO, "--table", "-o", "servo.c"]],
+    "compile-report": [["compile", PD7, "-o", "evident.c", "--report", "evidence"]],
     "convert": [
         ["convert", PD7, "a.fll"],
         ["convert", "a.lut", "c.frb", "--terms", "5", "--lossy"],

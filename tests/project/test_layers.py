@@ -41,6 +41,7 @@ ORDER = (
     "learning",
     "sklearn",
     "study",
+    "dossier",
     "builder",
     "live",
     "tuning",

@@ -49,7 +49,7 @@ from fuzzyarm.cli.command import (
     say,
 )
 from fuzzyarm.requests.fields import Request, option
-from fuzzyarm.requests.making import ExportRequest
+from fuzzyarm.requests.making import SOURCE, ExportRequest
 from fuzzyarm.show.compiled import controller_lines, export_lines, report_lines, table_words
 
 if TYPE_CHECKING:
@@ -57,6 +57,7 @@ if TYPE_CHECKING:
     from fuzzyarm.export import Exported, ExportedController
     from fuzzyarm.export.routine import Routine
     from fuzzyarm.model.rulebase import RuleBase
+    from fuzzyarm.proof.compiled import Making
     from fuzzyarm.table import CompileReport, LookupTable
 
 
@@ -71,6 +72,11 @@ class _Output(Request):
 @dataclass(frozen=True, kw_only=True)
 class ExportWords(ExportRequest, _Output):
     """All that ``fuzzyarm compile`` takes."""
+
+    report: str | None = option(
+        "--report DIR", "of a .c: what it is made of, proofs, self-test, coverage", None,
+        group=SOURCE,
+    )  # fmt: skip
 
 
 _EXPORTS = (".h", ".c", ".st", ".xml", ".scl", ".py")
@@ -95,6 +101,8 @@ def _run(asked: ExportWords) -> int:
         _write_for_board(asked)
         return 0
     _forbid(asked, ("board",), "without --for nothing is made for a board")
+    if asked.report is not None:
+        _demand_report(asked.out, asked.report)
     suffix = require_suffix(asked.out, (*tables, *_EXPORTS, _UNIT, *_MODULES))
     if suffix != ".xml":
         _forbid(asked, ("format",), f"{Path(asked.out).name} is not an .xml")
@@ -116,6 +124,39 @@ def _run(asked: ExportWords) -> int:
     return 0
 
 
+def _demand_report(out: str, folder: str) -> None:
+    """Refuse a report of what is not C, or into a folder of somebody else's."""
+    from fuzzyarm.text.whole_folders import demand_own
+
+    if Path(out).suffix.lower() != ".c":
+        raise WordError("--report is of C", hint="-o x.c: its coverage is counted by gcov")
+    demand_own(folder)
+
+
+def _report(
+    asked: ExportWords, how: Making, exported: Exported | ExportedController
+) -> dict[str, Any] | None:
+    """Write the report that was asked for, and return it."""
+    if asked.report is None:
+        return None
+    from fuzzyarm.dossier import write_report
+
+    return write_report(asked.report, asked.file, how, exported)
+
+
+def _report_line(folder: str | None, report: dict[str, Any] | None) -> list[str]:
+    """Return what is said of a report, if there is one."""
+    if report is None:
+        return []
+    rows, coverage = report["self_test"]["rows"], report["coverage"]
+    passed = sum(row["passed"] for row in rows)
+    statements, branches = ("{} of {}".format(*coverage[key]) for key in ("statements", "branches"))
+    return [
+        f"{folder}: report.html, report.json; {passed} of {len(rows)} points pass,"
+        f" {statements} statements and {branches} branches reached"
+    ]
+
+
 def _write_for_board(asked: ExportWords) -> None:
     """Write a folder for Arduino or PlatformIO."""
     from fuzzyarm.cli.boards import write_for_board
@@ -123,7 +164,7 @@ def _write_for_board(asked: ExportWords) -> None:
 
     _forbid(
         asked,
-        ("ends", "fmi", "platforms", "certificate", "format"),
+        ("ends", "fmi", "platforms", "certificate", "format", "report"),
         f"--for {asked.place} makes a folder for a board",
     )
     if asked.table and asked.direct:
@@ -249,14 +290,15 @@ def _export(model: RuleBase | LookupTable, asked: ExportWords) -> None:
     how = making_of(asked)
     with busy("compiling") as progress, _of_file(asked.file):
         exported, reports = source_of(model, asked.out, how, progress)
+    report = _report(asked, how, exported)
     for where, text in exported.files:
         write_atomically(where, text)
     if asked.json:
-        tables = [_report_data(report, asked.out) for report in reports]
-        print_json({**_export_data(exported), "tables": tables}, 2)
+        tables = [_report_data(table, asked.out) for table in reports]
+        print_json(report or {**_export_data(exported), "tables": tables}, 2)
         return
-    lines = [line for report in reports for line in report_lines(report, asked.out)]
-    say(*lines, *export_lines(exported))
+    lines = [line for table in reports for line in report_lines(table, asked.out)]
+    say(*lines, *export_lines(exported), *_report_line(asked.report, report))
 
 
 @contextmanager
@@ -301,13 +343,14 @@ def _export_controller(controller: ControllerText, suffix: str, asked: ExportWor
         how = replace(how, proofs=(_certified(asked.certificate, controller),))
     with busy("exporting") as progress, _of_file(asked.file):
         exported, reports = program_of(controller, asked.out, how, progress)
+    report = _report(asked, how, exported)
     exported.write()
     if asked.json:
-        tables = [_report_data(report, asked.out) for report in reports]
-        print_json({**_controller_data(exported), "tables": tables}, 2)
+        tables = [_report_data(table, asked.out) for table in reports]
+        print_json(report or {**_controller_data(exported), "tables": tables}, 2)
         return
-    lines = [line for report in reports for line in report_lines(report, asked.out)]
-    say(*lines, *controller_lines(exported))
+    lines = [line for table in reports for line in report_lines(table, asked.out)]
+    say(*lines, *controller_lines(exported), *_report_line(asked.report, report))
 
 
 # --- What --json says of tables and of source text ---
