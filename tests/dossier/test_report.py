@@ -118,12 +118,13 @@ def test_c_that_computes_something_else_fails_in_its_report(tmp_path):
     [
         (["-o", "made.st"], "--report is of C"),
         (["-o", "made.c"], "is not empty, and not of fuzzyarm"),
+        (["-o", "report.c", "--report", "report.c"], "they cannot be one"),
     ],
 )
 def test_what_is_refused_writes_nothing(tmp_path, monkeypatch, capsys, words, message):
     monkeypatch.chdir(tmp_path)
     Path("report").mkdir()
     Path("report/mine.txt").write_text("mine")
-    assert main(["compile", str(shipped("pd7.frb")), *words, "--report", "report"]) == 1
+    assert main(["compile", str(shipped("pd7.frb")), "--report", "report", *words]) == 1
     assert message in capsys.readouterr().err
     assert [path.name for path in Path().iterdir()] == ["report"]

@@ -16,6 +16,7 @@ from fuzzyarm.cli import main
 from fuzzyarm.export import EXPORTS
 from fuzzyarm.inference import infer
 from fuzzyarm.language import load_rulebase
+from fuzzyarm.shipped_files import shipped
 from fuzzyarm.table import read_table
 
 ROOT = Path(__file__).parents[2]
@@ -223,3 +224,22 @@ def test_compiling_twice_gives_the_same_bytes(tmp_path, monkeypatch):
             assert main(["compile", PD7, "-o", f"c{suffix}"]) == 0
             files.append(Path(f"c{suffix}").read_bytes())
         assert files[0] == files[1]
+
+
+@pytest.mark.parametrize(
+    "words", [["-o", "con.h"], ["-o", "Lpt1.scl"], ["--for", "arduino", "-o", "aux"]]
+)
+def test_devices_of_windows_are_no_names(tmp_path, monkeypatch, capsys, words):
+    monkeypatch.chdir(tmp_path)
+    assert main(["compile", str(shipped("pd7.frb")), *words]) == 1
+    assert "is a device of Windows" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_name_that_the_tia_portal_does_not_take_is_refused(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    text = re.sub(r"\bce\b", "c" * 130, shipped("pd7.frb").read_text("utf-8"))
+    Path("long.frb").write_text(text)
+    assert main(["compile", "long.frb", "--direct", "-o", "long.scl"]) == 1
+    assert "has 130 letters, and the TIA Portal takes 125" in capsys.readouterr().err
+    assert not Path("long.scl").exists()

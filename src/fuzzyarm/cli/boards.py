@@ -24,7 +24,7 @@ def write_for_board(asked: ExportRequest, out: str, how: Making, *, as_json: boo
     """Write a folder for an IDE and say what is in it."""
     from fuzzyarm.export.arduino import board_folder
     from fuzzyarm.export.boards import board_named
-    from fuzzyarm.export.names import identifier
+    from fuzzyarm.export.names import DEVICES, identifier
     from fuzzyarm.text.whole_folders import demand_own, write_folder
 
     board = board_named(asked.board or "uno")
@@ -35,6 +35,12 @@ def write_for_board(asked: ExportRequest, out: str, how: Making, *, as_json: boo
         )
     how = replace(how, precision=how.precision or (None if how.q else board.precision))
     stem = identifier(how.name or Path(asked.file).stem)
+    for name in (Path(out).name, stem):
+        if name.upper() in DEVICES:
+            raise WordError(
+                f"'{name}' is a device of Windows, where no file or folder may be called so",
+                hint="take another name",
+            )
     demand_own(out)
     with busy("compiling") as progress:
         controller = controller_if_any(asked.file)

@@ -130,18 +130,28 @@ def _demand_report(out: str, folder: str) -> None:
 
     if Path(out).suffix.lower() != ".c":
         raise WordError("--report is of C", hint="-o x.c: its coverage is counted by gcov")
+    if Path(folder) in (Path(out), Path(out).with_suffix(".h")):
+        raise WordError("--report names a folder, and -o a file: they cannot be one")
     demand_own(folder)
 
 
 def _report(
     asked: ExportWords, how: Making, exported: Exported | ExportedController
 ) -> dict[str, Any] | None:
-    """Write the report that was asked for, and return it."""
+    """Return the report that was asked for, not yet written."""
     if asked.report is None:
         return None
-    from fuzzyarm.dossier import write_report
+    from fuzzyarm.dossier import report_of
 
-    return write_report(asked.report, asked.file, how, exported)
+    return report_of(asked.file, how, exported)
+
+
+def _write_report(folder: str | None, report: dict[str, Any] | None) -> None:
+    """Write a report beside what it is about."""
+    if folder is not None and report is not None:
+        from fuzzyarm.dossier import write_report
+
+        write_report(folder, report)
 
 
 def _report_line(folder: str | None, report: dict[str, Any] | None) -> list[str]:
@@ -293,6 +303,7 @@ def _export(model: RuleBase | LookupTable, asked: ExportWords) -> None:
     report = _report(asked, how, exported)
     for where, text in exported.files:
         write_atomically(where, text)
+    _write_report(asked.report, report)
     if asked.json:
         tables = [_report_data(table, asked.out) for table in reports]
         print_json(report or {**_export_data(exported), "tables": tables}, 2)
@@ -345,6 +356,7 @@ def _export_controller(controller: ControllerText, suffix: str, asked: ExportWor
         exported, reports = program_of(controller, asked.out, how, progress)
     report = _report(asked, how, exported)
     exported.write()
+    _write_report(asked.report, report)
     if asked.json:
         tables = [_report_data(table, asked.out) for table in reports]
         print_json(report or {**_controller_data(exported), "tables": tables}, 2)

@@ -28,33 +28,23 @@ _BUDGET = 60.0
 """Seconds for each `prove` line."""
 
 
-def write_report(
-    folder: str | Path, file: str, how: Making, exported: Exported | ExportedController
-) -> dict[str, Any]:
-    """Write ``report.html`` and ``report.json`` of an export; return what is in the latter.
+def write_report(folder: str | Path, report: dict[str, Any]) -> None:
+    """Write ``report.html`` and ``report.json``, both or neither.
 
     Parameters
     ----------
     folder : path-like
         Where; new, empty, or of an earlier report.
-    file : str
-        What the export was made of.
-    how : Making
-        The settings.
-    exported : Exported or ExportedController
-        A ``.c`` and its ``.h``, written or not.
+    report : dict
+        As `report_of` gives it.
 
     Raises
     ------
     ForeignFolderError
         If the folder holds what is somebody else's.
-    FuzzyarmError
-        If no gcc is here.
     """
-    data = report_of(file, how, exported)
-    text = json.dumps(data, indent=2, allow_nan=False) + "\n"
-    write_folder(folder, {"report.html": page(data), "report.json": text})
-    return data
+    text = json.dumps(report, indent=2, allow_nan=False) + "\n"
+    write_folder(folder, {"report.html": page(report), "report.json": text})
 
 
 def report_of(file: str, how: Making, exported: Exported | ExportedController) -> dict[str, Any]:
@@ -62,8 +52,12 @@ def report_of(file: str, how: Making, exported: Exported | ExportedController) -
 
     Parameters
     ----------
-    file, how, exported
-        As for :func:`write_report`.
+    file : str
+        What the export was made of.
+    how : Making
+        The settings.
+    exported : Exported or ExportedController
+        A ``.c`` and its ``.h``, written or not.
 
     Raises
     ------

@@ -46,6 +46,12 @@ ARDUINO_MACROS = re.compile(
 """Names that the headers of an Arduino sketch define as macros or as types."""
 
 
+DEVICES = frozenset(
+    ["CON", "PRN", "AUX", "NUL", *(f"{port}{i}" for port in ("COM", "LPT") for i in range(1, 10))]
+)
+"""Names that no file and no folder has on Windows, whatever its suffix."""
+
+
 class Names:
     """Hands out identifiers that are valid and different from each other.
 

@@ -21,6 +21,9 @@ _TYPES = {
     "REAL": "Real", "LREAL": "LReal", "SINT": "SInt", "INT": "Int", "DINT": "DInt", "BOOL": "Bool",
 }  # fmt: skip
 
+LONGEST = 125
+"""Letters of a name in the TIA Portal."""
+
 _BY_NAME = {"MIN": ("IN1", "IN2"), "MAX": ("IN1", "IN2")}
 _ONE_OPERAND = frozenset(
     ["ABS", "SQRT", "SIN", "COS", "TAN", "ASIN", "ACOS", "ATAN", "EXP", "LN", "TRUNC"]
@@ -207,6 +210,11 @@ def _written_inputs(unit: Unit) -> dict[str, str]:
 
 def _local(name: str) -> str:
     """Return a name, in quotation marks where it is a word of SCL."""
+    if len(name) > LONGEST:
+        raise ExportError(
+            f"'{name[:20]}…' has {len(name)} letters, and the TIA Portal takes {LONGEST}",
+            hint="give it a shorter name",
+        )
     return f'"{name}"' if name.lower() in _QUOTED else name
 
 

@@ -15,7 +15,7 @@ from fuzzyarm.export.fmu import controller_fmu, platforms_named
 from fuzzyarm.export.iec61131_10 import iec61131_10_xml
 from fuzzyarm.export.micropython import python_module
 from fuzzyarm.export.micropython_controller import python_controller
-from fuzzyarm.export.names import C_RESERVED, ST_RESERVED, identifier
+from fuzzyarm.export.names import C_RESERVED, DEVICES, ST_RESERVED, identifier
 from fuzzyarm.export.numbers import ExportError
 from fuzzyarm.export.plc_project import Project, controller_project, routines_project
 from fuzzyarm.export.plcopen import plcopen_xml
@@ -215,6 +215,11 @@ def _suffix_and_prefix(path: Path, name: str | None, known: Sequence[str]) -> tu
     suffix = path.suffix.lower()
     if suffix not in known:
         raise ExportError(f"'{path.name}' has no suffix of an export", hint=", ".join(known))
+    if path.stem.upper() in DEVICES:
+        raise ExportError(
+            f"'{path.name}' is a device of Windows, where no file may be called so",
+            hint="take another name",
+        )
     if not path.name.isprintable() or any(mark in path.name for mark in '"\\'):
         raise ExportError(f"{path.name!r} cannot stand in an #include", hint="take another name")
     if name is None:
