@@ -74,6 +74,10 @@ STRUCTURES = {
     "scheduled-pid": (
         f"rulebases/tanks.frb {OWN}/scheduled-pid.frb --plant tanks --step 0.1 --for 150s"
     ),
+    "fuzzy-pid": (
+        f"{SERVO} {OWN}/pd-plus-i.frb {OWN}/scheduled-servo.frb {OWN}/linear-servo.frb"
+        " --plant motor --step 1 --for 1s --disturb voltage=step:-4,0.5"
+    ),
     "supervisor": f"{OWN}/supervisor.frb --plant tanks --step 0.2 --for 150s",
     "stfc": "fuzzy-direct stfc --payload",
     "cfaf": "fuzzy-direct cfaf --payload",
@@ -87,7 +91,7 @@ STRUCTURES = {
 
 
 def draw_structures(wanted: list[str]) -> None:
-    """Draw a run of each structure of ``docs/structures.md``, or of those that are wanted."""
+    """Draw a run of each structure of the pages, or of those that are wanted."""
     for name, words in STRUCTURES.items():
         if wanted and name not in wanted:
             continue
