@@ -71,6 +71,10 @@ TESTS = {
     "show/": ["tests/show", "tests/cli"],
     "shipped_files.py": ["tests/text", "tests/cli"],
     "extras.py": ["tests/project"],
+    "picture.py": ["tests/show", "tests/plant"],
+    "figure_files.py": ["tests/show", "tests/cli"],
+    "frozen.py": ["tests/python", "tests/language"],
+    "grading.py": ["tests/grading"],
     "errors.py": ["tests/project", "tests/language"],
     "lazy.py": ["tests/project"],
     "__init__.py": ["tests/project"],
@@ -79,8 +83,8 @@ TESTS = {
     **{
         f"{package}/": [f"tests/{package}"]
         for package in (
-            "cli", "closed_loop", "designer", "export", "language", "learning", "lsp", "proof",
-            "study", "tuning", "watch",
+            "cli", "closed_loop", "designer", "export", "language", "learning", "lsp", "playground", "proof",
+            "requests", "study", "tuning", "watch",
         )
     },
 }  # fmt: skip

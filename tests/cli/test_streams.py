@@ -96,6 +96,7 @@ def of_every_command(name="x" + HOSTILE):
         ["cite", PD7],
         ["cite", hostile],
         ["grade", "nothing"],
+        ["playground", "nothing.txt", "-o", "site"],
         ["prove", PD7, "--range"],
         ["prove", hostile],
         ["reproduce", "--list"],

@@ -27,7 +27,10 @@ OFTEN = {
     "fit": 3, "validate": 4, "designer": 6, "watch": 2, "new": 2, "shipped": 1, "lsp": 1,
     "reproduce": 0.5, "cite": 2, "grade": 1, "demo": 0.05, "help": 1,
 }  # fmt: skip
-"""How often each command is drawn, in parts; `identify` searches for minutes by its nature."""
+"""How often each command is drawn, in parts.
+
+`identify` searches for minutes by its nature, and `playground` asks npm and compiles for another platform.
+"""
 
 ODD_NAMES = (
     "", " ", "-", "--", "e", "nan", "no such", "'", '"', "é", "💧", "\u202e", "a" * 300, "./.",

@@ -288,7 +288,7 @@ def test_time_ends_a_search_with_the_best_until_then(method, seconds, monkeypatc
         (Options(method="magic"), "unknown method"),
         (Options(start="middle"), "unknown start"),
         (Options(rules=0), "number of rules must be 1 to"),
-        (Options(parts=1), "--folds must be 2 to 100, not 0"),
+        (Options(parts=1), "number of parts of the cross-validation must be 2 to 100, not 1"),
         (Options(shrinkage=-1.0), "shrinkage must be 0 or more"),
         (Options(terms=(2,)), "1 numbers of terms for 2 inputs"),
         (Options(method="wang-mendel", words=(1, 1)), "number of words must be"),

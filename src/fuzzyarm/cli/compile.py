@@ -408,7 +408,7 @@ def _export_data(exported: Exported) -> dict[str, Any]:
             {
                 "call": call,
                 "output": routine.output.name,
-                "asked": [argument.name for argument in routine.arguments],
+                "arguments": [argument.name for argument in routine.arguments],
                 "type": C_TYPES[routine.kind],
                 "worst": routine.accuracy.worst,
                 "points": routine.accuracy.points,

@@ -95,7 +95,7 @@ def tree(
     >>> import fuzzyarm
     >>> from fuzzyarm.formats.trees import tree
     >>> a = fuzzyarm.parse("input x 0 .. 1\noutput y 0 .. 1\nterms x, y: triangles L H\n"
-    ...                    "rule if x is L then y is H\nrule if x is H then y is L\n")
+    ...                    "rule if x is L then y is H\nrule if x is H then y is L\n").rulebase
     >>> both = tree({"a": a, "b": a}, ["a/y -> b/x"]).rulebase
     >>> [variable.name for variable in (*both.inputs, *both.outputs)]
     ['x', 'a_y', 'b_y']
