@@ -83,8 +83,8 @@ TESTS = {
     **{
         f"{package}/": [f"tests/{package}"]
         for package in (
-            "cli", "closed_loop", "designer", "export", "language", "learning", "lsp", "playground", "proof",
-            "requests", "study", "tuning", "watch",
+            "cli", "closed_loop", "designer", "dossier", "export", "language", "learning", "lsp",
+            "playground", "proof", "requests", "study", "tuning", "watch",
         )
     },
 }  # fmt: skip

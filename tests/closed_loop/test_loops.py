@@ -12,7 +12,9 @@ from fuzzyarm import load, prove, shipped, simulate
 from fuzzyarm.closed_loop import (
     CertificateError,
     check_certificate,
+    prove_loop,
     read_certificate,
+    read_claim,
     write_certificate,
 )
 from fuzzyarm.closed_loop.certificate import _seal
@@ -386,3 +388,31 @@ def test_a_certificate_of_another_file_is_rejected(servo_verdict, tmp_path):
     write_certificate(servo_verdict.certificate, path)
     with pytest.raises(CertificateError, match="not the file that was proved"):
         check_certificate(path, load(tmp_path / "servo.frb"))
+
+
+def test_a_claim_without_starts_is_of_the_whole_region(servo):
+    """What the verdict says of the region holds from everywhere in it."""
+    verdict = prove_loop(servo, read_claim("stable on motor: position in -0.1 .. 0.1"), budget=60.0)
+    assert verdict.proved
+    assert -0.1 <= verdict.region["position"][0] < verdict.region["position"][1] <= 0.1
+    whole = prove_loop(servo, read_claim("stable on motor"), budget=60.0).certificate
+    for ends in (("after", 0.01), ("always", 0.0)):
+        narrow = replace(
+            whole.claim, output="position", low=-0.1, high=0.1, when=ends[0], begin=ends[1]
+        )
+        against = check_certificate(replace(whole, claim=narrow), servo)
+        assert not against.proved
+        assert "position stays in" in against.reason
+
+
+def test_a_tube_without_starts_says_from_where_it_is(servo):
+    claim = read_claim("stable on motor: position in -0.001 .. 0.001 after 10 ms")
+    verdict = prove_loop(servo, claim, budget=60.0)
+    assert verdict.proved
+    assert "position = 0, velocity = 0, current = 0" in str(verdict)
+
+
+def test_parameters_as_intervals_are_proved_and_checked(servo):
+    verdict = prove_loop(servo, read_claim("stable on motor with J in 0.009 .. 0.011"), budget=60.0)
+    assert verdict.proved
+    assert verdict.region["position"][1] > 0.31

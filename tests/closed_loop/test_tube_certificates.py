@@ -163,3 +163,13 @@ def test_a_set_that_is_too_small_is_not_led_into(servo):
             tuple(Fraction(i == j) / (share * w) for j in range(3)) for i, w in enumerate(wide)
         )
         assert leads_into(step, TubeSet(centre, rows)) == expected
+
+
+def test_sets_for_a_time_prove_no_stability(servo, certificate):
+    """An unstable loop may keep a claim for three periods."""
+    forged = replace(certificate, claim=replace(certificate.claim, stable=True))
+    verdict = check_certificate(forged, servo)
+    assert not verdict.proved
+    assert "do not show that the loop is stable" in verdict.reason
+    with pytest.raises(ValueError, match="does not show that a loop is stable"):
+        certify_tube(servo, forged.claim)

@@ -29,7 +29,8 @@ OFTEN = {
 }  # fmt: skip
 """How often each command is drawn, in parts.
 
-`identify` searches for minutes by its nature, and `playground` asks npm and compiles for another platform.
+`identify` searches for minutes by its nature; `playground` asks npm and compiles for another
+platform.
 """
 
 ODD_NAMES = (

@@ -250,7 +250,10 @@ class FormMaker:
         at = {name: number(state.constant) for name, state in states.items()}
         forms = {name: number(form.constant) for name, form in inputs.items()}
         if any(rate.constant for rate in self._rates(algebra, at, forms)):
-            raise LoopProofError("the plant does not rest where the controller does")
+            raise LoopProofError(
+                "the plant does not rest where the controller does",
+                hint="a bias must balance it to the last digit; an integral finds the rest",
+            )
         if any(parameter.low < parameter.high for parameter in self.problem.parameters.values()):
             ranges = self._point_ranges(at, forms)
             for root in self.equations.rates:

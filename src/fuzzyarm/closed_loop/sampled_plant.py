@@ -58,6 +58,10 @@ def require_still(problem: LoopProblem) -> None:
             raise LoopProofError(f"an output of {name} depends on a parameter that is open")
 
 
+ROOM_FOR_CHECKER = Fraction(2)
+"""The checker sums a series with intervals, up to 1.7 times as wide as what is found here."""
+
+
 class SampledPlant:
     """The plant of a loop.
 
@@ -149,6 +153,8 @@ class SampledPlant:
                 if radius > abs(Fraction(middle)) * Fraction(1, 10**8) and radius > Fraction(
                     1, 10**12
                 ):
+                    if self.is_affine and not continuous:  # parameters are intervals
+                        radius *= ROOM_FOR_CHECKER
                     of = self.problem.states[j] if j < count else self.equations.inputs[j - count]
                     words = f"the plant, {name} by {of} in {low:.6g} .. {high:.6g}"
                     row = row.plus(algebra.block(signal.scaled(radius), words))

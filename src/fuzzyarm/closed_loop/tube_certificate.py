@@ -94,6 +94,8 @@ class TubeCertificate:
         """
         if not self.claim.output or math.isinf(self.claim.end):
             return "it is of a claim without an end"
+        if self.claim.stable:
+            return "sets for a time do not show that the loop is stable"
         problem = problem_of(
             text, self.claim, plant=plant, sensors=self.sensors, connect=self.connect
         )
@@ -133,6 +135,8 @@ def certify_tube(
     """
     if not claim.output or math.isinf(claim.end):
         raise LoopProofError("a tube is certified of a claim with an end", hint="during 0 .. 1 s")
+    if claim.stable:
+        raise LoopProofError("a tube does not show that a loop is stable")
     problem = problem_of(text, claim, plant=plant, sensors=sensors, connect=connect)
     boxes = proof_boxes(TubeLoop(problem), claim, claimed_port(problem, claim), budget)
     if isinstance(boxes, str):

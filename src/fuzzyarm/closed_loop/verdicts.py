@@ -78,7 +78,8 @@ class LoopVerdict(Shown):
     continuous : bool
         Whether the proof is one of the loop in continuous time only.
     evidence : tuple of str
-        Of what is refuted, the start and what the run from it did.
+        Of what is refuted, the start and what the run from it did; of what a tube proves without
+        starts in the claim, which starts it had.
     run : Run or None
         That run.
     tube : Tube or None
@@ -273,7 +274,7 @@ class _Case:
             return self._said(UNDECIDED, reason=reason, evidence=in_the_way(way), rest=stable.rest)
         return self._said(
             PROVED, tube=way, region=stable.region, rest=stable.rest, fall=stable.fall,
-            uncertain=stable.uncertain,
+            uncertain=stable.uncertain, evidence=self._own_start(problem),
         )  # fmt: skip
 
     def _by_tube(self, problem: LoopProblem) -> LoopVerdict:
@@ -285,7 +286,7 @@ class _Case:
         except (FuzzyarmError, EnclosureError) as error:
             return self._said(UNDECIDED, reason=_sentence(error))
         if not reason:
-            return self._said(PROVED, tube=way)
+            return self._said(PROVED, tube=way, evidence=self._own_start(problem))
         try:
             verdict = self._searched(FormMaker(problem, self.stop), self.claim, self.stop)
         except (FuzzyarmError, EnclosureError):
@@ -294,6 +295,13 @@ class _Case:
             return verdict
         whole = way if way.complete else None
         return self._said(UNDECIDED, reason=reason, tube=whole, evidence=in_the_way(way))
+
+    def _own_start(self, problem: LoopProblem) -> tuple[str, ...]:
+        """Say where the plant starts by itself, in a claim that does not say it."""
+        if self.claim.start:
+            return ()
+        values = ", ".join(f"{name} = {ends.low:g}" for name, ends in problem.start.items())
+        return (f"of runs that start as the plant does: {values}",)
 
     def _told_of_boxes(self, share: float, boxes: int) -> None:
         """Show how far a tube is."""

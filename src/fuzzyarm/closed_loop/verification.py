@@ -85,7 +85,8 @@ def verified(
         "uncertain": loop.words,
     }
     if claim.output:
-        against = _outside(problem, loop, certificate, level)
+        # Without starts of its own a claim is of all starts in the region, as the verdict says.
+        against = _outside(problem, loop, certificate, level if claim.start else Fraction(1))
     return against, facts, loop
 
 

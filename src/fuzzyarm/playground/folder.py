@@ -26,7 +26,7 @@ __all__ = ["BEGIN_WITH", "Playground", "PlaygroundError", "wasm_kernels", "write
 BUNDLE = PAGE / "built/playground.js"
 """The modules of the page, which `make designer` puts together."""
 
-STYLES = ("style.css", "files.css", "run.css", "playground.css")
+STYLES = ("style.css", "files.css", "vendor/uplot.css", "run.css", "playground.css")
 
 BEGIN_WITH = ("pd7.frb", "servo.frb", "tipper.frb")
 """What a visitor finds, of the shipped files."""
