@@ -291,7 +291,8 @@ def _exit_status(verdict: LoopVerdict) -> int:
 def _lines(path: str, verdict: LoopVerdict) -> list[str]:
     head, *rest = str(verdict).splitlines()
     where = f"{path}:{verdict.line}" if verdict.line else path
-    tries = f"{verdict.pieces} attempts, " if verdict.pieces else ""
+    count = verdict.pieces
+    tries = f"{count} attempt{'s' * (count != 1)}, " if count else ""
     return [f"{where}: {head}", *rest, f"  {tries}{verdict.seconds:.2f} s"]
 
 

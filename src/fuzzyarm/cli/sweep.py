@@ -94,7 +94,9 @@ def sweep(asked: SweepWords) -> int:
         print_error(fault)
     if answer.interrupted:
         done = f"{len(many)} of {counted(plan.count, 'run')}"
-        kept = "-o keeps them" if file is None else f"{file.path} has them, --resume goes on"
+        kept = (
+            "with -o they are kept" if file is None else f"{file.path} has them, --resume goes on"
+        )
         print_error(f"interrupted after {done}; {kept}")
         return EXIT_INTERRUPTED
     if faults:
