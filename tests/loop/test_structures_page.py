@@ -1,4 +1,4 @@
-"""The page on structures: its texts are those of the files, its numbers those of the runs."""
+"""The pages on structures: their texts are those of the files, their numbers those of the runs."""
 
 import json
 import re
@@ -10,10 +10,11 @@ from fuzzyarm.cli import main
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "structures.md").read_text()
+LAWS = (ROOT / "docs" / "howto" / "fuzzy-pid.md").read_text()
 
 RUNS = re.findall(r"(?m)^\| `([\w/+-]+\.frb)` \| `([\w-]+)` \| `(--[^`]+)` \| (.+) \|$", PAGE)
 ARM = re.findall(r"(?m)^\| `([\w+-]+)` \| ((?:[\d.]+ \| ){3}[\d.]+) \|$", PAGE)
-TEXTS = re.findall(r"(?ms)^```text\n# (\S+\.frb)\n(.*?)^```", PAGE)
+TEXTS = re.findall(r"(?ms)^```text\n# (\S+\.frb)\n(.*?)^```", PAGE + LAWS)
 
 
 def reported(words, capsys):
