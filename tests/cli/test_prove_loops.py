@@ -99,6 +99,27 @@ def test_what_does_not_fit_is_said(capsys, words, said):
     assert said in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("words", [["--range"], ["--sector"], []])
+def test_a_certificate_of_no_loop_is_refused(capsys, tmp_path, words):
+    path = tmp_path / "x.json"
+    pd7 = str(fuzzyarm.shipped("pd7.frb"))
+    assert main(["prove", pd7, *words, "--certificate", str(path)]) == 1
+    assert "--certificate goes with a claim about a loop" in capsys.readouterr().err
+    assert main([*ON, "--from", START, "--for", "3ms", "--certificate", str(path)]) == 1
+    assert not path.exists()
+
+
+def test_a_line_about_a_drive_is_proved(capsys, tmp_path):
+    for name in ("servo.frb", "pd7.frb"):
+        text = fuzzyarm.shipped(name).read_text(encoding="utf-8")
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    file = tmp_path / "servo.frb"
+    with file.open("a", encoding="utf-8") as end:
+        end.write("\nprove stable on motor: voltage in -24 .. 24\n")
+    assert main(["prove", str(file)]) == 0
+    assert "proved: stable on motor: voltage in -24 .. 24" in capsys.readouterr().out
+
+
 def test_what_cannot_be_followed_is_said_by_name(capsys, tmp_path):
     (tmp_path / "own.py").write_text(
         "from fuzzyarm.plant import Plant, Port\n\n\n"

@@ -1,6 +1,7 @@
 """Claims about loops: what is proved, what must never be, and runs that try to refute it."""
 
 import json
+import math
 from dataclasses import replace
 from fractions import Fraction
 
@@ -17,12 +18,12 @@ from fuzzyarm.closed_loop import (
     read_claim,
     write_certificate,
 )
-from fuzzyarm.closed_loop.certificate import _seal
+from fuzzyarm.closed_loop.certificate import _seal, sealed
 from fuzzyarm.closed_loop.checker import is_positive_definite, refutation
 from fuzzyarm.closed_loop.claims import problem_of
 from fuzzyarm.closed_loop.form import Form
 from fuzzyarm.closed_loop.linear import candidate
-from fuzzyarm.closed_loop.verification import verified
+from fuzzyarm.closed_loop.verification import port_within, verified
 from fuzzyarm.controller import ControllerText
 from fuzzyarm.language import parse
 from fuzzyarm.loop import Sensor
@@ -120,6 +121,46 @@ def test_where_a_start_goes(servo, statement, expected):
     assert verdict.verdict == expected, str(verdict)
     assert bool(verdict.evidence) == (expected == "refuted")
     assert (verdict.certificate is not None) == (expected == "proved")
+
+
+def test_a_drive_is_bounded_over_the_region(servo, servo_verdict):
+    """Runs from its border come towards the bound, and none beyond it."""
+    certificate = servo_verdict.certificate
+    problem = problem_of(servo, certificate.claim)
+    against, _, loop = verified(problem, certificate)
+    assert not against
+    for level in (Fraction(1), Fraction(1, 64)):
+        bound = port_within(problem, loop, certificate.p, level, "voltage")
+        share, most = np.sqrt(float(level)), 0.0
+        root = np.linalg.inv(np.linalg.cholesky(np.array(certificate.p, dtype=float))).T
+        (row, *_) = loop.rows_of_drive(problem.site.interface.port("voltage"))
+        ahead = np.array(row, dtype=float) @ root
+        generator = np.random.default_rng(3)
+        for way in (ahead, *generator.standard_normal((5, len(root)))):
+            at = starting_at(find_plant("motor"), share * root @ way / np.linalg.norm(way) * 0.999)
+            run = simulate(servo, at, references={"position": 0.0}, duration=0.02)
+            most = max(most, np.abs(run.drives["voltage"]).max())
+        assert 0.3 * float(bound.high) < most <= float(bound.high) <= 24.0
+        assert bound.low == -bound.high
+
+
+@pytest.mark.parametrize(
+    ("statement", "expected"),
+    [
+        ("stable on motor: voltage in -24 .. 24", "proved"),
+        ("on motor from position in -0.01 .. 0.01: voltage in -3 .. 3", "proved"),
+        ("on motor from position in -0.1 .. 0.1: voltage in -1 .. 1", "refuted"),
+        ("stable on motor: voltage in 1 .. 2", "refuted"),
+    ],
+)
+def test_a_claim_about_a_drive(servo, statement, expected):
+    verdict = prove(servo, statement, plant="motor")
+    assert verdict.verdict == expected, str(verdict)
+    if verdict.certificate is not None:
+        assert check_certificate(verdict.certificate).proved
+        narrow = replace(verdict.certificate.claim, low=-1e-3, high=1e-3)
+        widened = replace(narrow, start=(("position", -0.01, 0.01),))
+        assert not check_certificate(replace(verdict.certificate, claim=widened)).proved
 
 
 def test_integral_filter_slew_and_bounds_of_the_heater():
@@ -378,6 +419,60 @@ def test_a_certificate_that_is_damaged_in_one_number_is_rejected(servo, servo_ve
         except CertificateError as error:
             against = str(error)
         assert against, place
+
+
+def places_in(data, path=()):
+    """Yield where anything stands in a certificate, without its seal."""
+    for key, value in data.items() if isinstance(data, dict) else enumerate(data):
+        yield (*path, key)
+        if isinstance(value, dict | list):
+            yield from places_in(value, (*path, key))
+
+
+def test_each_field_of_another_kind_is_refused_in_a_sentence(servo_verdict, tmp_path):
+    data = servo_verdict.certificate.as_data()
+    del data["seal"]
+    whole, path = json.dumps(data), tmp_path / "c.json"
+    wrong = (None, True, 7, 0.5, math.inf, "x", "1/0", "1e9", "9" * 400, [], [None], {}, {"a": 1})
+    refused = 0
+    for place in places_in(data):
+        for value in (*wrong, ...):  # the last one: it is not there
+            part = damaged = json.loads(whole)
+            for key in place[:-1]:
+                part = part[key]
+            if value is ...:
+                del part[place[-1]]
+            else:
+                part[place[-1]] = value
+            path.write_text(json.dumps(sealed(damaged)), encoding="utf-8")
+            try:
+                read_certificate(str(path))
+            except CertificateError as error:
+                refused += 1
+                said = str(error)
+                another = f"{path} is of another version"
+                assert said.startswith((f"{path} is not a certificate: '{place[0]}", another)), said
+    assert refused > 900
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("[]", "it is not an object"),
+        ("3", "it is not an object"),
+        ('{"a": 1', "it is not JSON at line 1"),
+        ("[" * 100_000, "it is not JSON"),
+        ("{}", "'format' is missing"),
+        ('{"format": 3}', "'format' is not a text"),
+        ('{"format": "fuzzyarm-plan 1"}', "'format' is not \"fuzzyarm-certificate 3\""),
+    ],
+)
+def test_what_is_not_a_certificate_is_refused_in_a_sentence(tmp_path, text, said):
+    path = tmp_path / "c.json"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(CertificateError) as error:
+        check_certificate(str(path))
+    assert str(error.value) == f"{path} is not a certificate: {said}"
 
 
 def test_a_certificate_of_another_file_is_rejected(servo_verdict, tmp_path):

@@ -255,3 +255,10 @@ def test_a_folder_is_replaced_and_what_is_not_ours_is_left_alone(tipper, capsys)
     assert "is a file, not a folder" in capsys.readouterr().err
     before[tipper / "other" / "thesis.tex"] = b"mine"
     assert {path: path.read_bytes() for path in tipper.rglob("*") if path.is_file()} == before
+
+
+def test_a_folder_that_is_not_there_is_told_before_the_work(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    words = ["compile", PD7, "--for", "arduino", "-o", "nofolder/ard2"]
+    assert main(words) == 1
+    assert capsys.readouterr().err == "fuzzyarm: no such folder: 'nofolder'\n"

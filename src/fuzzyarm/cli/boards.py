@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.api import controller_if_any, load_sheet
-from fuzzyarm.cli.command import WordError, busy, print_json, say
+from fuzzyarm.cli.command import WordError, busy, demand_folder_of, print_json, say
 from fuzzyarm.show.compiled import report_lines
 
 if TYPE_CHECKING:
@@ -41,6 +41,7 @@ def write_for_board(asked: ExportRequest, out: str, how: Making, *, as_json: boo
                 f"'{name}' is a device of Windows, where no file or folder may be called so",
                 hint="take another name",
             )
+    demand_folder_of(out)
     demand_own(out)
     with busy("compiling") as progress:
         controller = controller_if_any(asked.file)

@@ -353,10 +353,15 @@ def demand_places(*paths: str | None) -> None:
     from fuzzyarm.text.files import demand_writable
 
     for path in filter(None, paths):
-        folder = os.path.dirname(path)
-        if folder and not os.path.isdir(folder):
-            raise WordError(f"no such folder: '{folder}'")
+        demand_folder_of(path)
         demand_writable(path)
+
+
+def demand_folder_of(path: str) -> None:
+    """Refuse a path into a folder that is not there."""
+    folder = os.path.dirname(path)
+    if folder and not os.path.isdir(folder):
+        raise WordError(f"no such folder: '{folder}'")
 
 
 # --- What is printed ---

@@ -63,22 +63,27 @@ def _run(asked: ProveWords) -> int:
     _require_files(asked.files)
     tolerance, budget = asked.tolerance, asked.budget or math.inf
     if asked.sector:
+        if asked.certificate is not None:
+            raise WordError("--certificate goes with a claim about a loop")
         return print_sectors(asked, tolerance, budget)
     if wants_loop(asked):
         return prove_loops(asked, budget)
     if asked.along is not None:
         raise WordError("--along goes with --sector")
     if asked.range or asked.slope or asked.table:
-        _require_use(asked.plot, of=False)
+        _require_use(asked, of=False)
         return _single(asked, tolerance, budget)
     if asked.output is not None:
         raise WordError("--output goes with --range, --slope, --table or --sector")
     return _files(asked, tolerance, budget)
 
 
-def _require_use(plot: str | None, *, of: bool) -> None:
-    if plot is not None and not of:
+def _require_use(asked: ProveWords, *, of: bool) -> None:
+    """Refuse what is written of loops where none `of` them is judged."""
+    if asked.plot is not None and not of:
         raise WordError("--plot goes with --sector, or with a claim about a loop")
+    if asked.certificate is not None and not of:
+        raise WordError("--certificate goes with a claim about a loop")
 
 
 def _require_files(words: Sequence[str]) -> None:
@@ -99,7 +104,7 @@ def _files(asked: ProveWords, tolerance: float | None, budget: float) -> int:
     for path in asked.files:
         controller = controller_if_any(path)
         claims = controller.model.claims if controller else ()
-        _require_use(asked.plot, of=bool(claims))
+        _require_use(asked, of=bool(claims))
         rulebases = controller.model.rulebases if controller else (load_rules(path, "prove"),)
         if controller is None and not rulebases[0].properties and not asked.json:
             say(f"{path}: no `prove` lines", to_errors=True)

@@ -101,6 +101,8 @@ def _bound(path: str, controller: ControllerText, asked: ProveWords, budget: flo
     from fuzzyarm.closed_loop import EnclosureError, claim_text, loop_tube
     from fuzzyarm.loop.reference import read_time
 
+    if asked.certificate is not None:
+        raise WordError("--certificate goes with a claim about a loop", hint="--claim, --stable")
     _require_figure(asked)
     claim = _claim_of(asked)
     duration = read_time(asked.duration or "", "--for")

@@ -11,18 +11,18 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
+from typing import Any, cast, get_args
 
+from fuzzyarm.closed_loop.certificate_fields import CertificateError, Field, read_fields
 from fuzzyarm.closed_loop.evidence import Evidence, Gains
-from fuzzyarm.closed_loop.problem import LoopProofError
 from fuzzyarm.controller.text import ControllerText, sheet_files
 from fuzzyarm.loop.course import Sensor
-from fuzzyarm.model.claims import LoopClaim
+from fuzzyarm.model.claims import LoopClaim, Stretch, When
+from fuzzyarm.plant.plant import PlantError
 from fuzzyarm.text.files import write_atomically
 
 __all__ = [
@@ -36,10 +36,6 @@ __all__ = [
 FORMAT = "fuzzyarm-certificate 3"
 
 Matrix = tuple[tuple[Fraction, ...], ...]
-
-
-class CertificateError(LoopProofError):
-    """A file is not a certificate, or not of this controller."""
 
 
 @dataclass(frozen=True)
@@ -155,28 +151,41 @@ def _gains_data(gains: Gains) -> dict[str, Any]:
     }
 
 
-def _pairs(data: Any) -> dict[str, tuple[Fraction, Fraction]]:
-    return {str(name): _pair(pair) for name, pair in data.items()}
+def _pairs(field_: Field) -> dict[str, tuple[Fraction, Fraction]]:
+    return {name: pair.pair for name, pair in field_.items()}
 
 
-def _pair(data: Any) -> tuple[Fraction, Fraction]:
-    low, high = map(Fraction, data)
-    return low, high
+def _rationals(field_: Field) -> dict[str, Fraction]:
+    return {name: number.rational for name, number in field_.items()}
 
 
-def _gains(data: Any) -> Gains:
-    weights = {str(name): Fraction(weight) for name, weight in data["weights"].items()}
-    return Gains(_pairs(data["region"]), _pair(data["between"]), weights, _pairs(data["gains"]))
+def texts_of(field_: Field) -> dict[str, str]:
+    """Return texts by name."""
+    return {name: text.text for name, text in field_.items()}
 
 
-def _evidence(data: Any) -> Evidence:
+def _gains(field_: Field) -> Gains:
+    return Gains(
+        _pairs(field_["region"]),
+        field_["between"].pair,
+        _rationals(field_["weights"]),
+        _pairs(field_["gains"]),
+    )
+
+
+def _spread(field_: Field) -> tuple[int, int, Fraction, Fraction]:
+    k, j, low, high = field_.row(4)
+    return k.index, j.index, low.rational, high.rational
+
+
+def _evidence(loop: Field) -> Evidence:
     return Evidence(
-        {str(name): str(symbol) for name, symbol in data["memory"].items()},
-        _pairs(data["rest"]),
-        tuple(_gains(gains) for gains in data["gains"]),
-        tuple((int(k), int(j), *_pair(ends)) for k, j, *ends in data["spread"]),
-        Fraction(data["grip"]),
-        {str(name): Fraction(half) for name, half in data["box"].items()},
+        texts_of(loop["memory"]),
+        _pairs(loop["rest"]),
+        tuple(map(_gains, loop["gains"])),
+        tuple(map(_spread, loop["spread"])),
+        loop["grip"].rational,
+        _rationals(loop["box"]),
     )
 
 
@@ -224,10 +233,23 @@ def read_certificate(path: str) -> Certificate:
     CertificateError
         If it is not a certificate, or is damaged.
     """
-    return _certificate(read_sealed(path, FORMAT), path)
+    data = read_sealed(path, FORMAT)
+    return Certificate(
+        claim_of(data),
+        data["controller"].text,
+        texts_of(data["sha256"]),
+        _evidence(data["loop"]),
+        data["loop"]["continuous"].flag,
+        tuple(tuple(x.rational for x in row) for row in data["p"]),
+        tuple(x.rational for x in data["multipliers"]),
+        data["rate"].rational,
+        tuple(name.text for name in data["states"]),
+        sensors_of(data),
+        texts_of(data["connect"]),
+    )
 
 
-def read_sealed(path: str, wanted: str) -> dict[str, Any]:
+def read_sealed(path: str, wanted: str) -> Field:
     """Return the data of a sealed file of a format, without its seal.
 
     Raises
@@ -237,19 +259,17 @@ def read_sealed(path: str, wanted: str) -> dict[str, Any]:
     CertificateError
         If it is not of that format, or is damaged.
     """
-    try:
-        data = json.loads(Path(path).read_text("utf-8"))
-    except ValueError as error:
-        raise CertificateError(f"{path} is not a certificate: {error}") from error
-    found = data.get("format") if isinstance(data, dict) else None
-    if found != wanted:
-        older = isinstance(found, str) and found.startswith("fuzzyarm-certificate")
-        what = f"of another version ({found}): prove it anew" if older else "not a certificate"
-        raise CertificateError(f"{path} is {what}")
+    whole = read_fields(path)
+    written = whole["format"].text
+    if written != wanted:
+        if written.startswith("fuzzyarm-certificate"):
+            raise CertificateError(f"{path} is of another version ({written}): prove it anew")
+        whole["format"].refuse(f'is not "{wanted}"')
+    data = dict(whole.value)
     seal = data.pop("seal", None)
-    if seal != sealed(data)["seal"]:
+    if seal != _seal(data):
         raise CertificateError(f"{path} is damaged: its seal is not that of its contents")
-    return dict(data)
+    return Field(path, "", data)
 
 
 def sealed(data: Mapping[str, Any]) -> dict[str, Any]:
@@ -257,70 +277,38 @@ def sealed(data: Mapping[str, Any]) -> dict[str, Any]:
     return {**data, "seal": _seal(data)}
 
 
-@contextmanager
-def refused(path: str) -> Iterator[None]:
-    """Say of what is not there, or not of its kind, that the file is not a certificate."""
-    try:
-        yield
-    except CertificateError:
-        raise
-    except (KeyError, TypeError, ValueError, ZeroDivisionError, AttributeError) as error:
-        raise CertificateError(f"{path} is not a certificate: {error}") from error
-
-
-def _certificate(data: Mapping[str, Any], path: str) -> Certificate:
-    with refused(path):
-        return _from_data(data)
-
-
-def _from_data(data: Mapping[str, Any]) -> Certificate:
-    return Certificate(
-        claim_of(data),
-        str(data["controller"]),
-        dict(data["sha256"]),
-        _evidence(data["loop"]),
-        bool(data["loop"]["continuous"]),
-        tuple(tuple(Fraction(x) for x in row) for row in data["p"]),
-        tuple(Fraction(x) for x in data["multipliers"]),
-        Fraction(data["rate"]),
-        tuple(data["states"]),
-        sensors_of(data),
-        {str(name): str(port) for name, port in data["connect"].items()},
-    )
-
-
-def claim_of(data: Mapping[str, Any]) -> LoopClaim:
+def claim_of(data: Field) -> LoopClaim:
     """Return the claim of a certificate's data."""
     claim = data["claim"]
-    low, high = map(_number, claim["between"])
+    low, high = claim["between"].row(2)
     return LoopClaim(
-        str(claim["plant"]),
-        bool(claim["stable"]),
-        tuple((str(n), _number(x)) for n, x in claim["at"]),
+        claim["plant"].text,
+        claim["stable"].flag,
+        tuple((name.text, x.number) for name, x in (pair.row(2) for pair in claim["at"])),
         _stretches(claim["parameters"]),
         _stretches(claim["start"]),
-        str(claim["output"]),
-        low,
-        high,
-        claim["when"],
-        _number(claim["from"]),
-        float("inf") if claim["to"] is None else _number(claim["to"]),
+        claim["output"].text,
+        low.number,
+        high.number,
+        cast(When, claim["when"].one_of(get_args(When))),
+        claim["from"].number,
+        math.inf if claim["to"].value is None else claim["to"].number,
     )
 
 
-def sensors_of(data: Mapping[str, Any]) -> dict[str, Sensor]:
+def sensors_of(data: Field) -> dict[str, Sensor]:
     """Return the sensors of a certificate's data."""
-    return {
-        str(port): Sensor(delay=_number(late), difference=None if d is None else _number(d))
-        for port, (late, d) in data["sensors"].items()
-    }
+    return {port: _sensor(pair) for port, pair in data["sensors"].items()}
 
 
-def _number(text: str) -> float:
-    if text in ("inf", "-inf"):
-        return float(text)
-    return float(Fraction(text))
+def _sensor(pair: Field) -> Sensor:
+    delay, difference = pair.row(2)
+    known = None if difference.value is None else difference.number
+    try:
+        return Sensor(delay=delay.number, difference=known)
+    except PlantError as error:
+        pair.refuse(f"is not a sensor: {error}")
 
 
-def _stretches(rows: Any) -> tuple[tuple[str, float, float], ...]:
-    return tuple((str(n), _number(a), _number(b)) for n, a, b in rows)
+def _stretches(rows: Field) -> tuple[Stretch, ...]:
+    return tuple((n.text, a.number, b.number) for n, a, b in (row.row(3) for row in rows))

@@ -87,6 +87,8 @@ class CheckedLoop:
         What other memory is before the first period.
     period : float
         s; 0 for a loop in continuous time.
+    drives : dict of (str, str) to Line
+        Inputs of the plant within its limits, by axis and port: held from one sample to the next.
     """
 
     names: tuple[str, ...]
@@ -101,6 +103,7 @@ class CheckedLoop:
     seeds: Mapping[str, tuple[Fraction, Mapping[str, Fraction]]]
     begin: Mapping[str, Fraction]
     period: float
+    drives: Mapping[Address, Line]
 
     def within(self, reach: Mapping[str, float]) -> dict[str, Span]:
         """Return where states are that are no further from rest than a reach."""
@@ -116,22 +119,32 @@ class CheckedLoop:
         return len(self.names)
 
     def rows_within(self) -> list[tuple[Row, Fraction, str]]:
-        """Return rows g over z alone with |g z| ≤ limit, which say that all bounds hold.
+        """Return rows g over z alone with |g z| ≤ limit, which say that all bounds hold."""
+        found: dict[tuple[Row, Fraction, str], None] = {}
+        for whole, limit, words in self.rows:
+            found.update({(row, limit, words): None for row in self._without_answers(whole)})
+        return list(found)
+
+    def rows_of_drive(self, address: Address) -> list[Row]:
+        """Return rows g over z alone: a drive is as far from its rest as the largest |g z|."""
+        width = [*self.names, *(f"w{k}" for k in range(len(self.blocks)))]
+        parts = self.drives[address].parts
+        return self._without_answers([parts.get(name, NOTHING) for name in width])
+
+    def _without_answers(self, whole: Sequence[Fraction]) -> list[Row]:
+        """Return rows over z alone, the extremes of one over z and the answers.
 
         An answer w is its v times some δ in [-1, 1]: a linear function is largest at an end.
         """
-        found: dict[tuple[Row, Fraction, str], None] = {}
-        for whole, limit, words in self.rows:
-            rows = [list(whole)]
-            for k in range(len(self.blocks) - 1, -1, -1):
-                at = self.size + k
-                rows = [
-                    [x + sign * row[at] * v for x, v in zip(row[:at], self.blocks[k], strict=False)]
-                    for row in rows
-                    for sign in ((-1, 1) if row[at] else (0,))
-                ]
-            found.update({(tuple(row), limit, words): None for row in rows})
-        return list(found)
+        rows = [list(whole)]
+        for k in range(len(self.blocks) - 1, -1, -1):
+            at = self.size + k
+            rows = [
+                [x + sign * row[at] * v for x, v in zip(row[:at], self.blocks[k], strict=False)]
+                for row in rows
+                for sign in ((-1, 1) if row[at] else (0,))
+            ]
+        return list(map(tuple, rows))
 
 
 # ── the derivation ───────────────────────────────────────────────────────────────────
@@ -310,6 +323,7 @@ class _Derivation:
             seeds,
             begin,
             0.0 if self.continuous else problem.period,
+            inputs,
         )
 
     def _period(

@@ -114,9 +114,12 @@ class Form:
         found = []
         for bound in self.bounds:
             limit = min(abs(end) for end in (bound.low, bound.high) if end is not None)
-            rows = _without_answers(self.row(bound.signal), self.size, self.blocks)
-            found += [(row, limit, bound.words) for row in rows]
+            found += [(row, limit, bound.words) for row in self.rows_of(bound.signal)]
         return list(dict.fromkeys(found))
+
+    def rows_of(self, signal: Affine) -> list[tuple[Fraction, ...]]:
+        """Return rows g over z alone: a signal is as far from its constant as the largest |g z|."""
+        return _without_answers(self.row(signal), self.size, self.blocks)
 
 
 def row_of(signal: Affine, names: Sequence[str], answers: int) -> tuple[Fraction, ...]:

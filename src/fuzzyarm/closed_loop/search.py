@@ -143,10 +143,8 @@ class _Search:
         low, high = (Fraction(x) - signal.constant for x in self.wanted)
         if not low < 0 < high:
             return f"{self.claim.output} rests at {float(signal.constant):.6g}, outside"
-        row = form.row(signal.deviation)
-        if any(row[form.size :]):
-            return f"{self.claim.output} is not a state"
-        return [(row[: form.size], min(-low, high))]
+        limit = min(-low, high)
+        return [(row, limit) for row in form.rows_of(signal)]
 
     def _proposal(self, choice: Choice, form: Form, found: Candidate | None) -> Proposal | str:
         if found is None:

@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 from fuzzyarm.closed_loop.algebra import Number
 from fuzzyarm.closed_loop.certificate import Certificate
 from fuzzyarm.closed_loop.checked_loop import CheckedLoop
-from fuzzyarm.closed_loop.checked_motion import output_between_samples
 from fuzzyarm.closed_loop.checker import is_positive_definite, refutation
 from fuzzyarm.closed_loop.claims import claimed_port, problem_of
 from fuzzyarm.closed_loop.enclosure import EnclosureError, outward
@@ -28,7 +27,7 @@ from fuzzyarm.closed_loop.form_maker import FormMaker
 from fuzzyarm.closed_loop.outward import above, below
 from fuzzyarm.closed_loop.problem import LoopProblem, LoopProofError
 from fuzzyarm.closed_loop.tube import Tube, tube
-from fuzzyarm.closed_loop.verification import power_up, reach_of
+from fuzzyarm.closed_loop.verification import port_within, power_up
 from fuzzyarm.closed_loop.zonotope import Forms
 from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.errors import FuzzyarmError
@@ -231,13 +230,8 @@ class Haven:
             return 1.0
         for halvings in range(40):
             level = Fraction(1, 2**halvings)
-            reach = reach_of(self.loop, level, self.p)
-            if any(math.isinf(half) for half in reach.values()):
-                continue
             try:
-                span = output_between_samples(
-                    self.maker.problem, self.loop.within(reach), self.claim.output
-                )
+                span = port_within(self.maker.problem, self.loop, self.p, level, self.claim.output)
             except (FuzzyarmError, EnclosureError):
                 continue
             if Fraction(self.claim.low) <= span.low and span.high <= Fraction(self.claim.high):

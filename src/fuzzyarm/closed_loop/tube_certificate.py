@@ -7,21 +7,20 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
-from pathlib import Path
 from typing import Any
 
 from fuzzyarm.closed_loop.certificate import (
     Certificate,
-    CertificateError,
     claim_of,
     fingerprints_of,
     loop_data,
     read_certificate,
     read_sealed,
-    refused,
     sealed,
     sensors_of,
+    texts_of,
 )
+from fuzzyarm.closed_loop.certificate_fields import Field, read_fields
 from fuzzyarm.closed_loop.claims import claimed_port, problem_of
 from fuzzyarm.closed_loop.problem import LoopProofError
 from fuzzyarm.closed_loop.tube_checker import BoxProof, TubeLoop, TubeSet, tube_refutation
@@ -175,32 +174,29 @@ def read_any_certificate(path: str) -> Certificate | TubeCertificate:
     CertificateError
         If it is not a certificate, or is damaged.
     """
-    try:
-        is_tube = json.loads(Path(path).read_text("utf-8")).get("format") == FORMAT
-    except (ValueError, AttributeError) as error:
-        raise CertificateError(f"{path} is not a certificate: {error}") from error
-    if not is_tube:
+    whole = read_fields(path)
+    if whole.value.get("format") != FORMAT:
         return read_certificate(path)
     data = read_sealed(path, FORMAT)
-    with refused(path):
-        return TubeCertificate(
-            claim_of(data),
-            str(data["controller"]),
-            dict(data["sha256"]),
-            tuple(_box(box) for box in data["boxes"]),
-            sensors_of(data),
-            {str(name): str(port) for name, port in data["connect"].items()},
-        )
+    return TubeCertificate(
+        claim_of(data),
+        data["controller"].text,
+        texts_of(data["sha256"]),
+        tuple(map(_box, data["boxes"])),
+        sensors_of(data),
+        texts_of(data["connect"]),
+    )
 
 
-def _box(data: Any) -> BoxProof:
+def _box(box: Field) -> BoxProof:
+    halvings = (halving.row(2) for halving in box["path"])
     return BoxProof(
-        tuple((int(dimension), bool(upper)) for dimension, upper in data["path"]),
+        tuple((dimension.index, upper.flag) for dimension, upper in halvings),
         tuple(
             TubeSet(
-                tuple(Fraction(x) for x in own["centre"]),
-                tuple(tuple(Fraction(x) for x in row) for row in own["rows"]),
+                tuple(x.rational for x in own["centre"]),
+                tuple(tuple(x.rational for x in row) for row in own["rows"]),
             )
-            for own in data["sets"]
+            for own in box["sets"]
         ),
     )

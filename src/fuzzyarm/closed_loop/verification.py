@@ -21,8 +21,10 @@ from fuzzyarm.closed_loop.checked_motion import output_between_samples
 from fuzzyarm.closed_loop.checker import is_inside, refutation
 from fuzzyarm.closed_loop.outward import above, below
 from fuzzyarm.closed_loop.problem import LoopProblem, LoopProofError
+from fuzzyarm.closed_loop.spans import Span
+from fuzzyarm.plant.plant import Address
 
-__all__ = ["power_up", "reach_of", "start_quadric", "start_vertices", "verified"]
+__all__ = ["port_within", "power_up", "reach_of", "start_quadric", "start_vertices", "verified"]
 
 
 def _plain(values: Mapping[str, Fraction]) -> dict[str, float]:
@@ -205,16 +207,78 @@ def reach_of(
     inverse = np.linalg.inv(np.array([[float(x) for x in row] for row in p]))
     values = {}
     for k, name in enumerate(loop.names):
-        half = math.sqrt(float(level) * max(float(inverse[k, k]), 0.0))
         row = tuple(Fraction(int(i == k)) for i in range(loop.size))
-        for wider in (1.0 + 1e-9, 1.0 + 1e-6, 1.01, 2.0):
-            if level and is_inside(p, row, Fraction(half * wider), level):
-                half *= wider
-                break
-        else:
-            half = 0.0 if not level else math.inf
-        values[name] = half
+        values[name] = _farthest(p, inverse, row, level)
     return values
+
+
+def _farthest(
+    p: Sequence[Sequence[Fraction]],
+    inverse: NDArray[np.float64],
+    row: Sequence[Fraction],
+    level: Fraction,
+) -> float:
+    """Return what |g z| cannot exceed where V is at most a level; infinite: that is not known."""
+    if not level or not any(row):
+        return 0.0
+    g = np.array([float(x) for x in row])
+    half = math.sqrt(float(level) * max(float(g @ inverse @ g), 0.0))
+    for wider in (1.0 + 1e-9, 1.0 + 1e-6, 1.01, 2.0) if math.isfinite(half) else ():
+        if is_inside(p, row, Fraction(half * wider), level):
+            return half * wider
+    return math.inf
+
+
+def port_within(
+    problem: LoopProblem,
+    loop: CheckedLoop,
+    p: Sequence[Sequence[Fraction]],
+    level: Fraction,
+    port: str,
+) -> Span:
+    """Return where an output or a drive can be, from a sample with V at most a level to the next.
+
+    Parameters
+    ----------
+    problem : LoopProblem
+        The loop.
+    loop : CheckedLoop
+        As the checker derived it.
+    p : rows of Fraction
+        Of V.
+    level : Fraction
+        From 0 to 1.
+    port : str
+        Of the plant.
+
+    Raises
+    ------
+    LoopProofError
+        If it has no bound there.
+    """
+    address = problem.site.interface.port(port)
+    if address in loop.drives:
+        return _drive_within(loop, p, level, address)
+    reach = reach_of(loop, level, p)
+    if any(math.isinf(half) for half in reach.values()):
+        raise LoopProofError("its region has no bounds")
+    return output_between_samples(problem, loop.within(reach), port)
+
+
+def _drive_within(
+    loop: CheckedLoop, p: Sequence[Sequence[Fraction]], level: Fraction, address: Address
+) -> Span:
+    """Return where a drive can be: it is held between samples, so those are all of its values."""
+    inverse = np.linalg.inv(np.array([[float(x) for x in row] for row in p]))
+    half = max(_farthest(p, inverse, row, level) for row in loop.rows_of_drive(address))
+    if math.isinf(half):
+        raise LoopProofError("its region has no bounds")
+    line, far = loop.drives[address], Fraction(half)
+    low, high = line.rest.low - far, line.rest.high + far
+    return Span(
+        low if line.low is None else max(low, line.low),
+        high if line.high is None else min(high, line.high),
+    )
 
 
 def _outside(
@@ -226,10 +290,10 @@ def _outside(
         return "a claim about an output is proved of the sampled loop"
     periods = int(Fraction(claim.begin) / Fraction(problem.period)) if claim.begin else 0
     left = power_up(1 - certificate.rate, periods) * level
-    reach = reach_of(loop, left, certificate.p)
-    if any(math.isinf(half) for half in reach.values()):
-        return "its region has no bounds"
-    span = output_between_samples(problem, loop.within(reach), claim.output)
+    try:
+        span = port_within(problem, loop, certificate.p, left, claim.output)
+    except LoopProofError as error:
+        return str(error)
     low, high = below(span.low), above(span.high)
     if Fraction(claim.low) <= span.low and span.high <= Fraction(claim.high):
         return ""

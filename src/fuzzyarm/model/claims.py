@@ -7,12 +7,13 @@ from typing import Literal
 from fuzzyarm.frozen import dataclass, field
 from fuzzyarm.text.diagnostic import NOWHERE, Span
 
-__all__ = ["LoopClaim", "Stretch"]
+__all__ = ["LoopClaim", "Stretch", "When"]
 
 Stretch = tuple[str, float, float]
 """A name and an interval."""
 
-Span_ = Literal["always", "during", "after"]
+When = Literal["always", "during", "after"]
+"""In what time a claim is to hold."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +44,7 @@ class LoopClaim:
     output: str = ""
     low: float = 0.0
     high: float = 0.0
-    when: Span_ = "always"
+    when: When = "always"
     begin: float = 0.0
     end: float = float("inf")
     span: Span = field(default=NOWHERE, compare=False, repr=False)
