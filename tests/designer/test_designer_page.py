@@ -537,11 +537,16 @@ def test_nothing_is_lost_with_the_connection(served, window):
     one.evaluate("designer.drop()")
     one.get_by_text("does not answer").wait_for()
     one.keyboard.type("# typed alone\n")
+    # The window that is left writes now; what the other one has typed waits until that one writes.
+    until(lambda: other.evaluate("!designer.text.view.state.readOnly"), "the heir writes")
     other.evaluate("designer.text.goTo([27, 0])")
     other.keyboard.type("# meanwhile\n")
+    until(lambda: "# meanwhile" in text_of(one), "heard of")
+    assert "# typed alone" in text_of(one)
+    assert "# typed alone" not in text_of(other)
+    one.get_by_role("button", name="Write here").click()
     until(lambda: "# typed alone" in text_of(other), "sent")
     until(lambda: text_of(one) == text_of(other), "the same")
-    assert "# meanwhile" in text_of(one)
 
 
 def test_the_page_outlives_the_server(served, window):
