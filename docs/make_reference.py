@@ -200,7 +200,7 @@ PURPOSES = {
     "From data": ("fuzzyarm.learning", "fuzzyarm.sklearn"),
     "Show and export": (
         "fuzzyarm.show", "fuzzyarm.show.figures", "fuzzyarm.notebook", "fuzzyarm.designer",
-        "fuzzyarm.export", "fuzzyarm.figure_files",
+        "fuzzyarm.export", "fuzzyarm.dossier", "fuzzyarm.figure_files",
     ),
     "What other tools are made of": (
         "fuzzyarm.language.check", "fuzzyarm.language.queries", "fuzzyarm.frozen",

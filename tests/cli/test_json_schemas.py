@@ -44,6 +44,11 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         "terms u: triangles A B\nrule if e is A then u is C\n"
         "rule if e is B then u is A\nrule if e is B then u is B\n"
     )
+    (folder / "doubted.frb").write_text(
+        "rulebase x\ninput e 0 .. 1\noutput u 0 .. 1\nterms e, u: triangles A B\n"
+        "rule if e is A then u is A\nrule if e is B then u is A\nrule if e is B then u is B\n"
+        "prove u in 0 .. 1\n"
+    )
     (folder / "claims.frb").write_text(
         Path(PD7).read_text() + "prove u odd\nprove u rises with e\n"
     )
@@ -97,7 +102,10 @@ CALLS = {
     ],
     "compile-source": [["compile", PD7, "-o", "a.c"], ["compile", PD7, "--direct", "-o", "b.st"]],
     "compile-controller": [["compile", SERVO, "--table", "-o", "servo.c"]],
-    "compile-report": [["compile", PD7, "-o", "evident.c", "--report", "evidence"]],
+    "compile-report": [
+        ["compile", file, "-o", "evident.c", "--report", "evidence"]
+        for file in (PD7, "doubted.frb")
+    ],
     "convert": [
         ["convert", PD7, "a.fll"],
         ["convert", "a.lut", "c.frb", "--terms", "5", "--lossy"],

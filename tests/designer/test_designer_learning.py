@@ -202,7 +202,7 @@ def test_what_cannot_learn_is_said(page):
         ("servo-soc.frb", {"start": "../x.lut"}, "is not a table of this folder"),
         ("servo-soc.frb", {"controller": "ct"}, "is not a shipped controller"),
         ("servo-soc.frb", {"passes": "[1]"}, "passes must be a whole number, not '[1]'"),
-        ("servo-soc.frb", {"rate": "<b>"}, "the rate: '<b>' is not a number"),
+        ("servo-soc.frb", {"rate": "<b>"}, "rate must be a number, not '<b>'"),
     ):
         assert words in page.message("learn", file, **asked), (file, asked)
 

@@ -237,6 +237,7 @@ NO_RULE_BASE = {
     "identify",
     "learn",
     "lsp",
+    "playground",
     "new",
     "reproduce",
     "shipped",
