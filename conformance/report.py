@@ -110,7 +110,7 @@ HEAD = """# Whose number is right
 
 <!-- Made by `python -m conformance.report`; edit that script, not this page. -->
 
-[`conformance/`](../conformance/README.md) holds {cases} cases of fuzzy inference with {points} points whose results are
+`conformance/` holds {cases} cases of fuzzy inference with {points} points whose results are
 known: fractions, found by an evaluator in rational arithmetic that shares no code with any program here, and confirmed a
 second way to 1e-13 of the range. Each program is asked as its users ask it. A case **passes** where every number
 is within 1e-9 of the output's range, and where there is no number none is given. **Cannot** means that the program has
@@ -164,7 +164,7 @@ TAIL = """## Not asked
 
 MATLAB needs a licence, jFuzzyLogic a Java that is not among what is installed here, eFLL a board. Their settings are in
 the suite, from their documentation and source, and marked as theirs (`about`); nobody ran these programs for this
-page. [Adding a tool](../conformance/README.md#how-to-add-a-tool) takes a program that reads and prints lines.
+page. Adding a tool (`conformance/README.md`) takes a program that reads and prints lines.
 
 Run it again: `python -m conformance.run`, then `python -m conformance.report`.
 """
