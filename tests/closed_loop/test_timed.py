@@ -1,5 +1,6 @@
 """Claims that tubes decide, alone or as far as a region; what they prove is attacked by runs."""
 
+import math
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
@@ -12,6 +13,7 @@ import fuzzyarm
 from fuzzyarm.closed_loop import LoopProofError, prove_loop, read_claim
 from fuzzyarm.closed_loop.checked_loop import checked_loop
 from fuzzyarm.closed_loop.claims import problem_of
+from fuzzyarm.closed_loop.form import Choice
 from fuzzyarm.closed_loop.form_maker import FormMaker
 from fuzzyarm.closed_loop.runs import sampled_runs
 from fuzzyarm.closed_loop.timed import Haven, claim_of_stability
@@ -19,6 +21,8 @@ from fuzzyarm.closed_loop.zonotope import Forms, stacked
 from fuzzyarm.loop import Options, Sensor, simulate
 from fuzzyarm.plant import find_plant
 from fuzzyarm.plant.own import starting_at
+from fuzzyarm.proof.arithmetic import Stop
+from fuzzyarm.proof.prover import Prover
 
 EXAMPLES = Path(__file__).parents[2] / "examples" / "closed_loop"
 PENDULUM = EXAMPLES / "single_pendulum.py"
@@ -191,3 +195,18 @@ def test_sensors_and_parameters_of_a_claim(servo):
         values = run.outputs["position"]
         low, high = verdict.tube.low_at[: len(values), 0], verdict.tube.high_at[: len(values), 0]
         assert ((values >= low - 1e-7) & (values <= high + 1e-7)).all()
+
+
+def test_a_slope_without_ends_in_time_is_no_form(pendulum, monkeypatch):
+    """What a prover returns whose time has run out."""
+    problem = problem_of(pendulum, read_claim(f"{START}: angle in 0 .. 1", str(PENDULUM)))
+    slope = Prover.slope
+
+    def cut_short(prover, region, name):
+        return slope(prover, region, name)._replace(low=-math.inf)
+
+    monkeypatch.setattr(Prover, "slope", cut_short)
+    box = dict.fromkeys(problem.states, Fraction(1, 100))
+    choice = Choice(Fraction(1, 2), box=box, along=False)
+    with pytest.raises(LoopProofError, match="time ran out"):
+        FormMaker(problem, Stop(60.0)).form(choice, continuous=False)

@@ -21,7 +21,7 @@ from fuzzyarm.closed_loop.outward import around, end_of
 from fuzzyarm.closed_loop.problem import LoopProofError
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.proof.arithmetic import Stop
-from fuzzyarm.proof.bounds import UnprovableError
+from fuzzyarm.proof.bounds import Bounds, UnprovableError
 from fuzzyarm.proof.prover import Prover
 from fuzzyarm.proof.sector import NoSectorError, sector, slopes_at
 from fuzzyarm.table import LookupTable
@@ -206,17 +206,20 @@ class Conclusions:
         self, prover: Prover, region: Mapping[str, tuple[float, float]], name: str
     ) -> tuple[Fraction, Fraction]:
         key = "slope", id(prover), name, tuple(region.items())
-        if key not in self._known:
-            bounds = prover.slope(region, name)
-            self._known[key] = Fraction(bounds.low), Fraction(bounds.high)
-        return self._known[key]  # type: ignore[return-value]
+        return self._bounded(key, lambda: prover.slope(region, name))
 
     def _range(
         self, prover: Prover, region: Mapping[str, tuple[float, float]]
     ) -> tuple[Fraction, Fraction]:
         key = "range", id(prover), tuple(region.items())
+        return self._bounded(key, lambda: prover.value(region))
+
+    def _bounded(self, key: object, prove: Callable[[], Bounds]) -> tuple[Fraction, Fraction]:
+        """Return proved ends, kept under a key; a prover whose time runs out has none."""
         if key not in self._known:
-            bounds = prover.value(region)
+            bounds = prove()
+            if not (math.isfinite(bounds.low) and math.isfinite(bounds.high)):
+                raise LoopProofError("time ran out before a rule base was bounded")
             self._known[key] = Fraction(bounds.low), Fraction(bounds.high)
         return self._known[key]  # type: ignore[return-value]
 
