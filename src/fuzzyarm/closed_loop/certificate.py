@@ -19,6 +19,7 @@ from typing import Any, cast, get_args
 
 from fuzzyarm.closed_loop.certificate_fields import CertificateError, Field, read_fields
 from fuzzyarm.closed_loop.evidence import Evidence, Gains
+from fuzzyarm.closed_loop.problem import LoopProblem
 from fuzzyarm.controller.text import ControllerText, sheet_files
 from fuzzyarm.loop.course import Sensor
 from fuzzyarm.model.claims import LoopClaim, Stretch, When
@@ -194,9 +195,14 @@ def _seal(data: Mapping[str, Any]) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def fingerprints_of(text: ControllerText, path: str) -> dict[str, str]:
-    """Return the SHA-256 of the file of a controller and of those that it uses, by name."""
-    files = [Path(path), *sheet_files(text)]
+def fingerprints_of(text: ControllerText) -> dict[str, str]:
+    """Return the SHA-256 of the file of a controller and of those that it uses, by name.
+
+    A controller that was not read from a file has none.
+    """
+    if not text.path:
+        return {}
+    files = [Path(text.path), *sheet_files(text)]
     return {
         file.name: hashlib.sha256(file.read_bytes()).hexdigest()
         for file in dict.fromkeys(files)
@@ -233,7 +239,12 @@ def read_certificate(path: str) -> Certificate:
     CertificateError
         If it is not a certificate, or is damaged.
     """
-    data = read_sealed(path, FORMAT)
+    return certificate_of(read_fields(path))
+
+
+def certificate_of(whole: Field) -> Certificate:
+    """Return the certificate that the fields of a file are; as :func:`read_certificate`."""
+    data = unsealed(whole, FORMAT)
     return Certificate(
         claim_of(data),
         data["controller"].text,
@@ -249,17 +260,15 @@ def read_certificate(path: str) -> Certificate:
     )
 
 
-def read_sealed(path: str, wanted: str) -> Field:
+def unsealed(whole: Field, wanted: str) -> Field:
     """Return the data of a sealed file of a format, without its seal.
 
     Raises
     ------
-    OSError
-        If it cannot be read.
     CertificateError
         If it is not of that format, or is damaged.
     """
-    whole = read_fields(path)
+    path = whole.file
     written = whole["format"].text
     if written != wanted:
         if written.startswith("fuzzyarm-certificate"):
@@ -294,6 +303,11 @@ def claim_of(data: Field) -> LoopClaim:
         claim["from"].number,
         math.inf if claim["to"].value is None else claim["to"].number,
     )
+
+
+def sensors_by_name(problem: LoopProblem) -> dict[str, Sensor]:
+    """Return the sensors of a loop as a certificate has them."""
+    return {".".join(port): sensor for port, sensor in problem.sensors.items()}
 
 
 def sensors_of(data: Field) -> dict[str, Sensor]:

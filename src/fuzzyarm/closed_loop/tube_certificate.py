@@ -11,14 +11,15 @@ from typing import Any
 
 from fuzzyarm.closed_loop.certificate import (
     Certificate,
+    certificate_of,
     claim_of,
     fingerprints_of,
     loop_data,
-    read_certificate,
-    read_sealed,
     sealed,
+    sensors_by_name,
     sensors_of,
     texts_of,
+    unsealed,
 )
 from fuzzyarm.closed_loop.certificate_fields import Field, read_fields
 from fuzzyarm.closed_loop.claims import claimed_port, problem_of
@@ -140,9 +141,14 @@ def certify_tube(
     boxes = proof_boxes(TubeLoop(problem), claim, claimed_port(problem, claim), budget)
     if isinstance(boxes, str):
         raise LoopProofError(f"no certificate was found: {boxes}")
-    named = {".".join(port): sensor for port, sensor in problem.sensors.items()}
-    prints = fingerprints_of(text, text.path) if text.path else {}
-    return TubeCertificate(claim, text.path, prints, boxes, named, dict(connect or {}))
+    return TubeCertificate(
+        claim,
+        text.path,
+        fingerprints_of(text),
+        boxes,
+        sensors_by_name(problem),
+        dict(connect or {}),
+    )
 
 
 def write_tube_certificate(certificate: TubeCertificate, path: str) -> None:
@@ -176,8 +182,8 @@ def read_any_certificate(path: str) -> Certificate | TubeCertificate:
     """
     whole = read_fields(path)
     if whole.value.get("format") != FORMAT:
-        return read_certificate(path)
-    data = read_sealed(path, FORMAT)
+        return certificate_of(whole)
+    data = unsealed(whole, FORMAT)
     return TubeCertificate(
         claim_of(data),
         data["controller"].text,

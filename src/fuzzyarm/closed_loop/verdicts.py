@@ -18,6 +18,7 @@ from fuzzyarm.closed_loop.certificate import (
     Certificate,
     CertificateError,
     fingerprints_of,
+    sensors_by_name,
 )
 from fuzzyarm.closed_loop.checked_lines import PiecesOfRules
 from fuzzyarm.closed_loop.checked_loop import CheckedLoop
@@ -355,18 +356,17 @@ class _Case:
     ) -> tuple[LoopVerdict | None, str]:
         """Return what the checker, and runs as witnesses, say of a proposal."""
         assert proposal.form.evidence is not None
-        prints = fingerprints_of(self.text, self.text.path) if self.text.path else {}
         certificate = Certificate(
             claim,
             self.text.path,
-            prints,
+            fingerprints_of(self.text),
             proposal.form.evidence,
             self.continuous,
             proposal.p,
             proposal.multipliers,
             proposal.rate,
             proposal.form.names,
-            self._sensors_of(maker.problem),
+            sensors_by_name(maker.problem),
             dict(self.connect or {}),
         )
         against, facts, loop = verified(maker.problem, certificate, self.pieces)
@@ -381,11 +381,6 @@ class _Case:
             return None, f"a certificate is contradicted: {against}"
         self.loop = loop
         return self._said(PROVED, certificate=certificate, **facts), ""
-
-    @staticmethod
-    def _sensors_of(problem: LoopProblem) -> dict[str, Sensor]:
-        """Return the sensors of a loop as a certificate has them."""
-        return {".".join(port): sensor for port, sensor in problem.sensors.items()}
 
     def _attacked(self, problem: LoopProblem) -> LoopVerdict | None:
         """Return a refutation by a run, if one of some runs is one."""
@@ -459,7 +454,7 @@ def check_certificate(
         if path is None:
             raise CertificateError(f"the controller {certificate.controller} is not there")
         text = read_controller(str(path))
-    now = fingerprints_of(text, text.path)
+    now = fingerprints_of(text)
     for name, fingerprint in certificate.fingerprints.items():
         if now.get(name) != fingerprint:
             raise CertificateError(f"{name} is not the file that was proved")

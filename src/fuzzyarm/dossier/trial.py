@@ -6,7 +6,6 @@ import gzip
 import json
 import math
 import shutil
-import subprocess
 import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -17,6 +16,7 @@ import numpy as np
 
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.export import Exported, ExportedController
+from fuzzyarm.export.avr import run_tool
 from fuzzyarm.export.controllers import port_name
 from fuzzyarm.export.names import identifier
 from fuzzyarm.export.numbers import c_number
@@ -235,13 +235,4 @@ def sizes(exported: Exported | ExportedController) -> list[dict[str, Any]]:
 
 def _run(words: Sequence[str], folder: Path) -> str:
     """Run a program and return what it prints."""
-    try:
-        done = subprocess.run(
-            words, cwd=folder, capture_output=True, text=True, check=False, timeout=_SECONDS
-        )
-    except (OSError, subprocess.TimeoutExpired) as error:
-        raise FuzzyarmError(f"cannot run {words[0]}: {error}") from None
-    if done.returncode != 0:
-        first = next(iter(done.stderr.strip().splitlines()), "it says nothing")
-        raise FuzzyarmError(f"{words[0]} failed: {first}")
-    return done.stdout
+    return run_tool(words, folder, _SECONDS).stdout

@@ -147,16 +147,41 @@ def measure(board: Board, files: Mapping[str, str], stem: str, call: Call) -> Me
 
 def _say(words: Sequence[str], folder: Path) -> str:
     """Run a program and return what it says."""
+    done = run_tool(words, folder, _SECONDS, to="measure with")
+    return done.stdout + done.stderr
+
+
+def run_tool(
+    words: Sequence[str], folder: Path, seconds: float, *, to: str = "run"
+) -> subprocess.CompletedProcess[str]:
+    """Run a compiler, a simulator or the like in a folder; one that fails is an error.
+
+    Parameters
+    ----------
+    words : sequence of str
+        The program and its arguments.
+    folder : Path
+        Where.
+    seconds : float
+        How long it may take.
+    to : str
+        What is wanted of it, for the message: *cannot run gcc*.
+
+    Raises
+    ------
+    ExportError
+        If it is not there, takes longer, or ends with an error.
+    """
     try:
         done = subprocess.run(
-            words, cwd=folder, capture_output=True, text=True, check=False, timeout=_SECONDS
+            words, cwd=folder, capture_output=True, text=True, check=False, timeout=seconds
         )
     except (OSError, subprocess.TimeoutExpired) as error:
-        raise ExportError(f"cannot measure with {words[0]}: {error}") from None
+        raise ExportError(f"cannot {to} {words[0]}: {error}") from None
     if done.returncode != 0:
         text = next(iter(done.stderr.strip().splitlines()), "it says nothing")
         raise ExportError(f"{words[0]} failed: {text}")
-    return done.stdout + done.stderr
+    return done
 
 
 def _sizes(file: str, folder: Path) -> tuple[int, int, int]:
