@@ -14,12 +14,11 @@ from typing import Any
 
 import numpy as np
 
-from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.export import Exported, ExportedController
 from fuzzyarm.export.avr import run_tool
 from fuzzyarm.export.controllers import port_name
 from fuzzyarm.export.names import identifier
-from fuzzyarm.export.numbers import c_number
+from fuzzyarm.export.numbers import ExportError, c_number
 from fuzzyarm.export.steps import Steps
 
 __all__ = ["Row", "Trial", "sizes", "tried"]
@@ -76,12 +75,12 @@ def tried(exported: Exported | ExportedController) -> Trial:
 
     Raises
     ------
-    FuzzyarmError
+    ExportError
         If gcc or gcov is missing or fails.
     """
     for program in ("gcc", "gcov"):
         if shutil.which(program) is None:
-            raise FuzzyarmError(f"a report needs {program}, which is not here", hint="install gcc")
+            raise ExportError(f"a report needs {program}, which is not here", hint="install gcc")
     files = {path.name: str(text) for path, text in exported.files}
     source = next(name for name in files if name.endswith(".c"))
     stem = source.removesuffix(".c")
