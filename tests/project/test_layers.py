@@ -377,3 +377,15 @@ def test_benchmarks_import_what_is_there(path):
             module = importlib.import_module(node.module)
             for each in node.names:
                 assert hasattr(module, each.name), f"{node.module} has no {each.name}"
+
+
+def test_every_error_that_is_raised_has_a_builtin_behind_it():
+    """`FuzzyarmError` itself is only a base: whoever catches ValueError catches what we say."""
+    assert [
+        f"{path.relative_to(SOURCE)}:{node.lineno}"
+        for path in MODULES
+        for node in ast.walk(tree(path))
+        if isinstance(node, ast.Raise)
+        and isinstance(node.exc, ast.Call)
+        and getattr(node.exc.func, "id", "") == "FuzzyarmError"
+    ] == []

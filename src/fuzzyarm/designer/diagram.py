@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.controller.text import ControllerText, with_files
+from fuzzyarm.designer.faults import TextRefusedError
 from fuzzyarm.designer.messages import Block, Diagram
 from fuzzyarm.designer.requests import Nothing
 from fuzzyarm.errors import FuzzyarmError
@@ -110,7 +111,7 @@ def sheets(session: Session, asked: Nothing, job: Job) -> None:
 
     model = session.reading.parsed.controller if isinstance(session.reading, Reading) else None
     if model is None:
-        raise FuzzyarmError("the text is not a controller without mistakes")
+        raise TextRefusedError("the text is not a controller without mistakes")
     controller, _ = with_files(model, Path(session.path).parent, session.path)
     files = {use.name: use.files for use in model.uses}
     found: list[dict[str, Any]] = []

@@ -14,9 +14,13 @@ from fuzzyarm.designer.names import in_words
 from fuzzyarm.designer.threads import IN_A_PAGE
 from fuzzyarm.errors import FuzzyarmError
 
-__all__ = ["LOG", "error_of", "internal_words"]
+__all__ = ["LOG", "TextRefusedError", "error_of", "internal_words"]
 
 LOG = logging.getLogger("fuzzyarm.designer")
+
+
+class TextRefusedError(FuzzyarmError, ValueError):
+    """A text with which a page cannot do what was asked: run it, draw it, tune it."""
 
 
 def error_of(error: Exception, doing: str) -> dict[str, Any]:

@@ -30,6 +30,7 @@ from fuzzyarm.controller.law import Gain
 from fuzzyarm.controller.on_plant import driven_by, site_of, text_law_of
 from fuzzyarm.controller.program import SourceError
 from fuzzyarm.controller.text import ControllerText, sheet_path
+from fuzzyarm.designer.faults import TextRefusedError
 from fuzzyarm.designer.grounds import at_field, check_words, trajectory_motion_of, words_of
 from fuzzyarm.designer.jobs import Job
 from fuzzyarm.designer.names import in_words
@@ -96,7 +97,7 @@ class Running:
         """Tell which plants there are, and which of them the text fits."""
         text = session.text if asked.text is None else asked.text
         if session.path.lower().endswith(".lut"):
-            raise FuzzyarmError(
+            raise TextRefusedError(
                 "a table does not run by itself",
                 hint='a controller looks it up: use NAME from "FILE", u = table NAME(e, ce)',
             )
@@ -133,7 +134,7 @@ def _controller_of(text: str, path: str) -> CompiledController:
         first = error.diagnostics[0]
         named = Path(first.path).name
         whose = "the text" if named in ("", Path(path).name) else printable(named)
-        raise FuzzyarmError(f"{whose} has mistakes: {first.message}") from error
+        raise TextRefusedError(f"{whose} has mistakes: {first.message}") from error
 
 
 def _uses(text: str, path: str) -> list[str]:

@@ -14,7 +14,7 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from fuzzyarm.designer.faults import internal_words
+from fuzzyarm.designer.faults import TextRefusedError, internal_words
 from fuzzyarm.designer.grounds import (
     FieldError,
     GroundsError,
@@ -60,22 +60,18 @@ POLITE = 5
 """By how much the search gives way to the server."""
 
 
-class TextError(FuzzyarmError, ValueError):
-    """A text that is not tuned, or a search that has failed."""
-
-
 def subject_of(path: str, text: str) -> ControllerText | RuleBase:
     """Return what is tuned in a text.
 
     Raises
     ------
-    TextError
+    TextRefusedError
         If it is a table.
     RuleBaseError
         If it has mistakes.
     """
     if not path.lower().endswith(".frb"):
-        raise TextError("a table is not tuned; open a controller or a rule base")
+        raise TextRefusedError("a table is not tuned; open a controller or a rule base")
     parsed = parse(text, path)
     if parsed.controller is not None:
         from fuzzyarm.controller.text import read_controller
@@ -99,7 +95,7 @@ def tunable(session: Session, asked: Nothing, job: Job) -> None:
     try:
         subject = subject_of(session.path, session.text)
     except RuleBaseError:
-        raise TextError("the text has mistakes: first mend what stands below it") from None
+        raise TextRefusedError("the text has mistakes: first mend what stands below it") from None
     loop = isinstance(subject, ControllerText)
     try:
         parameters, why = [parameter.name for parameter in Design(subject).parameters], ""
@@ -228,7 +224,7 @@ def _searched(order: PageOrder, job: Job) -> dict[str, Any]:
     except (EOFError, OSError):
         if kept:
             return _with_fault(kept[-1], "its process has ended unexpectedly")
-        raise TextError("the search has ended unexpectedly") from None
+        raise TextRefusedError("the search has ended unexpectedly") from None
     finally:
         here.close()  # at which it ends itself, wherever it is
         process.join(2.0)
@@ -262,7 +258,7 @@ def _with_fault(report: dict[str, Any], words: str) -> dict[str, Any]:
 
 
 def _failure(message: str, field: str) -> FuzzyarmError:
-    return FieldError(message, field=field) if field else TextError(message)
+    return FieldError(message, field=field) if field else TextRefusedError(message)
 
 
 def _take(files: list[dict[str, str]], session: Session, job: Job, *, replace: bool) -> None:
@@ -331,7 +327,7 @@ def prepared(order: PageOrder) -> tuple[ControllerText | RuleBase, TuneKeywords]
 
     Raises
     ------
-    TextError, GroundsError, TuneError, RuleBaseError
+    TextRefusedError, GroundsError, TuneError, RuleBaseError
         If something does not fit.
     """
     from fuzzyarm.controller.text import ControllerText
@@ -375,7 +371,7 @@ def _samples(asked: TuneRequest, rulebase: RuleBase) -> dict[str, Samples]:
     from fuzzyarm.tuning.asked import samples_asked
 
     if asked.data is None:
-        raise TextError(
+        raise TextRefusedError(
             f"'{rulebase.name}' is a rule base alone: nothing says what is good",
             hint="put samples into the folder, or tune the controller that uses it",
         )

@@ -11,7 +11,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.errors import WordError
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.proof.tables import table_proof
 from fuzzyarm.requests.fields import RequestError
@@ -252,7 +252,7 @@ def routines_for(
 def _refuse_precision(suffix: str, how: Making) -> None:
     """Refuse a precision of a module for MicroPython."""
     if suffix == ".py" and how.precision not in (None, "float64"):
-        raise FuzzyarmError(
+        raise WordError(
             f"--precision {how.precision} does not apply: a module for MicroPython computes in the"
             " floats of its port",
             hint="leave it out",
