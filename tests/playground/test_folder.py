@@ -1,15 +1,19 @@
 """The folder of a playground, and what it refuses."""
 
+import gzip
 import io
 import json
+import shutil
 import zipfile
 
 import pytest
 
 from fuzzyarm.cli.main import main
 from fuzzyarm.playground import folder as written
+from fuzzyarm.playground import memory
 from fuzzyarm.playground import pyodide as fetching
 from fuzzyarm.playground.folder import BEGIN_WITH, write_playground
+from fuzzyarm.playground.memory import python_memory
 from fuzzyarm.playground.package import archive
 from fuzzyarm.playground.pyodide import FILES
 
@@ -26,15 +30,26 @@ def pyodide(tmp_path):
 
 
 def test_the_folder_has_all_that_the_page_asks_for(tmp_path, pyodide):
-    made = write_playground(tmp_path / "site", pyodide=pyodide, kernels=lambda: b"wasm")
+    made = write_playground(
+        tmp_path / "site", pyodide=pyodide, kernels=lambda: b"wasm", memory=lambda _parts: b"all"
+    )
     files = {path.relative_to(made.folder).as_posix() for path in made.folder.rglob("*.*")}
     assert made.count == len(files)
-    assert {"index.html", "playground.js", "page.css", "python.js", "offline.js"} <= files
-    assert {f"python/{name}" for name in (*FILES, "fuzzyarm.zip", "_kernels.so")} <= files
+    assert {
+        "index.html",
+        "playground.js",
+        "page.css",
+        "python.js",
+        "start.js",
+        "offline.js",
+    } <= files
+    python = {f"python/{name}" for name in (*FILES, "fuzzyarm.zip", "_kernels.so", "memory.bin")}
+    assert python <= files
+    assert gzip.decompress((made.folder / "python/memory.bin").read_bytes()) == b"all"
     page = (made.folder / "index.html").read_text(encoding="utf-8")
     start = json.loads(page.split('id="start">')[1].split("</script>")[0])
     assert sorted(start["texts"]) == sorted(BEGIN_WITH)
-    assert start["python"] == {"kernels": True, "numpy": ""}
+    assert start["python"] == {"kernels": True, "numpy": "", "memory": 3}
     assert "default-src &#x27;none&#x27;" in page
     offline = (made.folder / "offline.js").read_text(encoding="utf-8")
     listed = json.loads(offline.split("/** @type {any} */ (")[2].split(");")[0])
@@ -51,8 +66,9 @@ def test_the_same_sources_make_the_same_folder(tmp_path, pyodide):
 
 def test_a_wheel_of_numpy_beside_pyodide_is_taken(tmp_path, pyodide):
     (pyodide / "numpy-2.4.6-cp314-cp314-pyemscripten_2026_0_wasm32.whl").write_bytes(b"")
-    made = write_playground(tmp_path / "site", pyodide=pyodide)
+    made = write_playground(tmp_path / "site", pyodide=pyodide, memory=python_memory)
     assert len(list(made.folder.glob("python/numpy-*.whl"))) == 1
+    assert made.no_memory == "a memory of Python cannot hold NumPy's machine code"
     assert "python/numpy-2.4.6" in (made.folder / "index.html").read_text(encoding="utf-8")
 
 
@@ -118,6 +134,16 @@ def test_without_npm_a_copy_is_asked_for(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(fetching.shutil, "which", lambda name: None)
     assert main(["playground", "-o", str(tmp_path / "s")]) == 1
     assert "fetched by npm, which is not installed" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("node", [None, shutil.which("false")])
+def test_without_node_a_page_starts_its_own_python(node, tmp_path, pyodide, capsys, monkeypatch):
+    monkeypatch.setattr(memory.shutil, "which", lambda name: node)
+    monkeypatch.setattr(written, "wasm_kernels", lambda: b"wasm")
+    assert main(["playground", "-o", str(tmp_path / "s"), "--pyodide", str(pyodide)]) == 0
+    assert "the page takes longer to start: " in capsys.readouterr().err
+    assert '"memory":0' in (tmp_path / "s/index.html").read_text(encoding="utf-8")
+    assert not (tmp_path / "s/python/memory.bin").exists()
 
 
 def test_a_file_in_the_place_of_the_folder_is_said(tmp_path, pyodide, capsys):

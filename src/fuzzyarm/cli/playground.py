@@ -6,7 +6,8 @@ in Pyodide and by the kernels as WebAssembly. Nothing is loaded from elsewhere. 
 visitor finds there.
 
 Pyodide is fetched by npm, or taken from a folder. The kernels are compiled where the extra
-platforms is installed; without it runs are plain Python, and slow.
+platforms is installed; without it runs are plain Python, and slow. Node, which comes with npm,
+prepares the memory of Python; without it a page takes longer to start.
 
   fuzzyarm playground -o site
   fuzzyarm playground -o site servo.frb --pyodide node_modules/pyodide
@@ -23,14 +24,18 @@ from fuzzyarm.extras import installing
 
 def _run(arguments: argparse.Namespace) -> int:
     from fuzzyarm.playground.folder import wasm_kernels, write_playground
+    from fuzzyarm.playground.memory import python_memory
 
     pyodide = None if arguments.pyodide is None else Path(arguments.pyodide)
     folder = Path(arguments.out)
-    made = write_playground(folder, [Path(file) for file in arguments.files], pyodide, wasm_kernels)
+    files = [Path(file) for file in arguments.files]
+    made = write_playground(folder, files, pyodide, wasm_kernels, python_memory)
     say(f"{arguments.out}: {made.size:,} bytes in {made.count} files, for any web server, such as")
     say(f"  python -m http.server --directory {arguments.out}")
     if not made.kernels:
         say(f"without machine code: runs are slow; {installing('platforms')}", to_errors=True)
+    if made.no_memory:
+        say(f"the page takes longer to start: {made.no_memory}", to_errors=True)
     return 0
 
 

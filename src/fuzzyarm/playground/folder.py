@@ -15,6 +15,7 @@ from fuzzyarm.designer.names import with_suffix
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.export.javascript import engine_source, script_json
 from fuzzyarm.language import read_text
+from fuzzyarm.playground.memory import NoMemoryError, packed
 from fuzzyarm.playground.package import archive
 from fuzzyarm.playground.pyodide import FILES, pyodide_folder
 from fuzzyarm.shipped_files import shipped
@@ -55,12 +56,19 @@ class Playground:
         How many files, and their bytes.
     kernels : bool
         Whether it has the kernels as WebAssembly.
+    no_memory : str
+        Why it has no memory of a Python that has loaded fuzzyarm; empty where it has.
     """
 
     folder: Path
     count: int
     size: int
     kernels: bool
+    no_memory: str = ""
+
+
+def _no_memory(_parts: Mapping[str, bytes]) -> bytes:
+    raise NoMemoryError("no memory of Python was asked for")
 
 
 def wasm_kernels() -> bytes | None:
@@ -80,6 +88,7 @@ def write_playground(
     files: Sequence[Path] = (),
     pyodide: Path | None = None,
     kernels: Callable[[], bytes | None] = lambda: None,
+    memory: Callable[[Mapping[str, bytes]], bytes] = _no_memory,
 ) -> Playground:
     """Write the folder; what is in it of another one is replaced, other files stay.
 
@@ -93,6 +102,9 @@ def write_playground(
         A folder with Pyodide; by default npm fetches it.
     kernels : callable, optional
         Makes them, as `wasm_kernels` does; without, loops run as plain Python.
+    memory : callable, optional
+        Makes it, as :func:`fuzzyarm.playground.memory.python_memory` does; without, each visit
+        starts Python anew.
 
     Raises
     ------
@@ -113,13 +125,18 @@ def write_playground(
     machine_code = kernels()
     if machine_code is not None:
         parts["python/_kernels.so"] = machine_code
-    parts |= _page(texts, parts)
+    try:
+        memory_of_python, no_memory = memory(parts), ""
+        parts["python/memory.bin"] = packed(memory_of_python)
+    except NoMemoryError as error:
+        memory_of_python, no_memory = b"", str(error)
+    parts |= _page(texts, parts, len(memory_of_python))
     for name, content in parts.items():
         path = folder / name
         path.parent.mkdir(parents=True, exist_ok=True)
         write_atomically(path, content)
     size = sum(map(len, parts.values()))
-    return Playground(folder, len(parts), size, machine_code is not None)
+    return Playground(folder, len(parts), size, machine_code is not None, no_memory)
 
 
 def _texts(files: Sequence[Path]) -> dict[str, str]:
@@ -135,12 +152,13 @@ def _texts(files: Sequence[Path]) -> dict[str, str]:
     return texts
 
 
-def _page(texts: Mapping[str, str], python: Mapping[str, bytes]) -> dict[str, bytes]:
-    """Return the files of the page itself."""
+def _page(texts: Mapping[str, str], python: Mapping[str, bytes], memory: int) -> dict[str, bytes]:
+    """Return the files of the page itself; `memory` is the size of that of Python, or 0."""
     script = f"{engine_source()}\nglobalThis.fuzzyarm = {{ Engine }};\n" + BUNDLE.read_text("utf-8")
     parts = {
         "playground.js": script.encode(),
         "python.js": (PAGE / "playground/python.js").read_bytes(),
+        "start.js": (PAGE / "playground/start.js").read_bytes(),
         "page.css": b"\n".join((PAGE / name).read_bytes() for name in STYLES),
         "LICENSES.md": (PAGE / "vendor/LICENSES.md").read_bytes(),
     }
@@ -153,9 +171,12 @@ def _page(texts: Mapping[str, str], python: Mapping[str, bytes]) -> dict[str, by
         "imports": IMPORTS,
         "nonce": "playground",
         "version": __version__,
-        "digest": _digest(python),
         "texts": texts,
-        "python": {"kernels": "python/_kernels.so" in python, "numpy": wheel},
+        "python": {
+            "kernels": "python/_kernels.so" in python,
+            "numpy": wheel,
+            "memory": memory,
+        },
     }
     page = (PAGE / "playground/index.html").read_text("utf-8")
     page = page.replace("POLICY", html.escape(POLICY)).replace("START", script_json(start))

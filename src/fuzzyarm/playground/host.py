@@ -8,6 +8,7 @@ texts in the browser and brings them along when it is opened.
 from __future__ import annotations
 
 import asyncio
+import warnings
 from collections.abc import Callable, Mapping
 from importlib import import_module
 from pathlib import Path
@@ -123,6 +124,8 @@ def begin(
     callable
         Takes what the page says.
     """
+    # A folder without kernels was said to its writer; a visitor can do nothing about it.
+    warnings.filterwarnings("ignore", "no machine code was built", RuntimeWarning)
     folder.mkdir(parents=True, exist_ok=True)
     for name, text in files.items():
         try:

@@ -19665,7 +19665,6 @@ ${each.hint}` : each.message
 
   // playground/python_line.js
   var P2 = S.playground;
-  var IDLE = 3e3;
   function canRunPython() {
     if (location.protocol === "file:") return P2.noServer;
     if (typeof WebAssembly !== "object") return P2.noWebAssembly;
@@ -19673,7 +19672,6 @@ ${each.hint}` : each.message
   }
   function pythonLine(start2, texts, tell) {
     const parts2 = start2.python;
-    const key = `${start2.version}-${start2.digest}`;
     return ({ opened: opened2, heard, closed }) => {
       const worker = new Worker("python.js", { type: "module" });
       let isOpen = false;
@@ -19693,23 +19691,12 @@ ${each.hint}` : each.message
           tell.ready();
           opened2();
           performance.mark("ready");
-          if (data.remembered) document.documentElement.dataset.remembered = "yes";
-          else setTimeout(() => later(parts2, key), IDLE);
           keepOffline();
         }
       };
-      worker.postMessage({ begin: { files: texts(), parts: parts2, key } });
+      worker.postMessage({ begin: { files: texts(), parts: parts2 } });
       return { send: (said2) => worker.postMessage({ said: said2 }), isOpen: () => isOpen, drop: () => fail(P2.notLoaded) };
     };
-  }
-  function later(parts2, key) {
-    const worker = new Worker("python.js", { type: "module" });
-    worker.onmessage = ({ data }) => {
-      if (!data.done && !data.failed) return;
-      worker.terminate();
-      document.documentElement.dataset.remembered = data.failed ?? "yes";
-    };
-    worker.postMessage({ remember: { parts: parts2, key } });
   }
   function keepOffline() {
     navigator.serviceWorker?.register("offline.js").catch(() => null);
@@ -19758,17 +19745,17 @@ ${each.hint}` : each.message
     setTimeout(() => URL.revokeObjectURL(href), 1e3);
   }
   function keeping(desk) {
-    let later2 = 0;
+    let later = 0;
     const keep = () => {
       if (!desk.file() || !desk.text.state().epoch) return;
       if (!kept2.put(desk.file(), desk.text.state().text)) desk.say(P3.notKept);
     };
     const soon = () => {
-      clearTimeout(later2);
-      later2 = setTimeout(keep, LATER);
+      clearTimeout(later);
+      later = setTimeout(keep, LATER);
     };
     desk.store.on("edited", soon);
-    desk.store.on("closed", () => clearTimeout(later2));
+    desk.store.on("closed", () => clearTimeout(later));
     window.addEventListener("pagehide", keep);
   }
   function open(words2) {

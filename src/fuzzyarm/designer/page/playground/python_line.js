@@ -3,7 +3,6 @@
 import { S } from "../strings.js";
 
 const P = S.playground;
-const IDLE = 3000; // ms after the page is ready, until what later visits want is prepared
 
 /** Why this browser has no Python; empty where it has. */
 export function canRunPython() {
@@ -22,7 +21,6 @@ export function canRunPython() {
  */
 export function pythonLine(start, texts, tell) {
   const parts = start.python;
-  const key = `${start.version}-${start.digest}`;
   return ({ opened, heard, closed }) => {
     const worker = new Worker("python.js", { type: "module" });
     let isOpen = false;
@@ -42,25 +40,12 @@ export function pythonLine(start, texts, tell) {
         tell.ready();
         opened();
         performance.mark("ready");
-        if (data.remembered) document.documentElement.dataset.remembered = "yes";
-        else setTimeout(() => later(parts, key), IDLE);
         keepOffline();
       }
     };
-    worker.postMessage({ begin: { files: texts(), parts, key } });
+    worker.postMessage({ begin: { files: texts(), parts } });
     return { send: (said) => worker.postMessage({ said }), isOpen: () => isOpen, drop: () => fail(P.notLoaded) };
   };
-}
-
-/** Have another worker prepare what later visits begin with. */
-function later(parts, key) {
-  const worker = new Worker("python.js", { type: "module" });
-  worker.onmessage = ({ data }) => {
-    if (!data.done && !data.failed) return;
-    worker.terminate();
-    document.documentElement.dataset.remembered = data.failed ?? "yes";
-  };
-  worker.postMessage({ remember: { parts, key } });
 }
 
 /** Keep the page for when there is no network, where the browser lets it. */
