@@ -26,7 +26,7 @@ def held(controller, steps: int, seeds: int) -> tuple[int, int]:
     counts = []
     for seed in range(seeds):
         options = Options(seed=seed)
-        run = simulate(controller, plant, references=still, duration=steps * 0.02, options=options)
+        run = simulate(controller, plant, reference=still, duration=steps * 0.02, options=options)
         counts.append(run.samples)
     return sum(count == steps for count in counts), min(counts)
 

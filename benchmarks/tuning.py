@@ -250,7 +250,7 @@ def on_the_arm(
     """Tune on the arm; pd-motor has no opponent."""
     given.setdefault("options", Options(supply=SUPPLY))
     given.setdefault("linear", lines is not MOTOR_LINES)
-    return tune(text, cost=cost, tuning=lines, workers=2, watch=watched(label), **given)
+    return tune(text, cost=cost, tune=lines, workers=2, watch=watched(label), **given)
 
 
 # --- The heater ---
@@ -265,7 +265,7 @@ def heater() -> None:
         for each in text.model.gains
     )
     begin = replace(text, model=replace(text.model, gains=gains), path="")
-    given = {"references": {"temperature": Signal("step", (20.0,))}, "duration": 14400.0}
+    given = {"reference": {"temperature": Signal("step", (20.0,))}, "duration": 14400.0}
     made = tune(begin, cost="rms + overshoot", scenarios=4, evals=200, **given)
     beside("heater", made, 1.0)
     before, after = (

@@ -147,7 +147,7 @@ def draw_plants(wanted: list[str]) -> None:
         if name == "arm":
             run = simulate(chosen, pick_and_place(), payload=True, options=options)
         else:
-            run = simulate(chosen, plant, references=references, duration=duration, options=options)
+            run = simulate(chosen, plant, reference=references, duration=duration, options=options)
         draw_runs([run]).savefig(PICTURES / f"plant-{name}.png", dpi=92)
         animate(run, plant, PICTURES / f"plant-{name}.gif", frames=FRAMES)
 

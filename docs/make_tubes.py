@@ -47,7 +47,7 @@ def runs(found: Tube, name: str) -> list[tuple[Any, Any]]:
             for port, value in problem.set_point.items()
             if not problem.site.interface.references[port].order
         }
-        course = simulate(problem.text, plant, references=wanted, duration=found.duration)
+        course = simulate(problem.text, plant, reference=wanted, duration=found.duration)
         courses.append((course.time, course.outputs[name]))
     return courses
 

@@ -198,24 +198,26 @@ def test_the_same_in_python(folder, monkeypatch):
     first = fuzzyarm.simulate("hook.frb", "crane.py", payload=True)
     assert (first.trajectory, first.along, first.where) == ("lift", True, "lift")
     assert first.rms == pytest.approx([rms(LIFT, (2, 5))], rel=1e-9)
-    again = fuzzyarm.simulate("hook.frb", crane, along=trajectory_of(crane), payload=True)
+    again = fuzzyarm.simulate("hook.frb", crane, trajectory=trajectory_of(crane), payload=True)
     np.testing.assert_array_equal(first.errors, again.errors)
-    half = fuzzyarm.simulate("hook.frb", crane, along="swing", payload=0.5)
+    half = fuzzyarm.simulate("hook.frb", crane, trajectory="swing", payload=0.5)
     assert half.rms == pytest.approx([rms(SWING, (2, 3.5))], rel=1e-9)
-    own = fuzzyarm.simulate("hook.frb", crane, along="swing", schedule=[{"m": 4}, {"m": 1, "c": 4}])
+    own = fuzzyarm.simulate(
+        "hook.frb", crane, trajectory="swing", schedule=[{"m": 4}, {"m": 1, "c": 4}]
+    )
     assert own.rms == pytest.approx([rms(SWING, (4, 1))], rel=1e-9)
-    many = simulate_many("hook.frb", crane, [{"payload": 0.5}, {}], along="swing", workers=1)
+    many = simulate_many("hook.frb", crane, [{"payload": 0.5}, {}], trajectory="swing", workers=1)
     assert many.rms[:, 0] == pytest.approx([rms(SWING, (2, 3.5)), rms(SWING, (2, 2))], rel=1e-9)
-    stepped = fuzzyarm.simulate("hook.frb", crane, references={"height": 1.0}, duration=0.5)
+    stepped = fuzzyarm.simulate("hook.frb", crane, reference={"height": 1.0}, duration=0.5)
     assert stepped.where == "crane, height step:1"
     tuned = fuzzyarm.tune(
-        "hook.frb", crane, along="swing", evals=2, unseen=0, linear=False, workers=1
+        "hook.frb", crane, trajectory="swing", evals=2, unseen=0, linear=False, workers=1
     )
     assert tuned.scenarios == ("swing",)
     with pytest.raises(PlantError, match="said twice"):
-        fuzzyarm.simulate("hook.frb", crane, along="swing", references={"height": 1.0})
+        fuzzyarm.simulate("hook.frb", crane, trajectory="swing", reference={"height": 1.0})
     with pytest.raises(PlantError, match="said twice"):
-        fuzzyarm.simulate("pd", reach(), along="reach")
+        fuzzyarm.simulate("pd", reach(), trajectory="reach")
     with pytest.raises(PlantError, match="has no supply"):
         fuzzyarm.simulate("hook.frb", crane, options=fuzzyarm.loop.Options(supply=12.0))
     with pytest.raises(ArmError, match="payload of -1"):
@@ -241,19 +243,19 @@ def test_a_class_of_ones_own_need_not_be_a_plant_and_may_draw_its_moves(tmp_path
 def test_several_axes_follow_with_their_first_outputs_or_with_those_that_are_named(tmp_path):
     arm = find_plant("arm")
     own = through([(10.0, -5.0)], 0.3)
-    whole = fuzzyarm.simulate("pd", arm, along=own)
+    whole = fuzzyarm.simulate("pd", arm, trajectory=own)
     np.testing.assert_array_equal(whole.errors, fuzzyarm.simulate("pd", own).errors)
     turned = replace(own, outputs=("joint2.position", "joint1.position"))
-    swapped = fuzzyarm.simulate("pd", arm, along=turned)
+    swapped = fuzzyarm.simulate("pd", arm, trajectory=turned)
     assert swapped.labels == ("joint2.position", "joint1.position")
     assert swapped.reference[-1] == pytest.approx([10.0, -5.0], rel=1e-3)
     alone = through([(10.0,)], 0.3)
     with pytest.raises(PlantError, match=r"the arm follows with 2: joint1\.position, joint2\.pos"):
-        fuzzyarm.simulate("pd", arm, along=alone)
-    second = fuzzyarm.simulate("pd", arm, along=replace(alone, outputs=("joint2.position",)))
+        fuzzyarm.simulate("pd", arm, trajectory=alone)
+    second = fuzzyarm.simulate("pd", arm, trajectory=replace(alone, outputs=("joint2.position",)))
     assert second.labels == ("joint2.position",)
     with pytest.raises(PlantError, match="is an input, which follows nothing"):
-        fuzzyarm.simulate("pd", arm, along=replace(alone, outputs=("joint2.torque",)))
+        fuzzyarm.simulate("pd", arm, trajectory=replace(alone, outputs=("joint2.torque",)))
 
 
 @pytest.mark.parametrize(

@@ -181,7 +181,7 @@ def test_the_arm_follows_references_too(run):
     one = json.loads(run(f"simulate pd {said} --json"))
     assert one["trajectory"] == "joint1.position step:0.2"
     assert one["samples"] == 100  # set points of 3 ms, as laws have them
-    python = fuzzyarm.simulate("pd", "arm", references={"joint1.position": 0.2}, duration=0.3)
+    python = fuzzyarm.simulate("pd", "arm", reference={"joint1.position": 0.2}, duration=0.3)
     assert one["rms"] == pytest.approx(list(python.rms), rel=1e-12)
     both = json.loads(run(f"compare pd {said} --json"))
     assert both[0]["rms"] == one["rms"]

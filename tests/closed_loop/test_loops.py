@@ -138,7 +138,7 @@ def test_a_drive_is_bounded_over_the_region(servo, servo_verdict):
         generator = np.random.default_rng(3)
         for way in (ahead, *generator.standard_normal((5, len(root)))):
             at = starting_at(find_plant("motor"), share * root @ way / np.linalg.norm(way) * 0.999)
-            run = simulate(servo, at, references={"position": 0.0}, duration=0.02)
+            run = simulate(servo, at, reference={"position": 0.0}, duration=0.02)
             most = max(most, np.abs(run.drives["voltage"]).max())
         assert 0.3 * float(bound.high) < most <= float(bound.high) <= 24.0
         assert bound.low == -bound.high
@@ -187,7 +187,7 @@ def runs_from(verdict, text, plant, count, duration):
         way *= (1.0 if k % 4 else generator.uniform()) / np.linalg.norm(way)
         at = starting_at(find_plant(plant), rest + root @ way)
         zero = {next(iter(at.outputs)): 0.0}
-        run = simulate(text, at, references=zero, duration=duration)
+        run = simulate(text, at, reference=zero, duration=duration)
         assert run.diverged is None
         z = np.array([run.outputs[name] for name in names]).T - rest
         yield np.einsum("ki,ij,kj->k", z, p, z)

@@ -99,7 +99,7 @@ def test_from_beyond_the_region(servo, claim):
         start = [generator.choice(e) if number % 2 else generator.uniform(*e) for e in ends]
         plant = starting_at(find_plant("motor"), start)
         wanted = {"position": float(problem.set_point["shaft", "position"])}
-        run = simulate(servo, plant, references=wanted, duration=2.0)
+        run = simulate(servo, plant, reference=wanted, duration=2.0)
         states = np.array([run.outputs[name] for name in problem.states]).T
         arrived = np.searchsorted(run.time, verdict.tube.arrival - 1e-9)
         for name, values in zip(problem.states, states.T, strict=True):
@@ -190,7 +190,7 @@ def test_sensors_and_parameters_of_a_claim(servo):
     for start in (0.1, 0.11, 0.12):
         run = simulate(
             servo, starting_at(find_plant("motor"), [start, 0.0, 0.0]),
-            references={"position": 0.0}, duration=0.02, options=Options(sensors=sensors),
+            reference={"position": 0.0}, duration=0.02, options=Options(sensors=sensors),
         )  # fmt: skip
         values = run.outputs["position"]
         low, high = verdict.tube.low_at[: len(values), 0], verdict.tube.high_at[: len(values), 0]

@@ -82,7 +82,7 @@ def run(problem, duration, start, parameters, parts=16, sensors=None):
         if not problem.site.interface.references[port].order
     }
     options = Options(sensors=sensors) if sensors else None
-    return simulate(problem.text, plant, references=references, duration=duration, options=options)
+    return simulate(problem.text, plant, reference=references, duration=duration, options=options)
 
 
 def chosen(generator, intervals, corner):

@@ -388,7 +388,7 @@ def test_a_plant_of_ones_own_runs_along_its_trajectory(open_page, folder):
     page.start("run", plant=crane, trajectory="swing", payload=True, speed=None)
     heard = page.until("over")
     ready = next(each for each in heard if each.get("news") == "ready")
-    run = simulate(str(folder / "hook.frb"), crane, along="swing", payload=True)
+    run = simulate(str(folder / "hook.frb"), crane, trajectory="swing", payload=True)
     assert ready["duration"] == pytest.approx(run.samples * run.period)
     metrics = next(each for each in reversed(heard) if each.get("news") == "metrics")["metrics"]
     assert metrics["hook"]["rms"] == pytest.approx(run.rms[0], rel=1e-4)

@@ -83,7 +83,7 @@ def names_of(run):
 @pytest.mark.parametrize("name", sorted(set(formulas()) & set(FORMULAS) - WITHOUT_SAMPLES))
 def test_a_formula_is_the_metric(name, file, reference, lesson):
     run = fuzzyarm.simulate(
-        lesson / file, "motor", references={"position": reference}, duration="2s"
+        lesson / file, "motor", reference={"position": reference}, duration="2s"
     )
     known = names_of(run)
     if name in ("rise", "settling"):  # from the step on
@@ -109,7 +109,7 @@ def test_what_expect_and_prove_say_is_complete():
 
 def test_lesson_5_says_when_the_shaft_is_there(lesson):
     run = fuzzyarm.simulate(
-        lesson / "turn.frb", "motor", references={"position": "step:1"}, duration="1s"
+        lesson / "turn.frb", "motor", reference={"position": "step:1"}, duration="1s"
     )
     position = run.outputs["position"]
     assert position[run.time < 0.1349].max() < 0.99

@@ -90,7 +90,7 @@ def test_a_rule_base_on_a_double_integrator_moves_as_the_linear_system():
 def test_a_controller_comes_from_everywhere_to_its_set_point():
     wanted = {"position": Signal("step", (0.2,))}
     portrait = phase_portrait(load(shipped("ball-and-beam.frb")), find_plant("ball-and-beam"),
-                              references=wanted, duration=8.0)  # fmt: skip
+                              reference=wanted, duration=8.0)  # fmt: skip
     assert (portrait.x, portrait.y) == ("position, m", "velocity, m/s")
     assert portrait.target == (0.2, 0.0)
     assert len(portrait.paths) == 12

@@ -83,7 +83,7 @@ def test_machine_code_the_interpreter_and_plain_python_have_the_same_bits(name):
     step = {next(iter(plant.outputs)): Signal("step", (0.1,))}
     duration = 200 * DRIVERS[name].model.period
     runs = [
-        simulate(DRIVERS[name], each, references=step, duration=duration, options=chosen)
+        simulate(DRIVERS[name], each, reference=step, duration=duration, options=chosen)
         for each, chosen in (
             (plant, options),
             (plant, Options(**{**vars(options), "compiled": False})),
@@ -179,7 +179,7 @@ def test_zero_is_a_step_and_the_range_of_a_sensor_ends_it():
     # The range of the motor's position, -2π to 2π, is not a multiple of a degree's hundredth.
     run = simulate(SERVO, find_plant("motor"), duration=2.0,
                    options=Options(sensors={"position": Sensor(resolution=0.01)}),
-                   references={"position": Signal("step", (0.0,))})  # fmt: skip
+                   reference={"position": Signal("step", (0.0,))})  # fmt: skip
     assert not run.errors.any()
 
 
@@ -252,11 +252,11 @@ def test_a_load_acts_behind_the_actuator():
 def test_interpolated_set_points_move_in_a_straight_line():
     wanted = {"position": Signal("ramp", (2.0,))}
     every = text("e = error of position", "u = e", "drive voltage = u", every=5)
-    held = simulate(every, find_plant("motor"), references=wanted, duration=0.1)
+    held = simulate(every, find_plant("motor"), reference=wanted, duration=0.1)
     moved = simulate(
         every,
         find_plant("motor"),
-        references=wanted,
+        reference=wanted,
         duration=0.1,
         options=Options(interpolate=True),
     )
@@ -362,7 +362,7 @@ def test_a_plant_that_is_not_derived_from_anything_runs():
 
     heater = text("e = error of temperature", "u = e * 2", "drive power = u", period="1 s")
     kiln = find_plant(Kiln())
-    asked = {"references": {"T": Signal("step", (300.0,))}, "connect": {"temperature": "T"}}
+    asked = {"reference": {"T": Signal("step", (300.0,))}, "connect": {"temperature": "T"}}
     run = simulate(heater, kiln, **asked)
     assert simulate(heater, Kiln(), **asked).rms == simulate(heater, Kiln, **asked).rms == run.rms
     # 0.2 · 2 · (300 - T) = 0.01 (T - 20)
@@ -437,7 +437,7 @@ def test_a_plant_runs_with_the_attributes_that_it_has_by_then():
     first = ClosedLoop(chosen, plant_motion(chosen, kiln, {"T": 300.0}))
     before = first.run()
     kiln.gain = 0.1
-    asked = {"references": {"T": 300.0}}
+    asked = {"reference": {"T": 300.0}}
     assert simulate(heater, kiln, **asked).rms == simulate(heater, Kiln(0.1), **asked).rms
     assert first.run().rms == before.rms == simulate(heater, Kiln(0.2), **asked).rms
 
@@ -459,7 +459,7 @@ def test_a_plant_may_be_a_dataclass(frozen):
             return super().derivative(t, [float(value) for value in x], u, p)
 
     heater = text("e = error of T", "u = e * 2", "drive power = u", period="1 s")
-    asked = {"references": {"T": 300.0}}
+    asked = {"reference": {"T": 300.0}}
     kiln, opaque = find_plant(Kiln(0.1)), find_plant(Opaque(0.1))
     assert is_traced(kiln)
     assert not is_traced(opaque)
@@ -564,7 +564,7 @@ class Told(Begun):
 )
 def test_what_a_start_sets_is_what_equations_read(kind, gain, is_fast):
     heater = text("e = error of T", "u = e * 2", "drive power = u", period="1 s")
-    asked = {"references": {"T": 100.0}, "duration": 200.0}
+    asked = {"reference": {"T": 100.0}, "duration": 200.0}
     plant = find_plant(kind())
     assert is_traced(plant) == is_fast
     wanted = simulate(heater, Told(gain), **asked).outputs["T"]
@@ -576,7 +576,7 @@ def test_what_a_start_draws_is_drawn_for_each_run():
     heater = text("e = error of T", "u = e * 2", "drive power = u", period="1 s")
     assert not is_traced(Drawn())
     runs = [
-        simulate(heater, Drawn(), references={"T": 100.0}, options=Options(seed=seed)).final[0]
+        simulate(heater, Drawn(), reference={"T": 100.0}, options=Options(seed=seed)).final[0]
         for seed in (1, 2, 1)
     ]
     assert runs[0] == runs[2] != runs[1]

@@ -182,7 +182,7 @@ def test_a_plant_its_parameters_and_its_sensors(heater):
     room = find_plant("room")
     name = next(iter(room.parameters))
     runs.append({name: 1.1 * _value(room, name), "delay.temperature": 30.0})
-    many = simulate_many(heater, room, runs, references=wanted, duration=3600.0, options=options)
+    many = simulate_many(heater, room, runs, reference=wanted, duration=3600.0, options=options)
     made = find_controller(heater)
     own = [
         (made.with_gains({"G_e": [3.0]}), room, Sensor(noise=0.5, resolution=0.1), 1),
@@ -196,7 +196,7 @@ def test_a_plant_its_parameters_and_its_sensors(heater):
     ]
     for i, (chosen, plant, sensor, seed) in enumerate(own):
         options = Options(sensors={"temperature": sensor}, seed=seed)
-        one = simulate(chosen, plant, references=wanted, duration=3600.0, options=options)
+        one = simulate(chosen, plant, reference=wanted, duration=3600.0, options=options)
         np.testing.assert_array_equal(many.rms[i], one.rms)
     assert many.outputs == ("room",)
     assert many.units == ("°C",)
@@ -306,7 +306,7 @@ def test_controllers_travel(name):
 @pytest.mark.parametrize("plant", ["mine.py:Kiln", "mine.py:Oven"])
 def test_a_plant_of_a_file_travels_as_its_text(heater, plant, tmp_path):
     runs = {"loss": np.linspace(0.005, 0.02, 5)}
-    more = {"references": {"temperature": Signal("step", (40.0,))}}
+    more = {"reference": {"temperature": Signal("step", (40.0,))}}
     first = simulate_many(heater, plant, runs, workers=1, **more)
     bench = Bench(experiment_of(heater, plant, **more), ["loss"])
     content = packed((bench.experiment, ("loss",)))
@@ -350,7 +350,7 @@ def test_what_was_used_travels_as_well(heater):
     assert packed(cost) == fresh
     assert unpacked(fresh).of(values) == 3.0
     text = load(heater)
-    simulate(text, "room", references={"temperature": Signal("step", (20.0,))}, duration=100.0)
+    simulate(text, "room", reference={"temperature": Signal("step", (20.0,))}, duration=100.0)
     again = unpacked(packed(text))
     assert again.model == text.model
 
@@ -363,7 +363,7 @@ def test_a_file_that_was_loaded_twice_travels_and_so_do_two_of_one_name(heater, 
     content = [packed(plant) for plant in plants]
     for name in names:
         Path(name).unlink(missing_ok=True)
-    given = {"references": {"temperature": Signal("step", (40.0,))}, "duration": 100.0}
+    given = {"reference": {"temperature": Signal("step", (40.0,))}, "duration": 100.0}
     made = find_controller(heater)
     for plant, packet in zip(plants, content, strict=True):
         again = unpacked(packet)
@@ -422,7 +422,7 @@ oven = Within()
 def test_a_plant_that_keeps_what_does_not_travel(name, heater, tmp_path):
     (tmp_path / "odd.py").write_text(ODD)
     plant = with_parameters(find_plant(f"odd.py:{name}"), {"loss": 0.02})
-    given = {"references": {"temperature": Signal("step", (40.0,))}}
+    given = {"reference": {"temperature": Signal("step", (40.0,))}}
     text = (tmp_path / "heater.frb").read_text().replace("axis room", "axis " + plant.name)
     (tmp_path / "heater.frb").write_text(text)
     made = find_controller(heater)

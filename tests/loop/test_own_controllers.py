@@ -22,7 +22,7 @@ axis room
   drive power = u
 """
 
-WARM = {"references": {"temperature": 25.0}, "duration": "2h"}
+WARM = {"reference": {"temperature": 25.0}, "duration": "2h"}
 
 
 def text(words):

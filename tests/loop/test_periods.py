@@ -180,7 +180,7 @@ def test_where_every_period_has_a_set_point_the_three_are_one():
     run = simulate(
         load(shipped("servo.frb")),
         "motor",
-        references={"position": Signal("sine", (1.0, 2.0))},
+        reference={"position": Signal("sine", (1.0, 2.0))},
         duration=0.5,
     )
     assert run.rms_periods == pytest.approx(run.rms, rel=1e-12)
@@ -192,7 +192,7 @@ def test_of_any_plant_the_path_is_the_reference():
     head = "controller still\nperiod 1 ms\nset-point every 4\naxis shaft\n"
     still = head + "  u = error of position * 0\n  drive voltage = u\n"
     slope = {"position": Signal("ramp", (2.0,))}
-    run = simulate(controller_in(still, "s.frb"), "motor", references=slope, duration=0.4)
+    run = simulate(controller_in(still, "s.frb"), "motor", reference=slope, duration=0.4)
     ticks = np.arange(400) * 0.001
     held = np.repeat(2.0 * ticks[::4], 4)
     degrees = {"rms": held[3::4], "rms_periods": held, "rms_path": 2.0 * ticks}

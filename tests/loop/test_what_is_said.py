@@ -32,9 +32,9 @@ def text(*lines, head=("period 1 ms",), axis="shaft"):
 
 def test_outputs_are_those_of_their_time():
     """At a reference that stands still set points change nothing but when samples are taken."""
-    every = simulate(controller_in(SERVO, "s.frb"), "motor", references=STEP, duration=0.2)
+    every = simulate(controller_in(SERVO, "s.frb"), "motor", reference=STEP, duration=0.2)
     fifth = SERVO.replace("period 1 ms", "period 1 ms\nset-point every 5")
-    some = simulate(controller_in(fifth, "s.frb"), "motor", references=STEP, duration=0.2)
+    some = simulate(controller_in(fifth, "s.frb"), "motor", reference=STEP, duration=0.2)
     at = np.searchsorted(every.time, some.time - 1e-9)
     assert some.time == pytest.approx(every.time[at])
     assert some.outputs["position"] == pytest.approx(every.outputs["position"][at], abs=1e-12)
@@ -60,14 +60,14 @@ def test_a_run_is_lost_after_its_last_sample():
 
 
 def test_the_first_drive_is_not_a_change():
-    run = simulate(load(shipped("servo.frb")), "motor", references=STEP, duration=2.0)
+    run = simulate(load(shipped("servo.frb")), "motor", reference=STEP, duration=2.0)
     changes = np.diff(run.drives["voltage"])
     expected = math.sqrt(np.mean(changes**2))
     assert run.chatter["voltage"] == pytest.approx(expected)
     assert expected == pytest.approx(0.0795, abs=1e-4)
     assert run.metrics["shaft"].chatter == run.chatter["voltage"]
     still = text("e = error of position", "u = e * 0 + 3", "drive voltage = u")
-    assert simulate(still, "motor", references=STEP, duration=0.1).chatter["voltage"] == 0.0
+    assert simulate(still, "motor", reference=STEP, duration=0.1).chatter["voltage"] == 0.0
 
 
 # --- Limits ---
@@ -76,7 +76,7 @@ def test_the_first_drive_is_not_a_change():
 def test_a_drive_at_the_limit_of_its_text_is_saturated():
     for low, high in ((-3, 5), (-0.7, 0.1)):
         held = text("u = error of position * 40", f"drive voltage = u, within {low} .. {high}")
-        run = simulate(held, "motor", references=STEP, duration=0.5)
+        run = simulate(held, "motor", reference=STEP, duration=0.5)
         drives = run.drives["voltage"]
         expected = np.mean((drives == low) | (drives == high))
         assert run.metrics["shaft"].saturated == expected > 0.1
@@ -87,7 +87,7 @@ def test_a_drive_at_the_limit_of_its_text_is_saturated():
 def test_so_is_one_that_is_an_integral_at_its_bound(sign):
     lines = ["e = error of velocity", "i = integral of e, within -2 .. 3"]
     made = text(*lines, f"drive voltage = {sign}i * K / 2", head=("period 1 ms", "gain K = 3"))
-    run = simulate(made, "motor", references={"velocity": Signal("step", (-40.0,))}, duration=0.5)
+    run = simulate(made, "motor", reference={"velocity": Signal("step", (-40.0,))}, duration=0.5)
     ends = (-3.0, 4.5) if not sign else (-4.5, 3.0)
     assert run.limits["voltage"] == pytest.approx(ends)
     drives = run.drives["voltage"]
@@ -252,7 +252,7 @@ def test_metrics_of_sweeps_stand_beside_each_other():
 @pytest.mark.parametrize(("step", "said"), [(6.0, None), (7.0, "7"), (-7.0, "-7")])
 def test_a_set_point_that_no_sensor_can_say_is_noted(step, said):
     references = {"position": Signal("step", (step,))}
-    run = simulate(shipped("servo.frb"), "motor", references=references, duration=0.01)
+    run = simulate(shipped("servo.frb"), "motor", reference=references, duration=0.01)
     words = f"the set point {said} rad of 'position' is beyond its range, -6.28319 .. 6.28319"
     assert run.notes == (() if said is None else (words,))
 
@@ -267,7 +267,7 @@ def test_a_run_that_diverges_says_of_what(tmp_path, capsys):
         def derivative(self, t, x, u, p):
             return [1e3 * u[0] if x[0] < self.end else math.nan]
 
-    asked = {"references": STEP, "duration": 0.2}
+    asked = {"reference": STEP, "duration": 0.2}
     wild = text("e = error of position", "drive voltage = e * 1000")
     plant = Rooted()
     plant.end = 0.5

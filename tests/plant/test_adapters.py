@@ -44,7 +44,7 @@ def test_the_shipped_controller_holds_the_pole(gymnasium):
     plant, text = find_plant("gym:CartPole-v1"), load(shipped("cartpole.frb"))
     assert plant.duration == 10.0
     for seed in range(4):
-        run = simulate(text, plant, references=STILL, options=Options(seed=seed))
+        run = simulate(text, plant, reference=STILL, options=Options(seed=seed))
         assert (run.samples, run.ended, run.diverged) == (500, None, None)
     assert set(run.drives) == {"f"}
     assert np.abs(run.drives["f"]).max() < 10.0
@@ -58,7 +58,7 @@ def test_four_inputs_hold_it_ten_times_as_long_and_two_do_not(gymnasium):
 
     def steps(chosen, seed):
         options = Options(seed=seed)
-        run = simulate(chosen, plant, references=STILL, duration=100.0, options=options)
+        run = simulate(chosen, plant, reference=STILL, duration=100.0, options=options)
         return run.samples
 
     assert [steps(whole, seed) for seed in range(4)] == [5_000] * 4
@@ -67,7 +67,7 @@ def test_four_inputs_hold_it_ten_times_as_long_and_two_do_not(gymnasium):
 
 def test_an_environment_gives_what_it_gives_without_us(gymnasium):
     plant, text = find_plant("gym:CartPole-v1"), load(shipped("cartpole.frb"))
-    run = simulate(text, plant, references=STILL, duration=1.0, options=Options(seed=5))
+    run = simulate(text, plant, reference=STILL, duration=1.0, options=Options(seed=5))
     other = gymnasium.make("CartPole-v1")
     seen, _ = other.reset(seed=5)
     law = text.run()
@@ -81,21 +81,21 @@ def test_an_environment_gives_what_it_gives_without_us(gymnasium):
 def test_an_episode_that_ends_ends_the_run(gymnasium):
     plant = find_plant("gym:CartPole-v1")
     law = controller("a = measured x", "f = a * 0", "drive f = f", "drive f = 10")
-    run = simulate(law, plant, references=STILL)
+    run = simulate(law, plant, reference=STILL)
     assert run.diverged is None
     assert run.ended == pytest.approx(0.02 * run.samples)
     assert run.samples < 20
     # The next run begins a new episode.
-    assert simulate(load(shipped("cartpole.frb")), plant, references=STILL).samples == 500
+    assert simulate(load(shipped("cartpole.frb")), plant, reference=STILL).samples == 500
 
 
 def test_a_period_that_the_environment_does_not_have(gymnasium):
     with pytest.raises(PlantError, match=r"steps every 0\.02 s, not every 0\.01 s"):
         simulate(controller("a = measured x", "drive f = a", period="10 ms"),
-                 find_plant("gym:CartPole-v1"), references=STILL)  # fmt: skip
+                 find_plant("gym:CartPole-v1"), reference=STILL)  # fmt: skip
     # A multiple repeats the action.
     run = simulate(controller("a = measured x", "drive f = a", period="40 ms"),
-                   find_plant("gym:CartPole-v1"), references=STILL, duration=0.2)  # fmt: skip
+                   find_plant("gym:CartPole-v1"), reference=STILL, duration=0.2)  # fmt: skip
     assert run.samples == 5
 
 
@@ -104,7 +104,7 @@ def test_actions_that_are_numbers_or_choices(gymnasium):
     assert list(plant.outputs) == ["cos", "sin", "omega", "theta"]
     run = simulate(controller("a = measured theta", "w = measured omega", "t = -a * 10 - w * 2",
                               "drive torque = t", period="50 ms"), plant, duration=2.0,
-                   references={"theta": Signal("step", (0.0,))})  # fmt: skip
+                   reference={"theta": Signal("step", (0.0,))})  # fmt: skip
     np.testing.assert_allclose(
         np.tan(run.outputs["theta"]), run.outputs["sin"] / run.outputs["cos"]
     )
@@ -214,7 +214,7 @@ def test_a_unit_for_co_simulation_moves_itself(unit, version):
     assert (plant.name, plant.inputs["power"].high, plant.outputs["heat"].unit) == ("lag", 5.0, "K")
     for gain in (2.0, 1.0):
         chosen = with_parameters(plant, {"gain": gain})
-        run = simulate(controller(*LAW), chosen, references=WANTED, duration=0.4)
+        run = simulate(controller(*LAW), chosen, reference=WANTED, duration=0.4)
         y = 0.0
         for shown in run.outputs["heat"]:
             assert shown == y
@@ -232,15 +232,15 @@ def test_a_unit_for_model_exchange_moves_by_our_steps(unit, version):
     assert list(plant.states) == ["state1"]
     same = control.nlsys(lambda t, x, u, p: [(2.0 * u[0] - x[0]) / 0.5], lambda t, x, u, p: x,
                          inputs="power", outputs="heat", states=1)  # fmt: skip
-    here = simulate(controller(*LAW), plant, references=WANTED, duration=0.4).outputs["heat"]
-    there = simulate(controller(*LAW), ControlPlant(same), references=WANTED, duration=0.4)
+    here = simulate(controller(*LAW), plant, reference=WANTED, duration=0.4).outputs["heat"]
+    there = simulate(controller(*LAW), ControlPlant(same), reference=WANTED, duration=0.4)
     np.testing.assert_array_equal(here, there.outputs["heat"])
 
 
 def test_a_unit_may_say_that_it_is_over(unit):
     plant = find_plant(unit(3, "CoSimulation"))
     run = simulate(controller("e = reference heat * 2", "drive power = e"), plant,
-                   references=WANTED, duration=5.0)  # fmt: skip
+                   reference=WANTED, duration=5.0)  # fmt: skip
     # x = 4 (1 - exp(-t / 0.5)) passes 1.9 after 0.32 s.
     assert run.diverged is None
     assert run.ended == pytest.approx(0.34, abs=0.021)
@@ -248,9 +248,9 @@ def test_a_unit_may_say_that_it_is_over(unit):
 
 def test_copies_of_a_unit_run_side_by_side(unit):
     plant = find_plant(unit(2, "CoSimulation"))
-    first = simulate(controller(*LAW), plant, references=WANTED, duration=0.4).outputs["heat"]
+    first = simulate(controller(*LAW), plant, reference=WANTED, duration=0.4).outputs["heat"]
     for other in (copy.copy(plant), pickle.loads(pickle.dumps(plant)), plant):
-        run = simulate(controller(*LAW), other, references=WANTED, duration=0.4)
+        run = simulate(controller(*LAW), other, reference=WANTED, duration=0.4)
         np.testing.assert_array_equal(run.outputs["heat"], first)
 
 
@@ -267,7 +267,7 @@ def test_damaged_units_and_those_of_other_machines_are_errors(unit, tmp_path):
     with zipfile.ZipFile(bare, "w") as archive:
         archive.writestr("modelDescription.xml", DESCRIPTION[2].format(kinds=kinds))
     with pytest.raises(PlantError, match="cannot be started"):
-        simulate(controller(*LAW), find_plant(str(bare)), references=WANTED, duration=0.1)
+        simulate(controller(*LAW), find_plant(str(bare)), reference=WANTED, duration=0.1)
     eventful = tmp_path / "eventful.fmu"
     words = DESCRIPTION[2].format(kinds='<ModelExchange modelIdentifier="lag"/>')
     with zipfile.ZipFile(eventful, "w") as archive:

@@ -69,7 +69,7 @@ def test_the_loop_of_the_motor_has_the_same_bits_here_and_there(path, by_hand):
         text,
         motor,
         duration=STEPS * PERIOD,
-        references={"position": Signal("step", (1.0,))},
+        reference={"position": Signal("step", (1.0,))},
         options=Options(compiled=False),
     )
     numbers = {key: each.value for key, each in motor.parameters.items()}
@@ -104,7 +104,7 @@ def test_a_linear_system_moves_as_its_exact_solution():
     plant = ControlPlant(system)
     assert (plant.name, list(plant.inputs), list(plant.outputs)) == ("lag", ["power"], ["heat"])
     text = controller("error of heat", "power", "2 ms")
-    run = simulate(text, plant, duration=1.0, references={"heat": Signal("step", (1.0,))})
+    run = simulate(text, plant, duration=1.0, reference={"heat": Signal("step", (1.0,))})
     # u = r - y, so T y' + y = 2 (1 - y), held for 2 ms: sampled exactly.
     pole, y = np.exp(-2e-3 / 0.5), 0.0
     for shown in run.outputs["heat"]:
@@ -183,7 +183,7 @@ class Slow(Plant):
 
 def test_limits_and_slew_of_actuators_are_those_of_the_loop_here():
     text = controller("error of level * 5", "valve", "50 ms")
-    here = simulate(text, Slow(), duration=2.0, references={"level": Signal("step", (1.0,))})
+    here = simulate(text, Slow(), duration=2.0, reference={"level": Signal("step", (1.0,))})
     there = closed(to_control(Slow(), 0.05), to_control(text), {"level": 1.0}, 2.0)
     assert np.abs(here.drives["valve"]).max() == 1.0
     assert np.diff(here.drives["valve"]).max() == pytest.approx(0.1)

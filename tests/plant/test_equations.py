@@ -116,7 +116,7 @@ def run(plant, **options):
     servo = load(shipped("servo.frb"))
     step = {"position": Signal("step", (1.5,))}
     chosen = Options(**options)
-    return simulate(servo, as_plant(plant), references=step, duration=0.3, options=chosen)
+    return simulate(servo, as_plant(plant), reference=step, duration=0.3, options=chosen)
 
 
 def same(one, other):

@@ -182,7 +182,7 @@ def test_compiled_interpreted_and_by_hand_it_has_the_same_bits(name):
     period = text.model.period
 
     def run(*, compiled):
-        return simulate(text, plant, references={port: Signal("step", (to,))},
+        return simulate(text, plant, reference={port: Signal("step", (to,))},
                         duration=200 * period, options=Options(compiled=compiled))  # fmt: skip
 
     fast, slow = run(compiled=True), run(compiled=False)
@@ -227,7 +227,7 @@ class Kiln(Plant):
 def test_equations_of_a_user_may_count_from_the_end():
     text, to = load(shipped("heater.frb")), {"temperature": Signal("step", (20.0,))}
     fast, slow = (
-        simulate(text, Kiln(), references=to, duration=600.0, options=Options(compiled=compiled))
+        simulate(text, Kiln(), reference=to, duration=600.0, options=Options(compiled=compiled))
         for compiled in (True, False)
     )
     assert slow.outputs["sum"][-1] > 0.0
@@ -251,7 +251,7 @@ def test_equations_of_a_user_may_count_from_the_end():
 def test_the_shipped_controller_serves_its_plant(name, rise, overshoot, settling):
     file, port, to = CONTROLLERS[name]
     to = 1.0 if name == "cartpole" else to
-    run = simulate(load(shipped(file)), find_plant(name), references={port: Signal("step", (to,))})
+    run = simulate(load(shipped(file)), find_plant(name), reference={port: Signal("step", (to,))})
     (found,) = run.metrics.values()
     assert run.diverged is None
     assert found.rise is not None

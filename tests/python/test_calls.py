@@ -113,21 +113,21 @@ def same(one, other):
 @pytest.fixture(scope="module")
 def plain():
     references = {"position": Signal("step", (1.0,))}
-    return fuzzyarm.simulate(fuzzyarm.load(SERVO), "motor", references=references, duration=0.02)
+    return fuzzyarm.simulate(fuzzyarm.load(SERVO), "motor", reference=references, duration=0.02)
 
 
 @pytest.mark.parametrize("signal", ["step:1", "1", 1, 1.0, np.float64(1.0)])
 @pytest.mark.parametrize("duration", ["20ms", "0.02 s", 0.02, "20000us"])
 def test_words_say_what_numbers_and_signals_say(signal, duration, plain):
-    run = fuzzyarm.simulate(SERVO, "motor", references={"position": signal}, duration=duration)
+    run = fuzzyarm.simulate(SERVO, "motor", reference={"position": signal}, duration=duration)
     assert same(run, plain)
     assert run.trajectory == "position step:1"
 
 
 def test_many_runs_a_portrait_and_a_search_take_the_same_words():
-    words = {"references": {"position": "step:1"}, "duration": "20ms"}
+    words = {"reference": {"position": "step:1"}, "duration": "20ms"}
     many = simulate_many(SERVO, "motor", [{"G_e": 1.0}], workers=1, **words)
-    numbers = {"references": {"position": Signal("step", (1.0,))}, "duration": 0.02}
+    numbers = {"reference": {"position": Signal("step", (1.0,))}, "duration": 0.02}
     assert np.array_equal(many.values, simulate_many(
         SERVO, "motor", [{"G_e": 1.0}], workers=1, **numbers).values, equal_nan=True)  # fmt: skip
     portrait = phase_portrait(SERVO, "motor", starts=[(0.5, 0.0)], **words)
@@ -135,8 +135,8 @@ def test_many_runs_a_portrait_and_a_search_take_the_same_words():
     assert phase_portrait(fuzzyarm.load(PD7), duration="50ms", starts=[(1.0, 0.0)])
     tuned = [
         fuzzyarm.tune(
-            fuzzyarm.shipped("heater.frb"), "room", references={"temperature": reference},
-            duration=duration, seconds=seconds, evals=3, unseen=2, linear=False, workers=1,
+            fuzzyarm.shipped("heater.frb"), "room", reference={"temperature": reference},
+            duration=duration, time=seconds, evals=3, unseen=2, linear=False, workers=1,
         ).found.best.score.cost
         for reference, duration, seconds in [("step:20", "10min", "5min"),
                                              (Signal("step", (20.0,)), 600.0, 300.0)]
@@ -167,9 +167,9 @@ def test_loads_and_sensors_take_words_too():
     [
         ({"duration": "300"}, WordError, "duration takes a time with a unit (us, ms, s, min, h)"),
         ({"duration": "soon"}, WordError, "not 'soon'"),
-        ({"references": {"position": "stp:1"}}, PlantError, "did you mean 'step'?"),
-        ({"references": {"position": "step:x"}}, PlantError, "'step:x' is not a signal"),
-        ({"references": {"postion": "step:1"}}, PlantError, "no port 'postion'"),
+        ({"reference": {"position": "stp:1"}}, PlantError, "did you mean 'step'?"),
+        ({"reference": {"position": "step:x"}}, PlantError, "'step:x' is not a signal"),
+        ({"reference": {"postion": "step:1"}}, PlantError, "no port 'postion'"),
     ],
 )
 def test_words_that_say_nothing_are_one_sentence(words, error, message):
@@ -188,7 +188,7 @@ def test_a_rule_base_that_is_being_written_is_tuned_as_its_value_is():
     samples = as_samples(
         [[i / 20] for i in range(21)], [i / 20 for i in range(21)], names=("x",), target="y"
     )
-    options = {"data": samples, "evals": 5, "tuning": ["peaks y"], "workers": 1}
+    options = {"data": samples, "evals": 5, "tune": ["peaks y"], "workers": 1}
     assert fuzzyarm.tune(fan, **options).text == fuzzyarm.tune(fan.model, **options).text
 
 

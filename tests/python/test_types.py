@@ -65,12 +65,12 @@ temp = fan.input("temp", 0, 1, terms=["cold", "hot"])
 temp.term("icy", (0, 0, 1))
 asked(fan), width(fan.model)
 servo: fuzzyarm.ControllerText = fuzzyarm.load_controller("x.frb")
-run = fuzzyarm.simulate(servo, "motor", references={"position": "step:1"}, duration="300ms")
+run = fuzzyarm.simulate(servo, "motor", reference={"position": "step:1"}, duration="300ms")
 run.metrics["shaft"].rise
 run.plot().savefig("x.png")
-fuzzyarm.simulate(fuzzyarm.shipped("x.frb"), "motor", references={"position": 1.0}, duration=0.3)
+fuzzyarm.simulate(fuzzyarm.shipped("x.frb"), "motor", reference={"position": 1.0}, duration=0.3)
 fuzzyarm.simulate_many(servo, "motor", [{"G_e": 1.0}], duration="1s").rms
-fuzzyarm.tune(pd7, seconds="2min")
+fuzzyarm.tune(pd7, time="2min")
 fuzzyarm.learning.fit, fuzzyarm.plant.find_plant, fuzzyarm.study.reproduce
 """
 

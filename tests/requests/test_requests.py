@@ -173,13 +173,15 @@ def test_choices_are_those_of_the_engines():
 def test_what_a_request_withholds_is_refused():
     with pytest.raises(RequestError, match="hold is not a field of CompareRequest"):
         CompareRequest(hold=1.0)
+    with pytest.raises(RequestError, match="hold is not a field of CompareRequest"):
+        CompareRequest(controllers="pd").replaced(hold=5.0)
     assert "hold" not in schema_of(CompareRequest)["properties"]
 
 
 def test_calls_take_a_request_as_well():
     servo = str(fuzzyarm.shipped("servo.frb"))
     asked = SimulateRequest(controller=servo, reference="position=step:1", duration="50ms")
-    named = fuzzyarm.simulate(servo, references={"position": "step:1"}, duration="50ms")
+    named = fuzzyarm.simulate(servo, reference={"position": "step:1"}, duration="50ms")
     assert (fuzzyarm.simulate(asked).errors == named.errors).all()
     swept = SweepRequest(controller=servo, sweep="J=0.01..0.02:2", duration="50ms", workers=1)
     runs = [{"J": 0.01}, {"J": 0.02}]
@@ -187,12 +189,39 @@ def test_calls_take_a_request_as_well():
     assert (fuzzyarm.simulate_many(swept).rms == many.rms).all()
     with pytest.raises(TypeError, match="alone"):
         fuzzyarm.simulate(asked, "motor")
-    with pytest.raises(TypeError, match="did you mean 'references'"):
-        fuzzyarm.simulate(servo, "motor", refrences={})
+    stepped = fuzzyarm.simulate(servo, "motor", step=1.0, duration="50ms")
+    assert (stepped.errors == named.errors).all()
+    many = fuzzyarm.simulate_many(servo, "motor", [{}], step=1.0, duration="50ms", workers=1)
+    assert many.rms[0, 0] == named.rms[0]
+    with pytest.raises(fuzzyarm.FuzzyarmError, match="a step and references say the same"):
+        fuzzyarm.simulate(servo, "motor", step=1.0, reference={"position": 1.0})
     table = fuzzyarm.compile_table(
         CompileRequest(file=str(fuzzyarm.shipped("pd7.frb")), levels="5")
     )
     assert table.shape == (5, 5)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: TuneRequest("x.frb"), "(write, for instance, TuneRequest(file='x.frb'))"),
+        (TuneRequest, "file of TuneRequest is missing"),
+        (lambda: TuneRequest(file="x.frb", evls=3), "(did you mean 'evals'?)"),
+        (lambda: TuneRequest(file="x.frb", evals="many"), "evals must be a whole number"),
+        (lambda: SimulateRequest(**{"for": "2s"}), "(the field of --for is 'duration')"),
+        (lambda: fuzzyarm.simulate("pd", on="arm"), "no argument 'on' (it is now 'plant')"),
+        (lambda: fuzzyarm.simulate("pd", along="reach"), "(it is now 'trajectory')"),
+        (lambda: fuzzyarm.simulate("pd", references={}), "(it is now 'reference')"),
+        (lambda: fuzzyarm.simulate("pd", refernce={}), "(did you mean 'reference'?)"),
+        (lambda: fuzzyarm.tune("pd", tuning=["peaks e"]), "(it is now 'tune')"),
+        (lambda: fuzzyarm.tune("pd", seconds=3.0), "(it is now 'time')"),
+        (lambda: fuzzyarm.tune(TuneRequest(file="x.frb"), evals=3), "takes a request alone"),
+    ],
+)
+def test_a_slip_in_a_call_is_an_error_of_fuzzyarm_that_says_what_was_meant(make, message):
+    with pytest.raises(fuzzyarm.FuzzyarmError) as error:
+        make()
+    assert message in str(error.value)
 
 
 def test_the_schemas_are_published():

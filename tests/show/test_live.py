@@ -34,7 +34,7 @@ def run_on(name):
     file, output, seconds = STEPS[name]
     plant = find_plant(name)
     references = {output: Signal("step", (0.1, 0.0))}
-    return simulate(load(shipped(file)), plant, references=references, duration=seconds), plant
+    return simulate(load(shipped(file)), plant, reference=references, duration=seconds), plant
 
 
 @pytest.fixture(scope="module")

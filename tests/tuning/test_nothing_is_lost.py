@@ -165,7 +165,7 @@ def test_what_somebody_has_changed_meanwhile_is_left(folder, capsys, monkeypatch
 
 
 def tuned_on(plant, **given):
-    settings = {"references": {"temperature": Signal("step", (200.0,))}, "workers": 1}
+    settings = {"reference": {"temperature": Signal("step", (200.0,))}, "workers": 1}
     settings |= {"evals": 20, "unseen": 0, "linear": False, **given}
     return tune("kiln.frb", plant, **settings)
 

@@ -23,7 +23,7 @@ from fuzzyarm.tuning.optimisers import OPTIMISERS
 from fuzzyarm.tuning.tune import read_tuning
 
 HEATER = load(shipped("heater.frb"))
-ROOM = {"references": {"temperature": Signal("step", (20.0,))}, "duration": 900.0}
+ROOM = {"reference": {"temperature": Signal("step", (20.0,))}, "duration": 900.0}
 PD7 = load(shipped("pd7.frb"))
 DRAWN = np.random.default_rng(0).uniform(-6.0, 6.0, (40, 2))
 SAMPLES = as_samples(DRAWN, infer(PD7, e=1.2 * DRAWN[:, 0], ce=DRAWN[:, 1])["u"], ("e", "ce"), "u")
@@ -53,7 +53,7 @@ searches = st.fixed_dictionaries(
         "digits": st.integers(1, 8),
         "cost": st.sampled_from(["rms", "rms + overshoot", "variation", "-rms", "0*rms"]),
         "scenarios": st.integers(1, 3),
-        "tuning": ranges(),
+        "tune": ranges(),
     }
 )
 
@@ -103,7 +103,7 @@ def test_a_pause_and_workers_change_nothing(given, cut, workers, torn):
 @given(st.integers(0, 2**40), st.integers(2, 30), st.sampled_from(sorted(OPTIMISERS)))
 def test_terms_keep_their_order_and_what_is_promised(seed, evals, method):
     given = {"seed": seed, "evals": evals, "method": method, "data": SAMPLES}
-    made = tune(PD7, tuning=["peaks e, u mirrored, keep order, partition"], workers=1, **given)
+    made = tune(PD7, tune=["peaks e, u mirrored, keep order, partition"], workers=1, **given)
     file, own = (row.scores["train"].cost for row in made.rows[:2])
     assert own <= file
     for name in ("e", "u"):
@@ -112,7 +112,7 @@ def test_terms_keep_their_order_and_what_is_promised(seed, evals, method):
         peaks = [term.shape.parameters[1] for term in new.terms]
         assert peaks == sorted(peaks) == [-peak for peak in reversed(peaks)]
         assert new.low <= peaks[0] < peaks[-1] <= new.high
-    together = tune(PD7, tuning=["peaks e, u mirrored, keep order, partition"], workers=3, **given)
+    together = tune(PD7, tune=["peaks e, u mirrored, keep order, partition"], workers=3, **given)
     assert together.text == made.text
 
 
@@ -167,7 +167,7 @@ def test_whatever_the_gains_of_the_file_can_do_the_line_can_do(first, second, th
     file = controller_at(HEATER, Candidate({name: (value,) for name, value in gains.items()}))
     straight = controller_at(line, Candidate(wanted))
     small = {
-        "references": {"temperature": Signal("step", (15.0 + 0.2 / max(first, second / 60.0),))}
+        "reference": {"temperature": Signal("step", (15.0 + 0.2 / max(first, second / 60.0),))}
     }
     runs = [simulate(each, "room", duration=600.0, **small) for each in (file, straight)]
     assert runs[1].errors == pytest.approx(runs[0].errors, rel=1e-6, abs=1e-9)

@@ -37,7 +37,7 @@ from fuzzyarm.tuning.tune import read_tuning, stage_of
 
 HEATER = shipped("heater.frb")
 ROOM = {
-    "references": {"temperature": Signal("step", (20.0,))},
+    "reference": {"temperature": Signal("step", (20.0,))},
     "duration": 3600.0,
     "cost": "rms + overshoot",
     "unseen": 2,
@@ -79,7 +79,7 @@ def test_what_is_written_is_what_was_scored(tuned, tmp_path):
     (path,) = tuned.write(tmp_path / "out.frb")
     text = path.read_text()
     run = simulate(
-        str(path), find_plant("room"), references=ROOM["references"], duration=ROOM["duration"]
+        str(path), find_plant("room"), reference=ROOM["reference"], duration=ROOM["duration"]
     )
     metrics = run.metrics["room"]
     expected = metrics.rms + metrics.overshoot
@@ -143,7 +143,7 @@ def test_ctrl_c_keeps_the_best():
 
 def test_gains_of_each_axis_and_terms_of_their_file(tmp_path):
     given = {
-        "tuning": ["peaks e, ce mirrored, partition", "gain G_e 0.5 .. 2 times, per axis"],
+        "tune": ["peaks e, ce mirrored, partition", "gain G_e 0.5 .. 2 times, per axis"],
         "cost": "rms + 0.002*chatter",
         "evals": 14,
         "unseen": 0,
@@ -184,7 +184,7 @@ def moved():
 
 def test_samples_bring_terms_back(moved):
     pd7, other, samples = moved
-    made = tune(pd7, data=samples, tuning=["peaks e mirrored, partition"], evals=80, workers=1)
+    made = tune(pd7, data=samples, tune=["peaks e mirrored, partition"], evals=80, workers=1)
     assert made.row("tuned").scores["train"].cost < 0.05 * made.rows[0].scores["train"].cost
     found = {term.name: term.shape.parameters for term in made.model.variable("e").terms}
     for term in other.variable("e").terms:
@@ -198,7 +198,7 @@ def test_samples_bring_terms_back(moved):
 def test_every_candidate_keeps_the_expectations(moved):
     pd7, _, samples = moved
     held = replace(pd7, expectations=(*pd7.expectations, *_expected(pd7, 2.0)))
-    made = tune(held, data=samples, tuning=["peaks e mirrored, partition"], evals=60, workers=1)
+    made = tune(held, data=samples, tune=["peaks e mirrored, partition"], evals=60, workers=1)
     assert made.found.refused > 0
     assert abs(infer(made.model, e=2.0, ce=0.0)["u"] - infer(pd7, e=2.0, ce=0.0)["u"]) <= 0.02
     broken = replace(pd7, expectations=_expected(pd7, 2.0, off=1.0))
@@ -279,7 +279,7 @@ def test_what_a_search_keeps_of_a_run_is_what_the_whole_run_says(noisy):
     noise = Sensor(noise=1e-3)
     arm = Bench(Experiment(controller("cfaf"), QUICK, shared={"payload": 1.0}), []).loop
     heater = controller_of(load(HEATER))
-    motion = plant_motion(heater, find_plant("room"), ROOM["references"], 600.0)
+    motion = plant_motion(heater, find_plant("room"), ROOM["reference"], 600.0)
     for loop in (arm, ClosedLoop(heater, motion)):
         course = loop.course
         if noisy:
@@ -323,7 +323,7 @@ def test_chatter_is_the_root_mean_square_change_of_the_torque():
 
 def test_more_scenarios_begin_with_the_same_ones_and_unseen_ones_are_others():
     text = load(shipped("fuzzy-direct.frb"))
-    stage = stage_of(text, None, fuzzyarm.loop.Options(seed=3))
+    stage = stage_of(text, None, {}, seed=3)
     made = controller("fuzzy-direct")
     few, many = (train_scenarios(stage, count, made) for count in (4, 7))
     assert many[:4] == few
@@ -338,7 +338,7 @@ def test_more_scenarios_begin_with_the_same_ones_and_unseen_ones_are_others():
 
 def test_references_are_scaled_from_where_the_plant_rests():
     text = load(HEATER)
-    stage = stage_of(text, None, fuzzyarm.loop.Options(), ROOM["references"], 600.0)
+    stage = stage_of(text, None, {"reference": ROOM["reference"], "duration": 600.0})
     drawn = unseen_scenarios(stage, 20, find_controller(str(HEATER)))
     goals = [each.on.references[-1, 0] for each in drawn]
     assert all(17.5 <= goal <= 22.5 for goal in goals)  # half of the way from 15 to half more
@@ -357,7 +357,7 @@ def test_the_opponent_is_the_plane_nearest_to_the_rules():
     names = [each.names for each in tuning.gains]
     assert names == [("slope of du along en",), ("slope of du along ce",), ("G_du",)]
     plant = find_plant("room")
-    given = {"references": ROOM["references"], "duration": ROOM["duration"]}
+    given = {"reference": ROOM["reference"], "duration": ROOM["duration"]}
     fuzzy, straight = (simulate(each, plant, **given) for each in (text, line))
     # Only clipping each input by itself, as rules do, tells them apart.
     assert straight.rms == pytest.approx(fuzzy.rms, rel=0.05)
@@ -373,7 +373,7 @@ def test_a_rule_base_alone_needs_to_be_told_what_is_good():
     made = tune(
         shipped("thermostat.frb"),
         cost=lambda rulebase: abs(rulebase.variable("error").term("COOL").shape.parameters[1] - 3),
-        tuning=["peaks error mirrored, keep order"],
+        tune=["peaks error mirrored, keep order"],
         evals=40,
         workers=1,
     )
@@ -432,7 +432,7 @@ def test_a_time_is_that_of_the_whole(linear, monkeypatch):
 
     ticks = count(0.0, 0.1)
     monkeypatch.setattr(search.time, "monotonic", lambda: next(ticks))
-    made = heated(evals=10**6, seconds=60.0, unseen=24, linear=linear)
+    made = heated(evals=10**6, time=60.0, unseen=24, linear=linear)
     monkeypatch.undo()
     searches = [found for found in (made.found, made.linear) if found is not None]
     assert len(searches) == 1 + linear
@@ -444,7 +444,7 @@ def test_a_time_is_that_of_the_whole(linear, monkeypatch):
     assert 1 <= judged <= 24
     assert judged * 2 * len(made.rows) * pace <= 0.2 * 60.0
     assert any("for want of time" in line for line in made.remarks()) == (judged < 24)
-    at_once = heated(evals=50, seconds=1e-9, unseen=5, linear=linear)
+    at_once = heated(evals=50, time=1e-9, unseen=5, linear=linear)
     assert len(at_once.found.trials) == 1  # the file itself, always
     assert {len(row.scores["unseen"].parts) for row in at_once.rows} == {1}
     assert all("noisy" not in row.scores for row in at_once.rows)

@@ -209,7 +209,7 @@ def _own_seconds(asked: TuneWords) -> float:
 
     plan = Plan(budget=Budget(seconds=longest(asked)))
     on_samples = bool(asked.data)  # which are judged by others, and beside a regression
-    judged, linear = on_samples or asked.unseen > 0, not (on_samples or asked.no_linear)
+    judged, linear = on_samples or asked.unseen > 0, not on_samples and asked.linear
     return plan.shared(judged=judged, linear=linear).seconds
 
 

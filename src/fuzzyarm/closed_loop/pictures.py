@@ -165,7 +165,7 @@ def _run(problem: LoopProblem, states: Vector) -> Run:
     return simulate(
         problem.text,
         plant,
-        references=references,
+        reference=references,
         duration=plant.duration or 1000 * problem.period,
         options=Options(sensors=sensors),
         connect=problem.site.connect,

@@ -167,7 +167,7 @@ def run_of(
         return simulate(
             problem.text,
             plant,
-            references=references,
+            reference=references,
             duration=max(duration, 2 * problem.period * problem.text.model.every),
             options=Options(
                 sensors={".".join(port): sensor for port, sensor in problem.sensors.items()}

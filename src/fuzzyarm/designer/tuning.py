@@ -160,7 +160,7 @@ def order_of(session: Session, work: TuneWork, job: Job) -> PageOrder:
         time=work.time,
         method=work.method,
         over=work.over,
-        no_linear=not work.linear,
+        linear=work.linear,
         scenarios=work.scenarios or None,
         evals=work.evals,
         unseen=work.unseen,

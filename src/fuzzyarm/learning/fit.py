@@ -57,6 +57,7 @@ from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.requests.bounds import MOST_FITTED_DIGITS, MOST_RULES
 from fuzzyarm.requests.learn import FitRequest
 from fuzzyarm.text.diagnostic import MAX_OUTPUTS
+from fuzzyarm.text.keywords import demand_alone
 from fuzzyarm.text.names import printable
 from fuzzyarm.text.shown import one_line
 from fuzzyarm.version import __version__
@@ -177,8 +178,7 @@ def fit(
         If there are too few samples, or an option makes no sense.
     """
     if isinstance(samples, FitRequest):
-        if options is not None:
-            raise TypeError("fit() takes a request alone, which says all of it")
+        demand_alone("fit", options)
         options = options_asked(samples)
         samples = samples_asked(samples)
     chosen = options or Options()

@@ -36,7 +36,7 @@ from fuzzyarm.plant.setting import PLAIN, Conventions
 from fuzzyarm.plant.trajectory import Trajectory
 from fuzzyarm.requests.fields import RequestError
 from fuzzyarm.requests.learn import LearnRequest
-from fuzzyarm.text.keywords import demand_keywords
+from fuzzyarm.text.keywords import ArgumentError, demand_alone, demand_keywords
 
 
 class TrainKeywords(TypedDict, total=False):
@@ -63,7 +63,7 @@ class TrainKeywords(TypedDict, total=False):
 
 def train(
     controller: CompiledController | LearnRequest,
-    on: Trajectory | Motion | None = None,
+    plant: Trajectory | Motion | None = None,
     **keywords: Unpack[TrainKeywords],
 ) -> Iterator[Snapshot]:
     """Run self-organizing control again and again; the plant begins each pass anew.
@@ -72,7 +72,7 @@ def train(
     ----------
     controller : CompiledController or LearnRequest
         Of a text with a table that learns. A request alone says all that ``fuzzyarm learn`` does.
-    on : Trajectory or Motion, optional
+    plant : Trajectory or Motion, optional
         A trajectory of the arm, or set points of any plant, see
         :func:`fuzzyarm.loop.along.trajectory_motion` and :func:`fuzzyarm.loop.run.plant_motion`.
     **keywords
@@ -84,16 +84,17 @@ def train(
     Snapshot
         The last one of each pass is complete.
     """
-    demand_keywords("train", keywords, TrainKeywords)
+    demand_keywords("train", keywords, TrainKeywords, ("controller", "plant"))
     every = keywords.get("every")
     if isinstance(controller, LearnRequest):
+        demand_alone("train", plant, {name for name in keywords if name != "every"} or None)
         yield from Training.of(controller).snapshots(every)
         return
-    if on is None:
-        raise TypeError("train() needs a trajectory or set points")
+    if plant is None:
+        raise ArgumentError("train() needs a trajectory or set points", argument="plant")
     conventions, options = keywords.get("conventions", PLAIN), keywords.get("options")
     connect = keywords.get("connect")
-    way = way_of(on)
+    way = way_of(plant)
     if isinstance(way, Way):
         assert way.trajectory is not None
         way = trajectory_motion(

@@ -253,7 +253,7 @@ def phase_portrait(
     thing: AnyRuleBase | AnyController,
     plant: Plant | str | os.PathLike[str] | None = None,
     *,
-    references: Mapping[str, AnySignal] | None = None,
+    reference: Mapping[str, AnySignal] | None = None,
     starts: Sequence[tuple[float, float]] | None = None,
     duration: AnyTime | None = None,
     options: Options | None = None,
@@ -268,7 +268,7 @@ def phase_portrait(
     plant : Plant, str or path-like, optional
         Whose first tracked output and its rate (or its second output) span the plane. Both have
         to be states. A string is its name or file.
-    references : mapping of str to Signal, str or float, optional
+    reference : mapping of str to Signal, str or float, optional
         As of :func:`simulate`; by default the tracked output is to be in the middle of its range.
     starts : sequence of pair of float, optional
         By default twelve around the target, within the ranges of inputs or ports.
@@ -297,7 +297,7 @@ def phase_portrait(
         message = "a controller needs a plant for a phase portrait"
         raise AnalysisError(message, name="plant")
     plant = find_plant(plant)
-    signals = as_signals(references)
+    signals = as_signals(reference)
     return _on_plant(as_controller(thing), plant, signals, starts, seconds, options)
 
 
@@ -391,7 +391,7 @@ def _on_plant(
         for name, value in zip(pair, start, strict=True):
             state[states.index(name)] = float(value)
         there = starting_at(plant, state)
-        run = simulate(controller, there, references=references, duration=duration, options=options)
+        run = simulate(controller, there, reference=references, duration=duration, options=options)
         paths.append(np.column_stack([run.outputs[name] for name in pair]))
     across, up = (f"{name}, {port.unit}" for name, port in zip(pair, ports, strict=True))
     return Portrait(f"{controller.name} on {plant.name}", across, up, paths, target)

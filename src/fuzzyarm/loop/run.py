@@ -27,7 +27,7 @@ from fuzzyarm.controller.on_plant import (
 )
 from fuzzyarm.controller.program import SourceError
 from fuzzyarm.controller.text import ControllerText
-from fuzzyarm.errors import demand_extra
+from fuzzyarm.errors import WordError, demand_extra
 from fuzzyarm.loop.course import (
     Course,
     Motion,
@@ -318,25 +318,46 @@ def plant_motion(
     references: Mapping[str, AnySignal] | None = None,
     duration: AnyTime | None = None,
     connect: Mapping[str, str] | None = None,
-    step: Signal | None = None,
 ) -> Motion:
     """Return the set points of a plant, at the period of a controller as text.
 
-    Without references the first output that the controller asks a reference of follows `step`,
-    by default to 1.
+    Without references the first output that the controller asks a reference of steps to 1.
     """
     require_sound(plant)
     site = site_of(plant, connect)
     chosen = controller_on(controller, site)
-    signals = as_signals(references)
-    if not signals:
-        signals = {site.interface.label(followed_by(chosen, site)): step or Signal("step", (1.0,))}
+    signals = as_signals(references) or _stepped(controller, site, 1.0)
     timing = timing_on(chosen, site)
     # As it is written, where it is: Timing has the period of a set point.
     clock = next(filter(None, map(timed, chosen.parts())), timing)
     if duration is None:
         duration = plant.duration or 1000 * clock.period * clock.every
     return motion(plant, signals, as_seconds(duration, "duration"), clock.period, clock.every)
+
+
+def stepped(
+    controller: Controller,
+    plant: Plant,
+    step: float,
+    reference: Mapping[str, AnySignal] | None = None,
+    connect: Mapping[str, str] | None = None,
+) -> dict[str, Signal]:
+    """Return the reference that steps: of the output that a controller follows.
+
+    Raises
+    ------
+    WordError
+        If references are given as well.
+    """
+    if reference:
+        raise WordError("a step and references say the same thing", hint="give one of them")
+    require_sound(plant)
+    return _stepped(controller, site_of(plant, connect), float(step))
+
+
+def _stepped(controller: Controller, site: Site, step: float) -> dict[str, Signal]:
+    followed = followed_by(controller_on(controller, site), site)
+    return {site.interface.label(followed): Signal("step", (step,))}
 
 
 def followed_by(controller: Controller, site: Site) -> Address:

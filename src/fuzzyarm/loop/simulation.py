@@ -33,7 +33,14 @@ from fuzzyarm.loop.many import (
 )
 from fuzzyarm.loop.metrics import METRICS
 from fuzzyarm.loop.reference import AnySignal, AnyTime
-from fuzzyarm.loop.run import AnyController, Run, as_controller, plant_motion, run_along
+from fuzzyarm.loop.run import (
+    AnyController,
+    Run,
+    as_controller,
+    plant_motion,
+    run_along,
+    stepped,
+)
 from fuzzyarm.loop.sweeps import swept
 from fuzzyarm.loop.words import connections, conventions_of
 from fuzzyarm.plant.plant import Plant
@@ -42,7 +49,7 @@ from fuzzyarm.plant.trajectory import Trajectory
 from fuzzyarm.requests.experiment import ExperimentRequest
 from fuzzyarm.requests.fields import RequestError
 from fuzzyarm.requests.runs import SimulateRequest, SweepRequest
-from fuzzyarm.text.keywords import demand_keywords
+from fuzzyarm.text.keywords import demand_alone, demand_keywords
 
 
 class RunKeywords(TypedDict, total=False):
@@ -50,7 +57,7 @@ class RunKeywords(TypedDict, total=False):
 
     Attributes
     ----------
-    along : Trajectory or str
+    trajectory : Trajectory or str
         What the plant is to follow, or the name of one of its trajectories.
     payload : bool or float
         Whether the plant carries its load where the trajectory says, or which share of it.
@@ -60,28 +67,31 @@ class RunKeywords(TypedDict, total=False):
         Precision, π, timing.
     options : Options
         Sensors, disturbances, limits, integrator.
-    references : mapping of str to Signal, str or float
+    reference : mapping of str to Signal, str or float
         Of a plant, by port: a signal, its words, as in ``"step:1"`` or ``"sine:0.5,2"``, or a
         number, to which it steps. A step to 1 of the first output by default.
+    step : float
+        Of a plant: step of the first reference, in place of `reference`.
     duration : float or str
         Of a run on a plant: s, or with its unit, as in ``"300ms"``; by default the plant's own.
     connect : mapping of str to str
         From names of the controller to ports of the plant, where they differ.
     """
 
-    along: Trajectory | str | None
+    trajectory: Trajectory | str | None
     payload: bool | float
     schedule: Schedule | None
     conventions: Conventions
     options: Options | None
-    references: Mapping[str, AnySignal] | None
+    reference: Mapping[str, AnySignal] | None
+    step: float | None
     duration: AnyTime | None
     connect: Mapping[str, str] | None
 
 
 def simulate(
     controller: AnyController | SimulateRequest,
-    on: AnyWay | None = None,
+    plant: AnyWay | None = None,
     **keywords: Unpack[RunKeywords],
 ) -> Run:
     """Run a controller on a plant, along a trajectory or references.
@@ -92,13 +102,13 @@ def simulate(
         One that the plant has the ports of; laws of the study ask for those of the arm. Sums of
         compiled ones run as machine code. A string is a name of the catalogue or a file. A request
         alone says all that ``fuzzyarm simulate`` does.
-    on : Trajectory, Plant, Motion, str or path-like, optional
-        The plant; a trajectory of the arm; or set points that were made before. A string is the
+    plant : Plant, Trajectory, Motion, str or path-like, optional
+        Where it runs; a trajectory of the arm; or set points that were made before. A string is the
         name or file of a plant, which follows its first trajectory, where it has some and nothing
         else is said. By default the shipped plant that has the axes of the controller.
     **keywords
-        ``along``, ``payload``, ``schedule``, ``conventions``, ``options``, ``references``,
-        ``duration``, ``connect``; see :class:`RunKeywords`.
+        ``trajectory``, ``payload``, ``schedule``, ``conventions``, ``options``, ``reference``,
+        ``step``, ``duration``, ``connect``; see :class:`RunKeywords`.
 
     Returns
     -------
@@ -120,27 +130,24 @@ def simulate(
     --------
     >>> from fuzzyarm import shipped
     >>> servo = shipped("servo.frb")
-    >>> simulate(servo, "motor", references={"position": "step:1"}, duration="300ms")
+    >>> simulate(servo, "motor", reference={"position": "step:1"}, duration="300ms")
     <Run servo on motor: 0.3 s, rms position 27.09 degrees>
     """
-    demand_keywords("simulate", keywords, RunKeywords)
+    demand_keywords("simulate", keywords, RunKeywords, ("controller", "plant"))
     if isinstance(controller, SimulateRequest):
-        _demand_alone("simulate", on, keywords)
+        demand_alone("simulate", plant, keywords)
         return run_of(controller)
     options, connect = keywords.get("options") or Options(), keywords.get("connect")
     conventions = keywords.get("conventions", PLAIN)
-    references, duration = keywords.get("references"), keywords.get("duration")
     chosen = as_controller(controller)
-    place = site_for(chosen, connect).name if on is None else on
-    referred = bool(references) or duration is not None
-    way = way_of(place, keywords.get("along"), referred=referred)
+    way, reference = _followed(chosen, plant, keywords)
     if isinstance(way, Way):
-        plant = equipped(way.plant, options)
+        home = equipped(way.plant, options)
         if way.trajectory is None:
-            way = plant_motion(chosen, plant, references, duration, connect)
+            way = plant_motion(chosen, home, reference, keywords.get("duration"), connect)
         else:
             way = trajectory_motion(
-                plant,
+                home,
                 way.trajectory,
                 chosen,
                 conventions,
@@ -149,6 +156,20 @@ def simulate(
                 connect=connect,
             )
     return run_along(chosen, way, conventions, options, connect)
+
+
+def _followed(
+    chosen: Controller, plant: AnyWay | None, keywords: RunKeywords | ManyKeywords
+) -> tuple[Way | Motion, Mapping[str, AnySignal] | None]:
+    """Return what is followed, and the references of a plant that follows some."""
+    connect = keywords.get("connect")
+    reference, step = keywords.get("reference"), keywords.get("step")
+    referred = bool(reference) or step is not None or keywords.get("duration") is not None
+    place = site_for(chosen, connect).name if plant is None else plant
+    way = way_of(place, keywords.get("trajectory"), referred=referred)
+    if step is not None and isinstance(way, Way):
+        reference = stepped(chosen, way.plant, step, reference, connect)
+    return way, reference
 
 
 def run_of(asked: SimulateRequest) -> Run:
@@ -175,11 +196,6 @@ def experiment_on(
     return set_points(asked, controller, plant), options
 
 
-def _demand_alone(call: str, on: object, keywords: Mapping[str, object]) -> None:
-    if on is not None or keywords:
-        raise TypeError(f"{call}() takes a request alone, which says all of it")
-
-
 # --- Many runs ---
 
 
@@ -193,7 +209,7 @@ class ManyKeywords(TypedDict, total=False):
     workers : int
         How many run at a time: by default one for each processor of this machine, or as many as
         `executor` says that it has.
-    along : Trajectory or str
+    trajectory : Trajectory or str
         See :class:`RunKeywords`.
     payload : bool or float
         The load of runs that do not say another.
@@ -201,7 +217,7 @@ class ManyKeywords(TypedDict, total=False):
         In which the plant carries its load, counted from 1; by default as the trajectory says.
     shared : dict
         Changes of all runs.
-    conventions, options, references, duration, connect
+    conventions, options, reference, step, duration, connect
         See :class:`RunKeywords`. Run i has the seed of `options` plus i where it does not say
         another.
     watch : callable
@@ -210,13 +226,14 @@ class ManyKeywords(TypedDict, total=False):
 
     executor: Executor | None
     workers: int | None
-    along: Trajectory | str | None
+    trajectory: Trajectory | str | None
     payload: bool | float
     segments: Sequence[int] | None
     shared: Changes | None
     conventions: Conventions
     options: Options | None
-    references: Mapping[str, AnySignal] | None
+    reference: Mapping[str, AnySignal] | None
+    step: float | None
     duration: AnyTime | None
     connect: Mapping[str, str] | None
     watch: Callable[[int], None] | None
@@ -224,7 +241,7 @@ class ManyKeywords(TypedDict, total=False):
 
 def simulate_many(
     controller: AnyController | SweepRequest,
-    on: AnyWay | None = None,
+    plant: AnyWay | None = None,
     runs: Sequence[Changes] | Mapping[str, ArrayLike] = (),
     **keywords: Unpack[ManyKeywords],
 ) -> Many:
@@ -236,7 +253,7 @@ def simulate_many(
 
     Parameters
     ----------
-    controller, on
+    controller, plant
         See :func:`simulate`. A `SweepRequest` alone says all that ``fuzzyarm sweep`` does.
     runs : sequence of dict, or mapping of str to array_like
         Of each run what differs, by name: gains of the controller (one number, or one for each
@@ -245,9 +262,9 @@ def simulate_many(
         ``seed``; along a trajectory of a plant that carries a load ``payload``: a share of it, 0
         for none. A mapping has arrays with an entry for each run.
     **keywords
-        ``executor``, ``workers``, ``along``, ``payload``, ``segments``, ``shared``,
-        ``conventions``, ``options``, ``references``, ``duration``, ``connect``, ``watch``; see
-        :class:`ManyKeywords`.
+        ``executor``, ``workers``, ``trajectory``, ``payload``, ``segments``, ``shared``,
+        ``conventions``, ``options``, ``reference``, ``step``, ``duration``, ``connect``,
+        ``watch``; see :class:`ManyKeywords`.
 
     Raises
     ------
@@ -264,12 +281,12 @@ def simulate_many(
     >>> many.rms.shape, bool((many.diverged > 0).any())
     ((2, 2), False)
     """
-    demand_keywords("simulate_many", keywords, ManyKeywords)
+    demand_keywords("simulate_many", keywords, ManyKeywords, ("controller", "plant", "runs"))
     if isinstance(controller, SweepRequest):
-        _demand_alone("simulate_many", on, keywords)
+        demand_alone("simulate_many", plant, tuple(runs) or None, keywords)
         return swept(controller)
     changes, count = columns_of(runs)
-    bench = Bench(experiment_of(controller, on, **keywords), list(changes))
+    bench = Bench(experiment_of(controller, plant, **keywords), list(changes))
     executor, workers = keywords.get("executor"), keywords.get("workers")
     watch = keywords.get("watch")
     rows = np.empty((count, 1 + len(bench.outputs) * len(METRICS)))
@@ -282,26 +299,23 @@ def simulate_many(
 
 
 def experiment_of(
-    controller: AnyController, on: AnyWay | None = None, **keywords: Unpack[ManyKeywords]
+    controller: AnyController, plant: AnyWay | None = None, **keywords: Unpack[ManyKeywords]
 ) -> Experiment:
     """Return what all runs share, in the words of :func:`simulate_many`."""
     chosen = as_controller(controller)
     payload, segments = keywords.get("payload", False), keywords.get("segments")
-    references, duration = keywords.get("references"), keywords.get("duration")
-    connect = keywords.get("connect")
     shared = dict(keywords.get("shared") or {})
     if payload or segments is not None:
         shared.setdefault("payload", float(payload or 1.0))
-    place = site_for(chosen, connect).name if on is None else on
-    referred = bool(references) or duration is not None
+    way, reference = _followed(chosen, plant, keywords)
     return Experiment(
         chosen,
-        way_of(place, keywords.get("along"), referred=referred),
+        way,
         tuple(segments) if segments is not None else None,
         shared,
         keywords.get("conventions", PLAIN),
         keywords.get("options") or Options(),
-        references,
-        duration,
-        connect,
+        reference,
+        keywords.get("duration"),
+        keywords.get("connect"),
     )

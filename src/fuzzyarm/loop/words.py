@@ -16,7 +16,7 @@ from fuzzyarm.controller.controller import Controller
 from fuzzyarm.errors import WordError
 from fuzzyarm.loop.course import Motion, Options, Sensor
 from fuzzyarm.loop.reference import Signal, read_signal, read_time
-from fuzzyarm.loop.run import plant_motion
+from fuzzyarm.loop.run import plant_motion, stepped
 from fuzzyarm.plant.own import find_plant
 from fuzzyarm.plant.plant import Plant, Port, interface_of, with_actuators
 from fuzzyarm.plant.setting import PLAIN, STUDY, Conventions
@@ -101,13 +101,20 @@ def motion_of(asked: ExperimentRequest, controller: Controller, plant: Plant) ->
     PlantError
         If there is no such port, signal or duration.
     """
-    duration, references, connect = seconds(asked), signals(asked), connections(asked)
+    references, connect = references_of(asked, controller, plant), connections(asked)
+    return plant_motion(controller, plant, references, seconds(asked), connect)
+
+
+def references_of(
+    asked: ExperimentRequest, controller: Controller, plant: Plant
+) -> dict[str, Signal] | None:
+    """Return the references by port; of ``step`` that of the output which is followed."""
+    references = signals(asked) or None
     if asked.step is None:
-        return plant_motion(controller, plant, references or None, duration, connect)
+        return references
     if references:
         raise WordError("--step and --reference say the same thing; give one of them")
-    step = Signal("step", (asked.step,))
-    return plant_motion(controller, plant, None, duration, connect, step=step)
+    return stepped(controller, plant, asked.step, connect=connections(asked))
 
 
 def conventions_of(asked: ExperimentRequest) -> Conventions:

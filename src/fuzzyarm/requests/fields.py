@@ -11,11 +11,12 @@ import math
 import operator
 import os
 from collections.abc import Callable, Hashable, Iterable, Mapping
-from dataclasses import MISSING, dataclass, field, fields, replace
+from dataclasses import MISSING, dataclass, field, fields
 from functools import cache
 from inspect import get_annotations
 from types import NoneType
 from typing import (
+    TYPE_CHECKING,
     Any,
     ClassVar,
     Literal,
@@ -309,14 +310,38 @@ _TYPES = {str: "text", bool: "truth", int: "whole", float: "number"}
 AnyRequest = TypeVar("AnyRequest", bound="Request")
 
 
+class _Constructor(type):
+    """Says which field was meant where the constructor of a request is called amiss."""
+
+    if not TYPE_CHECKING:  # who reads types sees the constructor itself
+
+        def __call__(cls, *positional: Any, **values: Any) -> Any:
+            known, name = _known(cls), cls.__name__
+            if positional:
+                example = next(iter(known))
+                raise RequestError(
+                    name,
+                    f"takes keywords only, not {shown(positional[0])}",
+                    hint=f"write, for instance, {name}({example}={positional[0]!r})",
+                    is_usage=True,
+                )
+            for word in values:
+                if word not in known:
+                    raise unknown_field(cls, word)
+            for field_ in known.values():
+                if field_.is_required and field_.name not in values:
+                    raise RequestError(field_.name, f"of {name} is missing", is_usage=True)
+            return super().__call__(**values)
+
+
 @dataclass(frozen=True, kw_only=True)
-class Request:
+class Request(metaclass=_Constructor):
     """What is asked for. Its values are read and judged when it is made.
 
     Raises
     ------
     RequestError
-        If a field does not take its value.
+        If a field does not take its value, there is no such field, or one is missing.
     """
 
     withheld: ClassVar[frozenset[str]] = frozenset()
@@ -325,9 +350,6 @@ class Request:
     def __post_init__(self) -> None:
         for known in fields_of(type(self)):
             object.__setattr__(self, known.name, known.read(getattr(self, known.name)))
-        for base in fields(self):
-            if base.name in self.withheld and getattr(self, base.name) != base.default:
-                raise RequestError(base.name, f"is not a field of {type(self).__name__}")
 
     @classmethod
     def of(cls, values: Mapping[str, Any]) -> Self:
@@ -373,7 +395,8 @@ class Request:
 
     def replaced(self, **values: Any) -> Self:
         """Return the request with other values of some fields."""
-        return replace(self, **values)
+        own = {known.name: getattr(self, known.name) for known in fields_of(type(self))}
+        return type(self)(**own | values)
 
 
 def fields_of(kind: type[Request]) -> tuple[RequestField, ...]:
@@ -400,6 +423,22 @@ def _known(record: Hashable) -> Mapping[str, RequestField]:
         for name in order
         if name in by_name and name not in kind.withheld
     }
+
+
+def unknown_field(kind: type[Request], name: str) -> RequestError:
+    """Return the error of a field that a request does not have.
+
+    Whoever knows the command may name its option, whose name in Python is another.
+    """
+    known = _known(cast(Hashable, kind))
+    options = {
+        field_.spelling.lstrip("-").replace("-", "_"): field_.name for field_ in known.values()
+    }
+    if name in options:
+        hint = f"the field of {printable(known[options[name]].spelling)} is '{options[name]}'"
+    else:
+        hint = near_hint(name, known)[0]
+    return RequestError(name, f"is not a field of {kind.__name__}", hint=hint, is_usage=True)
 
 
 def read_fields(

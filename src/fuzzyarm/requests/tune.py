@@ -80,9 +80,10 @@ class TuneRequest(Workers, ExperimentRequest):
         "--digits N", "of the numbers that are written", 3, (1, MOST_TUNED_DIGITS), idle=True,
         group=SEARCH,
     )  # fmt: skip
-    no_linear: bool = option(
-        "--no-linear", "tune no linear controller to compare with", False, idle=True, group=SEARCH
-    )
+    linear: bool = option(
+        "--linear", "tune a linear controller to compare with; it does", True, idle=True,
+        group=SEARCH, negatable=True,
+    )  # fmt: skip
     journal: str | None = option(
         "--journal FILE", "write every trial down", None, idle=True, group=SEARCH
     )

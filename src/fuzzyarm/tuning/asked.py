@@ -20,11 +20,11 @@ from fuzzyarm.loop.experiments import (
     with_drives,
     with_plant,
 )
-from fuzzyarm.loop.reference import Signal, read_time
+from fuzzyarm.loop.reference import read_time
 from fuzzyarm.loop.sweep import read_range
-from fuzzyarm.loop.words import connections, conventions_of, motion_of, seconds, signals
+from fuzzyarm.loop.words import connections, conventions_of, motion_of, references_of, seconds
 from fuzzyarm.model.rulebase import RuleBase
-from fuzzyarm.plant.plant import Plant, interface_of
+from fuzzyarm.plant.plant import Plant
 from fuzzyarm.plant.setting import Conventions
 from fuzzyarm.plant.trajectory import carried
 from fuzzyarm.requests.journal import question_of
@@ -137,10 +137,7 @@ def stage_asked(asked: TuneRequest, text: ControllerText, plant: Plant) -> Stage
             first = (scenario_along(plant, way, payload),)
         return Stage(plant, first, options, vary, connect=connect)
     motion = motion_of(asked, controller_of(text), plant)
-    references = signals(asked) or None
-    if asked.step is not None:
-        label = interface_of(plant).label(motion.tracked[0])
-        references = {label: Signal("step", (asked.step,))}
+    references = references_of(asked, controller_of(text), plant)
     first = (Scenario(motion.name, motion),)
     return Stage(plant, first, options, vary, references, seconds(asked), connect)
 

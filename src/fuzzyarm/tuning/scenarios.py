@@ -16,7 +16,7 @@ from fuzzyarm.controller.controller import Controller
 from fuzzyarm.loop.along import Way, way_of
 from fuzzyarm.loop.course import Motion, Options, Sensor
 from fuzzyarm.loop.reference import Signal
-from fuzzyarm.loop.run import plant_motion
+from fuzzyarm.loop.run import plant_motion, stepped
 from fuzzyarm.loop.sweep import Range, drawn
 from fuzzyarm.plant.following import (
     LARGEST,
@@ -193,14 +193,9 @@ def _scaled(
         name: scaled(signal, scale, resting.get(interface.port(name), 0.0))
         for name, signal in (stage.references or {}).items()
     }
-    motion = plant_motion(
-        controller,
-        stage.plant,
-        references or None,
-        stage.duration,
-        stage.connect,
-        Signal("step", (scale,)),
-    )
+    if not references:
+        references = stepped(controller, stage.plant, scale, connect=stage.connect)
+    motion = plant_motion(controller, stage.plant, references, stage.duration, stage.connect)
     text = ", ".join(f"{name} {value:.4g}" for name, value in changes.items() if name != "seed")
     return Scenario(f"{at + 1}: {motion.name}{', ' if text else ''}{text}", motion, changes)
 

@@ -21,7 +21,7 @@ from fuzzyarm.learning.fit import linear_outputs
 from fuzzyarm.loop.along import Way, equipped, way_of
 from fuzzyarm.loop.course import Options
 from fuzzyarm.loop.reference import AnySignal, AnyTime, as_seconds, as_signals
-from fuzzyarm.loop.run import plant_motion
+from fuzzyarm.loop.run import plant_motion, stepped
 from fuzzyarm.loop.sweeps import cluster
 from fuzzyarm.model.rulebase import AnyRuleBase, RuleBase, Tuning
 from fuzzyarm.plant.plant import Plant
@@ -29,7 +29,7 @@ from fuzzyarm.plant.setting import PLAIN, Conventions
 from fuzzyarm.plant.trajectory import Trajectory
 from fuzzyarm.requests.fields import read_fields
 from fuzzyarm.requests.tune import TuneRequest
-from fuzzyarm.text.keywords import demand_keywords
+from fuzzyarm.text.keywords import demand_alone, demand_keywords
 from fuzzyarm.text.mistaken import MODEL, wrong_kind
 from fuzzyarm.tuning.asked import Order, longest, order_of
 from fuzzyarm.tuning.cost import (
@@ -68,7 +68,7 @@ class TuneKeywords(TypedDict, total=False):
 
     Attributes
     ----------
-    along : Trajectory or str
+    trajectory : Trajectory or str
         The only trajectory of the plant to tune on.
     cost : str or callable
         What is to become small: a formula of metrics, as in ``"rms + 0.002*variation"`` (of
@@ -83,17 +83,17 @@ class TuneKeywords(TypedDict, total=False):
     over : {"mean", "worst"}
         How their costs become one.
     stage : Stage
-        Plant, references, sensors, and what differs from scenario to scenario; instead of `on`
+        Plant, references, sensors, and what differs from scenario to scenario; instead of `plant`
         and what stands behind it here.
-    references, duration, connect, options, conventions
+    reference, step, duration, connect, options, conventions
         See :func:`fuzzyarm.loop.simulate`.
-    tuning : Tuning or sequence of str
+    tune : Tuning or sequence of str
         What may move, in place of what the file says: lines of a ``tune`` block.
     method : {"nelder-mead", "cma-es", "evolution"}
         See :data:`fuzzyarm.tuning.optimisers.OPTIMISERS`.
     evals : int
         Candidates of the search, and of the opponent's; 500 by default.
-    seconds : float or str
+    time : float or str
         Wall time of the whole: s, or with its unit, as in ``"2min"``.
     seed : int
         Of everything that is drawn; 1 by default.
@@ -118,20 +118,21 @@ class TuneKeywords(TypedDict, total=False):
         Of the file, where it is not what stands on disk.
     """
 
-    along: Trajectory | str | None
+    trajectory: Trajectory | str | None
     cost: str | OwnCost | None
     data: Samples | None
     test: Samples | None
     scenarios: int | Sequence[Scenario] | None
     over: Over
     stage: Stage | None
-    references: Mapping[str, AnySignal] | None
+    reference: Mapping[str, AnySignal] | None
+    step: float | None
     duration: AnyTime | None
     connect: Mapping[str, str] | None
-    tuning: Tuning | Sequence[str] | None
+    tune: Tuning | Sequence[str] | None
     method: Method
     evals: int
-    seconds: AnyTime
+    time: AnyTime
     seed: int
     digits: int
     unseen: int
@@ -150,7 +151,7 @@ class TuneKeywords(TypedDict, total=False):
 
 def tune(
     subject: ControllerText | AnyRuleBase | TuneRequest | str | os.PathLike[str],
-    on: Plant | Trajectory | str | os.PathLike[str] | None = None,
+    plant: Plant | Trajectory | str | os.PathLike[str] | None = None,
     **keywords: Unpack[TuneKeywords],
 ) -> Tuned:
     """Tune the gains of a controller and the terms of its rule bases, or of a rule base alone.
@@ -160,15 +161,16 @@ def tune(
     subject : ControllerText, RuleBase, path-like or TuneRequest
         What is tuned. A controller runs in its loop, a rule base alone is fitted to samples. A
         request says all that ``fuzzyarm tune`` does but where to write it.
-    on : Plant, Trajectory, str or path-like, optional
+    plant : Plant, Trajectory, str or path-like, optional
         Where it runs; by default the shipped plant that has its axes. One that has trajectories
         follows those by which it has controllers compared, unless one or references are given.
     **keywords
-        What is good: ``cost``, ``data``, ``test``; on what: ``scenarios``, ``over``, ``along``,
-        ``references``, ``duration``, ``connect``, ``options``, ``conventions``, ``stage``; how:
-        ``tuning``, ``method``, ``evals``, ``seconds``, ``seed``, ``digits``, ``unseen``,
-        ``linear``, ``workers``, ``executor``, ``journal``; who is told: ``watch``,
-        ``watch_linear``, ``take``, ``tell``. See :class:`~fuzzyarm.tuning.tune.TuneKeywords`.
+        What is good: ``cost``, ``data``, ``test``; on what: ``scenarios``, ``over``,
+        ``trajectory``, ``reference``, ``step``, ``duration``, ``connect``, ``options``,
+        ``conventions``, ``stage``; how: ``tune``, ``method``, ``evals``, ``time``, ``seed``,
+        ``digits``, ``unseen``, ``linear``, ``workers``, ``executor``, ``journal``; who is told:
+        ``watch``, ``watch_linear``, ``take``, ``tell``. See
+        :class:`~fuzzyarm.tuning.tune.TuneKeywords`.
 
     Returns
     -------
@@ -193,34 +195,36 @@ def tune(
     >>> tuned.found.best.score.cost <= tuned.found.trials[0].score.cost
     True
     """
-    demand_keywords("tune", keywords, TuneKeywords)
+    demand_keywords("tune", keywords, TuneKeywords, ("subject", "plant"))
     if isinstance(subject, TuneRequest):
-        return _tuned_by(subject, on, keywords)
+        return _tuned_by(subject, plant, keywords)
     names = ("method", "evals", "seed", "digits", "unseen", "over")
     said = read_fields(TuneRequest, keywords, names)
     plan = Plan(
         said["method"],
-        Budget(said["evals"], as_seconds(keywords.get("seconds", math.inf), "seconds")),
+        Budget(said["evals"], as_seconds(keywords.get("time", math.inf), "time")),
         said["seed"],
         said["digits"],
         said["unseen"],
         keywords.get("linear", True),
     )
     path, model = _loaded(subject)
-    problem = keywords.get("tuning")
+    problem = keywords.get("tune")
     moving = problem if isinstance(problem, Tuning) or problem is None else read_tuning(problem)
     if isinstance(model, RuleBase):
         job = _on_samples(model, moving, keywords, plan.seed)
     else:
-        job = _in_loop(model, moving, on, plan, keywords)
+        job = _in_loop(model, moving, plant, plan, keywords)
     return _done(job, plan, _means(keywords), originals_of(model, path, keywords.get("text", "")))
 
 
-def _tuned_by(asked: TuneRequest, on: object, keywords: TuneKeywords) -> Tuned:
+LISTENERS = ("watch", "watch_linear", "take", "tell")
+"""Keywords of who is told: the only ones that go with a request."""
+
+
+def _tuned_by(asked: TuneRequest, plant: object, keywords: TuneKeywords) -> Tuned:
     """Tune what a request asks for."""
-    others = [name for name in keywords if name not in ("watch", "watch_linear", "take", "tell")]
-    if on is not None or others:
-        raise TypeError("tune() takes a request alone, which says all but who is told")
+    demand_alone("tune", plant, {name for name in keywords if name not in LISTENERS} or None)
     order = order_of(asked)
     with cluster(asked) as (executor, workers):
         whole = keywords_of(asked, order)
@@ -233,14 +237,14 @@ def keywords_of(asked: TuneRequest, order: Order) -> TuneKeywords:
     """Return what a request asks for as keywords."""
     keywords: TuneKeywords = {
         "cost": asked.cost,
-        "tuning": asked.tune or None,
+        "tune": asked.tune or None,
         "method": asked.method,
         "evals": asked.evals,
-        "seconds": longest(asked),
+        "time": longest(asked),
         "seed": asked.seed,
         "digits": asked.digits,
         "unseen": asked.unseen,
-        "linear": not asked.no_linear,
+        "linear": asked.linear,
         "over": asked.over,
         "scenarios": asked.scenarios,
         "stage": order.stage,
@@ -333,62 +337,52 @@ TUNE_HINT = "as in  peaks e, ce mirrored, partition  or  gain G_e 0.1 .. 10 time
 
 def stage_of(
     text: ControllerText,
-    on: Plant | Trajectory | str | os.PathLike[str] | None,
-    options: Options,
-    references: Mapping[str, AnySignal] | None = None,
-    duration: AnyTime | None = None,
-    connect: Mapping[str, str] | None = None,
-    along: Trajectory | str | None = None,
+    plant: Plant | Trajectory | str | os.PathLike[str] | None,
+    keywords: TuneKeywords,
+    seed: int = 1,
 ) -> Stage:
-    """Return where a controller runs, if nothing else is said.
-
-    Parameters
-    ----------
-    text : ControllerText
-        The controller.
-    on : Plant, Trajectory or str, optional
-        The plant; by default the shipped one that has its axes. A trajectory alone is of the arm.
-    options : Options
-        Sensors, seed and the rest of how to run.
-    references, duration, connect
-        See :func:`fuzzyarm.loop.simulate`; in place of the trajectories of a plant.
-    along : Trajectory or str, optional
-        The only trajectory of the plant to tune on.
+    """Return where a controller runs, by the keywords of `tune`.
 
     Raises
     ------
     TuneError
-        If no shipped plant has its axes.
+        If no plant is named, and no shipped one has the axes of the controller.
     """
-    if on is None:
+    options = keywords.get("options") or Options(seed=seed)
+    reference, step = keywords.get("reference"), keywords.get("step")
+    duration, connect = keywords.get("duration"), keywords.get("connect")
+    trajectory = keywords.get("trajectory")
+    if plant is None:
         site = site_by_axes(text.model)
         if site is None:
             raise TuneError(f"no shipped plant has the axes of {text.model.name}", hint="name one")
-        on = site.name
-    way = way_of(on, along, referred=bool(references) or duration is not None)
+        plant = site.name
+    referred = bool(reference) or step is not None or duration is not None
+    way = way_of(plant, trajectory, referred=referred)
     assert isinstance(way, Way)
-    plant = equipped(way.plant, options)
+    home = equipped(way.plant, options)
     if way.trajectory is not None:
-        only = isinstance(on, Trajectory) or along is not None
-        first = (
-            (scenario_along(plant, way.trajectory, 1.0),) if only else plant_scenarios(plant, 1.0)
-        )
-        return Stage(plant, first, options, connect=connect)
-    signals = as_signals(references)
+        only = isinstance(plant, Trajectory) or trajectory is not None
+        first = (scenario_along(home, way.trajectory, 1.0),) if only else plant_scenarios(home, 1.0)
+        return Stage(home, first, options, connect=connect)
+    controller = controller_of(text)
+    if step is not None:
+        reference = stepped(controller, home, step, reference, connect)
+    signals = as_signals(reference)
     seconds = None if duration is None else as_seconds(duration, "duration")
-    motion = plant_motion(controller_of(text), plant, signals, seconds, connect)
+    motion = plant_motion(controller, home, signals, seconds, connect)
     first = (Scenario(motion.name, motion),)
-    return Stage(plant, first, options, (), signals, seconds, connect)
+    return Stage(home, first, options, (), signals, seconds, connect)
 
 
 def _in_loop(
     text: ControllerText,
     tuning: Tuning | None,
-    on: Plant | Trajectory | str | os.PathLike[str] | None,
+    plant: Plant | Trajectory | str | os.PathLike[str] | None,
     plan: Plan,
     keywords: TuneKeywords,
 ) -> Job:
-    stage = keywords.get("stage") or _stage(text, on, plan.seed, keywords)
+    stage = keywords.get("stage") or stage_of(text, plant, keywords, plan.seed)
     cost = keywords.get("cost")
     wish = DEFAULT_COST if cost is None else cost
     cost_ = read_cost(wish) if isinstance(wish, str) else wish
@@ -428,24 +422,6 @@ def _in_loop(
     unseen_names = tuple(scenario.name for scenario in judged["unseen"].scenarios) if judged else ()
     names = {"train": tuple(each.name for each in train), "unseen": unseen_names}
     return Job(problem, judged, linear, _cost_name(wish), names, {}, alone)
-
-
-def _stage(
-    text: ControllerText,
-    on: Plant | Trajectory | str | os.PathLike[str] | None,
-    seed: int,
-    keywords: TuneKeywords,
-) -> Stage:
-    """Return where a controller runs, by the keywords of `tune`."""
-    return stage_of(
-        text,
-        on,
-        keywords.get("options") or Options(seed=seed),
-        keywords.get("references"),
-        keywords.get("duration"),
-        keywords.get("connect"),
-        keywords.get("along"),
-    )
 
 
 def _cost_name(cost: str | OwnCost) -> str:
