@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 import shutil
 import subprocess
+from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
@@ -142,17 +143,27 @@ CURVED = {
 """Exponentials of another library differ in their last bits."""
 
 
+MANY = cases(60, 200)
+"""Points where an engine or a program takes many at once."""
+
+
 def points(count: int) -> dict[str, np.ndarray]:
-    """Return points: corners, and at random."""
+    """Return the first points of a row of them: corners, then at random."""
     rng = np.random.default_rng(25)
-    v, w = rng.uniform(-1.0, 1.0, count), rng.uniform(0.0, 2.0, count)
-    v[:6], w[:6] = [-1.0, -1.0, 1.0, 0.0, 0.5, -0.25], [0.0, 2.0, 0.0, 1.0, 1.5, 0.75]
+    v, w = rng.uniform([-1.0, 0.0], [1.0, 2.0], (count, 2)).T
+    v[:6], w[:6] = (
+        [-1.0, -1.0, 1.0, 0.0, 0.5, -0.25][:count],
+        [0.0, 2.0, 0.0, 1.0, 1.5, 0.75][:count],
+    )
     return {"v": v, "w": w}
 
 
-def truth(rulebase: RuleBase, columns: dict[str, np.ndarray]) -> np.ndarray:
-    """Return what the point engine gives."""
-    engine = prepare(rulebase)
+@cache
+def truth(case: Case, count: int = MANY) -> np.ndarray:
+    """Return what the point engine gives at the first points."""
+    if count < MANY:
+        return truth(case)[:count]
+    engine, columns = prepare(case.rulebase()), points(count)
     rows = zip(*(column.tolist() for column in columns.values()), strict=True)
     return np.array([engine.evaluate(dict(zip(columns, row, strict=True)))["u"] for row in rows])
 
@@ -169,8 +180,8 @@ def demand_same(case: Case, found: np.ndarray, wanted: np.ndarray, close: float 
 
 @pytest.mark.parametrize("case", CASES, ids=str)
 def test_arrays_kernel_and_loop_have_the_bits_of_a_point(case: Case) -> None:
-    rulebase, columns = case.rulebase(), points(120)
-    wanted = truth(rulebase, columns)
+    rulebase, columns = case.rulebase(), points(MANY)
+    wanted = truth(case)
     demand_same(case, infer_arrays(rulebase, columns)["u"], wanted)
     close = 1e-12 if str(case) == ROUNDED else 0.0
     fast = compiled(rulebase)
@@ -188,21 +199,19 @@ def test_arrays_kernel_and_loop_have_the_bits_of_a_point(case: Case) -> None:
 
 def test_c_has_the_bits_of_a_point(tmp_path: Path) -> None:
     """All settings in one file: nothing in it gets in the way of another."""
-    columns = points(200)
-    rulebases = [case.rulebase() for case in CASES]
-    routines = [routines_of(each, precision="float64")[0] for each in rulebases]
+    columns = points(MANY)
+    routines = [routines_of(case.rulebase(), precision="float64")[0] for case in CASES]
     results = run_c(routines, [list(columns.values())] * len(routines), tmp_path, suffix=".c")
-    for case, rulebase, made, found in zip(CASES, rulebases, routines, results, strict=True):
+    for case, made, found in zip(CASES, routines, results, strict=True):
         demand_same(case, made.evaluate(*columns.values()), found)
-        wanted = truth(rulebase, columns)
-        demand_same(case, found, wanted, 1e-12 if str(case) in {*APART, ROUNDED} else 0.0)
+        demand_same(case, found, truth(case), 1e-12 if str(case) in {*APART, ROUNDED} else 0.0)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("case", CASES, ids=str)
 def test_structured_text_has_the_bits_of_a_point(case: Case) -> None:
     rulebase = case.rulebase()
-    columns = {name: column[: cases(4, 7)] for name, column in points(7).items()}
+    columns = points(cases(4, 7))
     exported = export_files(routines_of(rulebase, precision="float64"), "made.st")
     block = Program(exported.files[0][1]).instance(exported.calls[0])
     found = []
@@ -210,7 +219,7 @@ def test_structured_text_has_the_bits_of_a_point(case: Case) -> None:
         block.run(v=v, w=w)
         found.append(float(block.outputs()["u"]))
     close = 1e-12 if str(case) in APART else 1e-7 if str(case) in CURVED else 0.0
-    demand_same(case, np.array(found), truth(rulebase, columns), close)
+    demand_same(case, np.array(found), truth(case, len(found)), close)
 
 
 NODE = """
@@ -238,9 +247,8 @@ def test_javascript_has_the_bits_of_a_point(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     results = json.loads(done.stdout)
     for index, case in enumerate(CASES):
-        wanted = truth(case.rulebase(), points(60))
         found = np.array(results[f"case{index}"])
-        demand_same(case, found, wanted, 1e-7 if str(case) in CURVED else 0.0)
+        demand_same(case, found, truth(case, 60), 1e-7 if str(case) in CURVED else 0.0)
 
 
 def test_other_programs_get_a_file_or_findings() -> None:

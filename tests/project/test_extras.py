@@ -187,6 +187,9 @@ def test_pip_is_called_as_the_shell_knows_it(monkeypatch, tmp_path):
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.chdir(tmp_path)
     python = os.path.join("env", "bin", "python")
+    monkeypatch.setattr(extras, "find_spec", lambda name: None)  # as in an environment of uv
+    assert extras.installing("lsp").startswith(f"uv pip install --python {python} -e ")
+    monkeypatch.setattr(extras, "find_spec", lambda name: object())
     assert extras.installing("lsp").startswith(f"{python} -m pip install -e ")
     monkeypatch.chdir(folder)
     assert extras.installing("lsp").startswith(f"{folder / 'python'} -m pip install -e ")

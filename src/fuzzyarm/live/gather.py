@@ -27,7 +27,11 @@ from types import FrameType, ModuleType
 from typing import Any, NamedTuple
 
 GRACE = 5.0
-"""Seconds between the interrupt of a script that does not end and the end of its process."""
+"""Seconds between the interrupt of a script that does not end and the end of its process, at most;
+a script that is given less than that waits no longer than it was given."""
+
+LOADING = 30.0
+"""Seconds for the libraries of a script beyond its time, at most."""
 
 MOST_MADE = 1000
 """Systems that are kept alive though the script has dropped them."""
@@ -209,34 +213,48 @@ class _Finder(importlib.abc.MetaPathFinder):
 
 
 class _Interrupt:
-    """Interrupts the script after `seconds`; if that does not help, holds it and calls `end`."""
+    """Interrupts the script after `seconds`; if that does not help, holds it and calls `end`.
+
+    A script that still loads its libraries then is given its time anew: on a busy machine they
+    alone may take it, and an interrupt among them leaves nothing to gather.
+    """
 
     def __init__(self, seconds: float, end: Callable[[], None]) -> None:
         self.happened = False
         self._end = end
+        self._seconds = seconds
+        self._loading_ends = time.monotonic() + seconds + LOADING
+        self._over = False
         # A process started in the background of a shell ignores interrupts.
         signal.signal(signal.SIGINT, signal.default_int_handler)
         self._held = threading.Event()
         if hasattr(signal, "pthread_kill"):
             signal.signal(signal.SIGUSR1, self._hold)
-        self._timers = [
-            threading.Timer(seconds, self._interrupt),
-            threading.Timer(seconds + GRACE, self._take_over),
-        ]
-        for timer in self._timers:
-            timer.daemon = True
-            timer.start()
+        self._later(seconds, self._interrupt)
+
+    def _later(self, seconds: float, act: Callable[[], None]) -> None:
+        self._timer = threading.Timer(seconds, act)
+        self._timer.daemon = True
+        self._timer.start()
 
     def _interrupt(self) -> None:
         import _thread
 
+        if self._over:
+            return
+        if _is_importing() and time.monotonic() + self._seconds < self._loading_ends:
+            self._later(self._seconds, self._interrupt)
+            return
         self.happened = True
+        self._later(min(GRACE, self._seconds), self._take_over)
         if hasattr(signal, "pthread_kill"):
             signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)
         else:
             _thread.interrupt_main()
 
     def _take_over(self) -> None:
+        if self._over:
+            return
         # The numbers of a system are false while the script computes with it in another thread.
         if hasattr(signal, "pthread_kill"):
             signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGUSR1)
@@ -250,8 +268,18 @@ class _Interrupt:
 
     def cancel(self) -> None:
         """Let the process go on."""
-        for timer in self._timers:
-            timer.cancel()
+        self._over = True
+        self._timer.cancel()
+
+
+def _is_importing() -> bool:
+    """Whether the script is within an import."""
+    frame = sys._current_frames().get(threading.main_thread().ident or 0)
+    while frame is not None:
+        if frame.f_code.co_filename.startswith("<frozen importlib"):
+            return True
+        frame = frame.f_back
+    return False
 
 
 def _run(script: Path, module: ModuleType, call: str | None) -> dict[str, Any] | None:

@@ -273,7 +273,7 @@ def read_script(
     path : path-like
         A Python script.
     seconds : float
-        Time for the script.
+        Time for the script; anew where it still imports something then, for 30 s at most.
     python : path-like, optional
         Another interpreter (3.11 or newer), for libraries that cannot be installed beside
         fuzzyarm; this one by default.
@@ -425,7 +425,7 @@ def _answer(script: Path, python: str, options: dict[str, Any]) -> tuple[dict[st
         reader = threading.Thread(target=_read_tail, args=(process.stderr, tail), daemon=True)
         reader.start()
         try:
-            process.wait(options["seconds"] + gather.GRACE + _MEASURING)
+            process.wait(options["seconds"] + gather.LOADING + gather.GRACE + _MEASURING)
         except subprocess.TimeoutExpired:
             pass
         finally:
