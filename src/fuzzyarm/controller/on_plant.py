@@ -14,7 +14,21 @@ from numpy.typing import NDArray
 
 from fuzzyarm.controller.controller import CompiledController, Controller, Sum
 from fuzzyarm.controller.kernel import step
-from fuzzyarm.controller.law import SIGNALS, TOLD, Gain, Gains, Law, law_address, tell
+from fuzzyarm.controller.law import (
+    LINKS,
+    LINKS_END,
+    MEMORY,
+    MEMORY_END,
+    NUMBERS,
+    NUMBERS_END,
+    SIGNALS,
+    TOLD,
+    Gain,
+    Gains,
+    Law,
+    law_address,
+    tell,
+)
 from fuzzyarm.controller.program import (
     AXIS,
     Program,
@@ -195,6 +209,26 @@ def text_law(
     step(links, memory)
     for i in range(size):
         signals[told + i] = memory[told + size + i]
+
+
+@kernel
+def drives_of_text(
+    told: list[float],
+    laws: list[int],
+    numbers: list[float],
+    memory: list[float],
+    drives: list[float],
+) -> None:
+    """Do what ``summed_drives`` does where one controller as text is all the laws."""
+    text_law(
+        told,
+        numbers[laws[1 + NUMBERS] : laws[1 + NUMBERS_END]],
+        memory[laws[1 + MEMORY] : laws[1 + MEMORY_END]],
+        laws[laws[1 + LINKS] : laws[1 + LINKS_END]],
+    )
+    room = len(told) - len(drives)
+    for i in range(len(drives)):
+        drives[i] = 0.0 + told[room + i]  # the sum of one: 0 has no sign
 
 
 @kernel

@@ -21,6 +21,7 @@ from fuzzyarm.plant.plant import (
     CLOCK_SIZE,
     WORK,
     Address,
+    Dynamics,
     Plant,
     PlantError,
     dynamics_of,
@@ -439,11 +440,18 @@ class Course:
 
     def _write_links(self) -> list[int]:
         size = len(numbers_of(self.plant, self.driven, self.arithmetic))
-        if not is_compiled(self.plant):
+        dynamics = self.dynamics
+        if dynamics is None:
             return [0, size, 0, 0]
-        finely = self.options.runge_kutta > 0
-        dynamics = dynamics_of(self.plant, self.arithmetic, finely=finely)
         return [dynamics.address, size, int(dynamics.actuates), int(dynamics.extra > 0)]
+
+    @property
+    def dynamics(self) -> Dynamics | None:
+        """The kernel of the plant; None of one in plain Python."""
+        if not is_compiled(self.plant):
+            return None
+        finely = self.options.runge_kutta > 0
+        return dynamics_of(self.plant, self.arithmetic, finely=finely)
 
     def _blocks(self) -> Any:
         return self._flat(

@@ -17,15 +17,17 @@ are exact), and the drives. Laws and plant are called by address and know parts 
 from __future__ import annotations
 
 import math
-from typing import Literal, NamedTuple
+from collections.abc import Callable
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.controller.law import summed_drives
+from fuzzyarm.controller.on_plant import drives_of_text
 from fuzzyarm.kernels import call, kernel
-from fuzzyarm.plant.plant import ACTUATE, ADVANCE, CLOCK_SIZE, DERIVE, MEASURE
-from fuzzyarm.plant.setting import CLOCK, stored
+from fuzzyarm.plant.plant import ACTUATE, ADVANCE, CLOCK_SIZE, DERIVE, MEASURE, Dynamics
+from fuzzyarm.plant.setting import CLOCK, stored, stored_double, stored_single
 
 
 class Setting(NamedTuple):
@@ -202,6 +204,30 @@ LOOP_ARRAYS = "fiiffiffffiffiffiffffi"
 """Of floats and of integers, see :func:`fuzzyarm.kernels.routine`."""
 
 
+def loop_bindings(
+    dynamics: Dynamics | None, *, single: bool, of_text: bool
+) -> dict[str, Callable[..., Any]]:
+    """Return what a loop is bound to.
+
+    Parameters
+    ----------
+    dynamics : Dynamics or None
+        Of the plant that is compiled into the loop; None where the loop calls it by address.
+    single : bool
+        Whether stored values are rounded: then they need not be asked whether to be.
+    of_text : bool
+        Whether one controller as text is all the laws, and is compiled into the loop, too.
+    """
+    bindings: dict[str, Callable[..., Any]] = {}
+    if dynamics is not None and dynamics.kernel is not None:
+        bindings |= dynamics.bindings
+        bindings |= {"ask_plant": ask_plant_inside, "plant_kernel": dynamics.kernel}
+    if of_text:
+        bindings["summed_drives"] = drives_of_text
+    bindings["stored"] = stored_single if single else stored_double
+    return bindings
+
+
 class Frame(NamedTuple):
     """Where on the board things begin: references, seen outputs, room for drives, outputs, drives.
 
@@ -272,6 +298,28 @@ def ask_plant(
     """Have the plant do a task, see :mod:`fuzzyarm.plant.plant`."""
     clock[4] = task
     call(links[0], x, y, u, p, clock)
+
+
+@kernel
+def plant_kernel(
+    x: list[float], y: list[float], u: list[float], p: list[float], clock: list[float]
+) -> None:
+    """Stand for the kernel of a plant, which is bound to this name."""
+
+
+@kernel
+def ask_plant_inside(
+    task: int,
+    links: list[int],
+    x: list[float],
+    y: list[float],
+    u: list[float],
+    p: list[float],
+    clock: list[float],
+) -> None:
+    """Do what :func:`ask_plant` does with a plant that is compiled into the loop."""
+    clock[4] = task
+    plant_kernel(x, y, u, p, clock)
 
 
 @kernel

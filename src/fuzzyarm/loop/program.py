@@ -17,7 +17,7 @@ from fuzzyarm.controller.law import Law, law_integers, summed_drives, view
 from fuzzyarm.controller.program import SourceError
 from fuzzyarm.controller.text import ControllerRun
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.kernels import bound_routine, routine, with_names
+from fuzzyarm.kernels import bound_routine, is_built, routine, with_names
 from fuzzyarm.loop.course import Course, flat
 from fuzzyarm.loop.loop import (
     CHANGES,
@@ -28,6 +28,7 @@ from fuzzyarm.loop.loop import (
     SAMPLES,
     TICK,
     UNTIL,
+    loop_bindings,
     run_loop,
     within,
 )
@@ -45,8 +46,6 @@ from fuzzyarm.plant.setting import (
     Arithmetic,
     Clock,
     State,
-    stored_double,
-    stored_single,
 )
 from fuzzyarm.plant.setting import Reference as ArmReference
 from fuzzyarm.plant.tried import plain_motion, plain_outputs
@@ -55,17 +54,29 @@ from fuzzyarm.text.names import near_hint
 # --- A controller as the loop takes it ---
 
 
-@cache
-def loop_of_laws(compiled: bool, single: bool) -> Callable[..., None]:
-    """Return the loop around laws and plant by address, as machine code or as plain Python.
+def loop_of_laws(program: Program, course: Course) -> Callable[..., None]:
+    """Return the loop around laws and plant, as machine code or as plain Python.
 
-    Each precision has its own: what is stored need not be asked whether to be rounded.
+    Of several that do the same it is the one into which most is compiled: plant and controller, or
+    neither, which are called by address then.
     """
-    return routine(run_loop, LOOP_ARRAYS, _held(single), compiled=compiled)
+    single = course.conventions.single
+    if program.compiled:
+        for dynamics in (course.dynamics, None):
+            for of_text in (program.is_text, False):
+                bindings = loop_bindings(dynamics, single=single, of_text=of_text)
+                if is_built(run_loop, LOOP_ARRAYS, bindings):
+                    return _routine(tuple(sorted(bindings.items())))
+    return routine(run_loop, LOOP_ARRAYS, _held(single), compiled=program.compiled)
+
+
+@cache
+def _routine(bindings: tuple[tuple[str, Callable[..., Any]], ...]) -> Callable[..., None]:
+    return routine(run_loop, LOOP_ARRAYS, dict(bindings), compiled=True)
 
 
 def _held(single: bool) -> dict[str, Callable[..., Any]]:
-    return {"stored": stored_single if single else stored_double}
+    return loop_bindings(None, single=single, of_text=False)
 
 
 class Program:
@@ -97,6 +108,11 @@ class Program:
     def compiled(self) -> bool:
         """Whether it runs as machine code: wanted, and possible."""
         return self.arithmetic.compiled and self.compilable
+
+    @property
+    def is_text(self) -> bool:
+        """Whether one controller as text is all of it."""
+        return len(self._laws) == 1 and isinstance(self._laws[0], on_plant.TextLaw)
 
     def inputs(self, *, as_array: bool | None = None) -> tuple[Any, Any]:
         """Return laws and constants as the loop takes them."""
@@ -317,7 +333,7 @@ def loop_for(program: Program, course: Course, record: Record) -> Callable[..., 
     """Return the loop that runs a program; what it calls of plain Python is bound to its arrays."""
     single = course.conventions.single
     if program.compilable and is_compiled(course.plant):
-        return loop_of_laws(program.compiled, single)
+        return loop_of_laws(program, course)
     bindings: dict[str, Callable[..., Any]] = _held(single)
     if not is_compiled(course.plant) or is_traced(course.plant):
         bindings |= plain_plant(course)

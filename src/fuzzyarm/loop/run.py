@@ -464,7 +464,7 @@ class ClosedLoop:
             connect=connect,
         )
         if self.compiled:  # so that a run begins at once
-            loop_of_laws(compiled=True, single=conventions.single)
+            loop_of_laws(self.program, self.course)
             self.program.inputs()
         self.taps = [
             *error_taps(self.course),

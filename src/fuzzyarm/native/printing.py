@@ -53,6 +53,7 @@ class Entry(NamedTuple):
     key: str
     types: tuple[Array, ...]
     function: Any
+    in_one: bool
 
 
 class _Unit:
@@ -66,13 +67,13 @@ class _Unit:
         """Translate a kernel."""
         types = tuple(ARRAYS[letter] for letter in root.types)
         function = self.translation.function(root.function, types, root.bindings)
-        self.entries.append(Entry(root.key, types, function))
+        self.entries.append(Entry(root.key, types, function, root.in_one))
 
     def text(self, filled: dict[str, set[int]]) -> str:
         """Return the file."""
         entries, rows = [], []
-        for index, (key, types, function) in enumerate(self.entries):
-            entries.append(_entries(index, function.name, types))
+        for index, (key, types, function, in_one) in enumerate(self.entries):
+            entries.append("FLATTEN " * in_one + _entries(index, function.name, types))
             bits = sum(1 << position for position in filled[key])
             both = f"(void (*)(void))entry_{index}, spread_{index}"
             rows.append(f"  {{{json.dumps(key)}, {both}, {bits}u}},")

@@ -7,6 +7,7 @@ or a program of operations.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from itertools import product
 from typing import Any, NamedTuple
 
 from fuzzyarm.controller import kernel as controller_kernel
@@ -38,8 +39,9 @@ from fuzzyarm.inference.row_functions import (
     norm_row,
 )
 from fuzzyarm.kernels import key_of, letters_of
-from fuzzyarm.loop.loop import LOOP_ARRAYS, run_loop
+from fuzzyarm.loop.loop import LOOP_ARRAYS, loop_bindings, run_loop
 from fuzzyarm.model.rulebase import Hedge
+from fuzzyarm.plant.driven_arm import Arm
 from fuzzyarm.plant.own import PLANTS
 from fuzzyarm.plant.plant import ARRAYS as PLANT_ARRAYS
 from fuzzyarm.plant.plant import BY_PROGRAM, dynamics_of, run_plant
@@ -63,12 +65,15 @@ class Root(NamedTuple):
     over_rows : bool
         Whether it runs over rows of many numbers; otherwise over a few, which were written a
         moment ago: to read several of them at once would wait for the writing.
+    in_one : bool
+        Whether all that it calls by name is compiled into it.
     """
 
     function: Callable[..., Any]
     types: str
     bindings: Mapping[str, Callable[..., Any]] = {}
     over_rows: bool = False
+    in_one: bool = False
 
     @property
     def key(self) -> str:
@@ -109,8 +114,8 @@ def _roots() -> Iterator[Root]:
     for source in SOURCES.values():
         if source.function is not None:
             yield Root(update_function(source), UPDATE_ARRAYS)
+    yield from _loops()
     for stored in PRECISIONS:
-        yield Root(run_loop, LOOP_ARRAYS, stored)
         yield Root(summed_drives, "fifff", stored)
         yield Root(controller_kernel.step, "if", stored)
         yield Root(text_law, LAW_ARRAYS, stored)
@@ -130,6 +135,15 @@ def _rows() -> Iterator[Root]:
     for name, hedge in HEDGES.items():
         if len(hedge.symbols) == 1:  # others have an exponent, which is a constant of the row
             yield Root(hedges_on_row((Hedge(name, None),)), "fff", over_rows=True)
+
+
+def _loops() -> Iterator[Root]:
+    """Iterate over the loops: around any laws and plants, and around those that are run most."""
+    plants = (None, dynamics_of(Arm(), Arithmetic(), address=lambda *_, **__: 0))
+    for dynamics, of_text in product(plants, (False, True)):
+        bindings = loop_bindings(dynamics, single=False, of_text=of_text)
+        yield Root(run_loop, LOOP_ARRAYS, bindings, in_one=dynamics is not None)
+    yield Root(run_loop, LOOP_ARRAYS, loop_bindings(None, single=True, of_text=False))
 
 
 def _plants() -> Iterator[Root]:

@@ -47,7 +47,7 @@ static void walk(const double *program, const reals *rows, const reals *numbers,
 
 /* Rows, numbers, and what is filled: an element of it for each element of the rows. A program
    without rows takes its numbers from all arrays in front, and fills in its results. */
-static void run_program(int64_t address, const reals *arrays, int count) {{
+static NEVER_INLINE void run_program(int64_t address, const reals *arrays, int count) {{
   const double *program = (const double *)(address - 1);
   const int64_t values = (int64_t)(program[0] + program[1] + program[2] + program[3]);
   const double *results =

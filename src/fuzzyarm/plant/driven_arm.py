@@ -203,7 +203,8 @@ class Arm(Plant):
         if self.inductance > 0.0 or self.supply < math.inf:
             held["drive_arm"] = drive_armatures
             held["torques_later"] = torques_of_armatures
-        return Dynamics(address(run_arm, **held), actuates=True, extra=POSES)
+        run = address(run_arm, **held)
+        return Dynamics(run, actuates=True, extra=POSES, kernel=run_arm, bindings=held)
 
     particulars = Particulars(
         extra=POSES,

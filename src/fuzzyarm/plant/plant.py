@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Collection, Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol, Self
 
@@ -437,11 +437,17 @@ class Dynamics:
         Whether it makes its drives itself; otherwise their limits do.
     extra : int
         How many numbers it derives, behind the outputs.
+    kernel : callable, optional
+        What stands at the address, for a loop into which it is compiled.
+    bindings : mapping of str to callable
+        What it is bound to.
     """
 
     address: int
     actuates: bool = False
     extra: int = 0
+    kernel: Callable[..., None] | None = None
+    bindings: Mapping[str, Callable[..., Any]] = field(default_factory=dict)
 
 
 @kernel
@@ -625,7 +631,7 @@ def dynamics_of(
     function, types, bindings = _bound(plant)
     if arithmetic.compiled and _is_for_numba(plant):
         return Dynamics(address(compiled_by_numba(function, types, bindings)))
-    return Dynamics(address(function, **bindings))
+    return Dynamics(address(function, **bindings), kernel=function, bindings=bindings)
 
 
 def _address_in(arithmetic: Arithmetic) -> Callable[..., int]:

@@ -173,13 +173,20 @@ def corner_offsets(shape: Sequence[int]) -> tuple[int, ...]:
 #
 # A grid among the cells of a controller: the number of inputs, whether it interpolates, and for
 # each input how many levels it has, the thresholds between them (one less) and the levels. A
-# look-up reads a list of whole numbers: where the values begin, where there is room to work in,
-# and the cell of each input.
+# look-up reads a list of whole numbers: where the values begin, where there is room (to blend in,
+# or for the stretches of a look-up by cell), and the cell of each input.
 
 GRID_HEAD = 2
 """Numbers in front of the first input."""
 
 VALUES, ROOM, INPUTS = range(3)
+
+ABOVE, UPTO, INDEX = range(3)
+"""Of the **stretch** of an input, in which it was found last: the thresholds on both sides (it lies
+above one, and is at most the other; infinities at the ends), and its index."""
+
+STRETCH = 3
+"""Numbers of a stretch. Zeros are none: no x is above 0 and at most 0."""
 
 
 def pack_grid(axes: Sequence[Axis], mode: str) -> list[float]:
@@ -191,15 +198,30 @@ def pack_grid(axes: Sequence[Axis], mode: str) -> list[float]:
 
 
 @kernel
-def cell_index(k: Any, s: Any, inputs: int, grid: int) -> int:
+def cell_index(k: Any, s: Any, inputs: int, grid: int, stretch: int) -> int:
     """Return the number of the cell that the inputs name, the last input fastest."""
     cell = 0
     at = grid + GRID_HEAD
-    for i in range(int(s[grid])):
+    for i in range(inputs, inputs + int(s[grid])):
         count = int(s[at])
-        cell = cell * count + _count_smaller(s, at + 1, count - 1, s[k[inputs + i]])
+        x = s[k[i]]
+        # From one control period to the next an input hardly ever leaves its stretch: two
+        # comparisons, which the processor foresees, are all of the search then. NaN is in none.
+        if not s[stretch + ABOVE] < x <= s[stretch + UPTO]:
+            _find_stretch(s, at + 1, count - 1, x, stretch)
+        cell = cell * count + int(s[stretch + INDEX])
         at += 2 * count
+        stretch += STRETCH
     return cell
+
+
+@kernel
+def _find_stretch(s: Any, first: int, count: int, x: float, stretch: int) -> None:
+    """Write down between which of some sorted thresholds x lies."""
+    index = _count_smaller(s, first, count, x)
+    s[stretch + ABOVE] = s[first + index - 1] if index > 0 else -math.inf
+    s[stretch + UPTO] = s[first + index] if index < count else math.inf
+    s[stretch + INDEX] = float(index)
 
 
 @kernel
@@ -207,7 +229,7 @@ def looked_up(k: Any, s: Any, at: int, grid: int) -> float:
     """Return the value of a table, by cell or between the neighbouring levels."""
     values = k[at + VALUES]
     if s[grid + 1] == 0.0:
-        value: float = s[values + cell_index(k, s, at + INPUTS, grid)]
+        value: float = s[values + cell_index(k, s, at + INPUTS, grid, k[at + ROOM])]
     else:
         value = interpolated(k, s, at, grid)
     return value

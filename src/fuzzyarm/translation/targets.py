@@ -231,6 +231,9 @@ HEAD_OF_C = """\
 #include <stdlib.h>
 
 #define ALWAYS_INLINE __attribute__((always_inline))
+#define NEVER_INLINE __attribute__((noinline))
+/* Whatever it calls by name is compiled into it. */
+#define FLATTEN __attribute__((flatten))
 
 /* A stretch of memory. Kernels of Python see an array. */
 typedef struct { double *at; int64_t length; } reals;
