@@ -41,7 +41,6 @@ from fuzzyarm.inference.row_functions import (
 from fuzzyarm.kernels import key_of, letters_of
 from fuzzyarm.loop.loop import LOOP_ARRAYS, loop_bindings, run_loop
 from fuzzyarm.model.rulebase import Hedge
-from fuzzyarm.plant.driven_arm import Arm
 from fuzzyarm.plant.own import PLANTS
 from fuzzyarm.plant.plant import ARRAYS as PLANT_ARRAYS
 from fuzzyarm.plant.plant import BY_PROGRAM, dynamics_of, run_plant
@@ -138,9 +137,14 @@ def _rows() -> Iterator[Root]:
 
 
 def _loops() -> Iterator[Root]:
-    """Iterate over the loops: around any laws and plants, and around those that are run most."""
-    plants = (None, dynamics_of(Arm(), Arithmetic(), address=lambda *_, **__: 0))
-    for dynamics, of_text in product(plants, (False, True)):
+    """Iterate over the loops: around any laws and plants, and with what they call compiled in.
+
+    A plant that makes its drives itself is called more often than others in a control period, so
+    it has loops of its own.
+    """
+    plants = (kind.variants()[0] for kind in PLANTS.values())
+    every = [dynamics_of(plant, Arithmetic(), address=lambda *_, **__: 0) for plant in plants]
+    for dynamics, of_text in product((None, *(d for d in every if d.actuates)), (False, True)):
         bindings = loop_bindings(dynamics, single=False, of_text=of_text)
         yield Root(run_loop, LOOP_ARRAYS, bindings, in_one=dynamics is not None)
     yield Root(run_loop, LOOP_ARRAYS, loop_bindings(None, single=True, of_text=False))
