@@ -12,3 +12,9 @@ MODULES = sorted(SOURCE.rglob("*.py"))
 def tree(path):
     """Return the syntax tree of a module."""
     return ast.parse(path.read_text("utf-8"))
+
+
+@cache
+def nodes_of(path):
+    """Return all nodes of the tree of a module."""
+    return list(ast.walk(tree(path)))

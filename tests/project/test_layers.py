@@ -8,7 +8,7 @@ import sys
 from functools import cache
 
 import pytest
-from sources import MODULES, SOURCE, tree
+from sources import MODULES, SOURCE, nodes_of, tree
 
 ORDER = (
     "version",
@@ -129,7 +129,7 @@ def test_nothing_names_what_stands_above_it_by_string():
         home = package_of(path)
         if home in ("__init__", "__main__"):
             continue
-        for node in ast.walk(ast.parse(path.read_text())):
+        for node in nodes_of(path):
             if isinstance(node, ast.Constant) and isinstance(node.value, str):
                 name = re.fullmatch(r"fuzzyarm\.(\w+)(\.\w+)*", node.value)
                 if name and name[1] in FLOOR and FLOOR[name[1]] > FLOOR[home]:
@@ -295,7 +295,7 @@ def test_only_the_command_line_prints():
         text = path.read_text()
         if "print(" not in text:
             continue
-        calls = [n for n in ast.walk(tree(path)) if isinstance(n, ast.Call)]
+        calls = [n for n in nodes_of(path) if isinstance(n, ast.Call)]
         printed = [n for n in calls if isinstance(n.func, ast.Name) and n.func.id == "print"]
         assert not printed, path
 
@@ -329,7 +329,7 @@ OWN |= {"reach", "reach_return", "pick_and_place"}
 
 def named_of_the_arm(path):
     """Yield the line and the words by which a module knows the arm."""
-    for node in ast.walk(ast.parse(path.read_text())):
+    for node in nodes_of(path):
         if isinstance(node, ast.Constant) and isinstance(node.value, str):
             if WORDS.fullmatch(node.value):
                 yield node.lineno, node.value
@@ -384,7 +384,7 @@ def test_every_error_that_is_raised_has_a_builtin_behind_it():
     assert [
         f"{path.relative_to(SOURCE)}:{node.lineno}"
         for path in MODULES
-        for node in ast.walk(tree(path))
+        for node in nodes_of(path)
         if isinstance(node, ast.Raise)
         and isinstance(node.exc, ast.Call)
         and getattr(node.exc.func, "id", "") == "FuzzyarmError"

@@ -32,7 +32,7 @@ fuzzyarm.show.figures.draw_run
 fuzzyarm.sklearn.FuzzyRegresor
 fuzzyarm.load_rulebase("x.frb").inputz
 fuzzyarm.load_controller("x.frb").rules
-fuzzyarm.simulate("x.frb", "motor", reference={})
+fuzzyarm.simulate("x.frb", "motor", referense={})
 fuzzyarm.simulate("x.frb", "motor", duration=[1])
 fuzzyarm.RuleBaseBuilder("fan").imput("x", 0, 1)
 fuzzyarm.RuleBase(3)
@@ -75,28 +75,32 @@ fuzzyarm.learning.fit, fuzzyarm.plant.find_plant, fuzzyarm.study.reproduce
 """
 
 
-@pytest.fixture(scope="module")
-def cache(tmp_path_factory):
-    """What mypy knows of fuzzyarm, kept for all tests here."""
-    return tmp_path_factory.mktemp("mypy")
+NAMES = "import fuzzyarm\n" + "".join(
+    f"{name}.no_such_name\n"
+    for name in ("fuzzyarm", *(f"fuzzyarm.{each}" for each in fuzzyarm.PACKAGES))
+)
 
-
-UNTYPED = (
-    "--ignore-missing-imports", "--allow-untyped-defs", "--allow-untyped-calls",
-    "--allow-subclassing-any",
-)  # fmt: skip
+UNTYPED = ("disallow_untyped_defs", "disallow_untyped_calls", "disallow_subclassing_any")
 """What a page need not say: the types of its own functions and files, and of untyped packages."""
 
 
-def complaints(files, cache, folder, options=()):
-    """Return what ``mypy --strict`` says of files: (name, line, message) each."""
+@pytest.fixture(scope="module")
+def complaints(tmp_path_factory):
+    """What ``mypy --strict`` says, in one run, of all files here: (name, line, message) each."""
+    folder, pages = tmp_path_factory.mktemp("mypy"), blocks_of_pages()
+    files = {"slips.py": SLIPS, "sound.py": SOUND, "readme.py": pages["README_0.py"],
+             "names.py": NAMES, **pages}  # fmt: skip
     for name, text in files.items():
         (folder / name).write_text(text, "utf-8")
-    words = ["-m", "mypy", "--strict", "--no-error-summary", "--config-file=", "--cache-dir"]
+    of_pages = ",".join(name.removesuffix(".py") for name in pages)
+    (folder / "mypy.ini").write_text(
+        f"[mypy]\nstrict = True\nignore_missing_imports = True\n[mypy-{of_pages}]\n"
+        + "".join(f"{each} = False\n" for each in UNTYPED)
+    )
+    words = ["-m", "mypy", "--no-error-summary", "--config-file", "mypy.ini", "--cache-dir=cache"]
     done = subprocess.run(
-        [sys.executable, *words, str(cache), *options, *files],
-        cwd=folder, capture_output=True, text=True, check=False,
-    )  # fmt: skip
+        [sys.executable, *words, *files], cwd=folder, capture_output=True, text=True, check=False
+    )
     assert done.returncode in (0, 1), done.stdout + done.stderr
     found = re.findall(r"(?m)^(\w+\.py):(\d+): error: (.*)$", done.stdout)
     return [(name, int(line), message) for name, line, message in found]
@@ -108,10 +112,8 @@ def lines_at_fault(text):
 
 
 @pytest.mark.slow
-def test_a_slip_is_a_mistake_and_what_is_sound_is_none(cache, tmp_path):
-    readme = blocks_of_pages()["README_0.py"]
-    files = {"slips.py": SLIPS, "sound.py": SOUND, "readme.py": readme}
-    found = complaints(files, cache, tmp_path)
+def test_a_slip_is_a_mistake_and_what_is_sound_is_none(complaints):
+    found = [each for each in complaints if each[0] in ("slips.py", "sound.py", "readme.py")]
     assert [each for each in found if each[0] != "slips.py"] == []
     assert {line for _, line, _ in found} == lines_at_fault(SLIPS)
     said = {line: message for _, line, message in found}
@@ -119,11 +121,9 @@ def test_a_slip_is_a_mistake_and_what_is_sound_is_none(cache, tmp_path):
 
 
 @pytest.mark.slow
-def test_no_package_has_every_name(cache, tmp_path):
-    packages = ["fuzzyarm", *(f"fuzzyarm.{name}" for name in fuzzyarm.PACKAGES)]
-    text = "import fuzzyarm\n" + "".join(f"{name}.no_such_name\n" for name in packages)
-    found = complaints({"names.py": text}, cache, tmp_path)
-    assert [line for _, line, _ in found] == list(range(2, len(packages) + 2))
+def test_no_package_has_every_name(complaints):
+    lines = [line for name, line, _ in complaints if name == "names.py"]
+    assert lines == list(range(2, len(NAMES.splitlines()) + 1))
 
 
 def blocks_of_pages():
@@ -140,10 +140,10 @@ def blocks_of_pages():
 
 
 @pytest.mark.slow
-def test_the_python_of_pages_has_no_mistake_of_types(cache, tmp_path):
+def test_the_python_of_pages_has_no_mistake_of_types(complaints):
     blocks = blocks_of_pages()
     assert len(blocks) > 20
-    found = complaints(blocks, cache, tmp_path, UNTYPED)
+    found = [each for each in complaints if each[0] in blocks]
     # The page of exports looks into a routine, whose numbers depend on the options it was made by.
     inward = [each for each in found if '"Routine" has no attribute "core"' in each[2]]
     assert {name for name, *_ in inward} == {"docs_export_0.py"}
