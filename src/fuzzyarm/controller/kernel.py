@@ -113,14 +113,8 @@ def step(k: Any, s: Any) -> None:
         what, into, a, b, c = k[at], k[at + 1], k[at + 2], k[at + 3], k[at + 4]
         if what <= SUBTRACT_MULTIPLY:
             value = combined(what, s[a], s[b], s[c])
-        elif what == UPDATE:
-            value = updated(k, s, a, b, c, single)
-        elif what == LIMIT:
-            value = limited(s, s[a], b)
-        elif what == SLEW:
-            value = slewed(s, s[a], b)
         else:
-            value = consulted(k, s, what, a, b, single)
+            value = consulted(k, s, what, a, b, c, single)
         s[into] = stored(value, single) if k[at + 5] != 0 else value
         at += INSTRUCTION
 
@@ -147,10 +141,16 @@ def combined(what: int, a: float, b: float, c: float) -> float:
 
 
 @kernel
-def consulted(k: Any, s: Any, what: int, a: int, b: int, single: bool) -> float:
-    """Return what a table says; or ask a rule base or a partner, or zoom, and return 0."""
+def consulted(k: Any, s: Any, what: int, a: int, b: int, c: int, single: bool) -> float:
+    """Return what a source, a limit or a table gives; of what fills in several cells return 0."""
     value = 0.0
-    if what == LOOK_UP:
+    if what == UPDATE:
+        value = updated(k, s, a, b, c, single)
+    elif what == LIMIT:
+        value = limited(s, s[a], b)
+    elif what == SLEW:
+        value = slewed(s, s[a], b)
+    elif what == LOOK_UP:
         value = looked_up(k, s, a, b)
     elif what == LOOK_UP_CELL:
         value = s[b + int(s[a])]

@@ -258,8 +258,23 @@ def tell(now: Moment, signals: list[float]) -> None:
 
 
 @kernel
-def summed_drives(
+def drives_of_laws(
     told: list[float],
+    laws: list[int],
+    numbers: list[float],
+    memory: list[float],
+    drives: list[float],
+) -> None:
+    """Do what :func:`summed_drives` does for a loop that runs as plain Python."""
+    size = len(drives)
+    summed_drives(told, len(told) - size, size, laws, numbers, memory, drives)
+
+
+@kernel
+def summed_drives(
+    board: list[float],
+    told: int,
+    size: int,
     laws: list[int],
     numbers: list[float],
     memory: list[float],
@@ -269,32 +284,30 @@ def summed_drives(
 
     Parameters
     ----------
-    told : float
-        What a law is told, and room for its drives at the end.
+    board : float
+        What a law is told, and behind that room for its drives.
+    told, size : int
+        How many numbers a law is told, and how many drives there are.
     laws, numbers, memory
         The laws as :func:`law_integers` writes them down, their constants, what they remember.
     drives : float
         Filled.
     """
-    size = len(drives)
-    room = len(told) - size
     for i in range(size):
         drives[i] = 0.0
-        told[room + i] = 0.0
     # In the order of the sum as it is written: the order of additions is part of the bits.
     for law in range(1, 1 + laws[0] * LAW_HEAD, LAW_HEAD):
-        if law > 1:
-            for i in range(size):
-                told[room + i] = 0.0
+        for i in range(told, told + size):
+            board[i] = 0.0
         call(
             laws[law + ADDRESS],
-            told,
+            board[0 : told + size],
             numbers[laws[law + NUMBERS] : laws[law + NUMBERS_END]],
             memory[laws[law + MEMORY] : laws[law + MEMORY_END]],
             laws[laws[law + LINKS] : laws[law + LINKS_END]],
         )
         for i in range(size):
-            drives[i] += told[room + i]
+            drives[i] += board[told + i]
 
 
 def law_integers(laws: Sequence[Law], blocks: Sequence[Block], arithmetic: Arithmetic) -> list[int]:

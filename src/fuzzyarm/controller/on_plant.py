@@ -19,8 +19,6 @@ from fuzzyarm.controller.law import (
     LINKS_END,
     MEMORY,
     MEMORY_END,
-    NUMBERS,
-    NUMBERS_END,
     SIGNALS,
     TOLD,
     Gain,
@@ -204,31 +202,34 @@ def text_law(
     """
     told = int(numbers[0])
     size = int(numbers[1])
-    for i in range(told):
-        memory[i] = signals[i]
-    step(links, memory)
+    _run_text(signals, told, memory, links)
     for i in range(size):
         signals[told + i] = memory[told + size + i]
 
 
 @kernel
+def _run_text(signals: list[float], told: int, memory: list[float], links: list[int]) -> None:
+    """Run a controller as text on so many signals; its drives stand in its memory then."""
+    for i in range(told):
+        memory[i] = signals[i]
+    step(links, memory)
+
+
+@kernel
 def drives_of_text(
-    told: list[float],
+    board: list[float],
+    told: int,
+    size: int,
     laws: list[int],
     numbers: list[float],
     memory: list[float],
     drives: list[float],
 ) -> None:
     """Do what ``summed_drives`` does where one controller as text is all the laws."""
-    text_law(
-        told,
-        numbers[laws[1 + NUMBERS] : laws[1 + NUMBERS_END]],
-        memory[laws[1 + MEMORY] : laws[1 + MEMORY_END]],
-        laws[laws[1 + LINKS] : laws[1 + LINKS_END]],
-    )
-    room = len(told) - len(drives)
-    for i in range(len(drives)):
-        drives[i] = 0.0 + told[room + i]  # the sum of one: 0 has no sign
+    cells = memory[laws[1 + MEMORY] : laws[1 + MEMORY_END]]
+    _run_text(board, told, cells, laws[laws[1 + LINKS] : laws[1 + LINKS_END]])
+    for i in range(size):
+        drives[i] = 0.0 + cells[told + size + i]  # the sum of one: 0 has no sign
 
 
 @kernel

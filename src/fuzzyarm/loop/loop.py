@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import cache
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -173,14 +174,14 @@ def run_loop(
             if len(sensors) > 0:
                 sense(board, frame, sensors, noise, tick)
                 derive(links, state, board[frame.seen : frame.told], drives, constants, clock)
-            control(board[0 : frame.true], laws, numbers, memory, drives)
+            control(board, frame.told, frame.drives, laws, numbers, memory, drives)
             actuate(links, state, outputs, drives, constants, clock, limits)
-            note_changes(drives, clock, tick)
-            note_errors(board, taps, path, tick, clock[CLOCK_SIZE + CHANGES * len(drives) :])
+            note_changes(drives, frame.drives, clock, tick)
+            note_errors(board, taps, path, tick, clock[CLOCK_SIZE + CHANGES * frame.drives :])
             if last:  # before the plant moves: the error that these drives answer
                 tap(board, taps, record, samples)
                 samples += 1
-            push(drives, pushes, tick)  # loads act behind the actuators
+            push(drives, frame.drives, pushes, tick)  # loads act behind the actuators
             ask_plant(ADVANCE, links, state, outputs, drives, constants, clock)
             tick += 1
             clock[0] = tick * setting.step
@@ -222,6 +223,7 @@ def loop_bindings(
     if dynamics is not None and dynamics.kernel is not None:
         bindings |= dynamics.bindings
         bindings |= {"ask_plant": ask_plant_inside, "plant_kernel": dynamics.kernel}
+        bindings["frame_of"] = known_frame(*dynamics.ports)
     if of_text:
         bindings["summed_drives"] = drives_of_text
     bindings["stored"] = stored_single if single else stored_double
@@ -237,6 +239,8 @@ class Frame(NamedTuple):
         How many they are.
     seen, told, true, driven : int
         First cells; what stands before `told` is what a law is told.
+    drives : int
+        How many they are.
     """
 
     references: int
@@ -244,6 +248,7 @@ class Frame(NamedTuple):
     told: int
     true: int
     driven: int
+    drives: int
 
 
 @kernel
@@ -252,7 +257,24 @@ def frame_of(count: int, size: int, cells: int) -> Frame:
     outputs = (cells - CLOCK - count - 2 * size) // 2
     seen = CLOCK + count
     told = seen + outputs
-    return Frame(count, seen, told, told + size, told + size + outputs)
+    return Frame(count, seen, told, told + size, told + size + outputs, size)
+
+
+@cache
+def known_frame(references: int, outputs: int, drives: int) -> Callable[[int, int, int], Frame]:
+    """Return a kernel that gives the frame of a plant with so many ports.
+
+    With it the compiler of a loop knows how often the short loops over ports are gone through, and
+    writes them out.
+    """
+    frame = frame_of(references, drives, CLOCK + references + 2 * (outputs + drives))
+    name = f"frame_of_{references}_{outputs}_{drives}"
+    source = f"def {name}(count, size, cells):\n    return Frame{tuple(frame)}\n"
+    space: dict[str, Any] = {"Frame": Frame, "__name__": __name__}
+    exec(source, space)
+    function: Any = kernel(space[name])
+    function.__source__ = source
+    return function  # type: ignore[no-any-return]
 
 
 @kernel
@@ -355,14 +377,16 @@ def derive(
 
 @kernel
 def control(
-    told: list[float],
+    board: list[float],
+    told: int,
+    size: int,
     laws: list[int],
     numbers: list[float],
     memory: list[float],
     drives: list[float],
 ) -> None:
-    """Fill the drives with what all laws together want."""
-    summed_drives(told, laws, numbers, memory, drives)
+    """Fill so many drives with what all laws together want, of the cells that they are told."""
+    summed_drives(board, told, size, laws, numbers, memory, drives)
 
 
 # --- Chatter ---
@@ -378,15 +402,15 @@ CHANGES = 3
 
 
 @kernel
-def note_changes(drives: list[float], clock: list[float], tick: int) -> None:
+def note_changes(drives: list[float], size: int, clock: list[float], tick: int) -> None:
     """Add up by how much the drives change from one control period to the next."""
-    size = len(drives)
     for i in range(size):
+        drive = drives[i]
         if tick > 0:
-            change = abs(drives[i] - clock[CLOCK_SIZE + i])
+            change = abs(drive - clock[CLOCK_SIZE + i])
             clock[CLOCK_SIZE + MAGNITUDES * size + i] += change
             clock[CLOCK_SIZE + SQUARES * size + i] += change * change
-        clock[CLOCK_SIZE + i] = drives[i]
+        clock[CLOCK_SIZE + i] = drive
 
 
 # --- Errors in all control periods ---
@@ -421,11 +445,11 @@ def note_errors(
 
 
 @kernel
-def push(drives: list[float], pushes: list[float], tick: int) -> None:
+def push(drives: list[float], size: int, pushes: list[float], tick: int) -> None:
     """Add the loads of a control period, where there are any."""
     if len(pushes) > 0:
-        for i in range(len(drives)):
-            drives[i] += pushes[tick * len(drives) + i]
+        for i in range(size):
+            drives[i] += pushes[tick * size + i]
 
 
 @kernel

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from fuzzyarm.controller import on_plant
 from fuzzyarm.controller.controller import CompiledController, Controller
-from fuzzyarm.controller.law import Law, law_integers, summed_drives, view
+from fuzzyarm.controller.law import Law, drives_of_laws, law_integers, view
 from fuzzyarm.controller.program import SourceError
 from fuzzyarm.controller.text import ControllerRun
 from fuzzyarm.errors import FuzzyarmError
@@ -356,7 +356,8 @@ def plain_control(program: Program, course: Course) -> Callable[..., None]:
     controls = [_asked(part, program.arithmetic, course) for part in parts]
     zeros = range(len(course.site.interface.inputs))
 
-    def control(told: Any, _laws: Any, _numbers: Any, _memory: Any, drives: Any) -> None:
+    def control(told: Any, *others: Any) -> None:
+        drives = others[-1]
         for column in zeros:
             drives[column] = 0.0
         for ask in controls:
@@ -494,7 +495,7 @@ def compiled_law(program: Program, course: Course, record: Record) -> Callable[.
     signals = board[: course.site.told + size]
     arrays = (signals, laws, numbers, np.asarray(record.memory), board[len(board) - size :])
     held = _held(course.conventions.single)
-    step = bound_routine(summed_drives, "fifff", arrays, held, brief=True)
+    step = bound_routine(drives_of_laws, "fifff", arrays, held, brief=True)
 
     def control(*_arrays: object) -> None:
         step()

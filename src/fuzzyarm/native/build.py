@@ -38,7 +38,9 @@ FLAGS = (
     "-fno-strict-aliasing", "-fPIC", "-fvisibility=hidden",
 )  # fmt: skip
 
-OF_GCC_ALONE = frozenset({"-fno-tree-loop-distribute-patterns"})
+OF_GCC_ALONE = frozenset(
+    {"-fno-tree-loop-distribute-patterns", "--param=max-completely-peel-times=32"}
+)
 """What clang has no word for: it warns of them, and the ``ziglang`` wheel's refuses them."""
 
 LEVELS = {"baseline": "", "v3": "x86-64-v3"}

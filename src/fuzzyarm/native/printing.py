@@ -24,7 +24,12 @@ UNITS: dict[str, tuple[str, ...]] = {
     "rows": (),
     # Loops over a few numbers that were written one by one: read as a vector they would wait for
     # each other, and a call to fill four of them with zeros costs more than to write them.
-    "numbers": ("-fno-tree-vectorize", "-fno-tree-loop-distribute-patterns"),
+    # Loops over the ports of a plant that is compiled into its loop are written out.
+    "numbers": (
+        "-fno-tree-vectorize",
+        "-fno-tree-loop-distribute-patterns",
+        "--param=max-completely-peel-times=32",
+    ),
 }
 """Files of a level, with flags of their own; see :attr:`Root.over_rows`."""
 

@@ -24,7 +24,7 @@ from fuzzyarm.controller.conventional import (
     PD_LAW,
     PURE_FEED_FORWARD_LAW,
 )
-from fuzzyarm.controller.law import LAW_ARRAYS, law_at_address, law_kernel, summed_drives
+from fuzzyarm.controller.law import LAW_ARRAYS, drives_of_laws, law_at_address, law_kernel
 from fuzzyarm.controller.on_plant import text_law
 from fuzzyarm.controller.updates import UPDATE_ARRAYS, update_function
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
@@ -115,7 +115,7 @@ def _roots() -> Iterator[Root]:
             yield Root(update_function(source), UPDATE_ARRAYS)
     yield from _loops()
     for stored in PRECISIONS:
-        yield Root(summed_drives, "fifff", stored)
+        yield Root(drives_of_laws, "fifff", stored)
         yield Root(controller_kernel.step, "if", stored)
         yield Root(text_law, LAW_ARRAYS, stored)
         for kernel in (law_kernel, *(law.kernel for law in LAWS)):

@@ -441,6 +441,8 @@ class Dynamics:
         What stands at the address, for a loop into which it is compiled.
     bindings : mapping of str to callable
         What it is bound to.
+    ports : tuple of int
+        How many references, outputs (with those that it derives) and inputs it has.
     """
 
     address: int
@@ -448,6 +450,7 @@ class Dynamics:
     extra: int = 0
     kernel: Callable[..., None] | None = None
     bindings: Mapping[str, Callable[..., Any]] = field(default_factory=dict)
+    ports: tuple[int, int, int] = (0, 0, 0)
 
 
 @kernel
@@ -625,7 +628,10 @@ def dynamics_of(
     if address is None:
         address = _address_in(arithmetic)
     if plant.dynamics is not None:
-        return plant.dynamics(arithmetic, address, finely=finely)
+        own = plant.dynamics(arithmetic, address, finely=finely)
+        interface = interface_of(plant)
+        outputs = len(interface.outputs) + own.extra
+        return replace(own, ports=(len(interface.references), outputs, len(interface.inputs)))
     if arithmetic.compiled and is_traced(plant):
         return Dynamics(address(run_plant, **BY_PROGRAM[plant.measure is not None]))
     function, types, bindings = _bound(plant)
