@@ -28,17 +28,21 @@ def random_moves(seed, count):
     return moves
 
 
-def errors(name, moves, gains=(), sense="rms"):
+def runs_on(moves, name, gains=()):
+    """Return the run of a controller on each move."""
+    law = controller(name).with_gains(dict(gains))
+    return [simulate(law, path, payload=payload) for path, payload in moves]
+
+
+def errors(runs, sense="rms"):
     """Return the RMS error of each joint on each move, degrees, in one of its senses."""
-    made = controller(name).with_gains(dict(gains))
-    runs = [simulate(made, path, payload=payload) for path, payload in moves]
     return np.array([getattr(run, sense) if run.diverged is None else (LOST,) * 2 for run in runs])
 
 
 def score(logs):
     """Return what is to fall: the mean of the logarithms of all errors on the training moves."""
     gains = {"K_p": np.exp(logs[:2]), "K_d": np.exp(logs[2:])}
-    return float(np.log(errors("pd-motor-tuned", TRAINING, gains)).mean())
+    return float(np.log(errors(runs_on(TRAINING, "pd-motor-tuned", gains))).mean())
 
 
 TRAINING, UNSEEN = random_moves(1, 24), random_moves(2, 48)
@@ -53,9 +57,8 @@ chosen |= {name: (name, {}) for name in ("pd-motor-tuned", "fuzzy-fine", "fuzzy-
 print("geometric mean of the RMS errors, degrees: at the set points, and from the path")
 print(f"{'':<24}" + f"{'training':>10}{'unseen':>10}" * 2)
 for label, (name, gains) in chosen.items():
+    both = [runs_on(moves, name, gains) for moves in (TRAINING, UNSEEN)]
     means = [
-        np.exp(np.log(errors(name, moves, gains, sense)).mean())
-        for sense in ("rms", "rms_path")
-        for moves in (TRAINING, UNSEEN)
+        np.exp(np.log(errors(runs, sense)).mean()) for sense in ("rms", "rms_path") for runs in both
     ]
     print(f"{label:<24}" + "".join(f"{mean:10.4f}" for mean in means))

@@ -50,7 +50,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def pytest_configure(config: pytest.Config) -> None:
     """Say how many cases are wanted, before modules with settings are imported."""
     budget.take_all(bool(config.getoption("--thorough")))
-    examples = budget.cases(33, 100)
+    examples = budget.cases(20, 100)
     settings.register_profile(
         "fuzzyarm", deadline=None, derandomize=True, print_blob=True, max_examples=examples
     )

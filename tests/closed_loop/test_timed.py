@@ -94,7 +94,7 @@ def test_from_beyond_the_region(servo, claim):
     problem = problem_of(servo, read_claim(claim, "motor"))
     rest = np.array([verdict.rest[name] for name in problem.states])
     generator = np.random.default_rng(3)
-    for number in range(cases(20, 2000)):
+    for number in range(cases(8, 2000)):
         ends = problem.start.values()
         start = [generator.choice(e) if number % 2 else generator.uniform(*e) for e in ends]
         plant = starting_at(find_plant("motor"), start)

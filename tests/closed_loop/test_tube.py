@@ -125,7 +125,7 @@ def test_no_run_leaves_the_tube(tubes, name):
     assert found.complete
     problem = found.problem
     generator = np.random.default_rng(2)
-    for number in range(cases(25, 12500)):  # of eight loops: 200 and 100,000
+    for number in range(cases(8, 12500)):  # of eight loops: 64 and 100,000
         start = chosen(generator, problem.start, number % 2)
         parameters = chosen(generator, problem.parameters, number % 2)
         assert excess(found, run(problem, found.duration, start, parameters)) <= SLACK

@@ -1,9 +1,8 @@
 """Fuzzy controllers against the same controllers written in plain Python, and their files."""
 
+import importlib.util
 import math
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -252,22 +251,27 @@ def test_the_constant_for_pi_of_a_run_scales_the_errors():
 C_LOOPS = ["fuzzy-lut", "cdid+fuzzy", "soc-zero", "fuzzy-direct", "stfc", "cfaf", "hfie", "mrac"]
 
 
+@pytest.fixture(scope="module")
+def benchmark(tmp_path_factory):
+    """The benchmark of the loop, and a folder with its data."""
+    path = Path(__file__).parents[2] / "benchmarks" / "closed_loop.py"
+    spec = importlib.util.spec_from_file_location("benchmark_of_the_loop", path)
+    module = importlib.util.module_from_spec(spec)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(str(path.parent))
+        spec.loader.exec_module(module)
+    module.REPEATS = 1
+    folder = tmp_path_factory.mktemp("loops")
+    module.write_data(folder)
+    return module, folder
+
+
 @pytest.mark.slow
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="needs a C compiler")
 @pytest.mark.parametrize("name", C_LOOPS)
-def test_the_c_loop_of_the_benchmark_gives_the_same_errors(name, tmp_path):
-    folder = Path(__file__).parents[2] / "benchmarks"
-    code = (
-        f"import sys; sys.path.insert(0, {str(folder)!r}); import closed_loop as b;"
-        "from pathlib import Path; f = Path(sys.argv[1]); b.write_data(f); b.REPEATS = 1;"
-        "print(*b.run_c(b.compile_c(f, b.CONTROLS[sys.argv[2]])))"
-    )
-    words = subprocess.run(
-        [sys.executable, "-c", code, str(tmp_path), name],
-        check=True,
-        capture_output=True,
-        text=True,
-    ).stdout.split()
+def test_the_c_loop_of_the_benchmark_gives_the_same_errors(benchmark, name):
+    module, folder = benchmark
+    words = module.run_c(module.compile_c(folder, module.CONTROLS[name]))
     from fuzzyarm.plant import reach_return
 
     run = simulate(controller(name), reach_return(), payload=True)

@@ -2,12 +2,11 @@
 
 import os
 import shutil
-import subprocess
-import sys
+import tempfile
 import time
 from pathlib import Path
-from tempfile import TemporaryFile
 
+import forked_server
 import pytest
 
 import fuzzyarm
@@ -17,7 +16,8 @@ from fuzzyarm.designer.written import page_of
 from fuzzyarm.lsp.session import Session
 from fuzzyarm.shipped_files import shipped
 
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
+NAMES = ("chromium-headless-shell", "chromium", "chromium-browser")  # the first takes least time
+CHROMIUM = next(filter(None, map(shutil.which, NAMES)), None)
 pytestmark = [
     pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed"),
     pytest.mark.slow,
@@ -41,27 +41,23 @@ class Served:
 
     def __init__(self, folder, port=0):
         self.folder, self.port = folder, port
-        self.log = TemporaryFile("w+")  # noqa: SIM115  (it lives as long as the server)
+        number, name = tempfile.mkstemp(prefix="designer-", suffix=".log")
+        os.close(number)
+        self.log = Path(name)
         self.start()
 
     def start(self):
-        words = [sys.executable, "-m", "fuzzyarm", "designer", str(self.folder), "--no-browser"]
-        state = {"XDG_STATE_HOME": f"{self.folder}.state"}
-        self.process = subprocess.Popen(
-            [*words, "--port", str(self.port)],
-            stdout=subprocess.PIPE, stderr=self.log, text=True,
-            env={**os.environ, **state},
-        )  # fmt: skip
-        self.address = self.process.stdout.readline().strip()
-        assert self.address.startswith("http://127.0.0.1:"), self.address
+        words = ["designer", str(self.folder), "--no-browser", "--port", str(self.port)]
+        self.process, self.address = forked_server.start(words, f"{self.folder}.state", self.log)
+        assert self.address.startswith("http://127.0.0.1:"), self.log.read_text("utf-8")
         self.port = int(self.address.split(":")[2].split("/")[0])
 
     def stop(self):
         self.process.terminate()
-        self.process.wait(10)
-        self.process.stdout.close()
-        self.log.seek(0)
-        log = self.log.read()
+        self.process.join(60)
+        assert self.process.exitcode is not None
+        log = self.log.read_text("utf-8")
+        self.log.unlink()
         assert "internal error" not in log, log
 
 

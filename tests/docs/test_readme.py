@@ -13,6 +13,7 @@ from pathlib import Path
 from urllib.parse import urlsplit
 
 import pytest
+from machine_code import compiler_at_hand
 from test_pages import README, ROOT, blocks, console_steps, matches
 
 NOT_TYPED = ("make test",)
@@ -50,6 +51,7 @@ def stranger(tmp_path_factory):
             shutil.copy2(ROOT / name, clone / name)
     home = tmp_path_factory.mktemp("home")
     shell = outside_any_environment() | {"HOME": str(home), "BROWSER": "true", "COLUMNS": "80"}
+    shell |= compiler_at_hand(home)
     require_an_index(shell, home)
     return clone, shell
 

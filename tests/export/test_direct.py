@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import math
 from pathlib import Path
 
@@ -316,30 +317,35 @@ def overlapping(model):
     return dataclasses.replace(model, outputs=(dataclasses.replace(output, terms=wide),))
 
 
-@pytest.mark.parametrize(
-    "settings",
-    [
-        {"defuzzifier": "bisector exact"},
-        {"aggregation": "einstein"},
-        {"aggregation": "probor", "implication": "bounded"},
-        {"implication": "hamacher"},
-        {"implication": "product"},
-        {"implication": "drastic", "defuzzifier": "bisector(41, midpoints)"},
-        {"defuzzifier": "smallest-of-maximum exact", "implication": "nilpotent"},
-        {"defuzzifier": "largest-of-maximum(33)", "aggregation": "normalized"},
-        {"defuzzifier": "bisector(21, joined)"},
-    ],
-    ids=lambda settings: ", ".join(settings.values()),
-)
-def test_what_is_walked_over_tables_has_the_bits_of_the_model(tmp_path, settings):
-    model = overlapping(made(**settings))
-    routines = routines_of(model, precision="float64") + routines_of(model)
+WALKED = [
+    {"defuzzifier": "bisector exact"},
+    {"aggregation": "einstein"},
+    {"aggregation": "probor", "implication": "bounded"},
+    {"implication": "hamacher"},
+    {"implication": "product"},
+    {"implication": "drastic", "defuzzifier": "bisector(41, midpoints)"},
+    {"defuzzifier": "smallest-of-maximum exact", "implication": "nilpotent"},
+    {"defuzzifier": "largest-of-maximum(33)", "aggregation": "normalized"},
+    {"defuzzifier": "bisector(21, joined)"},
+]
+
+
+def test_what_is_walked_over_tables_has_the_bits_of_the_model(tmp_path):
+    models = [overlapping(made(**settings)) for settings in WALKED]
+    routines = [
+        routine
+        for model in models
+        for precision in ("float64", "mixed")
+        for routine in routines_of(model, precision=precision)
+    ]
+    assert len(routines) == 2 * len(models)
     assert all(routine.program.walks for routine in routines)
-    columns = points_for(model, 400)
-    results = run_c(routines, [columns] * 2, tmp_path, suffix=".c")
+    columns = points_for(models[0], 400)
+    results = run_c(routines, [columns] * len(routines), tmp_path, suffix=".c")
     for routine, found in zip(routines, results, strict=True):
         np.testing.assert_array_equal(found, routine.evaluate(*columns))
-    np.testing.assert_array_equal(results[0], routines[0].model(*columns))
+    for routine, found in zip(routines[::2], results[::2], strict=True):
+        np.testing.assert_array_equal(found, routine.model(*columns))
 
 
 def test_an_output_without_rules_is_walked_as_well(tmp_path):
@@ -392,14 +398,16 @@ def degrees_of(shapes, hedges=()):
     return RuleBase("degrees", (Input("x", -2.0, 2.0, terms),), outputs, (RuleBlock(rules),))
 
 
-def compared_in_c(model, tmp_path, columns):
-    """Run all outputs in C, compare them with their models, return both in double precision."""
-    routines, arrays = [], []
+def compared_in_c(model, tmp_path, columns, *others):
+    """Run all outputs in C, compare them with their models, return both in double precision.
+
+    Those of all models that are given are in one program.
+    """
+    routines, models = [], (model, *others)
     for precision in ("float64", "mixed", "float32"):
-        found = routines_of(model, precision=precision)
-        routines += found
-        arrays += [columns] * len(found)
-    results = run_c(routines, arrays, tmp_path)
+        for each in models:
+            routines += routines_of(each, precision=precision)
+    results = run_c(routines, [columns] * len(routines), tmp_path)
     for routine, found in zip(routines, results, strict=True):
         expected = routine.evaluate(*columns)
         if is_exact(routine):
@@ -408,7 +416,7 @@ def compared_in_c(model, tmp_path, columns):
             single = routine.precision.inside is np.float32
             close = {"rtol": 1e-5, "atol": 1e-6} if single else {"rtol": 1e-7, "atol": 1e-15}
             np.testing.assert_allclose(found, expected, **close)
-    outputs = len(model.outputs)
+    outputs = sum(len(each.outputs) for each in models)
     return routines[:outputs], results[:outputs]
 
 
@@ -441,19 +449,17 @@ def near(x):
 BUILT_IN_HEDGES = [name for name in HEDGES if not HEDGES[name].own]
 
 
-@pytest.mark.parametrize(
-    "hedges",
-    [
+def test_every_hedge_is_the_same_in_c(tmp_path):
+    rows = [
         *((Hedge(name, 1.7 if HEDGES[name].parameters else None),) for name in BUILT_IN_HEDGES),
         (Hedge("very"), Hedge("not"), Hedge("somewhat")),
-    ],
-    ids=lambda hedges: " ".join(hedge.name for hedge in hedges),
-)
-def test_every_hedge_is_the_same_in_c(tmp_path, hedges):
+    ]
     shapes = [Shape("trapezoid", (-1.5, -0.7, 0.1, 1.9)), Shape("s", (-1.3, 0.7))]
     x = np.linspace(-2, 2, 203)
-    _, results = compared_in_c(degrees_of(shapes, hedges), tmp_path, [x])
-    for shape, found in zip(shapes, results, strict=True):
+    first, *others = [degrees_of(shapes, hedges) for hedges in rows]
+    _, results = compared_in_c(first, tmp_path, [x], *others)
+    cells = itertools.product(rows, shapes)
+    for (hedges, shape), found in zip(cells, results, strict=True):
         degree = [SHAPES[shape.kind].scalar(v, *shape.parameters) for v in x.tolist()]
         for hedge in reversed(hedges):
             numbers = () if hedge.exponent is None else (hedge.exponent,)

@@ -1,6 +1,5 @@
 """The built wheel works where there is no checkout."""
 
-import importlib.util
 import os
 import subprocess
 import sys
@@ -10,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from budget import cases
+from machine_code import compiler_at_hand
 
 import fuzzyarm
 
@@ -26,28 +26,12 @@ def build(kind, source, folder):
 
 @pytest.fixture(scope="module")
 def wheel(tmp_path_factory):
-    """Return the wheel that is built of the checkout, with the machine code that is there.
-
-    It is made of the same sources as that which runs here (tests/conftest.py): a compiler that
-    copies it stands in for the one that took 20 s. With ``--thorough`` it is made anew.
-    """
+    """Return the wheel that is built of the checkout."""
     folder = tmp_path_factory.mktemp("wheel")
     with pytest.MonkeyPatch.context() as patch:
-        spec = importlib.util.find_spec("fuzzyarm._kernels")
-        if cases(1, 0) and spec is not None:
-            patch.setenv("CC", copying_compiler(folder, spec.origin))
+        for name, value in compiler_at_hand(folder).items():
+            patch.setenv(name, value)
         return build("wheel", ROOT, folder)
-
-
-def copying_compiler(folder, module):
-    """Return a compiler whose results are empty objects, and a copy of a module at the end."""
-    program = folder / "copying-cc"
-    program.write_text(
-        f"#!{sys.executable}\nimport shutil, sys\nresult = sys.argv[sys.argv.index('-o') + 1]\n"
-        f"shutil.copy({module!r}, result) if '-shared' in sys.argv else open(result, 'w').close()\n"
-    )
-    program.chmod(0o755)
-    return str(program)
 
 
 @pytest.fixture(scope="module")
