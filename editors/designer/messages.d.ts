@@ -200,6 +200,12 @@ declare namespace Messages {
     cell: Array<number>;
   }
 
+  /** What of a form is wrong, which a hand is filling in. */
+  interface Judge {
+    form: string;
+    values: Record<string, boolean | number | "inf" | "-inf" | string | Array<string> | null>;
+  }
+
   /** A new file of a kind; a controller around a rule base. */
   interface NewFile {
     name: string;
@@ -241,7 +247,7 @@ declare namespace Messages {
   /** What a text is exported as; the fields of its dialog by name. */
   interface ExportWork {
     suffix: string;
-    options?: Record<string, number | "inf" | "-inf" | string | null>;
+    options?: Record<string, boolean | number | "inf" | "-inf" | string | Array<string> | null>;
   }
 
   /** A surface through a point. */
@@ -257,74 +263,25 @@ declare namespace Messages {
 
   /** A training. */
   interface LearnWork {
-    controller?: string;
-    plant?: string;
-    trajectory?: string;
-    payload?: boolean;
-    reference?: string | Array<string>;
-    seconds?: number | "inf" | "-inf" | string | null;
-    passes?: number | "inf" | "-inf" | string | null;
+    form?: Record<string, boolean | number | "inf" | "-inf" | string | Array<string> | null>;
     step?: boolean;
-    rate?: number | "inf" | "-inf" | string | null;
-    start?: string;
     speed?: "watch" | "fast";
   }
 
   /** How a table is made of a rule base, and over which inputs it is compared. */
   interface TableErrorWork {
-    options?: Record<string, number | "inf" | "-inf" | string | null>;
+    options?: Record<string, boolean | number | "inf" | "-inf" | string | Array<string> | null>;
     axes?: Axes;
   }
 
-  /** A search, in the words of ``fuzzyarm tune``. */
+  /** A search; see `fuzzyarm.designer.forms.TUNE`. */
   interface TuneWork {
-    reference?: string | Array<string>;
-    connect?: string | Array<string>;
-    noise?: string | Array<string>;
-    quantise?: string | Array<string>;
-    sensor_delay?: string | Array<string>;
-    difference?: string | Array<string>;
-    actuator?: string | Array<string>;
-    disturb?: string | Array<string>;
-    duration?: string;
-    interpolate?: boolean;
-    seed?: number | "inf" | "-inf" | string | null;
-    plant?: string;
-    trajectory?: string;
-    payload?: boolean | null;
-    seconds?: number | "inf" | "-inf" | string | null;
-    vary?: string | Array<string>;
-    data?: string;
-    test?: string;
-    target?: string;
-    cost?: string;
-    lines?: string;
-    time?: string;
-    method?: string;
-    over?: "mean" | "worst";
-    linear?: boolean;
-    scenarios?: number | "inf" | "-inf" | string | null;
-    evals?: number | "inf" | "-inf" | string | null;
-    unseen?: number | "inf" | "-inf" | string | null;
-    digits?: number | "inf" | "-inf" | string | null;
+    form?: Record<string, boolean | number | "inf" | "-inf" | string | Array<string> | null>;
   }
 
   /** A run. */
   interface RunWork {
-    reference?: string | Array<string>;
-    connect?: string | Array<string>;
-    noise?: string | Array<string>;
-    quantise?: string | Array<string>;
-    sensor_delay?: string | Array<string>;
-    difference?: string | Array<string>;
-    actuator?: string | Array<string>;
-    disturb?: string | Array<string>;
-    duration?: string;
-    interpolate?: boolean;
-    seed?: number | "inf" | "-inf" | string | null;
-    plant?: string;
-    trajectory?: string;
-    payload?: boolean | null;
+    form?: Record<string, boolean | number | "inf" | "-inf" | string | Array<string> | null>;
     until?: string;
     window?: string;
     speed?: number | "inf" | "-inf" | null;
@@ -665,6 +622,24 @@ declare namespace Messages {
     internal?: boolean;
   }
 
+  /** A field of a form, by its JSON Schema; see `fuzzyarm.requests.schema.form_fields`. */
+  interface FormField {
+    name?: string;
+    title?: string;
+    description?: string;
+    option?: string;
+    placeholder?: string;
+    group?: string;
+    unit?: string;
+    type?: string | Array<string>;
+    enum?: Array<any>;
+    items?: Record<string, any>;
+    default?: any;
+    minItems?: number;
+    repeated?: boolean;
+    negatable?: boolean;
+  }
+
   interface Commands {
     "hello": Nothing;
     "open": Open;
@@ -703,6 +678,7 @@ declare namespace Messages {
     "table": TablePage;
     "table-cell": TableCell;
     "exports": Nothing;
+    "judge": Judge;
   }
 
   interface FolderQuestions {
@@ -751,5 +727,6 @@ declare namespace Messages {
     | Unsaved
     | Answer
     | JobNews
-    | Failed;
+    | Failed
+    | FormField;
 }

@@ -150,7 +150,7 @@ def test_with_one_file_open_nothing_stands_beside_it(folder):
 
 OF_RULES = [
     (".h", {}, []),
-    (".h", {"way": "direct", "precision": "float64", "name": "joint"},
+    (".h", {"direct": True, "precision": "float64", "name": "joint"},
      ["--direct", "--precision", "float64", "--name", "joint"]),
     (".c", {"q": "15", "levels": "e = 9, ce = -6 .. 6 step 2", "mode": "linear"},
      ["--q", "15", "--levels", "e = 9, ce = -6 .. 6 step 2", "--mode", "linear"]),
@@ -186,8 +186,8 @@ def test_an_export_is_the_file_of_the_command(folder, monkeypatch, suffix, optio
 
 
 @pytest.mark.parametrize(("suffix", "options", "words"), [
-    (".h", {"way": "direct"}, []),
-    (".c", {"way": "table", "levels": "9", "mode": "linear"},
+    (".h", {"direct": True}, []),
+    (".c", {"table": True, "levels": "9", "mode": "linear"},
      ["--table", "--levels", "9", "--mode", "linear"]),
     (".st", {}, []),
 ])  # fmt: skip
@@ -256,7 +256,7 @@ def test_what_cannot_be_exported_is_refused_in_words(folder):
     wide = "rulebase wide\n" + "".join(f"input {n} 0 .. 1\n" for n in inputs) + "output y 0 .. 1\n"
     wide += f"terms {', '.join([*inputs, 'y'])}: triangles A B\n"
     wide += f"rule if {' and '.join(f'{n} is A' for n in inputs)} then y is A\n"
-    assert "cells; at most" in refused(wide, ".h", {"way": "table"})
+    assert "cells; at most" in refused(wide, ".h", {"table": True})
     servo = (folder / "servo.frb").read_text()
     with confined(folder):
         assert "outside the folder" in refused(servo.replace("pd7.frb", "../outside.frb"), ".h")
@@ -617,7 +617,7 @@ def test_a_controller_uses_no_file_outside_the_folder(client, folder, file):
         found = heard(socket, lambda each: each["is"] == "findings")["findings"]
         reason = f"cannot read '{named}': it is outside the folder that is open"
         assert [each["message"] for each in found] == [reason]
-        works = {"plants": {}, "run": {"plant": "motor"}, "learn": {}, "tune": {},
+        works = {"plants": {}, "run": {"form": {"plant": "motor"}}, "learn": {}, "tune": {},
                  "export": {"suffix": ".h"}, "compare": {"other": "pd7.frb"}}  # fmt: skip
         for what, more in works.items():
             start = {"do": "start", "file": "servo.frb", "what": what, "id": 3}

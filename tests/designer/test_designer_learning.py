@@ -46,7 +46,7 @@ axis shaft
   drive voltage = u, within -24 .. 24
 """
 SINE = "position=sine:0.5,1"
-ROOM = {"reference": "temperature=step:20", "seconds": 900, "unseen": 2, "linear": False}
+ROOM = {"reference": "temperature=step:20", "duration": "900s", "unseen": 2, "linear": False}
 
 
 OWN = """\
@@ -81,7 +81,9 @@ class Page:
 
         async def run():
             session = Session(str(path), path.read_text(), 0)
-            record = read_record(requests.WORKS[what], asked)
+            own = {name: asked[name] for name in ("step", "speed") if name in asked}
+            form = {name: value for name, value in asked.items() if name not in own}
+            record = read_record(requests.WORKS[what], {**own, "form": form})
             await asyncio.wait_for(job.run(WORKS[what], session, record), 60)
 
         async def begin():
@@ -199,7 +201,7 @@ def test_what_cannot_learn_is_said(page):
         ("servo-soc.frb", {"reference": "position=/etc/x.csv"}, "is not a file of this folder"),
         ("servo-soc.frb", {"passes": 1e9}, "passes must be 1 to 10000"),
         ("servo-soc.frb", {"rate": 11}, "rate must be 0 to 10, not 11"),
-        ("servo-soc.frb", {"start": "../x.lut"}, "is not a table of this folder"),
+        ("servo-soc.frb", {"begin": "../x.lut"}, "is not a table of this folder"),
         ("servo-soc.frb", {"controller": "ct"}, "is not a shipped controller"),
         ("servo-soc.frb", {"passes": "[1]"}, "passes must be a whole number, not '[1]'"),
         ("servo-soc.frb", {"rate": "<b>"}, "rate must be a number, not '<b>'"),
@@ -288,7 +290,7 @@ def test_rule_bases_of_other_files_are_written_beside(page):
             return {"take": True, "replace": True}
         return "close" if "taken" in news else None
 
-    asked = {"lines": "peaks e mirrored, keep order", "seconds": 0.3, "evals": 6, "unseen": 0}
+    asked = {"tune": ["peaks e mirrored, keep order"], "duration": "0.3s", "evals": 6, "unseen": 0}
     heard = page.do("tune", "servo.frb", answer, **asked, linear=False)
     assert any(news.get("exists") == ["servo-pd7.frb"] for news in heard)
     taken = next(news["taken"] for news in heard if "taken" in news)
@@ -348,7 +350,7 @@ def test_a_plant_that_was_named_is_learned_and_tuned_on(page, monkeypatch, capsy
     def take(news):
         return {"take": True} if "report" in news else "close" if "taken" in news else None
 
-    tuned = {"lines": "gain G_e 0.5 .. 2 times", "seconds": 0.3, "evals": 3, "unseen": 1}
+    tuned = {"tune": ["gain G_e 0.5 .. 2 times"], "duration": "0.3s", "evals": 3, "unseen": 1}
     heard = page.do("tune", "servo-soc.frb", take, **asked, **tuned)
     taken = next(news["taken"] for news in heard if "taken" in news)
     words += ["--tune", "gain G_e 0.5 .. 2 times", "--for", "300ms", "--evals", "3"]
@@ -366,7 +368,7 @@ def test_a_mistake_is_said_at_its_field(page):
         ({"disturb": "power=/x.csv"}, "disturb"),
         ({"vary": "P"}, "vary"),
         ({"cost": "nothing +"}, "cost"),
-        ({"lines": "peaks"}, "lines"),
+        ({"tune": ["peaks"]}, "tune"),
         ({"time": "10"}, "time"),
         ({"plant": "none"}, ""),
     ):
@@ -385,7 +387,7 @@ def test_what_cannot_be_tuned_is_said(page):
         ("heater.frb", {"reference": "20"}, "--reference takes NAME=VALUE, not '20'"),
         ("heater.frb", {"reference": "temperature=x"}, "'x' is not a signal"),
         ("heater.frb", {"evals": 1.5}, "evals must be a whole number, not 1.5"),
-        ("heater.frb", {"lines": "peaks"}, "expected the name of a variable"),
+        ("heater.frb", {"tune": ["peaks"]}, "expected the name of a variable"),
     ):
         assert words in page.message("tune", file, **asked), (file, asked)
     assert "a table is not tuned" in page.message("tunable", "thesis-6.1.lut")

@@ -37,8 +37,8 @@ def test_a_search_is_watched_stopped_taken_and_undone(served, view):
     before = shipped("heater.frb").read_text()
     page, tune = view("heater.frb", before, "Tune")
     tune.get_by_text("G_e, G_ce, G_du").wait_for()
-    for name, value in (("Reference", "temperature=step:20"), ("For, s", "900"),
-                        ("Trials", "90000"), ("Unseen", "2")):  # fmt: skip
+    for name, value in (("Reference", "temperature=step:20"), ("For", "900s"),
+                        ("Evals", "90000"), ("Unseen", "2")):  # fmt: skip
         tune.get_by_label(name, exact=True).fill(value)
     tune.get_by_role("button", name="Start").click()
     curve = tune.get_by_role("img", name="the best so far costs")

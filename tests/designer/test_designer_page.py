@@ -168,7 +168,7 @@ def test_the_keyboard_goes_from_pane_to_pane_and_fields_keep_their_steps_back(se
     page.evaluate("designer.text.goTo([0, 0])")
     page.keyboard.type("# typed\n")
     page.get_by_role("tab", name="Tune").click()
-    lines = page.get_by_label("What may move")
+    lines = page.locator("#view-tune textarea")
     lines.fill("move e ZE")
     lines.press("Control+z")
     until(lambda: lines.input_value() == "", "the field is as it was")
@@ -601,14 +601,14 @@ def test_files_are_dropped_exported_made_and_compared(served, window):
     page.evaluate("designer.text.goTo([0, 0])")
     page.keyboard.type("# mine\n")
     page.get_by_role("button", name="C header").click()
-    page.locator("dialog select[name=way]").select_option("direct")
+    page.locator("dialog").get_by_label("Direct").check()
     with page.expect_download() as loading:
         page.get_by_role("button", name="Export", exact=True).click()
     assert loading.value.suggested_filename == "base.h"
     made = Path(loading.value.path()).read_text()
     assert (
         made.encode()
-        == files_of(Session(str(path), text_of(page)), ".h", {"way": "direct"}, print)[0][0].content
+        == files_of(Session(str(path), text_of(page)), ".h", {"direct": True}, print)[0][0].content
     )
     page.get_by_role("button", name="Close").click()
 

@@ -72,6 +72,13 @@ def folder(tmp_path_factory):
     return found
 
 
+def of_page(asked):
+    """Return what a page asks for: its own words, and the fields of the form."""
+    own = {"until", "window", "speed", "paused", "calm", "text"}
+    form = {name: value for name, value in asked.items() if name not in own}
+    return {name: value for name, value in asked.items() if name in own} | {"form": form}
+
+
 class Page:
     """A window on a file."""
 
@@ -84,7 +91,7 @@ class Page:
 
     def start(self, what, **asked):
         self.number += 1
-        self.send(do="start", file=self.file, id=self.number, what=what, **asked)
+        self.send(do="start", file=self.file, id=self.number, what=what, **of_page(asked))
 
     def say(self, **words):
         self.send(do="say", id=self.number, **words)
@@ -283,13 +290,13 @@ def test_a_restart_that_does_not_work_leaves_the_run_as_it_stands(open_page):
     settings = {**FAST, "duration": "", "until": "100ms"}
     page.start("run", **settings)
     page.until("reached")
-    page.say(restart=True, asked={**settings, "until": "nonsense"}, pause=False)
+    page.say(restart=True, asked=of_page({**settings, "until": "nonsense"}), pause=False)
     note = page.until("note")[-1]
     assert (note["field"], "not 'nonsense'" in note["text"]) == ("duration", True)
     page.say(step=1)
     stepped = page.until("samples")[-1]
     assert (stepped["paused"], stepped["time"]) == (True, pytest.approx(0.101))
-    page.say(restart=True, asked=settings, pause=False)
+    page.say(restart=True, asked=of_page(settings), pause=False)
     assert page.until("reached")[-1]["at"] == pytest.approx(0.1)
     page.stop()
 
@@ -300,8 +307,8 @@ def test_divergence_and_a_plant_that_fails_are_said(open_page, folder):
     end = page.until("over")[-1]
     assert (end["how"], end["port"], end["bound"]) == ("diverged", "position", 0.5)
     assert abs(end["value"]) > 0.5
-    page.say(restart=True, asked={"plant": "ball-and-beam", "reference": ["position=step:0.1"],
-                                  "duration": "1s"}, speed=None)  # fmt: skip
+    asked = {"plant": "ball-and-beam", "reference": ["position=step:0.1"], "duration": "1s"}
+    page.say(restart=True, asked=of_page(asked), speed=None)
     assert page.until("over")[-1]["how"] == "finished"
     page.stop()
     page = open_page("heater.frb")
@@ -443,13 +450,11 @@ def test_a_pull_in_the_wind_is_no_load():
 
 
 def test_signals_of_a_page_are_those_of_simulate():
-    from fuzzyarm.designer.grounds import words_of
-    from fuzzyarm.designer.requests import RunWork
+    from fuzzyarm.designer.forms import RUN
     from fuzzyarm.loop.words import motion_of, options_of
-    from fuzzyarm.requests.experiment import ExperimentRequest
 
-    asked = RunWork(reference=("position=step:2",), duration="1s", seed=3, plant="x")
-    words = words_of(asked, Path(), ExperimentRequest)
+    asked = {"reference": ("position=step:2",), "duration": "1s", "seed": 3, "plant": "x"}
+    words = RUN.request(asked, Path())
     motion = motion_of(words, find_controller(str(shipped("servo.frb"))), find_plant("motor"))
     assert motion.references[0][0] == 2.0
     assert options_of(words, find_plant("motor")).seed == 3

@@ -98,7 +98,7 @@ async def test_the_motor_runs(tmp_path):
     await page.tell(kind("opened"), do="open", file="servo.frb")
     news = await page.tell(
         lambda m: m.get("news") == "reached", do="start", file="servo.frb", id=3, what="run",
-        plant="motor", until="0.2s", speed=None,
+        form={"plant": "motor"}, until="0.2s", speed=None,
     )  # fmt: skip
     assert news["id"] == 3
     await page.tell(lambda m: m.get("end") == "stopped", do="stop", id=3)

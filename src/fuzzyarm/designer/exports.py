@@ -9,14 +9,16 @@ from __future__ import annotations
 import contextlib
 import tempfile
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fuzzyarm.designer.grounds import form_of
+from fuzzyarm.designer.forms import PICTURES, SOURCES, export_form
+from fuzzyarm.designer.grounds import FieldError, form_of
+from fuzzyarm.designer.messages import FormField
 from fuzzyarm.designer.names import clean_name, in_words
-from fuzzyarm.designer.requests import ExportWork, Field
+from fuzzyarm.designer.requests import ExportWork, FormValues
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.formats.conversion import converted, findings_of
 from fuzzyarm.formats.findings import Imported
@@ -25,6 +27,7 @@ from fuzzyarm.language.queries import Reading
 from fuzzyarm.lsp.session import Session
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.proof.compiled import Making, compiled, making_of, program_of, source_of
+from fuzzyarm.requests.fields import RequestError
 from fuzzyarm.requests.making import ExportRequest
 from fuzzyarm.show.compiled import controller_lines, export_lines, report_lines, table_words
 from fuzzyarm.table import SUFFIXES as TABLES
@@ -39,10 +42,17 @@ if TYPE_CHECKING:
 
 __all__ = ["ExportRefusedError", "Offered", "export", "kinds_of", "model_of"]
 
-SOURCES = (".h", ".c", ".st", ".xml")
 Sheet = RuleBase | LookupTable
 
-PICTURES = (".png", ".svg", ".pdf")
+PART: FormField = {
+    "name": "what",
+    "title": "What",
+    "description": "what of the rule base is drawn",
+    "type": "string",
+    "enum": ["all", "terms", "surface"],
+    "default": "all",
+}
+"""Which part of a rule base is drawn, as ``fuzzyarm plot --what`` says it."""
 WRITTEN_TABLES = (*TABLES, LATEX)
 
 _DRAWING = threading.Lock()
@@ -103,6 +113,21 @@ def kinds_of(session: Session) -> list[str]:
     return [*SOURCES, *tables, ".mjs", ".html", ".png", ".svg", *FOREIGN]
 
 
+def forms_of(session: Session) -> dict[str, list[FormField]]:
+    """Return the fields of the form of each export, by suffix."""
+    if not isinstance(session.reading, Reading):
+        kind = "table"
+    else:
+        kind = "rules" if session.reading.parsed.controller is None else "controller"
+    return {
+        suffix: [
+            *export_form(suffix, kind).fields(),
+            *([PART] if suffix in PICTURES and kind == "rules" else []),
+        ]
+        for suffix in kinds_of(session)
+    }
+
+
 def export(session: Session, asked: ExportWork, job: Job) -> None:
     """Make files, and tell what is said of them; a page loads them by their addresses."""
     made, lines = files_of(session, asked.suffix, asked.options, job.progress)
@@ -115,7 +140,7 @@ def export(session: Session, asked: ExportWork, job: Job) -> None:
 
 
 def files_of(
-    session: Session, suffix: str, options: Mapping[str, Field], progress: Callable[[str], None]
+    session: Session, suffix: str, options: FormValues, progress: Callable[[str], None]
 ) -> tuple[list[Offered], list[str]]:
     """Return the files of an export and what is said of them.
 
@@ -161,13 +186,13 @@ def _content(session: Session) -> bytes:
     return session.text.encode()
 
 
-def making_asked(session: Session, options: Mapping[str, Field]) -> Making:
+def making_asked(session: Session, options: FormValues) -> Making:
     """Return what the fields of a dialog say; an empty field is as without the option."""
-    name, way = Path(session.path).name, options.get("way")
-    given = {**options, "file": name, "direct": way == "direct", "table": way == "table"}
-    if given.get("q"):
-        given["precision"] = None
-    return making_of(form_of(ExportRequest, **given))
+    request = form_of(ExportRequest, **{**options, "file": Path(session.path).name})
+    try:
+        return making_of(request)
+    except RequestError as error:
+        raise FieldError(error.message, field=error.field, hint=error.hint) from error
 
 
 def _sheet(
@@ -175,7 +200,7 @@ def _sheet(
     model: Sheet,
     out: str,
     how: Making,
-    options: Mapping[str, Field],
+    options: FormValues,
     progress: Callable[[str], None],
 ) -> tuple[list[Offered], list[str]]:
     suffix = Path(out).suffix
@@ -208,7 +233,7 @@ def _table(
     return [_offered(out, table_as(report.table, suffix))], report_lines(report, out)
 
 
-def _picture(model: Sheet, suffix: str, how: Making, options: Mapping[str, Field]) -> bytes:
+def _picture(model: Sheet, suffix: str, how: Making, options: FormValues) -> bytes:
     from fuzzyarm.figure_files import figure_bytes
     from fuzzyarm.show.figures.whole import model_figure
 

@@ -7,13 +7,11 @@ where a file of Python is executed. What is said of a run are the words of the c
 from __future__ import annotations
 
 import contextlib
-import math
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.designer.names import is_inside
-from fuzzyarm.designer.requests import Experiment, Field, Words
 from fuzzyarm.errors import FuzzyarmError, WordError
 from fuzzyarm.requests.experiment import ExperimentRequest
 from fuzzyarm.requests.fields import AnyRequest, RequestError
@@ -24,11 +22,6 @@ if TYPE_CHECKING:
     from fuzzyarm.loop import Motion
     from fuzzyarm.model.controller import ControllerModel
     from fuzzyarm.plant import Plant
-
-AnyExperiment = TypeVar("AnyExperiment", bound=ExperimentRequest)
-
-LONGEST = 24.0 * 3600.0
-"""Of a run that a page asks for, s."""
 
 
 class GroundsError(FuzzyarmError, ValueError):
@@ -117,36 +110,6 @@ MANY = (
 """Fields of several words."""
 
 
-def words_of(
-    asked: Experiment, folder: Path, kind: type[AnyExperiment], **others: Any
-) -> AnyExperiment:
-    """Return the request that a page makes of an experiment.
-
-    Parameters
-    ----------
-    asked : Experiment
-        What the page says.
-    folder : Path
-        Where files of references and disturbances must stand.
-    kind : type
-        Of the request.
-    **others
-        Values of other fields, as a form has them; an empty one says nothing.
-
-    Raises
-    ------
-    FieldError
-        If a file does not stand there, or a field does not take its value.
-    """
-    given: dict[str, Any] = {name: list_of(getattr(asked, name)) for name in MANY}
-    for name in ("reference", "disturb"):
-        with at_field(name):
-            given[name] = [_signal_of(folder, word) for word in given[name]]
-    for name in ("duration", "interpolate", "seed"):
-        given[name] = getattr(asked, name)
-    return form_of(kind, **given, **others)
-
-
 def form_of(kind: type[AnyRequest], **values: Any) -> AnyRequest:
     """Return a request of the values of a form.
 
@@ -161,12 +124,7 @@ def form_of(kind: type[AnyRequest], **values: Any) -> AnyRequest:
         raise FieldError(error.message, field=error.field, hint=error.hint) from error
 
 
-def list_of(value: Words) -> list[str]:
-    """Return the words of a field."""
-    return value.split() if isinstance(value, str) else list(value)
-
-
-def _signal_of(folder: Path, word: str) -> str:
+def signal_of(folder: Path, word: str) -> str:
     """Return ``PORT=SIGNAL``; a file of times and values must be one of the folder."""
     port, equals, signal = word.partition("=")
     if not signal.strip().endswith(".csv"):
@@ -200,51 +158,23 @@ def check_words(asked: ExperimentRequest, plant: Plant) -> None:
                 interface.every_port(port)
 
 
-# --- Numbers, trajectories ---
+# --- Times, trajectories ---
 
 
-def seconds_of(value: Field, what: str = "the time") -> float | None:
-    """Return a time of a page, s; None where it says nothing."""
-    seconds = number_of(value, what)
-    if seconds is None:
-        return None
-    if not 0.0 < seconds <= LONGEST or not math.isfinite(seconds):
-        raise GroundsError(f"{what} of {value} s is out of range", hint=f"up to {LONGEST:g} s")
+def seconds_of(word: str) -> float:
+    """Return how long a run lasts, s.
+
+    Raises
+    ------
+    WordError
+        If it is not a time, or not one above zero.
+    """
+    from fuzzyarm.loop.reference import read_time
+
+    seconds = read_time(word, "the duration")
+    if not seconds > 0.0:
+        raise WordError(f"a run lasts longer than {word}", hint="as in 2s")
     return seconds
-
-
-def whole_of(value: Field, name: str, default: int, most: int) -> int:
-    """Return a whole number that a page asks for, from 0 on.
-
-    Raises
-    ------
-    GroundsError
-        If it is out of range.
-    """
-    number = number_of(value, name)
-    if number is None:
-        return default
-    if not number.is_integer() or not 0 <= number <= most:
-        raise GroundsError(
-            f"{name} of {value} is out of range", hint=f"a whole number up to {most}"
-        )
-    return int(number)
-
-
-def number_of(value: Field, what: str) -> float | None:
-    """Return a number of a page; None where it says nothing.
-
-    Raises
-    ------
-    GroundsError
-        If it says something else.
-    """
-    if value in (None, ""):
-        return None
-    try:
-        return float(value)
-    except ValueError:
-        raise GroundsError(f"{what}: '{str(value)[:40]}' is not a number") from None
 
 
 def trajectory_motion_of(

@@ -12,24 +12,21 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from fuzzyarm.designer.forms import LEARN
 from fuzzyarm.designer.grounds import (
     GroundsError,
+    at_field,
     check_words,
-    form_of,
-    list_of,
     plant_named,
     plants_for,
     seconds_of,
     trajectory_motion_of,
-    words_of,
 )
 from fuzzyarm.designer.jobs import Job
-from fuzzyarm.designer.requests import Experiment, LearnWord, LearnWork, Nothing
+from fuzzyarm.designer.requests import LearnWord, LearnWork, Nothing
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language import parse
 from fuzzyarm.lsp.session import Session
-from fuzzyarm.requests.experiment import ExperimentRequest
-from fuzzyarm.requests.learn import LearnRequest
 
 if TYPE_CHECKING:
     from fuzzyarm.learning.self_organizing import Snapshot, Trainee
@@ -79,7 +76,7 @@ def learnable(session: Session, asked: Nothing, job: Job) -> None:
         "texts": found,
         "own": teaches(own),
         "tables": job.folder.listed(".lut"),
-        "passes": DEFAULT_PASSES,
+        "form": LEARN.fields(passes=DEFAULT_PASSES),
     })  # fmt: skip
 
 
@@ -102,9 +99,10 @@ class Training:
     """
 
     def __init__(self, session: Session, asked: LearnWork, job: Job) -> None:
-        self.asked, self.job, self.folder = asked, job, Path(session.path).parent
-        self.request = form_of(LearnRequest, passes=asked.passes, rate=asked.rate)
-        self.passes = DEFAULT_PASSES if asked.passes in (None, "") else self.request.passes
+        self.job = job
+        values = {"passes": DEFAULT_PASSES, **asked.form}
+        self.request = LEARN.request(values, Path(session.path).parent)
+        self.passes = self.request.passes
         self.limit = self.passes
         self.name, self.trainee = self._trainee(session)
         self.motion, self.along = self._motion()
@@ -128,8 +126,8 @@ class Training:
         from fuzzyarm.language.reading import read_text
         from fuzzyarm.learning.self_organizing import Trainee
 
-        work = self.asked
-        name = work.controller
+        asked = self.request
+        name = asked.controller
         path, source = session.path, str(session.text)
         if name:
             entry = CATALOGUE.get(name)
@@ -140,19 +138,28 @@ class Training:
             raise GroundsError("a table does not learn by itself; choose a controller")
         choice = Choice(sources=Sources(table=self._start()))
         controller = text_controller(
-            path, choice, change=teaching(self.request.rate), source=source
+            path,
+            choice,
+            change=teaching(0.0 if asked.freeze else asked.rate, asked.delay),
+            source=source,
         )
         title = name or Path(path).name
         model = parse(source, path).controller
         assert model is not None
-        plant = plant_named(work.plant, model, self.job.plants)
+        plant = plant_named(asked.plant or "", model, self.job.plants)
         return title, Trainee(controller, plant, name=title)
+
+    @property
+    def start(self) -> str:
+        """The file of the table to begin with; empty for that of the text."""
+        (word,) = self.request.begin
+        return "" if word == "zero" else word
 
     def _start(self) -> Any:
         """Return the table to begin with; None for that of the text."""
         from fuzzyarm.table import read_table
 
-        name = self.asked.start
+        name = self.start
         if not name:
             return None
         if name not in self.job.folder.listed(".lut"):
@@ -165,18 +172,21 @@ class Training:
         from fuzzyarm.loop.run import plant_motion
         from fuzzyarm.loop.words import signals
 
-        work, plant = self.asked, self.trainee.plant
+        asked, plant = self.request, self.trainee.plant
         if plant.trajectories:
             motion = trajectory_motion_of(
-                work.trajectory, self.trainee.controller, plant, payload=work.payload
+                asked.trajectory or "",
+                self.trainee.controller,
+                plant,
+                payload=bool(asked.payload),
             )
             return motion, trajectory_words(motion.name, payload=any(motion.carrying))
-        words = words_of(Experiment(reference=work.reference), self.folder, ExperimentRequest)
-        check_words(words, plant)
-        seconds = seconds_of(work.seconds)
-        motion = plant_motion(self.trainee.controller, plant, signals(words) or None, seconds)
-        named = Path(work.plant or plant.name).name  # as the command says it
-        return motion, reference_words(named, list_of(work.reference))
+        check_words(asked, plant)
+        with at_field("duration"):
+            seconds = None if asked.duration is None else seconds_of(asked.duration)
+        motion = plant_motion(self.trainee.controller, plant, signals(asked) or None, seconds)
+        named = Path(asked.plant or plant.name).name  # as the command says it
+        return motion, reference_words(named, asked.reference)
 
     # --- The training ---
 
@@ -308,5 +318,5 @@ class Training:
     def _provenance(self, snapshot: Snapshot) -> dict[str, str]:
         whole = snapshot.passage if snapshot.complete else snapshot.passage - 1
         rest = "" if snapshot.complete else f" and {snapshot.time:.3f} s of the next"
-        pairs = self.trainee.provenance(self.along, f"{whole}{rest}", self.asked.start)
+        pairs = self.trainee.provenance(self.along, f"{whole}{rest}", self.start)
         return {**pairs, "controller": self.name}

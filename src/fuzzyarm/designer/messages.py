@@ -12,6 +12,26 @@ from typing import Any, Literal, NotRequired, TypedDict
 
 __all__ = ["HEARD", "Diagram", "Finding", "Scene"]
 
+
+class FormField(TypedDict, total=False):
+    """A field of a form, by its JSON Schema; see `fuzzyarm.requests.schema.form_fields`."""
+
+    name: str
+    title: str
+    description: str
+    option: str
+    placeholder: str
+    group: str
+    unit: str
+    type: str | list[str]
+    enum: list[Any]
+    items: dict[str, Any]
+    default: Any
+    minItems: int
+    repeated: bool
+    negatable: bool
+
+
 Place = list[int]
 """Line and UTF-16 unit, from 0."""
 
@@ -342,6 +362,7 @@ HEARD = (
     Answer,
     JobNews,
     Failed,
+    FormField,
 )
 """All messages that a page hears."""
 

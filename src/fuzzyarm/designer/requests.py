@@ -22,11 +22,11 @@ Position = tuple[int, int]
 Pair = tuple[str, str]
 """A variable and a term."""
 
-Words = str | tuple[str, ...]
-"""Words of the command line: as a list, or one text with blanks between."""
+FormValue = bool | float | str | tuple[str, ...] | None
+"""A value as a form has it; the request's reader says what is wrong with it, at its field."""
 
-Field = float | str | None
-"""A number as a form has it; the form's reader says what is wrong with it, at its field."""
+FormValues = Mapping[str, FormValue]
+"""The fields of a request by name (`fuzzyarm.designer.forms`)."""
 
 
 @dataclass(frozen=True)
@@ -292,6 +292,14 @@ class OfVariable:
 
 
 @dataclass(frozen=True)
+class Judge:
+    """What of a form is wrong, which a hand is filling in."""
+
+    form: str
+    values: FormValues
+
+
+@dataclass(frozen=True)
 class TablePage:
     """A page of a table: a level of each axis but the last two."""
 
@@ -328,6 +336,7 @@ TEXT_QUESTIONS: Mapping[str, type] = {
     "table": TablePage,
     "table-cell": TableCell,
     "exports": Nothing,
+    "judge": Judge,
 }
 
 
@@ -435,51 +444,34 @@ class ExportWork:
     """What a text is exported as; the fields of its dialog by name."""
 
     suffix: str
-    options: Mapping[str, Field] = field(default_factory=dict)
+    options: FormValues = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
 class TableErrorWork:
     """How a table is made of a rule base, and over which inputs it is compared."""
 
-    options: Mapping[str, Field] = field(default_factory=dict)
+    options: FormValues = field(default_factory=dict)
     axes: Axes = field(default_factory=Axes)
 
 
 @dataclass(frozen=True)
-class Experiment:
-    """An experiment in the words of ``fuzzyarm simulate``."""
-
-    reference: Words = ()
-    connect: Words = ()
-    noise: Words = ()
-    quantise: Words = ()
-    sensor_delay: Words = ()
-    difference: Words = ()
-    actuator: Words = ()
-    disturb: Words = ()
-    duration: str = ""
-    interpolate: bool = False
-    seed: Field = None
-    plant: str = ""
-    trajectory: str = ""
-    payload: bool | None = None
-
-
-@dataclass(frozen=True)
-class RunWork(Experiment):
+class RunWork:
     """A run.
 
     Attributes
     ----------
+    form : mapping
+        See `fuzzyarm.designer.forms.RUN`.
     until, window : str
-        The time to stand at, or how much stays in view; where there is no `duration`.
+        The time to stand at, or how much stays in view; where the form has no duration.
     speed : float or None
         Simulated for real time; None is as fast as possible.
     calm : bool
         Whether few pictures are wanted.
     """
 
+    form: FormValues = field(default_factory=dict)
     until: str = ""
     window: str = ""
     speed: float | None = None
@@ -500,50 +492,24 @@ class LearnWork:
 
     Attributes
     ----------
-    controller : str
-        A shipped one; empty for the text.
-    seconds, passes, rate : number
-        Of a pass, how many, and how fast it learns.
+    form : mapping
+        See `fuzzyarm.designer.forms.LEARN`; without a controller it is that of the text.
     step : bool
         Whether to wait behind the first pass.
-    start : str
-        A table to begin with.
     speed : str
         How it is watched.
     """
 
-    controller: str = ""
-    plant: str = ""
-    trajectory: str = ""
-    payload: bool = False
-    reference: Words = ()
-    seconds: Field = None
-    passes: Field = None
+    form: FormValues = field(default_factory=dict)
     step: bool = False
-    rate: Field = None
-    start: str = ""
     speed: Literal["watch", "fast"] = "watch"
 
 
 @dataclass(frozen=True)
-class TuneWork(Experiment):
-    """A search, in the words of ``fuzzyarm tune``."""
+class TuneWork:
+    """A search; see `fuzzyarm.designer.forms.TUNE`."""
 
-    seconds: Field = None
-    vary: Words = ()
-    data: str = ""
-    test: str = ""
-    target: str = ""
-    cost: str = ""
-    lines: str = ""
-    time: str = ""
-    method: str = "nelder-mead"
-    over: Literal["mean", "worst"] = "mean"
-    linear: bool = True
-    scenarios: Field = None
-    evals: Field = None
-    unseen: Field = None
-    digits: Field = None
+    form: FormValues = field(default_factory=dict)
 
 
 WORKS: Mapping[str, type] = {

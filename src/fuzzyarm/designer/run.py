@@ -31,7 +31,8 @@ from fuzzyarm.controller.on_plant import driven_by, site_of, text_law_of
 from fuzzyarm.controller.program import SourceError
 from fuzzyarm.controller.text import ControllerText, sheet_path
 from fuzzyarm.designer.faults import TextRefusedError
-from fuzzyarm.designer.grounds import at_field, check_words, trajectory_motion_of, words_of
+from fuzzyarm.designer.forms import RUN
+from fuzzyarm.designer.grounds import at_field, check_words, seconds_of, trajectory_motion_of
 from fuzzyarm.designer.jobs import Job
 from fuzzyarm.designer.names import in_words
 from fuzzyarm.designer.records import Absent, MessageError
@@ -43,7 +44,6 @@ from fuzzyarm.loop.along import equipped
 from fuzzyarm.loop.course import Motion, Options
 from fuzzyarm.loop.open_run import OpenRun, StructureError
 from fuzzyarm.loop.program import scales, shown_units
-from fuzzyarm.loop.reference import read_time
 from fuzzyarm.loop.run import ClosedLoop, metric_units, text_of
 from fuzzyarm.loop.words import connections, driven, motion_of, options_of
 from fuzzyarm.lsp.session import Session
@@ -122,6 +122,7 @@ class Running:
                 # A rule base takes the place of that of a controller of the catalogue.
                 "direct": "" if _is_in(controller, text) else controller.name,
                 "alone": _is_rule_base(text, session.path),
+                "form": RUN.fields(),
             }
         )
 
@@ -194,9 +195,10 @@ class LiveRun:
         self.used = self._used()
         self._forget_written()
         self.until: int | None = None  # the set point to stand at
-        words = words_of(self.asked, Path(self.path).parent, ExperimentRequest)
-        check_words(words, self.plants.new(self.asked.plant))
-        plant = driven(words, self.plants.new(self.asked.plant))
+        words = RUN.request(self.asked.form, Path(self.path).parent)
+        name = words.plant or ""
+        check_words(words, self.plants.new(name))
+        plant = driven(words, self.plants.new(name))
         motion, options = self._experiment(words, plant)
         chosen = self.controller.with_gains(self.gains)
         self.loop = ClosedLoop(chosen, motion, PLAIN, options, connections(words))
@@ -210,7 +212,8 @@ class LiveRun:
         self.rate_of_loop = 20_000.0 if self.loop.compiled else 500.0
         self.behind = -math.inf
         self.told: tuple[Any, ...] = ()
-        self._tell_ready(self.asked.plant)
+        self.is_timed = words.duration is not None
+        self._tell_ready(name)
         self.run.advance(1)  # so that there is something to be seen
         self._show()
         self._anchor()
@@ -220,8 +223,8 @@ class LiveRun:
         plant = equipped(plant, options)
         if plant.trajectories:
             motion = trajectory_motion_of(
-                self.asked.trajectory, self.controller, plant, connections(words),
-                payload=bool(self.asked.payload),
+                words.trajectory or "", self.controller, plant, connections(words),
+                payload=bool(words.payload),
             )  # fmt: skip
             return motion, options
         site = site_of(plant, connections(words))
@@ -230,7 +233,7 @@ class LiveRun:
         word = words.duration or self.asked.until
         if word:
             with at_field("duration"):
-                seconds = _seconds(word)
+                seconds = seconds_of(word)
                 if seconds > MOST_POINTS * period:
                     raise WordError(
                         f"the page runs up to {MOST_POINTS:,} set points, here of {period:g} s"
@@ -414,7 +417,7 @@ class LiveRun:
     def _tell_ready(self, name: str) -> None:
         course, motion, interface = self.loop.course, self.motion, self.loop.site.interface
         period = motion.period * motion.every
-        ends = motion.along or bool(self.asked.duration)
+        ends = motion.along or self.is_timed
         whole = self.run.count * period
         # A run that is to stand somewhere is in view from its start to there.
         far = self.until * period if self.until is not None else self._window(period)
@@ -459,7 +462,7 @@ class LiveRun:
         if not word:
             return self.plant.duration or 1000 * period
         with at_field("duration"):
-            return max(period, _seconds(word))
+            return max(period, seconds_of(word))
 
     def _show(self) -> None:
         """Tell what has happened since the last time, and the picture."""
@@ -564,14 +567,6 @@ def _speed(speed: float | None) -> float:
     if speed is not None and not speed > 0.0:
         raise MessageError("must be positive", "speed")
     return FASTEST if speed is None else min(speed, FASTEST)
-
-
-def _seconds(word: str) -> float:
-    """Read how long a run lasts, s."""
-    seconds = read_time(word, "the duration")
-    if not seconds > 0.0:
-        raise WordError(f"a run lasts longer than {word}", hint="as in 2s")
-    return seconds
 
 
 def _lasting(words: ExperimentRequest, seconds: float) -> ExperimentRequest:

@@ -515,9 +515,15 @@ class SharedText:
         return {"range": None if span is None else Positions(self.session.lines).of(span)}
 
     def _exports(self, _asked: requests.Nothing) -> dict[str, Any]:
-        from fuzzyarm.designer.exports import kinds_of
+        from fuzzyarm.designer.exports import forms_of
 
-        return {"kinds": kinds_of(self.session)}
+        return {"forms": forms_of(self.session)}
+
+    def _judge(self, asked: requests.Judge) -> dict[str, Any]:
+        """Say what is wrong with a form while a hand fills it in."""
+        from fuzzyarm.designer.forms import judged
+
+        return judged(asked.form, asked.values, Path(self.session.path).parent)
 
     def _movable(self, _asked: requests.Nothing) -> dict[str, Any]:
         """Write into the text what tuning moves where nothing is said, and ranges of gains."""
@@ -579,6 +585,7 @@ _QUESTIONS: Mapping[str, Callable[[SharedText, Any], dict[str, Any]]] = {
     "table": SharedText._table,
     "table-cell": SharedText._table_cell,
     "exports": SharedText._exports,
+    "judge": SharedText._judge,
 }
 """What a page may ask → who answers."""
 

@@ -15,16 +15,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from fuzzyarm.designer.faults import TextRefusedError, internal_words
+from fuzzyarm.designer.forms import TUNE
 from fuzzyarm.designer.grounds import (
     FieldError,
     GroundsError,
     at_field,
     check_words,
-    list_of,
     plant_named,
     plants_for,
     seconds_of,
-    words_of,
 )
 from fuzzyarm.designer.jobs import Job
 from fuzzyarm.designer.requests import Nothing, TuneWord, TuneWork
@@ -52,7 +51,6 @@ if TYPE_CHECKING:
 TELL_EVERY = 0.1
 """Seconds between two words of the search."""
 
-DEFAULTS = {"evals": 500, "scenarios": 1, "unseen": 24, "seed": 1, "digits": 3}
 MOST_EVALS = 100_000
 MOST_SCENARIOS = 1_000
 SAMPLES = (".csv", ".parquet")
@@ -90,7 +88,6 @@ def tunable(session: Session, asked: Nothing, job: Job) -> None:
     from fuzzyarm.controller.text import ControllerText
     from fuzzyarm.tuning import TuneError
     from fuzzyarm.tuning.design import Design, says_what_moves
-    from fuzzyarm.tuning.optimisers import OPTIMISERS
 
     try:
         subject = subject_of(session.path, session.text)
@@ -109,8 +106,8 @@ def tunable(session: Session, asked: Nothing, job: Job) -> None:
         "why": why,
         "plants": plants,
         "samples": [] if loop else job.folder.listed(*SAMPLES),
-        "methods": list(OPTIMISERS),
-        "defaults": {**DEFAULTS, "cost": "rms" if loop else "rmse"},
+        "cost": "rms" if loop else "rmse",
+        "form": TUNE.fields(),
     })  # fmt: skip
 
 
@@ -136,37 +133,18 @@ def order_of(session: Session, work: TuneWork, job: Job) -> PageOrder:
     from fuzzyarm.tuning.cost import read_cost
     from fuzzyarm.tuning.tune import read_tuning
 
-    cost = work.cost.strip()
+    asked = TUNE.request(work.form, Path(session.path).parent, file=session.path)
+    asked = asked.replaced(**_samples_of(asked, job))
     with at_field("cost"):
-        if ".py" in cost:
+        if ".py" in (asked.cost or ""):
             raise GroundsError("functions of files are a cost on the command line alone")
-        if cost and not work.data:
-            read_cost(cost)
-    lines = [line for line in work.lines.splitlines() if line.strip()]
-    with at_field("lines"):
-        read_tuning(lines)
-    seconds = seconds_of(work.seconds)
-    asked = words_of(
-        work,
-        Path(session.path).parent,
-        TuneRequest,
-        file=session.path,
-        plant=work.plant,
-        trajectory=work.trajectory,
-        payload=work.payload,
-        vary=list_of(work.vary),
-        cost=cost,
-        tune=lines,
-        time=work.time,
-        method=work.method,
-        over=work.over,
-        linear=work.linear,
-        scenarios=work.scenarios or None,
-        evals=work.evals,
-        unseen=work.unseen,
-        digits=work.digits,
-        **_samples_of(work, job),
-    )
+        if asked.cost and asked.data is None:
+            read_cost(asked.cost)
+    with at_field("tune"):
+        read_tuning(asked.tune)
+    with at_field("duration"):
+        if asked.duration is not None:
+            seconds_of(asked.duration)
     if asked.evals > MOST_EVALS:
         raise FieldError(
             f"evals must be at most {MOST_EVALS} here, not {asked.evals}", field="evals"
@@ -176,21 +154,19 @@ def order_of(session: Session, work: TuneWork, job: Job) -> PageOrder:
         raise GroundsError(f"there must be at most {MOST_SCENARIOS} scenarios here, not {most}")
     with at_field("time"):
         longest(asked)
-    if seconds is not None:
-        asked = asked.replaced(duration=f"{seconds!r}s")
     return PageOrder(session.path, session.text, asked, job.plants.own)
 
 
-def _samples_of(work: TuneWork, job: Job) -> dict[str, str]:
-    """Return the files of samples as they stand in the folder, and the column that is met."""
+def _samples_of(asked: TuneRequest, job: Job) -> dict[str, str]:
+    """Return the files of samples as they stand in the folder."""
     files = {}
-    for name, file in (("data", work.data), ("test", work.test)):
-        if not file:
+    for name, file in (("data", asked.data), ("test", asked.test)):
+        if file is None:
             continue
         if file not in job.folder.listed(*SAMPLES):
             raise GroundsError(f"'{file}' is not a file of samples in this folder")
         files[name] = str(job.folder.beside(file, Path(file).suffix.lower()))
-    return {**files, "target": work.target}
+    return files
 
 
 # --- Here: what a page hears ---

@@ -33,10 +33,39 @@ def schema_of(kind: type[Request]) -> dict[str, Any]:
     }
 
 
-def form_fields(kind: type[Request], *names: str) -> dict[str, dict[str, Any]]:
-    """Return the schemas of some fields by their names, for a form."""
-    properties: dict[str, dict[str, Any]] = schema_of(kind)["properties"]
-    return {name: properties[name] for name in names}
+def form_fields(kind: type[Request], *names: str) -> list[dict[str, Any]]:
+    """Return the schemas of some fields for a form, which also says how a command writes them.
+
+    Each has its ``name``, its ``title``, the ``option`` of the command (empty for a positional
+    argument), what stands for a value (``placeholder``), the ``group`` of the help page, and
+    whether the option is ``repeated`` or has a ``negatable`` form.
+
+    Parameters
+    ----------
+    kind : type
+        Of the request.
+    *names : str
+        Of fields, as JSON has them; all of them by default.
+    """
+    known = {field.json_name: field for field in fields_of(kind)}
+    return [_form_field(known[name]) for name in names or known]
+
+
+def _form_field(field: RequestField) -> dict[str, Any]:
+    """Return the schema of a field with how a command writes it."""
+    options = [word for word in field.said.words.split() if word.startswith("-")]
+    title = field.spelling.lstrip("-").replace("-", " ").replace("_", " ")
+    values = [word for word in field.said.words.split()[1:] if not word.startswith("-")]
+    return {
+        "name": field.json_name,
+        "title": title[:1].upper() + title[1:],
+        "option": field.spelling if options else "",
+        "placeholder": " ".join(values),
+        "group": field.said.group,
+        "repeated": field.said.is_repeated,
+        "negatable": field.said.is_negatable,
+        **property_of(field),
+    }
 
 
 def property_of(known: RequestField) -> dict[str, Any]:

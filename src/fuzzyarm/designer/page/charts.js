@@ -162,13 +162,3 @@ export function field(label, input, hint = "") {
   if (hint) input.title = hint;
   return el("label", { class: "field" }, el("span", { textContent: label }), input);
 }
-
-export function number(value, least, most, step = 1) {
-  return el("input", { type: "number", value, min: least, max: most, step });
-}
-
-/** Fill a choice; what was chosen stays where it still is. */
-export function refill(select, options, chosen = select.value) {
-  select.replaceChildren(...options.map(([value, text]) => el("option", { value, textContent: text })));
-  if (options.some(([value]) => value === chosen)) select.value = chosen;
-}

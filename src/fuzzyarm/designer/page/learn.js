@@ -1,9 +1,9 @@
 // Learn: an SOC table that grows cell by cell while passes run, its visits, the error of each pass.
 
 import { clean, el, pane, heat, shortNumber, SHADES } from "./draw.js";
-import { drawChart, field, inks, number, refill, stage } from "./charts.js";
+import { drawChart, field, inks, stage } from "./charts.js";
 import { confirm } from "./dialogs.js";
-import { markField } from "./experiment.js";
+import { Form, refill } from "./form.js";
 import { S } from "./strings.js";
 
 const ROOM = { left: 46, right: 10, top: 8, bottom: 34 };
@@ -48,30 +48,13 @@ class LearnPanes {
     // --- what may be asked ---
 
     this.top = pane("learning", S.learn);
-    this.controller = el("select", { onchange: () => this.choosePlants() });
-    this.plant = el("select", { onchange: () => this.chooseGrounds() });
-    this.trajectory = el("select");
-    this.payload = el("input", { type: "checkbox" });
-    this.load = el("label", { class: "check" }, this.payload, S.payload);
-    this.reference = el("input", { type: "text", size: 16 });
-    this.seconds = el("input", { type: "number", min: 0.001, step: "any", placeholder: S.usual });
-    this.start = el("select");
-    this.passes = number(6, 1, 10000);
-    this.rate = el("input", { type: "number", min: 0, max: 10, step: "any", placeholder: S.usual });
-    this.fields = el("div", { class: "fields" });
-    this.grounds = {
-      along: [field(S.trajectory, this.trajectory), this.load],
-      other: [field(S.reference, this.reference, S.referenceHint), field(S.seconds, this.seconds)],
-    };
-    this.fields.append(
-      field(S.controller, this.controller),
-      field(S.plant, this.plant),
-      ...this.grounds.along,
-      ...this.grounds.other,
-      field(S.beginWith, this.start),
-      field(S.passes, this.passes),
-      field(S.rate, this.rate, S.rateHint),
-    );
+    this.form = new Form({
+      changed: (name) => {
+        if (name === "controller") this.choosePlants();
+        if (name === "plant") this.chooseGrounds();
+      },
+      judge: (values) => this.hand.askNow("judge", { form: "learn", values }),
+    });
     this.makeActions();
     this.makePictures();
     this.listen();
@@ -104,7 +87,7 @@ class LearnPanes {
       name,
       this.save,
     );
-    this.top.body.append(this.fields, actions, this.said);
+    this.top.body.append(this.form.view, actions, this.said);
   }
 
   makePictures() {
@@ -166,27 +149,27 @@ class LearnPanes {
 
   shape = () => [this.begin.down?.levels.length ?? 1, this.begin.across.levels.length];
 
+  text = () => this.facts?.texts.find((each) => each.name === this.form.shown("controller"));
+
   choosePlants = () => {
-    const text = this.facts?.texts.find((each) => each.name === this.controller.value);
-    refill(
-      this.plant,
-      (text?.plants ?? []).map((each) => [each.name, each.name]),
+    this.form.choices(
+      "plant",
+      (this.text()?.plants ?? []).map((each) => [each.name, each.name]),
     );
     this.chooseGrounds();
   };
 
   chooseGrounds = () => {
-    const text = this.facts?.texts.find((each) => each.name === this.controller.value);
-    const known = text?.plants.find((each) => each.name === this.plant.value);
+    const known = this.text()?.plants.find((each) => each.name === this.form.shown("plant"));
     const moves = Boolean(known?.trajectories.length);
-    for (const each of this.grounds.along) each.hidden = !moves;
-    for (const each of this.grounds.other) each.hidden = moves;
-    this.load.hidden = !known?.carries;
-    refill(
-      this.trajectory,
+    this.form.show(["trajectory"], moves);
+    this.form.show(["payload"], moves && known.carries);
+    this.form.show(["reference", "duration"], !moves);
+    this.form.choices(
+      "trajectory",
       (known?.trajectories ?? []).map((each) => [each, each]),
     );
-    this.reference.placeholder = known?.reference ?? "";
+    if (this.form.has("reference")) this.form.input("reference").placeholder = known?.reference ?? "";
   };
 
   ask = () => {
@@ -196,11 +179,12 @@ class LearnPanes {
       if (message.end === "failed") this.said.textContent = clean(message.field ? "" : message.message);
       if (message.end) return;
       this.facts = message;
-      refill(
-        this.controller,
+      this.form.open(this.facts.form);
+      this.form.choices(
+        "controller",
         this.facts.texts.map((each) => [each.name, each.name || S.thisText]),
       );
-      refill(this.start, [["", S.asTheText], ...this.facts.tables.map((each) => [each, each])]);
+      this.form.choices("begin", [["zero", S.asTheText], ...this.facts.tables.map((each) => [each, each])]);
       this.choosePlants();
       if (!this.job) this.said.textContent = clean(this.facts.own ? S.learnsItself : S.learnsNot);
     });
@@ -222,22 +206,10 @@ class LearnPanes {
     this.begin = this.news = this.cell = null;
     this.errors = [];
     this.said.textContent = S.preparing;
-    markField({ reference: this.reference }, "");
+    this.form.mark("");
     const mine = (this.job = this.hand.start(
       "learn",
-      {
-        controller: this.controller.value,
-        plant: this.plant.value,
-        trajectory: this.trajectory.value,
-        payload: this.payload.checked,
-        reference: this.reference.value.trim(),
-        seconds: this.seconds.value,
-        start: this.start.value,
-        passes: this.passes.value,
-        step: oneByOne,
-        rate: this.rate.value,
-        speed: this.speed.value,
-      },
+      { form: this.form.values(), step: oneByOne, speed: this.speed.value },
       (message) => {
         if (this.job === mine) this.hear(message); // an older one may still speak
       },
@@ -263,7 +235,7 @@ class LearnPanes {
     else if (message.exists) this.replace(message.exists);
     else if (message.mode) this.take(message);
     this.show();
-    if (message.end === "failed") markField({ reference: this.reference }, message.field ?? "", message.message);
+    if (message.end === "failed") this.form.mark(message.field ?? "", message.message);
   };
 
   replace = async (existing) => {
@@ -286,8 +258,7 @@ class LearnPanes {
     this.stop.disabled = now !== "run" && now !== "pause";
     this.step.disabled = now === "run";
     this.save.disabled = !this.job || !this.news || now === "run";
-    for (const input of this.fields.querySelectorAll("input, select"))
-      input.disabled = now === "run" || now === "pause";
+    this.form.lock(now === "run" || now === "pause");
     this.describe();
     for (const each of [this.values, this.visits, this.curve]) each.redraw();
   };

@@ -1,10 +1,10 @@
 // Run: the text controls a plant. The loop of the server steps it; here are its form, its gains and its metrics.
 
 import { aroundLine, unsavedLine } from "./around.js";
-import { refill } from "./charts.js";
 import { curvePane } from "./curves.js";
 import { el, pane, shortNumber } from "./draw.js";
-import { experimentFields, markField, optionsOf, textField, wordsOf } from "./experiment.js";
+import { quoted } from "./fields.js";
+import { Form } from "./form.js";
 import { picturePane } from "./plant.js";
 import { splitter } from "./split.js";
 import { S } from "./strings.js";
@@ -18,9 +18,6 @@ const timeWords = (seconds) =>
   seconds % 3600 === 0 ? `${seconds / 3600}h` : seconds % 60 === 0 ? `${seconds / 60}min` : `${seconds}s`;
 
 const lasting = (seconds) => (seconds <= 30 ? 1 : seconds <= 1000 ? 60 : 600);
-
-/** What of a command line needs quotes gets them. */
-const quoted = (word) => (/^[\w./:=,+-]+$/.test(word) ? word : `'${word.replaceAll("'", "'\\''")}'`);
 
 /**
  * @param {Page.Store} store
@@ -256,14 +253,11 @@ class RunForm {
     this.direct = ""; // the controller that asks the text, where it is a rule base
     this.likely = ""; // the plant on which the command runs it by itself
     this.touched = false; // by a hand: what it chose stays
-    this.plant = el("select", { onchange: () => this.chosen(true) });
-    this.reference = this.text(S.runReference, S.runReferenceHint, 22);
-    this.suggestions = el("datalist", { id: "run-signals" });
-    this.reference.field.setAttribute("list", "run-signals");
-    this.duration = this.text(S.runFor, S.runForHint, 7);
     this.endless = el("input", { type: "checkbox", onchange: () => this.open(true) });
-    this.trajectory = el("select", { onchange: this.changed });
-    this.payload = el("input", { type: "checkbox", onchange: this.changed });
+    this.form = new Form({
+      changed: (name) => (name === "plant" ? this.chosen(true) : this.changed()),
+      judge: (values) => this.hand.askNow("judge", { form: "run", values }),
+    });
     this.speed = el(
       "select",
       {},
@@ -291,36 +285,14 @@ class RunForm {
     this.start.disabled = true; // until it is known which plants there are
     this.clock = el("output", { class: "clock", "aria-label": S.runTime });
     this.said = el("p", { class: "said", role: "status" });
-    this.load = el("label", { class: "small" }, this.payload, S.runPayload);
-    this.along = el(
-      "span",
-      { class: "fields" },
-      el("label", { class: "small" }, S.runTrajectory, this.trajectory),
-      this.load,
-    );
-    this.elsewhere = el(
-      "span",
-      { class: "fields" },
-      this.reference.shown,
-      this.suggestions,
-      this.duration.shown,
-      el("label", { class: "small", title: S.runOpenEndedHint }, this.endless, S.runOpenEnded),
-    );
   }
 
   arrange() {
     this.around = aroundLine(this.hand);
     this.unsaved = unsavedLine(this.store, this.hand);
-    this.more = experimentFields(this.changed);
-    this.seed = this.text(S.runSeed, S.runSeedHint, 5);
     this.line = el("code", { class: "command", tabIndex: 0 });
-    this.details = el(
-      "details",
-      {},
-      el("summary", { textContent: S.runMoreTitle }),
-      el("div", { class: "fields" }, ...this.more.shown, this.seed.shown),
-      el("p", { class: "small" }, `${S.runSame} `, this.line),
-    );
+    this.details = el("details", {}, el("summary", { textContent: S.runSame }), el("p", { class: "small" }, this.line));
+    this.openEnd = el("label", { class: "check", title: S.runOpenEndedHint }, this.endless, S.runOpenEnded);
     this.details.addEventListener("toggle", () => this.showLine());
     this.body.addEventListener("change", this.showLine);
     this.bar.append(
@@ -332,14 +304,7 @@ class RunForm {
       el("label", { class: "small" }, S.runSpeed, this.speed),
       this.clock,
     );
-    this.choice = el(
-      "div",
-      { class: "fields" },
-      el("label", { class: "small" }, S.runPlant, this.plant),
-      this.along,
-      this.elsewhere,
-    );
-    this.body.append(this.around.line, this.unsaved.line, this.choice, this.details, this.said);
+    this.body.append(this.around.line, this.unsaved.line, this.form.view, this.details, this.said);
 
     this.note("");
   }
@@ -364,12 +329,10 @@ class RunForm {
     };
   }
 
-  text = (label, hint, size) => textField(label, hint, size, this.changed);
   button = (words, hint) => el("button", { textContent: words, title: hint });
 
-  one = () => this.plants.find((each) => each.name === this.plant.value);
-  mark = (name, message) =>
-    markField({ reference: this.reference.field, duration: this.duration.field, ...this.more.inputs }, name, message);
+  one = () => this.plants.find((each) => each.name === this.form.shown("plant"));
+  mark = (name, message) => this.form.mark(name, message);
 
   open = (byHand) => {
     if (byHand) this.changed();
@@ -387,93 +350,73 @@ class RunForm {
   /** Show the fields of a plant: its trajectories, or references. */
   show = (one) => {
     const moves = one.trajectories.length > 0;
-    this.along.hidden = !moves;
-    this.elsewhere.hidden = moves;
-    this.load.hidden = !one.carries;
-    const kept = one.trajectories.includes(this.trajectory.value) ? this.trajectory.value : one.shown;
-    refill(
-      this.trajectory,
-      one.trajectories.map((name) => [name, name]),
-      kept,
-    );
-    this.reference.field.value = one.reference;
+    this.form.show(["trajectory"], moves);
+    this.form.show(["payload"], moves && one.carries);
+    this.form.show(["reference", "duration"], !moves);
+    this.openEnd.hidden = moves;
+    const before = this.form.shown("trajectory");
+    const names = one.trajectories.map((name) => [name, name]);
+    this.form.choices("trajectory", names, one.trajectories.includes(before) ? before : one.shown);
+    this.form.set("reference", one.reference);
     const port = one.reference.split("=")[0];
-    this.suggestions.replaceChildren(...S.runSignals.map((signal) => el("option", { value: `${port}=${signal}` })));
+    this.form.suggest(
+      "reference",
+      S.runSignals.map((signal) => `${port}=${signal}`),
+    );
     this.speed.value = String(moves ? 1 : lasting(one.duration ?? 10));
     this.endless.checked = !one.duration;
-    this.duration.field.value = one.duration ? timeWords(one.duration) : "";
+    this.form.set("duration", one.duration ? timeWords(one.duration) : "");
     this.open(false);
     this.note(one.why, Boolean(one.why));
   };
 
   offer = (news) => {
     const before = JSON.stringify(this.plants);
+    if (news.form) this.form.open(news.form);
+    this.form.first.append(this.openEnd);
     this.plants = news.plants;
     this.direct = news.direct;
     this.likely = news.likely;
     this.start.disabled = !this.plants.length;
-    this.choice.hidden = this.details.hidden = !this.plants.length;
+    this.form.view.hidden = this.details.hidden = !this.plants.length;
     this.around.show(news.alone, Boolean(this.direct));
     if (!this.plants.length) {
       this.note("");
       return;
     }
     if (JSON.stringify(this.plants) === before) return;
-    const kept =
-      this.touched && this.plants.some((each) => each.name === this.plant.value)
-        ? this.plant.value
-        : news.chosen || this.plants[0].name;
-    this.plant.replaceChildren(
-      ...this.plants.map((each) =>
-        el("option", {
-          value: each.name,
-          textContent: each.why ? S.runNotFitting(each.name) : each.name,
-          title: each.why || each.summary,
-        }),
-      ),
+    const chosen = this.form.shown("plant");
+    const stays = this.touched && this.plants.some((each) => each.name === chosen);
+    const kept = stays ? chosen : news.chosen || this.plants[0].name;
+    this.form.choices(
+      "plant",
+      this.plants.map((each) => [each.name, each.why ? S.runNotFitting(each.name) : each.name]),
+      kept,
     );
-    const same = kept === this.plant.value && before !== "[]";
-    this.plant.value = kept;
-    if (!same || !this.reference.field.value) this.chosen(false);
+    const same = kept === chosen && before !== "[]";
+    if (!same || !this.form.shown("reference")) this.chosen(false);
     if (!news.chosen) this.note(S.runFitsNone, true);
   };
 
+  /** @returns {Messages.RunWork} */
   asked = () => {
-    /** @type {Messages.RunWork} */
-    const found = {
-      plant: this.plant.value,
+    const { duration = "", ...form } = this.form.values();
+    return {
+      form,
       speed: this.speed.value === "" ? null : Number(this.speed.value),
-      ...this.more.asked(),
+      ...(duration ? { [this.endless.checked ? "window" : "until"]: duration } : {}),
     };
-    const { trajectories, carries } = this.one() ?? {};
-    if (trajectories?.length)
-      Object.assign(found, { trajectory: this.trajectory.value, payload: carries && this.payload.checked });
-    else {
-      const lasts = this.duration.field.value.trim();
-      Object.assign(found, {
-        reference: wordsOf(this.reference.field.value),
-        [this.endless.checked ? "window" : "until"]: lasts,
-      });
-    }
-    if (this.seed.field.value.trim()) found.seed = this.seed.field.value.trim();
-    return found;
   };
 
   /** The same run on the command line. */
   showLine = () => {
     if (!this.details.open) return;
-    const want = this.asked();
-    const words = [
-      "fuzzyarm",
-      "simulate",
-      ...(this.direct ? [this.direct, "--rulebase", this.hand.file()] : [this.hand.file()]),
-    ];
-    if (want.plant !== this.likely) words.push("--plant", want.plant);
-    if (want.trajectory) words.push("--trajectory", want.trajectory, ...(want.payload ? ["--payload"] : []));
-    words.push(...optionsOf(want));
-    if (want.until) words.push("--for", want.until);
-    if (want.seed !== undefined) words.push("--seed", String(want.seed));
-    this.line.textContent = words.map(quoted).join(" ");
+    const values = this.form.values();
+    if (values.plant === this.likely) delete values.plant;
+    if (this.endless.checked) delete values.duration;
+    const file = quoted(this.hand.file());
+    const what = this.direct ? [this.direct, "--rulebase", file] : [file];
+    this.line.textContent = ["fuzzyarm", "simulate", ...what, ...this.form.words(values)].join(" ");
   };
 
   note = (words, bad = false) => {

@@ -1,12 +1,16 @@
 // Tune: the search of `fuzzyarm tune` on the text that is open, its cost as it falls, what came of it.
 
 import { clean, el, pane, shortNumber } from "./draw.js";
-import { drawChart, field, number, refill, stage } from "./charts.js";
+import { drawChart, stage } from "./charts.js";
 import { confirm } from "./dialogs.js";
-import { experimentFields, markField, wordsOf } from "./experiment.js";
+import { Form } from "./form.js";
 import { S } from "./strings.js";
 
 const MOST_ROWS = 120; // of numbers that move
+/** Fields of a controller in its loop, and of a rule base on samples. */
+const AROUND = ["connect", "noise", "quantise", "sensor_delay", "difference", "actuator", "disturb", "interpolate"];
+const IN_LOOP = ["plant", "scenarios", "vary", "over", "linear", ...AROUND];
+const ON_SAMPLES = ["data", "test", "target"];
 const LOST = 1e6; // what a run that diverges costs, at least
 
 export const TUNE = {
@@ -51,84 +55,13 @@ class TunePanes {
     // --- what may be asked ---
 
     this.top = pane("tuning", S.tune);
-    this.plant = el("select", { onchange: () => this.fit() });
-    this.reference = el("input", { type: "text", size: 16 });
-    this.seconds = el("input", { type: "number", min: 0.001, step: "any", placeholder: S.usual });
-    this.data = el("select");
-    this.cost = el("input", { type: "text", size: 18, spellcheck: false });
-    this.scenarios = el("input", { type: "number", min: 1, max: 1000, placeholder: S.usual });
-    this.evals = number(500, 1, 100000);
-    this.unseen = number(24, 0, 1000);
-    this.seed = number(1, 0, 100000);
-    this.method = el("select");
-    this.over = el("select");
-    refill(this.over, [
-      ["mean", S.mean],
-      ["worst", S.worst],
-    ]);
-    this.linear = el("input", { type: "checkbox", checked: true });
-    this.trajectory = el("select");
-    this.payload = el("input", { type: "checkbox", checked: true });
-    this.test = el("select");
-    this.target = el("input", { type: "text", size: 10, spellcheck: false, placeholder: S.usual });
-    this.vary = el("input", { type: "text", size: 18, spellcheck: false, autocomplete: "off" });
-    this.longest = el("input", { type: "text", size: 7, spellcheck: false, placeholder: S.noLimit });
-    this.digits = number(3, 1, 12);
-    this.experiment = experimentFields();
-    this.lines = el("textarea", { rows: 2, cols: 34, spellcheck: false, placeholder: S.linesExample });
-    this.arrange();
+    this.form = new Form({
+      changed: (name) => name === "plant" && this.fit(),
+      judge: (values) => this.hand.askNow("judge", { form: "tune", values }),
+    });
     this.makeActions();
     this.makePictures();
     this.listen();
-  }
-
-  arrange() {
-    this.load = el("label", { class: "check" }, this.payload, S.payload);
-    this.along = [field(S.trajectory, this.trajectory), this.load];
-    this.elsewhere = [field(S.reference, this.reference, S.referenceHint), field(S.seconds, this.seconds)];
-    this.inLoop = [
-      field(S.plant, this.plant),
-      ...this.elsewhere,
-      ...this.along,
-      field(S.scenarios, this.scenarios, S.scenariosHint),
-      field(S.vary, this.vary, S.varyHint),
-      field(S.overScenarios, this.over),
-      el("label", { class: "check", title: S.linearHint }, this.linear, S.linear),
-    ];
-    this.onSamples = [
-      field(S.samples, this.data),
-      field(S.testedOn, this.test, S.testedOnHint),
-      field(S.target, this.target, S.targetHint),
-    ];
-    this.inputs = {
-      ...this.experiment.inputs,
-      reference: this.reference,
-      cost: this.cost,
-      vary: this.vary,
-      lines: this.lines,
-      time: this.longest,
-    };
-    this.fields = el(
-      "div",
-      { class: "fields" },
-      ...this.inLoop.slice(0, 5),
-      ...this.onSamples,
-      field(S.cost, this.cost, S.costHint),
-      ...this.inLoop.slice(5),
-      field(S.evals, this.evals),
-      field(S.longest, this.longest, S.longestHint),
-      field(S.unseen, this.unseen, S.unseenHint),
-      field(S.seed, this.seed),
-      field(S.digits, this.digits, S.digitsHint),
-      field(S.method, this.method),
-      field(S.lines, this.lines, S.linesHint),
-    );
-    this.more = el(
-      "details",
-      { class: "experiment" },
-      el("summary", { textContent: S.runMoreTitle }),
-      el("div", { class: "fields" }, ...this.experiment.shown),
-    );
   }
 
   makeActions() {
@@ -142,7 +75,7 @@ class TunePanes {
     this.says = el("span", { class: "says" });
     this.said = el("p", { class: "said", role: "status" });
     const actions = el("div", { class: "actions" }, this.start, this.stop, this.says, this.insert);
-    this.top.body.append(this.fields, this.more, actions, this.said);
+    this.top.body.append(this.form.view, actions, this.said);
 
     this.told = 0;
   }
@@ -200,15 +133,15 @@ class TunePanes {
   shown = (value) => (value === null ? "–" : shortNumber(value));
 
   fit = () => {
-    const known = this.facts?.plants.find((each) => each.name === this.plant.value);
+    const known = this.facts?.plants.find((each) => each.name === this.form.shown("plant"));
     const moves = Boolean(this.facts?.loop && known?.trajectories.length);
-    for (const each of [...this.inLoop, this.more]) each.hidden = !this.facts?.loop;
-    for (const each of this.elsewhere) each.hidden = !this.facts?.loop || moves;
-    for (const each of this.along) each.hidden = !moves;
-    this.load.hidden = !moves || !known.carries;
-    refill(this.trajectory, [["", S.asCompared], ...(known?.trajectories ?? []).map((each) => [each, each])]);
-    for (const each of this.onSamples) each.hidden = !this.facts || this.facts.loop;
-    this.reference.placeholder = known?.reference ?? "";
+    this.form.show(IN_LOOP, Boolean(this.facts?.loop));
+    this.form.show(["reference", "duration"], Boolean(this.facts?.loop) && !moves);
+    this.form.show(["trajectory"], moves);
+    this.form.show(["payload"], moves && known.carries);
+    this.form.show(ON_SAMPLES, Boolean(this.facts) && !this.facts.loop);
+    this.form.choices("trajectory", [["", S.asCompared], ...(known?.trajectories ?? []).map((each) => [each, each])]);
+    if (this.form.has("reference")) this.form.input("reference").placeholder = known?.reference ?? "";
   };
 
   ask = () => {
@@ -222,22 +155,16 @@ class TunePanes {
         this.start.disabled = true;
       }
       if (message.end) return;
-      const first = !this.facts;
       this.facts = message;
-      refill(
-        this.plant,
+      this.form.open(this.facts.form);
+      const samples = this.facts.samples.map((each) => [each, each]);
+      this.form.choices(
+        "plant",
         this.facts.plants.map((each) => [each.name, each.fits ? each.name : S.needsConnect(each.name)]),
       );
-      refill(
-        this.data,
-        this.facts.samples.map((each) => [each, each]),
-      );
-      refill(this.test, [["", S.fifth], ...this.facts.samples.map((each) => [each, each])]);
-      refill(
-        this.method,
-        this.facts.methods.map((each) => [each, each]),
-      );
-      if (first) this.cost.placeholder = this.facts.defaults.cost;
+      this.form.choices("data", samples);
+      this.form.choices("test", [["", S.fifth], ...samples]);
+      this.form.input("cost").placeholder = this.facts.cost;
       this.says.textContent = clean(S.whatMoves(/** @type {any} */ (this.facts)));
       this.insert.hidden = this.facts.says || this.facts.parameters.length === 0;
       this.start.disabled = this.running || (this.facts.loop ? !this.facts.plants.length : !this.facts.samples.length);
@@ -256,36 +183,10 @@ class TunePanes {
     this.running = true;
     this.ending = false;
     this.said.textContent = S.preparing;
-    markField(this.inputs, "");
-    const known = this.facts?.plants.find((each) => each.name === this.plant.value);
-    const where = !this.facts?.loop
-      ? { data: this.data.value, test: this.test.value, target: this.target.value }
-      : known?.trajectories.length
-        ? { trajectory: this.trajectory.value, payload: this.payload.checked }
-        : { reference: wordsOf(this.reference.value), seconds: this.seconds.value };
-    const mine = (this.job = this.hand.start(
-      "tune",
-      {
-        ...where,
-        ...(this.facts?.loop
-          ? { plant: this.plant.value, vary: wordsOf(this.vary.value), ...this.experiment.asked() }
-          : {}),
-        time: this.longest.value.trim(),
-        digits: this.digits.value,
-        cost: this.cost.value.trim(),
-        scenarios: this.facts?.loop ? this.scenarios.value : "",
-        evals: this.evals.value,
-        unseen: this.unseen.value,
-        seed: this.seed.value,
-        method: this.method.value,
-        over: this.over.value,
-        linear: this.linear.checked,
-        lines: this.lines.value,
-      },
-      (message) => {
-        if (this.job === mine) this.hear(message);
-      },
-    ));
+    this.form.mark("");
+    const mine = (this.job = this.hand.start("tune", { form: this.form.values() }, (message) => {
+      if (this.job === mine) this.hear(message);
+    }));
     this.show();
   };
 
@@ -313,7 +214,7 @@ class TunePanes {
     else if (message.untaken) this.said.textContent = clean(message.untaken);
     else if (message.taken) this.edit(message.taken);
     this.show();
-    if (message.end === "failed") markField(this.inputs, message.field ?? "", message.message);
+    if (message.end === "failed") this.form.mark(message.field ?? "", message.message);
   };
 
   take = (message) => {
@@ -325,7 +226,7 @@ class TunePanes {
     if (!this.ending && (turned || performance.now() - this.told > 5000)) {
       this.told = performance.now();
       this.said.textContent = clean(
-        S.searching(this.phase, this.costs[this.phase].length, message.best, Number(this.evals.value)),
+        S.searching(this.phase, this.costs[this.phase].length, message.best, Number(this.form.shown("evals"))),
       );
     }
   };
@@ -344,9 +245,7 @@ class TunePanes {
     this.start.disabled =
       this.running || !this.facts || (this.facts.loop ? !this.facts.plants.length : !this.facts.samples.length);
     this.stop.disabled = !this.running || this.ending;
-    for (const form of [this.fields, this.more]) {
-      for (const input of form.querySelectorAll("input, select, textarea")) input.disabled = this.running;
-    }
+    this.form.lock(this.running);
     this.counted.textContent = clean(
       this.state ? S.searchState(this.costs.search.length, this.state.best, this.state.seconds) : "",
     );

@@ -466,14 +466,8 @@
       what: "what is drawn"
     },
     levelsHint: "49, or -6 .. 6 step 1, or e = 49, ce = 25",
-    nameHint: "the name of the file",
     asInFile: "as in the file",
-    usualOne: "the usual one",
-    floats: "floating point",
-    direct: "direct: the rules",
-    byTable: "a table",
     everyOutput: "every output",
-    wholeFile: "terms and surfaces",
     tables: "Table",
     cells: "Cells",
     tableOf: (output, cells, mode) => `${cells} cells of ${output}, looked up by ${mode}`,
@@ -708,7 +702,6 @@
     interval: (left, right) => `(${left} \u2026 ${right})`,
     aggregate: "all rules together",
     run: "Run",
-    runPlant: "Plant",
     runNotFitting: (name) => `${name} (does not fit)`,
     aloneRuns: (name, onArm) => `${name} is a rule base, not a controller: nothing in it says what its inputs measure and what its output drives.` + (onArm ? " As error and rate of its joints the arm takes the rules as they are; for any other plant a controller goes around them." : " A controller goes around it."),
     makeAround: "Make a controller \u2026",
@@ -723,14 +716,9 @@
     canRun: "These can run:",
     runFitsNone: "The text controls none of these plants.",
     runReference: "Reference",
-    runReferenceHint: "PORT=SIGNAL, as in position=step:1; several with blanks between: step:TO,AT,FROM  ramp:RATE  sine:AMPLITUDE,HERTZ  quintic:TO,SECONDS  FILE.csv",
     runSignals: ["step:1", "step:1,0.5", "ramp:0.5", "sine:1,0.5", "quintic:1,2"],
-    runFor: "For",
-    runForHint: "How long, as in 2s, 500ms, 1h",
     runOpenEnded: "open end",
     runOpenEndedHint: "Until it is stopped; what is older than the time given leaves the picture",
-    runTrajectory: "Trajectory",
-    runPayload: "with its load",
     runSpeed: "Speed",
     runTimes: (times) => `\xD7 ${times}`,
     runFastest: "as fast as possible",
@@ -785,30 +773,7 @@
       effort: "root mean square of the drives",
       saturated: "share of the samples with a drive at a limit"
     },
-    runMoreTitle: "Sensors, drives, disturbances",
-    runMore: {
-      connect: "Connect",
-      noise: "Noise",
-      quantise: "Resolution",
-      sensor_delay: "Sensor delay",
-      difference: "Rate by difference",
-      actuator: "Actuator",
-      disturb: "Disturb"
-    },
-    runMoreHint: {
-      connect: "NAME=PORT: a name of the controller is a port of the plant",
-      noise: "PORT=DEVIATION: white noise of a sensor",
-      quantise: "PORT=STEP: resolution of a sensor, as in 0.001 or 12bit",
-      sensor_delay: "PORT=TIME, as in position=3ms",
-      difference: "PORT=TIME: form a rate by difference, with a filter",
-      actuator: "INPUT=LOW..HIGH or INPUT=LOW..HIGH,SLEW",
-      disturb: "INPUT=SIGNAL: added to a drive, as in voltage=step:-2,1"
-    },
-    runSeed: "Seed",
-    runSeedHint: "Of noise and disturbance",
-    runSmooth: "interpolate",
-    runSmoothHint: "Move the reference between set points, instead of holding it",
-    runSame: "The same run:",
+    runSame: "The same run as a command",
     start: "Start",
     stop: "Stop",
     pause: "Pause",
@@ -817,20 +782,12 @@
     replaceFile: (name) => `${name} exists already. Replace it?`,
     preparing: "preparing \u2026",
     usual: "usual",
-    plant: "Plant",
-    reference: "Reference",
-    referenceHint: "Signals by port: step:1, ramp:0.5, sine:1,0.5, quintic:1,2",
-    seconds: "For, s",
+    yes: "yes",
+    no: "no",
+    oneALine: "one a line",
     learn: "Learn",
-    controller: "Controller",
     thisText: "this text",
-    trajectory: "Trajectory",
-    payload: "with load",
-    beginWith: "Begin with",
     asTheText: "as the text says",
-    passes: "Passes",
-    rate: "Rate",
-    rateHint: "Learning rate, 0 to 10. A table that is to be kept is learned at a small one.",
     speed: "Speed",
     watch: "to be watched",
     fast: "as fast as it goes",
@@ -861,37 +818,9 @@
     cell: (place, value, visits) => visits ? `${place}: ${value}, used ${visits} ${visits === 1 ? "time" : "times"}` : `${place}: ${value}, never used`,
     tune: "Tune",
     cost: "Cost",
-    costHint: "A formula of metrics, such as rms + 0.002*chatter, overshoot, settling, iae, effort, variation",
-    samples: "Samples",
-    scenarios: "Scenarios",
-    scenariosHint: "Tune on so many: the named ones, then drawn ones",
-    vary: "Vary",
-    varyHint: "NAME=A..B: what differs from drawn scenario to drawn scenario, as in J=0.005..0.03; several with blanks between",
     needsConnect: (name) => `${name} (other axes)`,
     asCompared: "the usual ones",
-    testedOn: "Judged by",
-    testedOnHint: "Samples to judge by; without them a fifth of the others",
     fifth: "a fifth of them",
-    target: "Column",
-    targetHint: "The column that the output is to give",
-    longest: "At most",
-    longestHint: "Search at most so long, as in 90s or 10min",
-    noLimit: "no limit",
-    digits: "Digits",
-    digitsHint: "Of the numbers that are written",
-    overScenarios: "Over them",
-    mean: "mean",
-    worst: "worst",
-    evals: "Trials",
-    unseen: "Unseen",
-    unseenHint: "Judge by so many scenarios that were not tuned on",
-    seed: "Seed",
-    method: "Method",
-    linear: "beside a linear PD",
-    linearHint: "Tune a linear controller on the same, to compare with",
-    lines: "What may move",
-    linesHint: "Lines of a tune block, in place of what the text says",
-    linesExample: "as the text says",
     stopAndKeep: "Stop, keep the best",
     stopping: "Stopping; the best so far is judged \u2026",
     insertTune: "Write it into the text",
@@ -1134,7 +1063,7 @@
     });
   }
   async function ask(question, text, button) {
-    const field2 = el("input", { type: "text", value: text, "aria-label": question });
+    const field = el("input", { type: "text", value: text, "aria-label": question });
     const row = el(
       "div",
       { class: "row" },
@@ -1142,8 +1071,8 @@
       el("button", { value: "ok", textContent: button, type: "submit" })
     );
     const enter = el("button", { value: "ok", class: "unseen", tabIndex: -1, type: "submit", "aria-hidden": "true" });
-    setTimeout(() => field2.select());
-    return await opened(question, enter, el("label", {}, question), field2, row) === "ok" ? field2.value : null;
+    setTimeout(() => field.select());
+    return await opened(question, enter, el("label", {}, question), field, row) === "ok" ? field.value : null;
   }
   async function choose(title, texts) {
     const choices = el("div", { class: "choices", role: "group", "aria-label": title });
@@ -1214,6 +1143,215 @@
     });
   }
 
+  // fields.js
+  var typesOf = (schema) => [schema.type].flat();
+  var typeOf = (schema) => typesOf(schema).find((type) => type !== "null");
+  var isOptional = (field) => typesOf(field).includes("null");
+  function controlOf(field) {
+    if (typeOf(field) === "array") return field.placeholder === "LINE" ? "lines" : "text";
+    if (field.enum) return "choice";
+    if (typeOf(field) !== "boolean") return "text";
+    return isOptional(field) ? "choice" : "check";
+  }
+  function choicesOf(field, words2) {
+    const known = field.enum ?? [true, false];
+    const spoken = { true: words2.yes, false: words2.no };
+    const listed = known.filter((value) => value !== null).map((value) => [String(value), spoken[value] ?? String(value)]);
+    return (
+      /** @type {any} */
+      isOptional(field) ? [["", words2.usual], ...listed] : listed
+    );
+  }
+  function shownDefault(field) {
+    if (controlOf(field) === "check") return field.default === true;
+    return [field.default ?? ""].flat().join(controlOf(field) === "lines" ? "\n" : " ");
+  }
+  function valueOf(field, shown) {
+    if (typeof shown === "boolean") return shown;
+    const text = shown.trim();
+    if (typeOf(field) === "array") return text.split(controlOf(field) === "lines" ? /\s*\n\s*/ : /\s+/).filter(Boolean);
+    if (typeOf(field) === "boolean") return text === "" ? null : text === "true";
+    return text;
+  }
+  var saysNothing = (field, value) => [value ?? ""].flat().join(" ") === [field.default ?? ""].flat().join(" ");
+  function optionsOf(fields, values) {
+    return fields.flatMap((field) => {
+      const value = values[field.name];
+      if (!field.option || value === void 0 || value === null || value === "" || saysNothing(field, value)) return [];
+      if (typeof value === "boolean") return value ? [field.option] : [field.option.replace("--", "--no-")];
+      if (!Array.isArray(value)) return [field.option, value];
+      return field.repeated ? value.flatMap((each) => [field.option, each]) : [field.option, ...value];
+    });
+  }
+  var quoted = (word) => /^[\w./:=,+-]+$/.test(word) ? word : `'${word.replaceAll("'", "'\\''")}'`;
+
+  // form.js
+  var JUDGED = { check: "change", choice: "change", lines: "input", text: "input" };
+  var forms = 0;
+  function refill(select, options, chosen = select.value) {
+    select.replaceChildren(...options.map(([value, text]) => el("option", { value, textContent: text })));
+    if (options.some(([value]) => value === chosen)) select.value = chosen;
+  }
+  var Form = class {
+    /**
+     * @param {{ changed?: (name: string) => void, judge?: (values: Record<string, any>) => Promise<Page.Answer> }} ends
+     *   `changed` hears which field was; `judge` asks what is wrong while a hand fills the form in.
+     */
+    constructor({ changed = () => {
+    }, judge } = {}) {
+      this.changed = changed;
+      this.judge = judge;
+      this.id = `form-${++forms}`;
+      this.rows = /* @__PURE__ */ new Map();
+      this.first = el("div", { class: "fields" });
+      this.folded = el("div", { class: "folded" });
+      this.view = el("div", { class: "request" }, this.first, this.folded);
+      this.asked = 0;
+    }
+    /**
+     * Build the fields, where they are not there yet.
+     *
+     * @param {Messages.FormField[]} fields
+     */
+    open(fields) {
+      if (this.rows.size) return;
+      const groups = /* @__PURE__ */ new Map([["", this.first]]);
+      for (const field of fields) {
+        const group = field.group ?? "";
+        if (!groups.has(group)) groups.set(group, this.fold(group));
+        groups.get(group).append(this.row(field));
+      }
+    }
+    fold(title) {
+      const inside = el("div", { class: "fields" });
+      const words2 = title.charAt(0).toUpperCase() + title.slice(1);
+      this.folded.append(el("details", { class: "experiment" }, el("summary", { textContent: words2 }), inside));
+      return inside;
+    }
+    /** @param {Messages.FormField} field */
+    row(field) {
+      const kind = controlOf(field);
+      const input = this.control(field, kind);
+      input.title = field.description ?? "";
+      input.dataset.key = `${this.id}-${field.name}`;
+      input.addEventListener(JUDGED[kind], () => this.touched(field.name));
+      const words2 = field.unit ? `${field.title}, ${field.unit}` : field.title;
+      const label = kind === "check" ? el("label", { class: "check", title: field.description }, input, words2) : el("label", { class: "field", title: field.description }, el("span", { textContent: words2 }), input);
+      this.rows.set(field.name, { field, input, label });
+      return label;
+    }
+    control(field, kind) {
+      const shown = shownDefault(field);
+      if (kind === "check") return el("input", { type: "checkbox", checked: shown });
+      if (kind === "choice") {
+        const select = el("select");
+        refill(select, choicesOf(field, S), shown);
+        return select;
+      }
+      const plain = { value: shown, spellcheck: false, autocomplete: "off" };
+      const isNumber = ["integer", "number"].includes(typeOf(field));
+      const placeholder = isNumber || !field.placeholder ? isOptional(field) ? S.usual : "" : field.placeholder;
+      if (kind === "lines") return el("textarea", { ...plain, rows: 2, cols: 30, placeholder: S.oneALine });
+      return el("input", {
+        ...plain,
+        type: "text",
+        placeholder,
+        size: isNumber ? 7 : typeOf(field) === "array" ? 18 : 12,
+        inputMode: isNumber ? "decimal" : "text"
+      });
+    }
+    /** A field has been changed by a hand; what is wrong with it is asked for once it rests. */
+    touched(name) {
+      this.changed(name);
+      if (!this.judge) return;
+      const mine = ++this.asked;
+      setTimeout(async () => {
+        if (mine !== this.asked) return;
+        const { field = "", message = "" } = await this.judge(this.values());
+        if (mine === this.asked) this.mark(field, message, false);
+      }, 250);
+    }
+    has = (name) => this.rows.has(name);
+    input = (name) => this.rows.get(name)?.input;
+    isShown = (name) => this.rows.get(name)?.label.hidden === false;
+    /** The value of a field as its control shows it; empty while it is not there. */
+    shown = (name) => this.input(name)?.value ?? "";
+    set(name, value) {
+      const input = this.input(name);
+      if (!input) return;
+      if (input.type === "checkbox") input.checked = value;
+      else input.value = value;
+    }
+    /** Give a field choices that only the page knows: files, plants. */
+    choices(name, pairs2, chosen = this.shown(name)) {
+      const row = this.rows.get(name);
+      if (!row) return;
+      if (row.input.tagName !== "SELECT") {
+        const select = el("select", { title: row.input.title });
+        select.dataset.key = row.input.dataset.key;
+        select.addEventListener("change", () => this.touched(name));
+        row.input.replaceWith(select);
+        row.input = select;
+      }
+      refill(row.input, pairs2, chosen);
+    }
+    /** Suggest values of a text. */
+    suggest(name, values) {
+      const row = this.rows.get(name);
+      if (!row) return;
+      const id2 = `${row.input.dataset.key}-list`;
+      row.label.querySelector("datalist")?.remove();
+      row.label.append(el("datalist", { id: id2 }, ...values.map((value) => el("option", { value }))));
+      row.input.setAttribute("list", id2);
+    }
+    /** Show some fields and hide others. */
+    show(names, isShown) {
+      for (const name of names) if (this.rows.has(name)) this.rows.get(name).label.hidden = !isShown;
+      for (const details of this.folded.children)
+        details.toggleAttribute("hidden", ![...details.querySelectorAll("label")].some((label) => !label.hidden));
+    }
+    /** Whether a hand may fill it in. */
+    lock(isLocked) {
+      for (const { input } of this.rows.values()) input.disabled = isLocked;
+    }
+    /**
+     * What the fields say that are seen, by name.
+     *
+     * @returns {Record<string, any>}
+     */
+    values() {
+      const found = {};
+      for (const [name, { field, input, label }] of this.rows) {
+        if (!label.hidden) found[name] = valueOf(field, input.type === "checkbox" ? input.checked : input.value);
+      }
+      return found;
+    }
+    /** The same in words of a command. */
+    words(values = this.values()) {
+      const fields = [...this.rows.values()].map(({ field }) => field);
+      return optionsOf(fields, values).map(quoted);
+    }
+    /** Say a mistake beside its field, and nothing beside others; where no field has that name, say so. */
+    mark(name, message = "", focus = true) {
+      if (focus) this.asked++;
+      for (const [own, { input, label }] of this.rows) {
+        label.querySelector(".wrong")?.remove();
+        if (own !== name) {
+          input.removeAttribute("aria-invalid");
+          input.removeAttribute("aria-describedby");
+          continue;
+        }
+        const id2 = `${this.id}-wrong`;
+        input.setAttribute("aria-invalid", "true");
+        input.setAttribute("aria-describedby", id2);
+        input.closest("details")?.setAttribute("open", "");
+        label.append(el("span", { class: "wrong", id: id2, role: "alert", textContent: clean(message) }));
+        if (focus) input.focus();
+      }
+      return this.rows.has(name);
+    }
+  };
+
   // exports.js
   var GROUPS = [
     ["programs", [".h", ".c", ".st", ".fmu", ".mjs"]],
@@ -1222,7 +1360,6 @@
     ["pages", [".html"]],
     ["others", [".fis", ".fll", ".fcl", ".fml"]]
   ];
-  var SOURCES = [".h", ".c", ".st", ".xml"];
   function exportPane(store2, hand) {
     const { section, body } = pane("exports", S.exports);
     const note = el("p", { class: "note", textContent: S.exportsNote });
@@ -1230,13 +1367,17 @@
     body.append(note, groups);
     async function build() {
       if (store2.view !== "files" || !hand.file()) return;
-      const { kinds = [] } = await hand.askNow("exports");
+      const { forms: forms2 = {} } = await hand.askNow("exports");
       groups.replaceChildren(
         ...GROUPS.flatMap(([name, suffixes]) => {
-          const shown = suffixes.filter((suffix) => kinds.includes(suffix));
+          const shown = suffixes.filter((suffix) => suffix in forms2);
           if (!shown.length) return [];
           const buttons = shown.map(
-            (suffix) => el("button", { textContent: S.exportKinds[suffix], title: suffix, onclick: () => openDialog(suffix, kinds) })
+            (suffix) => el("button", {
+              textContent: S.exportKinds[suffix],
+              title: suffix,
+              onclick: () => exportDialog(store2, hand, suffix, forms2[suffix])
+            })
           );
           return [
             el(
@@ -1249,113 +1390,27 @@
         })
       );
     }
-    function openDialog(suffix, kinds) {
-      exportDialog(hand, suffix, fieldsOf(suffix, kinds, store2));
-    }
     store2.on("view", build);
     store2.on("text", build);
     return section;
   }
-  function fieldsOf(suffix, kinds, store2) {
-    const controller = kinds.includes(".fmu");
-    const ofTable = kinds.includes(".npz");
-    const outputs = controller || ofTable ? [] : (store2.scene?.outputs ?? []).map((each) => each.name);
-    const one = outputs.length > 1 ? [{ name: "output", options: [["", S.everyOutput], ...outputs.map((n66) => [n66, n66])] }] : [];
-    const named2 = outputs.length > 1 ? [{ name: "output", options: outputs.map((n66) => [n66, n66]) }] : [];
-    const mode = {
-      name: "mode",
-      options: [
-        ["", S.asInFile],
-        ["bins", "bins"],
-        ["nearest", "nearest"],
-        ["linear", "linear"]
-      ]
-    };
-    const made = [{ name: "levels", hint: S.levelsHint }, mode];
-    const precision = {
-      name: "precision",
-      options: [
-        ["", S.usualOne],
-        ["mixed", "mixed"],
-        ["float32", "float32"],
-        ["float64", "float64"]
-      ]
-    };
-    const whole = {
-      name: "q",
-      options: [
-        ["", S.floats],
-        ["15", "int16 (q15)"],
-        ["7", "int8 (q7)"]
-      ]
-    };
-    const ways = controller ? [
-      ["direct", S.direct],
-      ["table", S.byTable]
-    ] : [
-      ["", S.asInFile],
-      // the rules, unless the file has settings of a table
-      ["direct", S.direct],
-      ["table", S.byTable]
-    ];
-    const way = { name: "way", options: ways };
-    const name = { name: "name", hint: S.nameHint };
-    if (suffix === ".fmu")
-      return [
-        way,
-        ...made,
-        whole,
-        {
-          name: "fmi",
-          options: [
-            ["2", "2.0"],
-            ["3", "3.0"]
-          ]
-        }
-      ];
-    if (SOURCES.includes(suffix)) {
-      return ofTable ? [mode, whole, precision, name] : [way, ...one, ...made, whole, precision, name];
-    }
-    if ([".lut", ".csv", ".tex"].includes(suffix) && !ofTable) {
-      return [...named2, ...made, { name: "tolerance" }, { name: "round" }];
-    }
-    if ([".png", ".svg"].includes(suffix) && !ofTable) {
-      return [
-        {
-          name: "what",
-          options: [
-            ["all", S.wholeFile],
-            ["terms", S.terms],
-            ["surface", S.surface]
-          ]
-        },
-        ...one
-      ];
-    }
-    return [];
-  }
-  var field = ({ name, options, hint }) => {
-    const label = S.options[name];
-    const control = options ? el("select", { name }, ...options.map(([value, words2]) => el("option", { value, textContent: words2 }))) : el("input", { type: "text", name, placeholder: hint ?? "", autocomplete: "off" });
-    return el("label", { class: "field" }, el("span", { textContent: label }), control);
-  };
-  function valuesOf(form) {
-    const values = Object.fromEntries([...new FormData(form)].filter(([, value]) => value !== ""));
-    const direct = values.way === "direct";
-    for (const name of direct ? ["levels", "mode", "q"] : []) delete values[name];
-    return values;
-  }
-  function exportDialog(hand, suffix, fields) {
+  function exportDialog(store2, hand, suffix, fields) {
     const state = el("p", { class: "state", role: "status" });
     const found = el("ul", { class: "made" });
     const lines = el("pre", { class: "printed", tabIndex: 0, hidden: true, "aria-label": S.report });
     const go3 = el("button", { type: "submit", textContent: S.exportNow });
     const close = el("button", { type: "button", textContent: S.close, onclick: () => dialog.close() });
+    const asked = new Form();
+    asked.open(fields);
+    const outputs = (store2.scene?.outputs ?? []).map((each) => [each.name, each.name]);
+    const every = [".h", ".c", ".st", ".png", ".svg"].includes(suffix) ? [["", S.everyOutput]] : [];
+    asked.choices("output", [...every, ...outputs]);
+    asked.show(["output"], outputs.length > 1);
     const form = el(
       "form",
       { class: "exporting" },
       el("strong", { textContent: S.exportTitle(S.exportKinds[suffix], hand.file()) }),
-      ...fields.map(field),
+      asked.view,
       state,
       found,
       lines,
@@ -1363,18 +1418,11 @@
     );
     const dialog = el("dialog", { "aria-label": S.exports }, form);
     let job = null;
-    const chosenWay = form.elements.way;
-    const dim = () => {
-      const direct = chosenWay?.value === "direct";
-      for (const name of ["levels", "mode", "q"]) if (form.elements[name]) form.elements[name].disabled = direct;
-      if (form.elements.precision) form.elements.precision.disabled = Boolean(form.elements.q?.value) && !direct;
-    };
-    form.addEventListener("change", dim);
-    dim();
     form.addEventListener("submit", async (event) => {
       event.preventDefault();
       if (job) return;
-      const options = valuesOf(form);
+      const options = asked.values();
+      asked.mark("");
       go3.disabled = true;
       found.replaceChildren();
       lines.hidden = true;
@@ -1390,7 +1438,7 @@
       job = null;
       go3.disabled = false;
       if (news.end === "failed") {
-        state.textContent = clean(news.message);
+        state.textContent = asked.mark(news.field ?? "", news.message) ? "" : clean(news.message);
         state.classList.add("error");
       } else if (news.end === "done") state.textContent = S.exported;
     }
@@ -2584,11 +2632,11 @@ ${index}`,
     /** A number that is being typed while the terms are drawn anew stays, with its cursor. */
     goOnTyping = (typed) => {
       const label = typed.getAttribute("aria-label");
-      const field2 = this.fields.find((each) => each.field.getAttribute("aria-label") === label)?.field;
-      if (!field2) return;
-      field2.value = typed.value;
-      field2.focus();
-      field2.setSelectionRange(typed.selectionStart, typed.selectionEnd);
+      const field = this.fields.find((each) => each.field.getAttribute("aria-label") === label)?.field;
+      if (!field) return;
+      field.value = typed.value;
+      field.focus();
+      field.setSelectionRange(typed.selectionStart, typed.selectionEnd);
     };
     /** Choose the kind of the shape; the text keeps place and width as far as the kinds allow. */
     kindOf = (variable, term) => {
@@ -2615,7 +2663,7 @@ ${index}`,
       const name = (i) => shape.names[i] ?? `${i % 2 ? "y" : "x"}${Math.floor(i / 2) + 1}`;
       const made = Array.from({ length: count + 1 }, (_2, i) => {
         const label = i < count ? name(i) : S.height;
-        const field2 = el("input", {
+        const field = el("input", {
           type: "text",
           inputMode: "decimal",
           title: label,
@@ -2625,32 +2673,32 @@ ${index}`,
           onkeydown: (event) => event.key === "Enter" && commit()
         });
         const commit = () => {
-          if (!this.rebuilding && field2.value !== field2.dataset.shown)
-            this.put(variable, term, shape, i < count ? i : null, field2);
+          if (!this.rebuilding && field.value !== field.dataset.shown)
+            this.put(variable, term, shape, i < count ? i : null, field);
         };
-        this.fields.push({ field: field2, variable, shape, index: i < count ? i : null });
-        return field2;
+        this.fields.push({ field, variable, shape, index: i < count ? i : null });
+        return field;
       });
       return made;
     };
     /** Show the numbers of the chosen term as they are now. */
     fill = () => {
-      for (const { field: field2, variable, shape, index } of this.fields ?? []) {
+      for (const { field, variable, shape, index } of this.fields ?? []) {
         const now = this.store.now(variable, shape);
         const value = index === null ? now.height : now.parameters[index];
         const said2 = Number.isFinite(value) ? shortNumber(value, 8) : value > 0 ? "inf" : "-inf";
-        if (document.activeElement !== field2 || field2.value === field2.dataset.shown) field2.value = said2;
-        field2.dataset.shown = said2;
+        if (document.activeElement !== field || field.value === field.dataset.shown) field.value = said2;
+        field.dataset.shown = said2;
       }
     };
-    put = (variable, term, shape, index, field2) => {
-      const text = field2.value.trim().replace(/^([+-]?)inf$/, "$1Infinity");
+    put = (variable, term, shape, index, field) => {
+      const text = field.value.trim().replace(/^([+-]?)inf$/, "$1Infinity");
       const value = text === "" ? NaN : Number(text);
       if (Number.isNaN(value) || index === null && !(value > 0 && value <= 1)) {
-        field2.setAttribute("aria-invalid", "true");
+        field.setAttribute("aria-invalid", "true");
         return;
       }
-      field2.removeAttribute("aria-invalid");
+      field.removeAttribute("aria-invalid");
       this.begin(variable);
       const now = this.store.now(variable, shape);
       const parameters = index === null ? now.parameters : now.parameters.with(index, value);
@@ -3241,7 +3289,7 @@ ${name}`;
     writer = (draft, label) => {
       const isNew = draft === this.fresh;
       const key = `write ${isNew ? "new" : draft.rule}`;
-      const field2 = el("input", {
+      const field = el("input", {
         type: "text",
         class: "write",
         value: draft.text,
@@ -3262,24 +3310,24 @@ ${name}`;
         if (!sentence.trim()) return;
         const line = isNew ? null : this.store.scene.rules[draft.rule].line;
         const taken = await this.change("rule", { line, sentence });
-        if (!taken) field2.setAttribute("aria-invalid", "true");
+        if (!taken) field.setAttribute("aria-invalid", "true");
         else if (!isNew) leave();
         else if (this.fresh.text === sentence) {
-          this.fresh.text = field2.value = "";
-          if (!field2.isConnected) this.build();
+          this.fresh.text = field.value = "";
+          if (!field.isConnected) this.build();
         }
       };
-      field2.addEventListener("input", () => {
-        draft.text = field2.value;
-        field2.removeAttribute("aria-invalid");
+      field.addEventListener("input", () => {
+        draft.text = field.value;
+        field.removeAttribute("aria-invalid");
       });
-      field2.addEventListener("keydown", (event) => {
+      field.addEventListener("keydown", (event) => {
         if (event.key === "Escape" && !isNew) leave();
       });
       return el(
         "form",
         { class: "sentence", onsubmit: send },
-        field2,
+        field,
         el("button", { class: "small", type: "submit", textContent: isNew ? S.add : S.ok, "data-key": `done ${key}` })
       );
     };
@@ -4559,27 +4607,6 @@ ${name}`;
         draw();
       }
     };
-  }
-
-  // charts.js
-  function stage(store2, body, draw) {
-    const canvas = el("canvas", { role: "img" });
-    const size = { width: 0, height: 0 };
-    const redraw = eachFrame(() => {
-      if (size.width > 4 && size.height > 4) draw(context(canvas, size.width, size.height));
-    });
-    new ResizeObserver(([entry]) => {
-      size.width = entry.contentRect.width;
-      size.height = entry.contentRect.height;
-      redraw();
-    }).observe(body);
-    store2.on("theme", redraw);
-    body.append(canvas);
-    return { canvas, redraw };
-  }
-  function refill(select, options, chosen = select.value) {
-    select.replaceChildren(...options.map(([value, text]) => el("option", { value, textContent: text })));
-    if (options.some(([value]) => value === chosen)) select.value = chosen;
   }
 
   // vendor/uplot.js
@@ -6610,51 +6637,21 @@ ${name}`;
     ctx.restore();
   }
 
-  // experiment.js
-  var MORE = ["connect", "noise", "quantise", "sensor_delay", "difference", "actuator", "disturb"];
-  var wordsOf = (text) => text.trim().split(/\s+/).filter(Boolean);
-  function textField(label, hint, size, onchange) {
-    const field2 = el("input", { type: "text", title: hint, size, spellcheck: false, autocomplete: "off", onchange });
-    return { field: field2, shown: el("label", { class: "small" }, label, field2) };
-  }
-  function experimentFields(onchange = () => {
-  }) {
-    const more = Object.fromEntries(
-      MORE.map((name) => [name, textField(S.runMore[name], S.runMoreHint[name], 18, onchange)])
-    );
-    const smooth = el("input", { type: "checkbox", onchange });
-    const shown = [
-      ...MORE.map((name) => more[name].shown),
-      el("label", { class: "small", title: S.runSmoothHint }, smooth, S.runSmooth)
-    ];
-    return {
-      shown,
-      inputs: Object.fromEntries(MORE.map((name) => [name, more[name].field])),
-      asked() {
-        const found = { interpolate: smooth.checked };
-        for (const name of MORE) found[name] = wordsOf(more[name].field.value);
-        return found;
-      }
-    };
-  }
-  function optionsOf(asked) {
-    const words2 = [];
-    for (const name of ["reference", ...MORE]) {
-      for (const each of asked[name] ?? []) words2.push(`--${name.replace("_", "-")}`, each);
-    }
-    return asked.interpolate ? [...words2, "--interpolate"] : words2;
-  }
-  function markField(inputs, name, message) {
-    for (const [each, input] of Object.entries(inputs)) {
-      const wrong = each === name;
-      if (wrong) input.setAttribute("aria-invalid", "true");
-      else input.removeAttribute("aria-invalid");
-      input.nextElementSibling?.matches(".wrong") && input.nextElementSibling.remove();
-      if (!wrong) continue;
-      input.closest("details")?.setAttribute("open", "");
-      input.after(el("span", { class: "wrong", role: "alert", textContent: message }));
-      input.focus();
-    }
+  // charts.js
+  function stage(store2, body, draw) {
+    const canvas = el("canvas", { role: "img" });
+    const size = { width: 0, height: 0 };
+    const redraw = eachFrame(() => {
+      if (size.width > 4 && size.height > 4) draw(context(canvas, size.width, size.height));
+    });
+    new ResizeObserver(([entry]) => {
+      size.width = entry.contentRect.width;
+      size.height = entry.contentRect.height;
+      redraw();
+    }).observe(body);
+    store2.on("theme", redraw);
+    body.append(canvas);
+    return { canvas, redraw };
   }
 
   // plant.js
@@ -6873,7 +6870,6 @@ ${name}`;
   var STEPS2 = 1e3;
   var timeWords = (seconds) => seconds % 3600 === 0 ? `${seconds / 3600}h` : seconds % 60 === 0 ? `${seconds / 60}min` : `${seconds}s`;
   var lasting = (seconds) => seconds <= 30 ? 1 : seconds <= 1e3 ? 60 : 600;
-  var quoted = (word) => /^[\w./:=,+-]+$/.test(word) ? word : `'${word.replaceAll("'", "'\\''")}'`;
   function runView(store2, hand) {
     return new RunView(store2, hand).view;
   }
@@ -7071,14 +7067,11 @@ ${name}`;
       this.direct = "";
       this.likely = "";
       this.touched = false;
-      this.plant = el("select", { onchange: () => this.chosen(true) });
-      this.reference = this.text(S.runReference, S.runReferenceHint, 22);
-      this.suggestions = el("datalist", { id: "run-signals" });
-      this.reference.field.setAttribute("list", "run-signals");
-      this.duration = this.text(S.runFor, S.runForHint, 7);
       this.endless = el("input", { type: "checkbox", onchange: () => this.open(true) });
-      this.trajectory = el("select", { onchange: this.changed });
-      this.payload = el("input", { type: "checkbox", onchange: this.changed });
+      this.form = new Form({
+        changed: (name) => name === "plant" ? this.chosen(true) : this.changed(),
+        judge: (values) => this.hand.askNow("judge", { form: "run", values })
+      });
       this.speed = el(
         "select",
         {},
@@ -7105,35 +7098,13 @@ ${name}`;
       this.start.disabled = true;
       this.clock = el("output", { class: "clock", "aria-label": S.runTime });
       this.said = el("p", { class: "said", role: "status" });
-      this.load = el("label", { class: "small" }, this.payload, S.runPayload);
-      this.along = el(
-        "span",
-        { class: "fields" },
-        el("label", { class: "small" }, S.runTrajectory, this.trajectory),
-        this.load
-      );
-      this.elsewhere = el(
-        "span",
-        { class: "fields" },
-        this.reference.shown,
-        this.suggestions,
-        this.duration.shown,
-        el("label", { class: "small", title: S.runOpenEndedHint }, this.endless, S.runOpenEnded)
-      );
     }
     arrange() {
       this.around = aroundLine(this.hand);
       this.unsaved = unsavedLine(this.store, this.hand);
-      this.more = experimentFields(this.changed);
-      this.seed = this.text(S.runSeed, S.runSeedHint, 5);
       this.line = el("code", { class: "command", tabIndex: 0 });
-      this.details = el(
-        "details",
-        {},
-        el("summary", { textContent: S.runMoreTitle }),
-        el("div", { class: "fields" }, ...this.more.shown, this.seed.shown),
-        el("p", { class: "small" }, `${S.runSame} `, this.line)
-      );
+      this.details = el("details", {}, el("summary", { textContent: S.runSame }), el("p", { class: "small" }, this.line));
+      this.openEnd = el("label", { class: "check", title: S.runOpenEndedHint }, this.endless, S.runOpenEnded);
       this.details.addEventListener("toggle", () => this.showLine());
       this.body.addEventListener("change", this.showLine);
       this.bar.append(
@@ -7145,14 +7116,7 @@ ${name}`;
         el("label", { class: "small" }, S.runSpeed, this.speed),
         this.clock
       );
-      this.choice = el(
-        "div",
-        { class: "fields" },
-        el("label", { class: "small" }, S.runPlant, this.plant),
-        this.along,
-        this.elsewhere
-      );
-      this.body.append(this.around.line, this.unsaved.line, this.choice, this.details, this.said);
+      this.body.append(this.around.line, this.unsaved.line, this.form.view, this.details, this.said);
       this.note("");
     }
     api() {
@@ -7174,10 +7138,9 @@ ${name}`;
         time: this.time
       };
     }
-    text = (label, hint, size) => textField(label, hint, size, this.changed);
     button = (words2, hint) => el("button", { textContent: words2, title: hint });
-    one = () => this.plants.find((each) => each.name === this.plant.value);
-    mark = (name, message) => markField({ reference: this.reference.field, duration: this.duration.field, ...this.more.inputs }, name, message);
+    one = () => this.plants.find((each) => each.name === this.form.shown("plant"));
+    mark = (name, message) => this.form.mark(name, message);
     open = (byHand) => {
       if (byHand) this.changed();
       this.showLine();
@@ -7192,86 +7155,70 @@ ${name}`;
     /** Show the fields of a plant: its trajectories, or references. */
     show = (one) => {
       const moves = one.trajectories.length > 0;
-      this.along.hidden = !moves;
-      this.elsewhere.hidden = moves;
-      this.load.hidden = !one.carries;
-      const kept3 = one.trajectories.includes(this.trajectory.value) ? this.trajectory.value : one.shown;
-      refill(
-        this.trajectory,
-        one.trajectories.map((name) => [name, name]),
-        kept3
-      );
-      this.reference.field.value = one.reference;
+      this.form.show(["trajectory"], moves);
+      this.form.show(["payload"], moves && one.carries);
+      this.form.show(["reference", "duration"], !moves);
+      this.openEnd.hidden = moves;
+      const before = this.form.shown("trajectory");
+      const names = one.trajectories.map((name) => [name, name]);
+      this.form.choices("trajectory", names, one.trajectories.includes(before) ? before : one.shown);
+      this.form.set("reference", one.reference);
       const port = one.reference.split("=")[0];
-      this.suggestions.replaceChildren(...S.runSignals.map((signal) => el("option", { value: `${port}=${signal}` })));
+      this.form.suggest(
+        "reference",
+        S.runSignals.map((signal) => `${port}=${signal}`)
+      );
       this.speed.value = String(moves ? 1 : lasting(one.duration ?? 10));
       this.endless.checked = !one.duration;
-      this.duration.field.value = one.duration ? timeWords(one.duration) : "";
+      this.form.set("duration", one.duration ? timeWords(one.duration) : "");
       this.open(false);
       this.note(one.why, Boolean(one.why));
     };
     offer = (news) => {
       const before = JSON.stringify(this.plants);
+      if (news.form) this.form.open(news.form);
+      this.form.first.append(this.openEnd);
       this.plants = news.plants;
       this.direct = news.direct;
       this.likely = news.likely;
       this.start.disabled = !this.plants.length;
-      this.choice.hidden = this.details.hidden = !this.plants.length;
+      this.form.view.hidden = this.details.hidden = !this.plants.length;
       this.around.show(news.alone, Boolean(this.direct));
       if (!this.plants.length) {
         this.note("");
         return;
       }
       if (JSON.stringify(this.plants) === before) return;
-      const kept3 = this.touched && this.plants.some((each) => each.name === this.plant.value) ? this.plant.value : news.chosen || this.plants[0].name;
-      this.plant.replaceChildren(
-        ...this.plants.map(
-          (each) => el("option", {
-            value: each.name,
-            textContent: each.why ? S.runNotFitting(each.name) : each.name,
-            title: each.why || each.summary
-          })
-        )
+      const chosen = this.form.shown("plant");
+      const stays = this.touched && this.plants.some((each) => each.name === chosen);
+      const kept3 = stays ? chosen : news.chosen || this.plants[0].name;
+      this.form.choices(
+        "plant",
+        this.plants.map((each) => [each.name, each.why ? S.runNotFitting(each.name) : each.name]),
+        kept3
       );
-      const same = kept3 === this.plant.value && before !== "[]";
-      this.plant.value = kept3;
-      if (!same || !this.reference.field.value) this.chosen(false);
+      const same = kept3 === chosen && before !== "[]";
+      if (!same || !this.form.shown("reference")) this.chosen(false);
       if (!news.chosen) this.note(S.runFitsNone, true);
     };
+    /** @returns {Messages.RunWork} */
     asked = () => {
-      const found = {
-        plant: this.plant.value,
+      const { duration = "", ...form } = this.form.values();
+      return {
+        form,
         speed: this.speed.value === "" ? null : Number(this.speed.value),
-        ...this.more.asked()
+        ...duration ? { [this.endless.checked ? "window" : "until"]: duration } : {}
       };
-      const { trajectories, carries } = this.one() ?? {};
-      if (trajectories?.length)
-        Object.assign(found, { trajectory: this.trajectory.value, payload: carries && this.payload.checked });
-      else {
-        const lasts = this.duration.field.value.trim();
-        Object.assign(found, {
-          reference: wordsOf(this.reference.field.value),
-          [this.endless.checked ? "window" : "until"]: lasts
-        });
-      }
-      if (this.seed.field.value.trim()) found.seed = this.seed.field.value.trim();
-      return found;
     };
     /** The same run on the command line. */
     showLine = () => {
       if (!this.details.open) return;
-      const want = this.asked();
-      const words2 = [
-        "fuzzyarm",
-        "simulate",
-        ...this.direct ? [this.direct, "--rulebase", this.hand.file()] : [this.hand.file()]
-      ];
-      if (want.plant !== this.likely) words2.push("--plant", want.plant);
-      if (want.trajectory) words2.push("--trajectory", want.trajectory, ...want.payload ? ["--payload"] : []);
-      words2.push(...optionsOf(want));
-      if (want.until) words2.push("--for", want.until);
-      if (want.seed !== void 0) words2.push("--seed", String(want.seed));
-      this.line.textContent = words2.map(quoted).join(" ");
+      const values = this.form.values();
+      if (values.plant === this.likely) delete values.plant;
+      if (this.endless.checked) delete values.duration;
+      const file = quoted(this.hand.file());
+      const what = this.direct ? [this.direct, "--rulebase", file] : [file];
+      this.line.textContent = ["fuzzyarm", "simulate", ...what, ...this.form.words(values)].join(" ");
     };
     note = (words2, bad = false) => {
       this.said.textContent = words2;
@@ -18769,7 +18716,7 @@ ${name}`;
       for (const effect of transaction.effects) if (effect.is(setColours)) colours = effect.value;
       return colours;
     },
-    provide: (field2) => O.decorations.from(field2)
+    provide: (field) => O.decorations.from(field)
   });
   function difference(old, now) {
     const most = Math.min(old.length, now.length);

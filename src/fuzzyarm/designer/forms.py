@@ -1,0 +1,159 @@
+"""The forms of a page: which fields of a request each of them has.
+
+All else of a form follows from the request: what a field is called, its help, unit, choices,
+default, and the sentence about a value that does not fit. The page draws every form alike
+(``page/form.js``).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Generic, cast
+
+from fuzzyarm.designer.grounds import FieldError, at_field, form_of, signal_of
+from fuzzyarm.designer.messages import FormField
+from fuzzyarm.designer.records import MessageError
+from fuzzyarm.designer.requests import FormValues
+from fuzzyarm.requests.experiment import AROUND as FOLDED
+from fuzzyarm.requests.experiment import ExperimentRequest
+from fuzzyarm.requests.fields import AnyRequest
+from fuzzyarm.requests.learn import LearnRequest
+from fuzzyarm.requests.making import ExportRequest
+from fuzzyarm.requests.schema import form_fields
+from fuzzyarm.requests.tune import TuneRequest
+
+__all__ = ["FORMS", "LEARN", "PICTURES", "RUN", "SOURCES", "TUNE", "Form", "export_form", "judged"]
+
+SIGNALS = ("reference", "disturb")
+"""Fields whose words may name a file."""
+
+
+@dataclass(frozen=True)
+class Form(Generic[AnyRequest]):
+    """What a page offers of a request.
+
+    Attributes
+    ----------
+    kind : type
+        Of the request.
+    first : tuple of str
+        The fields that are seen at once, in their order.
+    more : tuple of str
+        Those that are folded away below the group that most of them have on the help page.
+    """
+
+    kind: type[AnyRequest]
+    first: tuple[str, ...]
+    more: tuple[str, ...] = ()
+
+    def fields(self, **defaults: Any) -> list[FormField]:
+        """Return the fields for the page, some with another default than the command has."""
+        found = []
+        for field in form_fields(self.kind, *self.first, *self.more):
+            name = field["name"]
+            folded = {"group": FOLDED if name in self.more else ""}
+            changed = {"default": defaults[name]} if name in defaults else {}
+            found.append(field | folded | changed)
+        return cast(list[FormField], found)
+
+    def request(self, values: FormValues, folder: Path, **others: Any) -> AnyRequest:
+        """Return the request that a page has filled in.
+
+        Parameters
+        ----------
+        values : mapping
+            By field; what the form does not have is left out, an empty value says nothing.
+        folder : Path
+            Where files of signals must stand.
+        **others
+            Values of fields that the page does not fill in.
+
+        Raises
+        ------
+        FieldError
+            If a field does not take its value.
+        """
+        own = {name: values[name] for name in (*self.first, *self.more) if name in values}
+        for name in SIGNALS:
+            if name in own:
+                value: Any = own[name] or ()
+                words = value.split() if isinstance(value, str) else value
+                with at_field(name):
+                    own[name] = tuple(signal_of(folder, word) for word in words)
+        return form_of(self.kind, **own, **others)
+
+
+AROUND = (
+    "connect", "noise", "quantise", "sensor_delay", "difference", "actuator", "disturb",
+    "interpolate",
+)  # fmt: skip
+
+RUN = Form(
+    ExperimentRequest,
+    ("plant", "trajectory", "payload", "reference", "duration"),
+    (*AROUND, "seed"),
+)
+LEARN = Form(
+    LearnRequest,
+    ("controller", "plant", "trajectory", "payload", "reference", "duration", "begin", "passes",
+     "rate", "delay", "freeze"),
+)  # fmt: skip
+TUNE = Form(
+    TuneRequest,
+    ("plant", "reference", "duration", "trajectory", "payload", "data", "test", "target", "cost",
+     "scenarios", "vary", "over", "evals", "time", "unseen", "seed", "digits", "method", "linear",
+     "tune"),
+    AROUND,
+)  # fmt: skip
+
+SOURCES = (".h", ".c", ".st", ".xml")
+WRITTEN_TABLES = (".lut", ".csv", ".tex")
+PICTURES = (".png", ".svg")
+
+
+def export_form(suffix: str, kind: str) -> Form[ExportRequest]:
+    """Return the form of an export.
+
+    Parameters
+    ----------
+    suffix : str
+        Of what is written.
+    kind : {"rules", "controller", "table"}
+        Of the file.
+    """
+    made = () if kind == "table" else ("direct", "table", "levels")
+    output = ("output",) if kind == "rules" else ()
+    if suffix == ".fmu":
+        return Form(ExportRequest, (*made, "mode", "q", "fmi"))
+    if suffix in SOURCES:
+        return Form(ExportRequest, (*made, *output, "mode", "q", "precision", "name"))
+    if suffix in WRITTEN_TABLES and kind != "table":
+        return Form(ExportRequest, ("output", "levels", "mode", "tolerance", "round"))
+    return Form(ExportRequest, output if suffix in PICTURES else ())
+
+
+FORMS: Mapping[str, Form[Any]] = {"run": RUN, "learn": LEARN, "tune": TUNE}
+"""By the work that they ask for."""
+
+
+def judged(form: str, values: FormValues, folder: Path) -> dict[str, Any]:
+    """Return what is wrong with a form and in which field; nothing where it could begin.
+
+    Parameters
+    ----------
+    form : str
+        One of `FORMS`.
+    values : mapping
+        What has been filled in.
+    folder : Path
+        Of the file that is open.
+    """
+    if form not in FORMS:
+        raise MessageError("is not a form", "form")
+    try:
+        FORMS[form].request(values, folder, **({"file": "x.frb"} if form == "tune" else {}))
+    except FieldError as error:
+        return {"field": error.field, "message": str(error)}
+    return {}
