@@ -359,6 +359,25 @@ def test_units_of_one_kind_that_do_not_cancel():
     assert (finding.line, finding.message) == (7, "drive voltage is in mV, the port in V")
 
 
+@pytest.mark.parametrize(
+    ("gain", "unit", "message"),
+    [
+        ("G_u", "rad", "drive voltage is in rad, the port in V"),
+        ("G_ce", "m", "ce is in rad m/s, pd7 takes a plain number"),
+        ("G_e", "V", "e is in rad V, pd7 takes a plain number"),
+        ("G_e", "1", ""),  # an angle is a plain number
+        ("G_u", "steps", ""),
+    ],
+)
+def test_gains_of_another_dimension(gain, unit, message, tmp_path):
+    for name in ("servo.frb", "pd7.frb"):
+        (tmp_path / name).write_text(shipped(name).read_text("utf-8"), "utf-8")
+    servo = tmp_path / "servo.frb"
+    servo.write_text(re.sub(rf'(gain {gain} .*?)"[^"]*"', rf'\1"{unit}"', servo.read_text("utf-8")))
+    found = [each.message for each in check_text(servo.read_text("utf-8"), servo).diagnostics]
+    assert found == ([message] if message else [])
+
+
 # --- What the lines alone tell ---
 
 

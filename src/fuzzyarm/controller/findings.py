@@ -24,7 +24,13 @@ from fuzzyarm.controller.reach import (
 from fuzzyarm.controller.text import ControllerText, ports_of
 from fuzzyarm.expression.operations import Interval
 from fuzzyarm.model.controller import Axes, ControllerModel, Drive, GainModel, Signal
-from fuzzyarm.model.units import product, read_unit, unit_text, unlike
+from fuzzyarm.model.units import (
+    dimension,
+    product,
+    read_unit,
+    unit_text,
+    unlike,
+)
 from fuzzyarm.plant.own import PLANTS
 from fuzzyarm.plant.plant import Address, Plant, Port
 from fuzzyarm.text.diagnostic import Diagnostic, Related, Severity, Span
@@ -249,10 +255,28 @@ def _unlike_units(
         unit = read_unit(port.unit) if port is not None else None
         for line, reach in lines:
             ratio = product(reach.unit, unit, -1)
-            if ratio is None or port is None or unlike(ratio) is None or reach.unit is None:
+            if not ratio or port is None or not reach.unit:
                 continue
-            message = f"drive {line.port} is in {unit_text(reach.unit)}, the port in {port.unit}"
-            yield Diagnostic("unlike-units", message, line.span, Severity.WARNING)
+            if unlike(ratio) or (reach.scaled and dimension(ratio)):
+                where = f"drive {line.port} is in {unit_text(reach.unit)}, the port in {port.unit}"
+                yield Diagnostic("unlike-units", where, line.span, Severity.WARNING)
+    for up in reaches.look_ups:
+        yield from _of_another_dimension(up)
+
+
+def _of_another_dimension(up: LookUp) -> Iterator[Diagnostic]:
+    """Yield a scaled signal that is not of the dimension which its input has."""
+    unit, taken = up.reach.unit, up.taken
+    ratio = product(unit, taken, -1)
+    if unit and taken is not None and up.reach.scaled and ratio and dimension(ratio):
+        what = unit_text(taken) if taken else "a plain number"
+        yield Diagnostic(
+            "unlike-units",
+            f"{up.signal} is in {unit_text(unit)}, {up.sheet} takes {what}",
+            up.line.span,
+            Severity.WARNING,
+            related=_made(up),
+        )
 
 
 def _unlike_option(each: Meeting, gain: GainModel) -> Diagnostic:

@@ -29,7 +29,7 @@ from fuzzyarm.model.controller import (
     Zoom,
 )
 from fuzzyarm.model.rulebase import RuleBase
-from fuzzyarm.model.units import Unit, of_difference, product, read_unit
+from fuzzyarm.model.units import Unit, described_unit, of_difference, product, read_unit
 from fuzzyarm.plant.plant import Address
 from fuzzyarm.text.diagnostic import Span
 
@@ -58,6 +58,8 @@ class Reach:
     tight : bool
         Whether it can go to the ends: false for a sum of which two parts have an origin in common,
         as ``r - lag``, which may cancel.
+    scaled : bool
+        Whether a gain with a unit is among its factors.
     """
 
     at: Interval = EVERYTHING
@@ -66,6 +68,7 @@ class Reach:
     unit: Unit | None = None
     origins: frozenset[str] = frozenset()
     tight: bool = True
+    scaled: bool = False
 
 
 @dataclass(frozen=True)
@@ -78,6 +81,8 @@ class LookUp:
         Their names.
     universe : Interval
         What the rule base or the table tells apart.
+    taken : dict or None
+        The unit that the input has by its description; None where that says none.
     line : Signal or Learn
         Where.
     """
@@ -87,6 +92,7 @@ class LookUp:
     signal: str
     reach: Reach
     universe: Interval
+    taken: Unit | None
     line: Signal | Learn
 
 
@@ -247,7 +253,8 @@ class _Walk:
         gain = self.gains.get(name)
         if gain is None:
             return Reach()
-        return Reach(self._number(name), 0.0, MADE, read_unit(gain.unit) if gain.unit else None)
+        unit = read_unit(gain.unit) if gain.unit else None
+        return Reach(self._number(name), 0.0, MADE, unit, scaled=unit is not None)
 
     def _times(self, reach: Reach, factors: Sequence[Factor], span: Span) -> Reach:
         for factor in factors:
@@ -269,7 +276,8 @@ class _Walk:
             unit = product(reach.unit, other.unit, power)
             origins = reach.origins | other.origins
             tight = reach.tight and other.tight
-            reach = Reach(at, pace, max(reach.kept, other.kept), unit, origins, tight)
+            scaled = reach.scaled or other.scaled
+            reach = Reach(at, pace, max(reach.kept, other.kept), unit, origins, tight, scaled)
         return reach
 
     def _sum(self, products: Sequence[Product], span: Span) -> Reach:
@@ -284,6 +292,7 @@ class _Walk:
             units[0] if all(unit == units[0] for unit in units) else None,
             origins,
             alone and all(part.tight for part in parts),
+            any(part.scaled for part in parts),
         )
 
     def _product(self, part: Product, span: Span) -> Reach:
@@ -337,6 +346,7 @@ class _Walk:
             range_of_source(kind, near, settings, kind.starts(options)),
             math.inf if kind.pace is None else kind.pace(near),
             unit=product(unit, {"s": kind.seconds}),
+            scaled=reach.scaled,
         )
         if kind.kept == "signal":
             return replace(reach_, kept=reach.kept, origins=reach.origins, tight=reach.tight)
@@ -396,7 +406,7 @@ class _Walk:
             at = Interval(output.low, output.high)
             if isinstance(output.no_rule, float):
                 at = hull(at, Interval(output.no_rule, output.no_rule))
-            reaches.append(Reach(at))
+            reaches.append(Reach(at, unit=described_unit(output.description)))
         return reaches
 
     def _values(self, axes: Axes, name: str) -> Reach:
@@ -424,10 +434,13 @@ class _Walk:
         ]
         if len(names) != len(inputs):
             return
-        for signal, universe in zip(inputs, _universes(sheet, names), strict=True):
+        for signal, own, universe in zip(inputs, names, _universes(sheet, names), strict=True):
             if math.isfinite(width(universe)) and width(universe) > 0.0:
                 reach = self._named(signal)
-                self.found.look_ups.append(LookUp(axes, name, signal, reach, universe, line))
+                taken = None
+                if isinstance(sheet, RuleBase):
+                    taken = described_unit(sheet.variable(own).description)
+                self.found.look_ups.append(LookUp(axes, name, signal, reach, universe, taken, line))
 
 
 def _own(of: Source) -> frozenset[str]:

@@ -31,6 +31,53 @@ _WORDS = re.compile(rf"\s*{_NAME}(?:\s*[\s*·/]\s*{_NAME})*\s*")
 _SYMBOL = re.compile(rf"(/?)\s*({_NAME})")
 
 
+_FORCE = {"kg": 1, "m": 1, "s": -2}
+_ENERGY = {"kg": 1, "m": 2, "s": -2}
+_POWER = {"kg": 1, "m": 2, "s": -3}
+_BASES: tuple[tuple[str, Unit], ...] = (
+    ("rad mrad deg ° rev turn %", {}),
+    ("m mm cm km", {"m": 1}),
+    ("m² cm² mm²", {"m": 2}),
+    ("m³ l ml L mL", {"m": 3}),
+    ("s ms us min h", {"s": 1}),
+    ("s² ms²", {"s": 2}),
+    ("Hz kHz rpm", {"s": -1}),
+    ("kg g mg t", {"kg": 1}),
+    ("N kN mN", _FORCE),
+    ("J kJ MJ Wh kWh", _ENERGY),
+    ("W kW mW MW", _POWER),
+    ("Pa hPa kPa MPa bar mbar psi", {"kg": 1, "m": -1, "s": -2}),
+    ("A mA", {"A": 1}),
+    ("V mV kV", {**_POWER, "A": -1}),
+    ("K mK °C °F", {"K": 1}),
+)
+_DIMENSIONS = {symbol: base for symbols, base in _BASES for symbol in symbols.split()}
+"""What a symbol measures, in powers of m, s, kg, A and K; an angle is a plain number."""
+
+
+def dimension(unit: Unit) -> Unit | None:
+    """Return what a unit measures, in powers of the base units; None where a symbol is unknown."""
+    whole: Unit = {}
+    for symbol, power in unit.items():
+        if symbol not in _DIMENSIONS:
+            return None
+        for base, exponent in _DIMENSIONS[symbol].items():
+            whole[base] = whole.get(base, 0) + power * exponent
+    return {base: exponent for base, exponent in whole.items() if exponent}
+
+
+NORMALISED = ("normalised", "normalized")
+"""Words at the end of a description that say that a variable is a plain number."""
+
+
+def described_unit(description: str) -> Unit | None:
+    """Return the unit that a description is, as ``°C``, or {} of ``error, normalised``."""
+    if description.rpartition(",")[2].strip().lower() in NORMALISED:
+        return {}
+    unit = read_unit(description)
+    return unit if unit is not None and dimension(unit) is not None else None
+
+
 def read_unit(text: str) -> Unit | None:
     """Return what a unit like ``N m/rad`` consists of; None where that is not certain."""
     if _WORDS.fullmatch(text) is None or "per" in text.split() or text.count("/") > 1:
