@@ -56,6 +56,10 @@ class WordError(FuzzyarmError, ValueError):
     """A word on the command line, or in a field of a page, that says nothing sensible."""
 
 
+class UsageError(WordError):
+    """Words that nothing can be made of, or that do not go together: wrong usage."""
+
+
 class MissingExtraError(FuzzyarmError, ImportError):
     """Something needs an extra that is not installed.
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.errors import UsageError
 from fuzzyarm.text.files import write_atomically
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ _METADATA: dict[str, dict[str, str | None]] = {
 }
 
 
-class FigureFileError(FuzzyarmError, ValueError):
+class FigureFileError(UsageError):
     """A file name that tells no format for a figure."""
 
     def __init__(self, path: Path) -> None:

@@ -226,7 +226,7 @@ def test_a_slight_difference_is_refused_when_strict(
         (["none.py", "--run"], "none.py: No such file"),
         (["project.py", "x.fll", "--run"], "written as .frb only"),
         (["project.py", "x.frb", "--run"], "makes 2: a, b"),
-        (["project.py", "--run", "--python", "none/python"], "none/python: No such file"),
+        (["project.py", "--run", "--python", "none/python"], "no such folder: 'none'"),
     ],
 )
 def test_calls_that_are_refused(

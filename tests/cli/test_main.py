@@ -276,6 +276,6 @@ def test_wrong_words_are_said_in_a_sentence(words, sentence, capsys):
 
 
 def test_a_statement_in_place_of_a_file_says_where_it_stands(capsys):
-    assert main(["prove", str(shipped("pd7.frb")), "u <= 1.5"]) == 1
+    assert main(["prove", str(shipped("pd7.frb")), "u <= 1.5"]) == 2
     said = capsys.readouterr().err
     assert "'u <= 1.5' is a statement: it stands in the file, as  prove u <= 1.5" in said

@@ -299,7 +299,7 @@ def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None
     assert [each["low"] for each in drive["sectors"]] == [1.0]
     assert picture.read_text().startswith("<?xml")
     for words in (["--plot", "x.png"], ["--sector", "--plot", "x.gif"], ["--along", "e=1"]):
-        assert main(["prove", rules, *words]) == 1
-    assert main(["prove", path, "--sector", "--along", "e=1"]) == 1
+        assert main(["prove", rules, *words]) == 2
+    assert main(["prove", path, "--sector", "--along", "e=1"]) == 2
     with pytest.raises(UnprovableError, match="weight"):
         sector(Prover(fuzzyarm.load(rules), "u"), {})

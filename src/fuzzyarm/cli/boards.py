@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.api import controller_if_any, load_sheet
-from fuzzyarm.cli.command import WordError, busy, demand_folder_of, print_json, say
+from fuzzyarm.cli.command import UsageError, WordError, busy, demand_folder_of, print_json, say
 from fuzzyarm.show.compiled import report_lines
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ def write_for_board(asked: ExportRequest, out: str, how: Making, *, as_json: boo
 
     board = board_named(asked.board or "uno")
     if how.precision not in (None, board.precision) and not board.has_double:
-        raise WordError(
+        raise UsageError(
             f"--precision {how.precision} does not apply: {board.named} has no double",
             hint="leave it out, or take a --board with one: due, pico, esp32",
         )

@@ -14,10 +14,12 @@ from fuzzyarm.api import (
     check_text,
 )
 from fuzzyarm.cli.command import (
+    UsageError,
     WordError,
     announced,
     argument,
     command,
+    counted,
     finding_data,
     flag,
     print_error,
@@ -119,7 +121,7 @@ def _plant_of(arguments: argparse.Namespace) -> PlantOf | None:
     """Return the plant of ``--plant``; with ``--connect`` alone there is none to join."""
     if arguments.plant is None:
         if arguments.connect:
-            raise WordError("--connect joins the ports of a plant", hint="add, say, --plant motor")
+            raise UsageError("--connect joins the ports of a plant", hint="add, say, --plant motor")
         return None
     from fuzzyarm.loop.words import read_pairs
     from fuzzyarm.plant.own import find_plant
@@ -177,12 +179,12 @@ is not in canonical form; `-` formats standard input to standard output.
 
 
 def _fmt(arguments: argparse.Namespace) -> int:
-    status = 0
+    status, changed = 0, 0
     for path in arguments.files:
         text = ""
         try:
             text = _read(path)
-            status |= _format_one(path, text, arguments)
+            changed += _format_one(path, text, arguments)
         except RuleBaseError as error:
             print_findings([d for d in error.diagnostics if d.is_error], text, sys.stderr)
             print_error(f"{path}: left as it is")
@@ -190,6 +192,9 @@ def _fmt(arguments: argparse.Namespace) -> int:
         except OSError as error:
             print_os_error(error, path)
             status = 1
+    if arguments.check and changed:
+        print_error(f"{counted(changed, 'file')} would be reformatted")
+        return 1
     return status
 
 
@@ -202,27 +207,28 @@ def _read(path: str) -> str:
     return read_text(path)
 
 
-def _format_one(path: str, text: str, arguments: argparse.Namespace) -> int:
+def _format_one(path: str, text: str, arguments: argparse.Namespace) -> bool:
+    """Format a text; return whether that changes its file, or would."""
     formatted = format_text(text, path)
     if arguments.diff:
         import difflib
 
         before, after = text.splitlines(keepends=True), formatted.splitlines(keepends=True)
         write_text("".join(difflib.unified_diff(before, after, path, path)))
-        return 0
+        return False
     if path == "-":
         write_text(formatted)
-        return 0
+        return False
     if formatted == text:
-        return 0
+        return False
     if arguments.check:
-        say(f"{path}: not in canonical form")
-        return 1
+        say(f"{path}: would be reformatted")
+        return True
     from fuzzyarm.text.files import write_atomically
 
     write_atomically(path, formatted)
     say(f"{path}: formatted")
-    return 0
+    return True
 
 
 COMMANDS = (

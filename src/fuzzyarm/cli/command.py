@@ -19,7 +19,7 @@ from fuzzyarm import errors
 from fuzzyarm.frozen import NamedTuple
 from fuzzyarm.text.diagnostic import Diagnostic, render_all, split_lines
 from fuzzyarm.text.jsonable import jsonable
-from fuzzyarm.text.names import near_hint, printable
+from fuzzyarm.text.names import printable
 
 if TYPE_CHECKING:
     from rich.progress import Progress
@@ -205,89 +205,8 @@ def at(what: str) -> Argument:
     return argument("--at NAME=VALUE,...", what)
 
 
-# --- `name=value` words ---
-
 WordError = errors.WordError
-
-
-class UsageError(WordError):
-    """A word of the command line that means nothing: wrong usage, exit status 2."""
-
-
-"""A word on the command line that says nothing sensible."""
-
-
-def read_assignments(
-    words: Iterable[str], names: Iterable[str], *, what: str = "input"
-) -> dict[str, float]:
-    """Return the values in words like ``e=1.3`` or ``e=1.3,ce=-2``.
-
-    Parameters
-    ----------
-    words : iterable of str
-        From the command line.
-    names : iterable of str
-        The names that may be given a value.
-    what : str
-        What the names are, for the message.
-
-    Raises
-    ------
-    WordError
-        For an unknown name, a name given twice, or a value that is not a finite number.
-    """
-    known = tuple(names)
-    values: dict[str, float] = {}
-    for name, text in _pairs(words, known):
-        if name not in known:
-            hint, _ = near_hint(name, known)
-            listed = ", ".join(known) or "none"
-            raise WordError(f"unknown {what} '{name}'", hint=hint or f"there are: {listed}")
-        if name in values:
-            raise WordError(f"'{name}' is given twice")
-        values[name] = read_number(text, name)
-    return values
-
-
-def read_point(words: Iterable[str], names: Sequence[str]) -> dict[str, float]:
-    """Return a value for each of `names`; otherwise as :func:`read_assignments`."""
-    values = read_assignments(words, names)
-    missing = [name for name in names if name not in values]
-    if missing:
-        several = "s" if len(missing) > 1 else ""
-        example = " ".join(f"{name}=0" for name in missing)
-        raise WordError(
-            f"no value for input{several} {', '.join(missing)}",
-            hint=f"add, for instance, {example}",
-        )
-    return values
-
-
-def _pairs(words: Iterable[str], known: tuple[str, ...]) -> Iterator[tuple[str, str]]:
-    for word in words:
-        # A name may itself have a comma or an equals sign: try the names there are first.
-        rest = word
-        while rest:
-            name = next((n for n in known if rest.startswith(f"{n}=")), None)
-            if name is None:
-                name, equals, _ = rest.partition("=")
-                if not equals or not name:
-                    message = f"'{rest}' is not an assignment"
-                    raise WordError(message, hint="write, for instance, e=1.3")
-            value, _, rest = rest[len(name) + 1 :].partition(",")
-            yield name.strip(), value.strip()
-
-
-def read_number(text: str, name: str) -> float:
-    """Return the finite number in `text`; `name` says whose it is."""
-    try:
-        value = float(text)
-    except ValueError:
-        raise WordError(f"the value of '{name}' is not a number: '{text}'") from None
-    if not math.isfinite(value):
-        raise WordError(f"the value of '{name}' must be finite, not {text}")
-    return value
-
+UsageError = errors.UsageError
 
 # --- Files ---
 
@@ -303,7 +222,7 @@ def require_suffix(path: str, known: Iterable[str]) -> str:
     name = os.path.basename(path)
     suffix = os.path.splitext(name)[1].lower()
     if suffix not in known:
-        raise WordError(f"cannot tell the format of '{name}'", hint=f"known: {', '.join(known)}")
+        raise UsageError(f"cannot tell the format of '{name}'", hint=f"known: {', '.join(known)}")
     return suffix
 
 
@@ -355,6 +274,15 @@ def demand_places(*paths: str | None) -> None:
     for path in filter(None, paths):
         demand_folder_of(path)
         demand_writable(path)
+
+
+def demand_figure(path: str | None) -> None:
+    """Tell before long work that a figure cannot be written after it."""
+    if path is not None:
+        from fuzzyarm.figure_files import require_figure_suffix
+
+        require_figure_suffix(path)
+        demand_places(path)
 
 
 def demand_folder_of(path: str) -> None:
@@ -415,6 +343,10 @@ def print_error(message: object) -> None:
 def print_os_error(error: OSError, path: str | None = None) -> None:
     """Print why a file could not be read or written."""
     path = path or error.filename
+    folder = os.path.dirname(path) if isinstance(path, str) else ""
+    if isinstance(error, FileNotFoundError) and folder and not os.path.isdir(folder):
+        print_error(f"no such folder: '{folder}'")
+        return
     print_error(f"{f'{path}: ' if path else ''}{error.strerror or error}")
 
 

@@ -9,7 +9,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.cli.arguments import request_command
-from fuzzyarm.cli.command import DIVERGED, WordError, print_error, print_json, progress_bar
+from fuzzyarm.cli.command import (
+    DIVERGED,
+    WordError,
+    demand_figure,
+    print_error,
+    print_json,
+    progress_bar,
+)
 from fuzzyarm.cli.simulate import run_as_json
 from fuzzyarm.requests.fields import Request, option
 from fuzzyarm.requests.runs import CompareRequest
@@ -75,12 +82,10 @@ Examples
 
 def _compare(asked: CompareWords) -> int:
     from fuzzyarm.controller.own import find_controllers
-    from fuzzyarm.figure_files import require_figure_suffix
     from fuzzyarm.loop.experiments import follows, with_plant
     from fuzzyarm.study.comparison import compared_names
 
-    if asked.plot:
-        require_figure_suffix(asked.plot)  # a mistake in the name is told before the runs
+    demand_figure(asked.plot)
     names = asked.controllers or compared_names()
     controllers = find_controllers(names)
     asked, plant = with_plant(asked, controllers)
@@ -116,7 +121,6 @@ def _compare_trajectories(
 ) -> int:
     from fuzzyarm.loop.experiments import with_drives
     from fuzzyarm.loop.words import connections, conventions_of
-    from fuzzyarm.plant.following import carries
     from fuzzyarm.study.comparison import compare, compared_along, cost_of, is_counted
 
     trajectories, conventions = compared_along(asked, plant), conventions_of(asked)
@@ -140,12 +144,16 @@ def _compare_trajectories(
         for name in counted:
             costs.append(cost_of(name, conventions=conventions, timed=timed))
             bar(1)
+    ways = " and ".join(trajectory.name for trajectory in trajectories)
+    heading = f"{ways}{_conditions(asked, plant)}, {_counting(conventions)}"
     if asked.plot and costs:
         from fuzzyarm.study.figures import draw_cost, save_figure
 
-        save_figure(draw_cost(comparisons, costs), asked.plot)
+        save_figure(draw_cost(comparisons, costs, heading), asked.plot)
     elif asked.plot:
-        _plot_runs(_runs_along(asked, controllers, plant, trajectories[0]), asked.plot)
+        runs = _runs_along(asked, controllers, plant, trajectories[0])
+        title = f"{plant.name}: {trajectories[0].name}{_conditions(asked, plant)}"
+        _plot_runs(runs, asked.plot, title)
     _print_notes(comparisons)
     senses = [asked.errors] if asked.errors else list(_SENSES)
     if asked.json:
@@ -153,9 +161,7 @@ def _compare_trajectories(
     elif asked.markdown:
         print("\n".join(_compared_markdown(comparisons, costs, senses)))
     else:
-        ways = " and ".join(trajectory.name for trajectory in trajectories)
-        load = _load(conventions, payload=bool(asked.payload)) if carries(plant) else ""
-        print(f"{ways}{load}, {_counting(conventions)}")
+        print(heading)
         print("\n".join(_compared_lines(comparisons, costs, senses)))
     return 0
 
@@ -163,6 +169,16 @@ def _compare_trajectories(
 def _print_notes(compared: Sequence[Compared | Run]) -> None:
     for note in dict.fromkeys(note for each in compared for note in each.notes):
         print_error(f"note: {note}")
+
+
+def _conditions(asked: CompareWords, plant: Plant) -> str:
+    """Return in words, to follow others, under which conditions all are compared."""
+    from fuzzyarm.loop.words import conditions, conventions_of
+    from fuzzyarm.plant.following import carries
+
+    load = _load(conventions_of(asked), payload=bool(asked.payload)) if carries(plant) else ""
+    around = conditions(asked)
+    return f"{load}, {around}" if around else load
 
 
 def _load(conventions: Conventions, *, payload: bool) -> str:
@@ -325,7 +341,7 @@ def _compare_references(
     """Run controllers along the same references, and print what came of them."""
     from fuzzyarm.loop.experiments import with_drives
     from fuzzyarm.loop.run import run_along
-    from fuzzyarm.loop.words import connections, conventions_of, motion_of
+    from fuzzyarm.loop.words import conditions, connections, conventions_of, motion_of
 
     plant, options = with_drives(asked, plant)
     connect, conventions = connections(asked), conventions_of(asked)
@@ -336,23 +352,25 @@ def _compare_references(
             runs.append(run_along(controller, motion, conventions, options, connect))
             bar(1)
     _print_notes(runs)
+    around = conditions(asked)
+    heading = f"{runs[0].trajectory}{', ' if around else ''}{around}"
     if asked.plot:
-        _plot_runs(runs, asked.plot)
+        _plot_runs(runs, asked.plot, f"{plant.name}: {heading}")
     if asked.json:
         print_json([run_as_json(run) for run in runs], 1)
     elif asked.markdown:
         print("\n".join(_markdown(runs)))
     else:
-        print("\n".join(_lines(runs)))
+        print(f"{plant.name}, {heading}", *_lines(runs), sep="\n")
     return DIVERGED if all(run.diverged is not None for run in runs) else 0
 
 
-def _plot_runs(runs: list[Run], path: str) -> None:
-    """Draw runs beside one another."""
+def _plot_runs(runs: list[Run], path: str, title: str) -> None:
+    """Draw runs beside one another, the conditions above them."""
     from fuzzyarm.show.figures.panels import draw_runs
     from fuzzyarm.study.figures import save_figure
 
-    save_figure(draw_runs(runs), Path(path))
+    save_figure(draw_runs(runs, title), Path(path))
 
 
 def _rows(runs: Sequence[Run]) -> Iterator[list[str]]:
@@ -370,7 +388,6 @@ def _rows(runs: Sequence[Run]) -> Iterator[list[str]]:
 
 
 def _lines(runs: Sequence[Run]) -> Iterator[str]:
-    yield f"{runs[0].plant}, {runs[0].trajectory}"
     yield from in_columns(list(_rows(runs)), "<<>", least=(0, 0, 10))
 
 

@@ -42,6 +42,7 @@ from typing import TYPE_CHECKING, Any
 from fuzzyarm.api import controller_if_any, load_sheet
 from fuzzyarm.cli.arguments import request_command
 from fuzzyarm.cli.command import (
+    UsageError,
     WordError,
     busy,
     print_json,
@@ -129,9 +130,9 @@ def _demand_report(out: str, folder: str) -> None:
     from fuzzyarm.text.whole_folders import demand_own
 
     if Path(out).suffix.lower() != ".c":
-        raise WordError("--report is of C", hint="-o x.c: its coverage is counted by gcov")
+        raise UsageError("--report is of C", hint="-o x.c: its coverage is counted by gcov")
     if Path(folder) in (Path(out), Path(out).with_suffix(".h")):
-        raise WordError("--report names a folder, and -o a file: they cannot be one")
+        raise UsageError("--report names a folder, and -o a file: they cannot be one")
     demand_own(folder)
 
 
@@ -178,7 +179,7 @@ def _write_for_board(asked: ExportWords) -> None:
         f"--for {asked.place} makes a folder for a board",
     )
     if asked.table and asked.direct:
-        raise WordError("--table and --direct exclude each other")
+        raise UsageError("--table and --direct exclude each other")
     with _of_file(asked.file):
         write_for_board(asked, asked.out, making_of(asked), as_json=asked.json)
 
@@ -219,7 +220,7 @@ def _compile_sheet(asked: ExportWords, *, exports: bool) -> None:
             _rewrite(model, asked)
     elif asked.direct:
         if asked.table:
-            raise WordError("--table and --direct exclude each other")
+            raise UsageError("--table and --direct exclude each other")
         _forbid(asked, (*_TABLES_ONLY, "ends"), "with --direct there is no table")
         _export(model, asked)
     elif exports:
@@ -262,7 +263,7 @@ def _compile_ends(model: RuleBase, asked: ExportWords) -> None:
 
 def _forbid(asked: ExportWords, names: tuple[str, ...], why: str) -> None:
     if known := asked.given(names):
-        raise WordError(f"{known.spelling} does not apply: {why}")
+        raise UsageError(f"{known.spelling} does not apply: {why}")
 
 
 def _compile(model: RuleBase, output: str | None, asked: ExportWords) -> CompileReport:
@@ -296,7 +297,7 @@ def _export(model: RuleBase | LookupTable, asked: ExportWords) -> None:
     from fuzzyarm.text.files import write_atomically
 
     if asked.precision is not None and asked.q is not None:
-        raise WordError("--precision does not apply with --q: whole numbers have no precision")
+        raise UsageError("--precision does not apply with --q: whole numbers have no precision")
     how = making_of(asked)
     with busy("compiling") as progress, _of_file(asked.file):
         exported, reports = source_of(model, asked.out, how, progress)
@@ -339,14 +340,14 @@ def _export_controller(controller: ControllerText, suffix: str, asked: ExportWor
     from fuzzyarm.proof.compiled import making_of, program_of
 
     if asked.table and asked.direct:
-        raise WordError("--table and --direct exclude each other")
+        raise UsageError("--table and --direct exclude each other")
     if not asked.table:
         _forbid(asked, _MADE_TABLES_ONLY, "without --table no table is made of rules")
     _forbid(asked, ("output",), "a controller is exported as a whole")
     if suffix != _UNIT:
         _forbid(asked, ("fmi", "platforms"), f"{Path(asked.out).name} is not an FMU")
     elif asked.precision not in (None, "float64"):
-        raise WordError("an FMU computes in double precision: --precision float64")
+        raise UsageError("an FMU computes in double precision: --precision float64")
     how = making_of(asked)
     if asked.certificate is not None:
         if asked.table or asked.q:

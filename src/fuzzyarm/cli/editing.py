@@ -15,13 +15,14 @@ from fuzzyarm.cli.command import (
     argument,
     at,
     command,
+    demand_figure,
     flag,
     hush,
     print_error,
-    read_assignments,
 )
 from fuzzyarm.errors import FuzzyarmError, demand_extra
 from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.text.assignments import read_assignments
 from fuzzyarm.text.diagnostic import render_all
 from fuzzyarm.text.files import stamp_of
 
@@ -77,9 +78,7 @@ def _watch(arguments: argparse.Namespace) -> int:
 
 def _demand_sense(arguments: argparse.Namespace) -> None:
     if arguments.figure:
-        from fuzzyarm.figure_files import require_figure_suffix
-
-        require_figure_suffix(arguments.figure)
+        demand_figure(arguments.figure)
     if arguments.table and Path(arguments.file).suffix.lower() == ".lut":
         raise WordError(f"{arguments.file} is a table already", hint="leave out --table")
     for target in (arguments.table, arguments.figure):

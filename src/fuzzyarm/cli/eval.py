@@ -24,12 +24,11 @@ from fuzzyarm.cli.command import (
     flag,
     json_of,
     print_json,
-    read_assignments,
-    read_point,
     say,
 )
 from fuzzyarm.language.tokens import name_text
 from fuzzyarm.model.rulebase import Defuzzifier, RuleBase
+from fuzzyarm.text.assignments import read_assignments, read_point
 from fuzzyarm.text.numbers import number_text
 
 if TYPE_CHECKING:

@@ -29,8 +29,9 @@ from fuzzyarm.cli.arguments import request_command
 from fuzzyarm.cli.command import (
     DIVERGED,
     EXIT_INTERRUPTED,
-    WordError,
+    UsageError,
     attempted,
+    demand_figure,
     demand_places,
     print_error,
     print_json,
@@ -114,22 +115,19 @@ def _run(asked: LearnWords) -> int:
 def _check(asked: LearnWords) -> None:
     """Tell mistakes before anything is loaded."""
     if asked.freeze and asked.out:
-        raise WordError("--freeze learns nothing, so there is nothing to write with -o")
+        raise UsageError("--freeze learns nothing, so there is nothing to write with -o")
     if asked.joint and not asked.out:
-        raise WordError("--joint says which table to write, so it needs -o FILE")
+        raise UsageError("--joint says which table to write, so it needs -o FILE")
     if asked.out:
         from fuzzyarm.table import SUFFIXES
 
         require_suffix(asked.out, SUFFIXES)
-    if asked.plot:
-        from fuzzyarm.figure_files import require_figure_suffix
-
-        require_figure_suffix(asked.plot)
+    demand_figure(asked.plot)
     if asked.animate:
         from fuzzyarm.show.figures.animation import require_animation
 
         require_animation(asked.animate)
-    demand_places(asked.out, asked.plot, asked.animate)
+    demand_places(asked.out, asked.animate)
 
 
 class _Watched:

@@ -29,77 +29,59 @@ the tube, with runs in it.
 
 from __future__ import annotations
 
-import math
-import os
-import re
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from fuzzyarm.api import controller_if_any, load_rules
+from fuzzyarm.api import controller_if_any
 from fuzzyarm.cli.arguments import request_command
-from fuzzyarm.cli.command import (
-    WordError,
-    print_json,
-    say,
-)
-from fuzzyarm.cli.prove_loops import check, loop_data, loops_of, prove_loops, wants_loop
-from fuzzyarm.cli.prove_sectors import ProveWords, drives_of, only_output, print_sectors, progress
+from fuzzyarm.cli.command import UsageError, demand_figure, demand_places, print_json, say
+from fuzzyarm.cli.prove_loops import check, loop_data, print_loops, prove_loops
+from fuzzyarm.cli.prove_sectors import ProveWords, print_drives, print_sectors, progress
 
 if TYPE_CHECKING:
     from fuzzyarm.closed_loop import LoopVerdict
-    from fuzzyarm.proof import Bounds, Prover, Verdict
+    from fuzzyarm.proof import Bounds, Verdict
 
 EXIT_REFUTED = 1
 EXIT_UNDECIDED = 4
 
-_MODES = ("linear", "nearest", "bins")
-
 
 def _run(asked: ProveWords) -> int:
+    from fuzzyarm.closed_loop.orders import bounds_one, require_sensible, wants_loop
+
+    require_sensible(asked)
+    demand_figure(asked.plot)
+    demand_places(asked.certificate)
     if asked.check is not None:
         return check(asked)
-    if not asked.files:
-        raise WordError("no file is given", hint="a rule base or a controller, or --check")
-    _require_files(asked.files)
-    tolerance, budget = asked.tolerance, asked.budget or math.inf
     if asked.sector:
         if asked.certificate is not None:
-            raise WordError("--certificate goes with a claim about a loop")
-        return print_sectors(asked, tolerance, budget)
+            raise UsageError("--certificate goes with a claim about a loop")
+        return print_sectors(asked)
     if wants_loop(asked):
-        return prove_loops(asked, budget)
-    if asked.along is not None:
-        raise WordError("--along goes with --sector")
-    if asked.range or asked.slope or asked.table:
+        return prove_loops(asked)
+    if bounds_one(asked):
         _require_use(asked, of=False)
-        return _single(asked, tolerance, budget)
-    if asked.output is not None:
-        raise WordError("--output goes with --range, --slope, --table or --sector")
-    return _files(asked, tolerance, budget)
+        return _single(asked)
+    return _files(asked)
 
 
 def _require_use(asked: ProveWords, *, of: bool) -> None:
     """Refuse what is written of loops where none `of` them is judged."""
     if asked.plot is not None and not of:
-        raise WordError("--plot goes with --sector, or with a claim about a loop")
+        raise UsageError("--plot goes with --sector, or with a claim about a loop")
     if asked.certificate is not None and not of:
-        raise WordError("--certificate goes with a claim about a loop")
-
-
-def _require_files(words: Sequence[str]) -> None:
-    """Tell a statement in the place of a file, before anything is read."""
-    for word in words:
-        if re.search(r"[<>=]| in ", word) and not os.path.exists(word):
-            raise WordError(f"'{word}' is a statement: it stands in the file, as  prove {word}")
+        raise UsageError("--certificate goes with a claim about a loop")
 
 
 # ── the lines of files ───────────────────────────────────────────────────────────────
 
 
-def _files(asked: ProveWords, tolerance: float | None, budget: float) -> int:
+def _files(asked: ProveWords) -> int:
+    from fuzzyarm.api import load_rules
+    from fuzzyarm.closed_loop.orders import budget_of
     from fuzzyarm.proof import prove_all
 
-    verdicts: list[tuple[str, Verdict | LoopVerdict]] = []
+    verdicts: list[Verdict | LoopVerdict] = []
     data: list[dict[str, Any]] = []
     for path in asked.files:
         controller = controller_if_any(path)
@@ -112,21 +94,22 @@ def _files(asked: ProveWords, tolerance: float | None, budget: float) -> int:
         with progress() as tell:
             for rulebase in rulebases:
                 for verdict in prove_all(
-                    rulebase, tolerance=tolerance, budget=budget, exact=asked.exact, tell=tell
-                ):
-                    verdicts.append((path, verdict))
+                    rulebase, tolerance=asked.tolerance, budget=budget_of(asked),
+                    exact=asked.exact, tell=tell,
+                ):  # fmt: skip
+                    verdicts.append(verdict)
                     data.append(file | _data(verdict))
                     if not asked.json:
                         tell("", 0, 0.0)
                         say(*_lines(path, verdict))
         if controller is not None:
-            for loop in loops_of(path, controller, asked, budget):
-                verdicts.append((path, loop))
+            for loop in print_loops(asked, path, controller, claims):
+                verdicts.append(loop)
                 data.append(file | loop_data(loop))
-            data += [file | drive for drive in drives_of(path, controller, asked, budget)]
+            data += [file | drive for drive in print_drives(asked, path, controller)]
     if asked.json:
         print_json(data, 2)
-    found = {verdict.verdict for _, verdict in verdicts}
+    found = {verdict.verdict for verdict in verdicts}
     if "refuted" in found:
         return EXIT_REFUTED
     return EXIT_UNDECIDED if "undecided" in found else 0
@@ -164,43 +147,20 @@ def _lines(path: str, verdict: Verdict) -> list[str]:
 # ── one number ───────────────────────────────────────────────────────────────────────
 
 
-def _single(asked: ProveWords, tolerance: float | None, budget: float) -> int:
-    from fuzzyarm.proof import Prover
-    from fuzzyarm.proof.arithmetic import Stop
+def _single(asked: ProveWords) -> int:
+    from fuzzyarm.api import load_rules
+    from fuzzyarm.closed_loop.orders import bounds_of, only_output
 
-    if len(asked.files) > 1:
-        raise WordError("--range, --slope and --table take one file")
     path = asked.files[0]
-    rulebase = load_rules(path, "prove")
-    name = only_output(rulebase, asked.output)
+    name = only_output(load_rules(path, "prove"), asked.output)
     with progress() as tell:
-        stop = Stop(budget, lambda count, gap: tell(path, count, gap))
-        stop.say(0)
-        prover = Prover(rulebase, name, tolerance=tolerance, stop=stop, exact=asked.exact)
-        if asked.table:
-            found = {"worst": _table(prover, asked.table)}
-        elif asked.range:
-            found = {"range": prover.value({})}
-        else:
-            found = {each: prover.slope({}, each) for each in prover.names}
+        found = bounds_of(asked, path, tell)
     if asked.json:
         _print_single(found)
     else:
         for key, bounds in found.items():
             say(*_single_lines(name, key, bounds))
     return 0 if all(bounds.complete for bounds in found.values()) else EXIT_UNDECIDED
-
-
-def _table(prover: Prover, which: str) -> Bounds:
-    from fuzzyarm.api import load_sampled
-    from fuzzyarm.table import compile_table
-
-    if which in _MODES:
-        return prover.table(compile_table(prover.rulebase, prover.output.name), which)
-    if not which.lower().endswith((".lut", ".csv", ".npz", ".json")):
-        raise WordError(f"--table takes {', '.join(_MODES)} or a table, not '{which}'")
-    table = load_sampled(which)
-    return prover.table(table, table.default_mode)
 
 
 def _print_single(found: dict[str, Bounds]) -> None:

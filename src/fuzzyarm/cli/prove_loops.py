@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import replace
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.api import controller_if_any
-from fuzzyarm.cli.command import WordError, print_json, say
+from fuzzyarm.cli.command import UsageError, WordError, print_json, say
 from fuzzyarm.cli.prove_sectors import EXIT_UNDECIDED, ProveWords, progress
 
 if TYPE_CHECKING:
@@ -17,112 +16,40 @@ if TYPE_CHECKING:
 
 EXIT_REFUTED = 1
 
-_PARTS = {"from": "from_", "with": "with_", "at": "at"}
-"""Parts of a claim that are options, and the fields that have them."""
 
-
-def wants_loop(asked: ProveWords) -> bool:
-    """Tell whether a claim about a loop, or a tube of it, is asked for in the command."""
-    wanted = asked.stable or asked.claim is not None or asked.duration is not None
-    for word, field in _PARTS.items():
-        if getattr(asked, field) is not None:
-            if asked.claim is not None:
-                raise WordError(f"--{word} is part of --claim", hint=f"write {word} in the claim")
-            if not wanted:
-                raise WordError(f"--{word} goes with --stable or --for")
-    if asked.stable and asked.duration is not None:
-        raise WordError("--stable is for all time: --for goes with --claim, or alone")
-    return bool(wanted)
-
-
-def prove_loops(asked: ProveWords, budget: float) -> int:
+def prove_loops(asked: ProveWords) -> int:
     """Do what ``--stable``, ``--claim`` or ``--for`` says."""
-    if len(asked.files) > 1:
-        raise WordError("--stable, --claim and --for take one file")
+    from fuzzyarm.closed_loop.orders import claim_of, loop_of
+
     path = asked.files[0]
-    controller = controller_if_any(path)
-    if controller is None:
-        raise WordError(f"{path} is not a controller: --stable, --claim and --for are about loops")
+    controller = loop_of(asked, controller_if_any(path))
     if not asked.stable and asked.claim is None:
-        return _bound(path, controller, asked, budget)
-    (verdict,) = _judged(path, controller, [_claim_of(asked)], asked, budget)
+        return _bound(asked, path, controller)
+    (verdict,) = print_loops(asked, path, controller, [claim_of(asked)])
     if asked.json:
         print_json(loop_data(verdict), 2)
     return _exit_status(verdict)
 
 
-def _claim_of(asked: ProveWords) -> LoopClaim:
-    from fuzzyarm.closed_loop import read_claim
-
-    plant = asked.plant or ""
-    if asked.claim is not None:
-        return _ended(read_claim(asked.claim, plant), asked)
-    if not plant:
-        word = "--stable" if asked.stable else "--for"
-        raise WordError(f"{word} needs a plant", hint="--plant motor")
-    text = "stable"
-    if asked.at is not None:
-        pairs = (pair.partition("=") for pair in asked.at.split(","))
-        text += " at " + ", ".join(f"{_name(port)} = {value}" for port, _, value in pairs)
-    for word in ("with", "from"):
-        value = getattr(asked, _PARTS[word])
-        if value is not None:
-            text += f" {word} {value}"
-    return read_claim(text, plant)
-
-
-def _name(word: str) -> str:
-    from fuzzyarm.language.tokens import name_text
-
-    return name_text(word.strip().strip("'"))
-
-
-def _ended(claim: LoopClaim, asked: ProveWords) -> LoopClaim:
-    """Return a claim with the end that ``--for`` says."""
-    if asked.duration is None:
-        return claim
-    if claim.stable or claim.when == "during":
-        raise WordError(
-            "--for gives a claim with `after` or `always` an end; this has none to give"
-        )
-    from fuzzyarm.loop.reference import read_time
-
-    end = read_time(asked.duration or "", "--for")
-    if not end > claim.begin:
-        raise WordError(f"--for ends at {end:g} s, before the claim begins at {claim.begin:g} s")
-    return replace(claim, when="during", end=end)
-
-
 # ── a tube ───────────────────────────────────────────────────────────────────────────
 
 
-def _bound(path: str, controller: ControllerText, asked: ProveWords, budget: float) -> int:
+def _bound(asked: ProveWords, path: str, controller: ControllerText) -> int:
     """Bound all ports of the plant for a time; what is left open is said."""
-    from fuzzyarm.closed_loop import EnclosureError, claim_text, loop_tube
-    from fuzzyarm.loop.reference import read_time
+    from fuzzyarm.closed_loop.orders import tube_of
 
     if asked.certificate is not None:
-        raise WordError("--certificate goes with a claim about a loop", hint="--claim, --stable")
-    _require_figure(asked)
-    claim = _claim_of(asked)
-    duration = read_time(asked.duration or "", "--for")
-    statement = claim_text(claim).removeprefix("stable ") + f" for {duration:g} s"
+        raise UsageError("--certificate goes with a claim about a loop", hint="--claim, --stable")
     with progress() as tell:
-        try:
-            way, open_ = loop_tube(
-                controller, claim, duration, budget=budget, **_setup(claim, asked),
-                tell=lambda share, boxes: tell(statement, boxes, 1.0 - share),
-            )  # fmt: skip
-        except EnclosureError as error:
-            raise WordError(f"{path}: {error}") from error
+        way, left_open, statement = tube_of(asked, controller, tell)
         tell("", 0, 0.0)
     if asked.json:
-        data = {"property": statement, "complete": way.complete, "open": list(open_)}
+        data = {"property": statement, "complete": way.complete, "open": list(left_open)}
         print_json({**data, "tube": tube_data(way), "seconds": round(way.seconds, 6)}, 2)
     else:
-        found = [*(way.lines() if way.complete else ()), *open_]
-        found.append(f"{way.boxes} box{'es' * (way.boxes != 1)}, {way.seconds:.2f} s")
-        say(f"{path}: {statement}", *(f"  {line}" for line in found))
+        lines = [*(way.lines() if way.complete else ()), *left_open]
+        lines.append(f"{way.boxes} box{'es' * (way.boxes != 1)}, {way.seconds:.2f} s")
+        say(f"{path}: {statement}", *(f"  {line}" for line in lines))
     if asked.plot is not None and way.complete:
         _draw_tube(way, statement, asked.plot)
         if not asked.json:
@@ -146,53 +73,24 @@ def tube_data(way: Tube | None) -> dict[str, Any] | None:
     }
 
 
-def _setup(claim: LoopClaim, asked: ProveWords) -> dict[str, Any]:
-    """Return connections and sensors as the command says them."""
-    from fuzzyarm.loop.words import connections, sensors_of
-    from fuzzyarm.plant.own import find_plant
-    from fuzzyarm.requests.experiment import ExperimentRequest
-
-    words = {name: getattr(asked, name) for name in ("connect", "quantise", "sensor_delay")}
-    loop = ExperimentRequest(**words)
-    setup: dict[str, Any] = {"connect": connections(loop)}
-    if loop.quantise or loop.sensor_delay:
-        setup["sensors"] = sensors_of(loop, find_plant(claim.plant))
-    return setup
-
-
 # ── claims ───────────────────────────────────────────────────────────────────────────
 
 
-def loops_of(
-    path: str, controller: ControllerText, asked: ProveWords, budget: float
+def print_loops(
+    asked: ProveWords, path: str, controller: ControllerText, claims: Sequence[LoopClaim]
 ) -> Iterator[LoopVerdict]:
-    """Judge the claims in the file of a controller, and print the verdicts."""
-    yield from _judged(path, controller, list(controller.model.claims), asked, budget)
-
-
-def _judged(
-    path: str,
-    controller: ControllerText,
-    claims: list[LoopClaim],
-    asked: ProveWords,
-    budget: float,
-) -> Iterator[LoopVerdict]:
+    """Judge claims about the loop of a controller, and print the verdicts."""
     if not claims:
         return
-    from fuzzyarm.closed_loop import prove_loop
+    from fuzzyarm.closed_loop.orders import loops_of
 
-    _require_figure(asked)
     with progress() as tell:
-        for claim in claims:
-            verdict = prove_loop(
-                controller, claim, budget=budget, continuous=asked.continuous, tell=tell,
-                **_setup(claim, asked),
-            )  # fmt: skip
+        for verdict in loops_of(asked, controller, tuple(claims), tell):
             tell("", 0, 0.0)
             if not asked.json:
                 say(*_lines(path, verdict))
             if asked.certificate is not None and verdict.proved:
-                _certify(controller, verdict, asked, budget)
+                _certify(controller, verdict, asked)
             if asked.plot is not None and (verdict.proved or verdict.tube is not None):
                 _draw(controller, verdict, asked.plot)
                 if not asked.json:
@@ -200,9 +98,7 @@ def _judged(
             yield verdict
 
 
-def _certify(
-    controller: ControllerText, verdict: LoopVerdict, asked: ProveWords, budget: float
-) -> None:
+def _certify(controller: ControllerText, verdict: LoopVerdict, asked: ProveWords) -> None:
     """Write the certificate of what is proved; of a tube it is made first."""
     from fuzzyarm.closed_loop import (
         Certificate,
@@ -211,6 +107,7 @@ def _certify(
         write_certificate,
         write_tube_certificate,
     )
+    from fuzzyarm.closed_loop.orders import budget_of, setup_of
 
     out, claim = asked.certificate or "", verdict.claim
     assert claim is not None
@@ -226,7 +123,7 @@ def _certify(
     else:
         try:
             tube = certify_tube(
-                controller, claim, budget=min(budget, 600.0), **_setup(claim, asked)
+                controller, claim, budget=min(budget_of(asked), 600.0), **setup_of(asked, claim)
             )
         except LoopProofError as error:
             say(f"{out}: not written: {error}", to_errors=True)
@@ -235,13 +132,6 @@ def _certify(
         seal = tube.seal
     if not asked.json:
         say(f"{out}: the certificate, {seal[:16]}")
-
-
-def _require_figure(asked: ProveWords) -> None:
-    if asked.plot is not None:
-        from fuzzyarm.figure_files import require_figure_suffix
-
-        require_figure_suffix(asked.plot)
 
 
 def _draw_tube(way: Tube, statement: str, path: str, claim: LoopClaim | None = None) -> None:

@@ -11,13 +11,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.api import controller_if_any, load_rules
-from fuzzyarm.cli.command import WordError, print_json, read_assignments, say
+from fuzzyarm.cli.command import print_json, say
 from fuzzyarm.requests.fields import Request, option
 from fuzzyarm.requests.prove import ProveRequest
 
 if TYPE_CHECKING:
     from fuzzyarm.controller.text import ControllerText
-    from fuzzyarm.model.rulebase import RuleBase
     from fuzzyarm.proof.controllers import DriveProof, DriveSector
     from fuzzyarm.proof.sector import Sector
 
@@ -68,31 +67,13 @@ def progress() -> Iterator[Callable[[str, int, float], None]]:
         tell("", 0, 0.0)
 
 
-def only_output(rulebase: RuleBase, asked: str | None) -> str:
-    """Return the output that is asked for, or the only one."""
-    names = [output.name for output in rulebase.outputs]
-    if asked is None and len(names) != 1:
-        raise WordError("the file has several outputs", hint=f"--output {' or '.join(names)}")
-    if asked is not None and asked not in names:
-        raise WordError(f"no output is called '{asked}'", hint=f"there are {', '.join(names)}")
-    return asked or names[0]
-
-
-def print_sectors(asked: ProveWords, tolerance: float | None, budget: float) -> int:
+def print_sectors(asked: ProveWords) -> int:
     """Do what ``--sector`` says."""
-    if len(asked.files) > 1:
-        raise WordError("--sector takes one file")
-    if asked.plot is not None:
-        from fuzzyarm.figure_files import require_figure_suffix
-
-        require_figure_suffix(asked.plot)
     path = asked.files[0]
     controller = controller_if_any(path)
     if controller is None:
-        return _of_rulebase(path, load_rules(path, "prove"), asked, tolerance, budget)
-    if asked.along is not None or asked.output is not None:
-        raise WordError("--along and --output are for rule bases, not for controllers")
-    data = drives_of(path, controller, asked, budget)
+        return _of_rulebase(asked, path)
+    data = print_drives(asked, path, controller)
     if asked.json:
         print_json(data, 2)
     return 0
@@ -101,31 +82,13 @@ def print_sectors(asked: ProveWords, tolerance: float | None, budget: float) -> 
 # ── rule bases ───────────────────────────────────────────────────────────────────────
 
 
-def _of_rulebase(
-    path: str,
-    rulebase: RuleBase,
-    asked: ProveWords,
-    tolerance: float | None,
-    budget: float,
-) -> int:
-    from fuzzyarm.errors import FuzzyarmError
-    from fuzzyarm.proof import Prover, sector
-    from fuzzyarm.proof.arithmetic import Stop
-    from fuzzyarm.proof.sector import form_text
+def _of_rulebase(asked: ProveWords, path: str) -> int:
+    from fuzzyarm.closed_loop.orders import only_output, sectors_of
 
-    if asked.plant is not None:
-        raise WordError("--plant is for controllers, not for rule bases")
-    name = only_output(rulebase, asked.output)
-    sectors: list[Sector] = []
-    failed: list[str] = []
     with progress() as tell:
-        stop = Stop(budget, lambda count, gap: tell(path, count, gap))
-        prover = Prover(rulebase, name, tolerance=tolerance, stop=stop)
-        for weights in _forms(prover, asked.along, failed):
-            try:
-                sectors.append(sector(prover, weights))
-            except FuzzyarmError as error:
-                failed.append(f"along {form_text(weights)}: {error}")
+        sectors, failed = sectors_of(asked, path, tell)
+    rulebase = load_rules(path, "prove")
+    name = only_output(rulebase, asked.output)
     if asked.plot is not None and sectors:
         from fuzzyarm.figure_files import save_figure
         from fuzzyarm.show.figures.panels import chart_figure
@@ -144,29 +107,6 @@ def _of_rulebase(
         if asked.plot is not None and sectors:
             say(f"{asked.plot}: drawn from {path}")
     return 0 if sectors and all(each.complete for each in sectors) else EXIT_UNDECIDED
-
-
-def _forms(prover: Any, along: str | None, failed: list[str]) -> list[dict[str, Any]]:
-    """Return the sums of inputs to be asked: each alone, and what a linear law would give."""
-    from fractions import Fraction
-
-    from fuzzyarm.errors import FuzzyarmError
-    from fuzzyarm.proof import slopes_at
-
-    if along is not None:
-        return [dict(read_assignments([along], prover.names))]
-    forms: list[dict[str, Any]] = [{name: 1} for name in prover.names]
-    if len(prover.names) > 1:
-        try:
-            slopes = slopes_at(prover, {})
-        except FuzzyarmError as error:
-            failed.append(f"along a linear law: {error}")
-            return forms
-        gains = {name: slopes.along({name: Fraction(1)}) for name in prover.names}
-        joint = {name: gain for name, gain in gains.items() if gain}
-        if len(joint) > 1:
-            forms.append(joint)
-    return forms
 
 
 def _sector_data(found: Sector) -> dict[str, Any]:
@@ -207,16 +147,14 @@ def _bounds(low: float, high: float) -> str:
 # ── controllers ──────────────────────────────────────────────────────────────────────
 
 
-def drives_of(
-    path: str, controller: ControllerText, asked: ProveWords, budget: float
-) -> list[dict[str, Any]]:
+def print_drives(asked: ProveWords, path: str, controller: ControllerText) -> list[dict[str, Any]]:
     """Prove the static part of a controller, print it unless as data, and return the data."""
+    from fuzzyarm.closed_loop.orders import drives_of
     from fuzzyarm.plant import find_plant
-    from fuzzyarm.proof.controllers import prove_drives
 
     plant = find_plant(asked.plant) if asked.plant is not None else None
     with progress() as tell:
-        proofs = prove_drives(controller, plant, budget=budget, tell=tell)
+        proofs = drives_of(asked, controller, tell)
     if asked.plot is not None:
         from fuzzyarm.figure_files import save_figure
         from fuzzyarm.show.figures.panels import chart_figure

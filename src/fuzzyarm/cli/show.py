@@ -10,19 +10,20 @@ from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.api import load_sheet
 from fuzzyarm.cli.command import (
+    UsageError,
     WordError,
     argument,
     at,
     command,
+    demand_figure,
     flag,
     json_of,
     out,
     print_json,
-    read_assignments,
-    read_point,
     say,
 )
 from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.text.assignments import read_assignments, read_point
 from fuzzyarm.text.names import typed
 from fuzzyarm.text.numbers import number_text
 
@@ -152,13 +153,13 @@ sinusoidal error); a rule base of error and rate, or a controller on a plant, a 
 
 
 def _plot(arguments: argparse.Namespace) -> int:
-    from fuzzyarm.figure_files import require_figure_suffix, save_figure
+    from fuzzyarm.figure_files import save_figure
 
-    require_figure_suffix(arguments.out)
+    demand_figure(arguments.out)
     if arguments.what in LOOP_FIGURES:
         figure = _loop_figure(arguments)
     elif arguments.plant is not None:
-        raise WordError("--plant goes with --what phase")
+        raise UsageError("--plant goes with --what phase")
     else:
         rules = arguments.what in ("terms", "surface")
         named = arguments.at is not None or arguments.output is not None
@@ -185,7 +186,7 @@ def _loop_figure(arguments: argparse.Namespace) -> Figure:
         )
     if arguments.what == "describing-function":
         if arguments.plant is not None:
-            raise WordError("--plant goes with --what phase")
+            raise UsageError("--plant goes with --what phase")
         return describing_figure(model)
     from fuzzyarm.plant import find_plant
 

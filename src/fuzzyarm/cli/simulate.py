@@ -34,8 +34,10 @@ from typing import TYPE_CHECKING, Any
 from fuzzyarm.cli.arguments import request_command
 from fuzzyarm.cli.command import (
     DIVERGED,
-    WordError,
+    UsageError,
     busy,
+    demand_figure,
+    demand_places,
     hush,
     print_json,
     progress_bar,
@@ -140,7 +142,7 @@ def _print_notes(name: str) -> None:
 
 def _sweep(asked: SimulateWords) -> int:
     if len(asked.controller) > 1 or asked.given(("csv", "show_gains", "animate", "watch")):
-        raise WordError(
+        raise UsageError(
             "--sweep takes one controller, not --csv, --animate, --watch or --show-gains"
         )
     return sweep(asked.as_kind(SweepWords, controller=asked.controller[0]))
@@ -148,18 +150,16 @@ def _sweep(asked: SimulateWords) -> int:
 
 def _require_pictures(asked: SimulateWords) -> None:
     """Tell a mistake in the name of a picture before the run."""
-    if asked.plot:
-        from fuzzyarm.figure_files import require_figure_suffix
-
-        require_figure_suffix(asked.plot)
+    demand_figure(asked.plot)
+    demand_places(asked.csv, asked.animate)
     if asked.animate:
         from fuzzyarm.show.figures.animation import require_animation
 
         require_animation(asked.animate)
     if asked.watch and asked.json:
-        raise WordError("--watch draws on the terminal, where --json prints: leave one of them out")
+        raise UsageError("--watch draws where --json prints: leave one of them out")
     if asked.watch and not sys.stdout.isatty():
-        raise WordError("--watch needs a terminal", hint="--animate FILE writes an animation")
+        raise UsageError("--watch needs a terminal", hint="--animate FILE writes an animation")
 
 
 def _watch(results: list[Run], plant: Plant) -> None:

@@ -9,7 +9,16 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fuzzyarm.cli.command import JSON, argument, busy, command, flag, print_json, progress_bar
+from fuzzyarm.cli.command import (
+    JSON,
+    argument,
+    busy,
+    command,
+    demand_figure,
+    flag,
+    print_json,
+    progress_bar,
+)
 
 if TYPE_CHECKING:
     from fuzzyarm.study import Ensemble, Judgement, PublishedRow, Reproduced
@@ -52,10 +61,7 @@ def _reproduce(arguments: argparse.Namespace) -> int:
     if not 0 <= arguments.runs <= 100_000:
         print("fuzzyarm reproduce: --runs takes 0 to 100000", file=sys.stderr)
         return 2
-    if arguments.overview:
-        from fuzzyarm.figure_files import require_figure_suffix
-
-        require_figure_suffix(arguments.overview)  # a mistake in the name is told before the runs
+    demand_figure(arguments.overview)
     # Nothing is printed while the bar is on the screen: it would swallow it.
     results = list(_watched(rows, arguments.runs))
     if arguments.plot:

@@ -28,11 +28,11 @@ from fuzzyarm.cli.arguments import request_command
 from fuzzyarm.cli.command import (
     DIVERGED,
     EXIT_INTERRUPTED,
-    WordError,
+    UsageError,
     announced,
     attempted,
     counted,
-    demand_places,
+    demand_figure,
     print_error,
     print_json,
     say,
@@ -110,12 +110,8 @@ def _require_sensible(asked: SweepWords) -> None:
 
     require_sensible(asked)
     if asked.map and not asked.plot:
-        raise WordError("--map is drawn to the file of --plot, and none is given")
-    if asked.plot:
-        from fuzzyarm.figure_files import require_figure_suffix
-
-        require_figure_suffix(asked.plot)
-    demand_places(asked.plot)
+        raise UsageError("--map is drawn to the file of --plot, and none is given")
+    demand_figure(asked.plot)
 
 
 # --- What came of it ---
@@ -130,14 +126,14 @@ def _map_axes(asked: SweepWords, plan: Sweep) -> tuple[str, ...]:
     if asked.map:
         axes = tuple(name.strip() for name in asked.map.split(","))
     if asked.random is not None:
-        raise WordError("a figure is drawn of a grid, not of --random")
+        raise UsageError("a figure is drawn of a grid, not of --random")
     for name in axes:
         if name not in names:
-            raise WordError(f"--map: '{name}' is not swept", hint=f"swept: {', '.join(names)}")
+            raise UsageError(f"--map: '{name}' is not swept", hint=f"swept: {', '.join(names)}")
     if asked.map and len(set(axes)) != 2:
-        raise WordError("--map takes two names, as in payload,G_e")
+        raise UsageError("--map takes two names, as in payload,G_e")
     if len(axes) > 2:
-        raise WordError("--map says over which two the figure is drawn", hint=",".join(names[:2]))
+        raise UsageError("--map says over which two the figure is drawn", hint=",".join(names[:2]))
     return axes
 
 

@@ -46,6 +46,7 @@ from fuzzyarm.cli.command import (
     announced,
     attempted,
     counted,
+    demand_figure,
     demand_places,
     duration_words,
     print_error,
@@ -187,11 +188,8 @@ def _require_sensible(asked: TuneWords) -> None:
 
     if asked.out:
         require_suffix(asked.out, (".frb",))
-    if asked.plot:
-        from fuzzyarm.figure_files import require_figure_suffix
-
-        require_figure_suffix(asked.plot)
-    demand_places(asked.out, asked.plot)
+    demand_figure(asked.plot)
+    demand_places(asked.out)
     require_sensible(asked)
 
 

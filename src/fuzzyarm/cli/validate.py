@@ -24,6 +24,7 @@ from fuzzyarm.cli.command import (
     argument,
     command,
     counted,
+    demand_figure,
     flag,
     json_of,
     print_json,
@@ -41,10 +42,7 @@ _FEW = 20
 
 
 def _run(arguments: argparse.Namespace) -> int:
-    if arguments.plot:
-        from fuzzyarm.figure_files import require_figure_suffix
-
-        require_figure_suffix(arguments.plot)
+    demand_figure(arguments.plot)
     rulebase = load_rules(arguments.model, "validate")
     samples = _samples(rulebase, arguments)
     for note in samples.notes:
@@ -136,7 +134,8 @@ def _summary(found: Validation, samples: Samples) -> list[str]:
         lines.append(
             f"bias {found.bias:.3g}, worst {found.worst:.4g} at sample {found.worst_sample}"
         )
-        lines.append(f"observed = {found.slope:.4g} × predicted {found.intercept:+.4g}")
+        sign, size = "+-"[found.intercept < 0.0], abs(found.intercept)
+        lines.append(f"observed = {found.slope:.4g} × predicted {sign} {size:.4g}")
     return lines
 
 

@@ -6,7 +6,7 @@
 
 from typing import TYPE_CHECKING
 
-from fuzzyarm.closed_loop.asking import prove
+from fuzzyarm.closed_loop.call import prove
 from fuzzyarm.closed_loop.certificate import (
     Certificate,
     CertificateError,

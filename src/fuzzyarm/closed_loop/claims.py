@@ -17,11 +17,16 @@ from fuzzyarm.model.claims import LoopClaim
 from fuzzyarm.plant.own import find_plant
 from fuzzyarm.plant.plant import Plant
 from fuzzyarm.text.diagnostic import NOWHERE, RuleBaseError
+from fuzzyarm.text.names import near_hint
 
 __all__ = ["claim_text", "claimed_port", "problem_of", "read_claim"]
 
 
-def read_claim(text: str, plant: str = "") -> LoopClaim:
+OPENINGS = ("stable", "on", "at", "with", "from")
+"""Words that a claim may begin with, where its plant is known."""
+
+
+def read_claim(text: str, plant: str = "", argument: str = "") -> LoopClaim:
     """Return the claim in a text such as ``stable on motor``.
 
     Parameters
@@ -31,6 +36,8 @@ def read_claim(text: str, plant: str = "") -> LoopClaim:
     plant : str, optional
         Its name, where the text leaves ``on PLANT`` out: ``stable``, ``from position in
         -0.3 .. 0.3: position in -1 .. 1``, ``position in -1 .. 1``.
+    argument : str, optional
+        As what the text was given; an error begins with it.
 
     Raises
     ------
@@ -48,8 +55,22 @@ def read_claim(text: str, plant: str = "") -> LoopClaim:
     wrong = tuple(diagnostic for diagnostic in document.diagnostics if diagnostic.line > 1)
     nodes = [s.node for s in document.statements if isinstance(s.node, LoopClaimNode)]
     if wrong or not nodes:
-        raise RuleBaseError(wrong or document.diagnostics)
+        said = f"{argument} '{text.strip()}'"
+        raise RuleBaseError(
+            [
+                replace(
+                    diagnostic, argument=said, hint=diagnostic.hint or _hint(text), span=NOWHERE
+                )
+                for diagnostic in wrong or document.diagnostics
+            ]
+        )
     return replace(nodes[0].claim, span=NOWHERE)
+
+
+def _hint(text: str) -> str:
+    """Return what the first word of a claim probably means."""
+    first = text.split(maxsplit=1)[0] if text.split() else ""
+    return "" if first in OPENINGS else near_hint(first, OPENINGS)[0]
 
 
 def claim_text(claim: LoopClaim) -> str:

@@ -466,9 +466,10 @@ class _Reader(SystemReader):
             Consequent(*proposition) for proposition in self._propositions(self.outputs, outputs)
         ]
         if not conditions or not conclusions:
-            side = "condition" if not conditions else "conclusion"
-            message = f"the rule has no {side} and never does anything; it is left out"
-            self.findings.warn("empty-rule", message, line)
+            side, codes = ("condition", inputs) if not conditions else ("conclusion", outputs)
+            if all(number(code.text) == 0.0 for code in codes):  # else a code is at fault itself
+                message = f"the rule has no {side} and never does anything; it is left out"
+                self.findings.warn("empty-rule", message, line)
             return None
         antecedent: Expression = conditions[0]
         if len(conditions) > 1:

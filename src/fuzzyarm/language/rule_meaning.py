@@ -119,15 +119,21 @@ def _turned(node: GridNode, scope: Scope) -> GridNode:
 
 
 def _judge_single_row(node: GridNode, scope: Scope) -> None:
+    output = name_text(node.output)
     for line in node.rows:
-        if line.label != node.output:
-            scope.report(
-                "bad-row-label",
-                f"the row of a grid over one input is labelled with the output '{node.output}'",
-                line.label.span,
-                hint="a grid over two inputs has a header like  e \\ ce  NB ZE PB",
-                replacement=name_text(node.output) if len(node.rows) == 1 else None,
-            )
+        if line.label == node.output:
+            continue
+        hint, replacement = "a grid over two inputs has a header like  e \\ ce  NB ZE PB", output
+        if len(line.cells) == len(node.columns) - 1:  # the first cell was read as the label
+            replacement = f"{output} {name_text(line.label)}"
+            hint = f"begin the row with it: {replacement} …"
+        scope.report(
+            "bad-row-label",
+            f"the row of a grid over one input is labelled with the output '{node.output}'",
+            line.label.span,
+            hint=hint,
+            replacement=replacement if len(node.rows) == 1 else None,
+        )
 
 
 def _row_rules(

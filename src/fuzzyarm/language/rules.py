@@ -89,7 +89,9 @@ class RowNode(NamedTuple):
                 cells[-1].append(cells[-1][0])
             cursor.suggest("cells", grid, len(cells))
         count = len(cells)
-        if count != len(columns):
+        # Where the one row of a grid over one input has no label, its first cell was read as one.
+        unlabelled = grid.row is None and label not in outputs and count == len(columns) - 1
+        if count != len(columns) and not unlabelled:
             surplus = count > len(columns)
             count_words = "1 cell" if count == 1 else f"{count} cells"
             cursor.forgiven.append(

@@ -6,7 +6,7 @@ import math
 from pathlib import Path
 
 from fuzzyarm.api import load_sheet
-from fuzzyarm.errors import WordError
+from fuzzyarm.errors import UsageError
 from fuzzyarm.learning.data import (
     Columns,
     Samples,
@@ -36,7 +36,7 @@ def options_asked(asked: FitRequest) -> Options:
     """
     words = _words(asked.words) if asked.words else Options.words
     if asked.words and (asked.terms or asked.start != "grid"):
-        raise WordError("--words is for Wang and Mendel's rules, --terms and --start are not")
+        raise UsageError("--words is for Wang and Mendel's rules, --terms and --start are not")
     return Options(
         method="wang-mendel" if asked.words else "sugeno",
         start=asked.start,
@@ -63,14 +63,14 @@ def _words(text: str) -> tuple[int, int]:
     try:
         return int(low), int(high if dots else low)
     except ValueError:
-        raise WordError(f"--words takes a number or a range such as 3..15, not '{text}'") from None
+        raise UsageError(f"--words takes a number or a range such as 3..15, not '{text}'") from None
 
 
 def _numbers(text: str, option: str) -> tuple[int, ...]:
     try:
         return tuple(int(part) for part in text.split(","))
     except ValueError:
-        raise WordError(f"{option} takes numbers such as 2,2,1, not '{text}'") from None
+        raise UsageError(f"{option} takes numbers such as 2,2,1, not '{text}'") from None
 
 
 # --- Samples ---
@@ -91,7 +91,7 @@ def is_model(path: str) -> bool:
 
 def _samples_of_model(asked: FitRequest) -> Samples:
     if asked.inputs:
-        raise WordError("--inputs is for samples: a surrogate has the inputs of what it stands for")
+        raise UsageError("--inputs is for samples: a surrogate has those of what it stands for")
     model = load_sheet(asked.data)
     if isinstance(model, RuleBase):
         return rulebase_samples(model, asked.target, seed=asked.seed, source=asked.data)

@@ -15,7 +15,7 @@ from fuzzyarm.controller.controller import Controller
 from fuzzyarm.controller.findings import site_for
 from fuzzyarm.controller.law import GainError
 from fuzzyarm.controller.own import find_controllers
-from fuzzyarm.errors import WordError
+from fuzzyarm.errors import UsageError, WordError
 from fuzzyarm.loop.along import equipped, trajectory_motion
 from fuzzyarm.loop.course import Motion, Options
 from fuzzyarm.loop.many import owner_of
@@ -190,10 +190,10 @@ def follows(asked: ExperimentRequest, plant: Plant) -> bool:
     reference = given_option(asked, REFERRED)
     other = given_option(asked, (*ALONG, *CARRIED))
     if reference and other:
-        raise WordError(f"{reference} is for references, and {other} for a trajectory: give one")
+        raise UsageError(f"{reference} is for references, and {other} for a trajectory: give one")
     if reference == "--for":
         hint = "--segment and --hold say how long a trajectory is"
-        raise WordError("--for says how long --reference or --step is followed", hint=hint)
+        raise UsageError("--for says how long --reference or --step is followed", hint=hint)
     return not reference
 
 
@@ -269,7 +269,7 @@ def _point(text: str) -> tuple[float, ...]:
     try:
         return tuple(float(part) for part in text.split(","))
     except ValueError:
-        raise WordError(f"way point '{text}' is not numbers", hint="as in 45,-30") from None
+        raise UsageError(f"way point '{text}' is not numbers", hint="as in 45,-30") from None
 
 
 # --- Files ---

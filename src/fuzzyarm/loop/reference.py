@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzyarm.errors import WordError
+from fuzzyarm.errors import UsageError
 from fuzzyarm.model.controller import TIMES
 from fuzzyarm.plant.plant import PlantError
 from fuzzyarm.text.names import near_hint
@@ -168,7 +168,7 @@ def read_time(text: str, option: str) -> float:
             raise ValueError
     except ValueError:
         units = ", ".join(TIMES)
-        raise WordError(f"{option} takes a time with a unit ({units}), not '{text}'") from None
+        raise UsageError(f"{option} takes a time with a unit ({units}), not '{text}'") from None
     return value
 
 

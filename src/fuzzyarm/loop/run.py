@@ -27,7 +27,7 @@ from fuzzyarm.controller.on_plant import (
 )
 from fuzzyarm.controller.program import SourceError
 from fuzzyarm.controller.text import ControllerText
-from fuzzyarm.errors import WordError, demand_extra
+from fuzzyarm.errors import UsageError, demand_extra
 from fuzzyarm.loop.course import (
     Course,
     Motion,
@@ -350,7 +350,7 @@ def stepped(
         If references are given as well.
     """
     if reference:
-        raise WordError("a step and references say the same thing", hint="give one of them")
+        raise UsageError("a step and references say the same thing", hint="give one of them")
     require_sound(plant)
     return _stepped(controller, site_of(plant, connect), float(step))
 

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fuzzyarm.errors import UsageError
 from fuzzyarm.loop.many import SweepError, Vector, metric_names
 from fuzzyarm.requests.journal import Journal
 
@@ -73,6 +74,10 @@ class Range:
 MOST_VALUES = 1_000_000
 
 
+class RangeError(SweepError, UsageError):
+    """A word that is not a range."""
+
+
 def read_range(word: str) -> Range:
     """Read ``NAME=A..B:N``, ``NAME=A..B`` or ``NAME=A..B:N log``.
 
@@ -93,7 +98,7 @@ def read_range(word: str) -> Range:
         if colon and not 1 <= range_[2] <= MOST_VALUES:
             raise ValueError
     except ValueError:
-        raise SweepError(f"'{word}' is not a range", name=name.strip(), hint=hint) from None
+        raise RangeError(f"'{word}' is not a range", name=name.strip(), hint=hint) from None
     return Range(name.strip(), *range_, log=log)
 
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from fuzzyarm.controller.on_plant import text_law_of
 from fuzzyarm.controller.text import files_of
-from fuzzyarm.errors import FuzzyarmError, WordError, demand_extra, sentence_of
+from fuzzyarm.errors import FuzzyarmError, UsageError, WordError, demand_extra, sentence_of
 from fuzzyarm.loop.along import Way
 from fuzzyarm.loop.experiments import (
     controllers_of,
@@ -112,11 +112,9 @@ def require_sensible(asked: SweepRequest) -> None:
         If the metric is unknown, or fields do not fit each other.
     """
     if asked.metric not in METRICS:
-        error = unknown_choice("metric", asked.metric, METRICS)
-        error.is_usage = False  # as before there were requests: exit status 1
-        raise error
+        raise unknown_choice("metric", asked.metric, METRICS)
     if asked.resume and not asked.out:
-        raise WordError("--resume goes on with the file of -o, and none is given")
+        raise UsageError("--resume goes on with the file of -o, and none is given")
 
 
 def _ranges(asked: SweepRequest) -> tuple[tuple[Range, ...], dict[str, Vector], int]:
@@ -124,7 +122,7 @@ def _ranges(asked: SweepRequest) -> tuple[tuple[Range, ...], dict[str, Vector], 
     if asked.random is not None:
         return ranges, whole(drawn(ranges, asked.random, asked.seed)), asked.random
     if not ranges:
-        raise WordError("nothing is swept", hint="--sweep NAME=A..B:N, or --random N")
+        raise UsageError("nothing is swept", hint="--sweep NAME=A..B:N, or --random N")
     count = math.prod(interval.count or 1 for interval in ranges)
     if count > MOST_RUNS:
         raise WordError(f"a grid of {count:,} runs is out of range: up to {MOST_RUNS:,}")

@@ -13,14 +13,15 @@ from dataclasses import replace
 from typing import Any, TypeVar
 
 from fuzzyarm.controller.controller import Controller
-from fuzzyarm.errors import WordError
+from fuzzyarm.errors import UsageError, WordError
 from fuzzyarm.loop.course import Motion, Options, Sensor
 from fuzzyarm.loop.reference import Signal, read_signal, read_time
 from fuzzyarm.loop.run import plant_motion, stepped
 from fuzzyarm.plant.own import find_plant
 from fuzzyarm.plant.plant import Plant, Port, interface_of, with_actuators
 from fuzzyarm.plant.setting import PLAIN, STUDY, Conventions
-from fuzzyarm.requests.experiment import ExperimentRequest
+from fuzzyarm.requests.experiment import AROUND, ExperimentRequest
+from fuzzyarm.requests.fields import fields_of
 
 _Value = TypeVar("_Value")
 
@@ -113,8 +114,25 @@ def references_of(
     if asked.step is None:
         return references
     if references:
-        raise WordError("--step and --reference say the same thing; give one of them")
+        raise UsageError("--step and --reference say the same thing; give one of them")
     return stepped(controller, plant, asked.step, connect=connections(asked))
+
+
+def conditions(asked: ExperimentRequest) -> str:
+    """Return in words what surrounds a loop: noise, delays, disturbances, and the seed of noise."""
+    words = []
+    for known in fields_of(type(asked)):
+        value = getattr(asked, known.name)
+        is_said = value != known.default or (known.name == "seed" and asked.noise)
+        if known.said.group != AROUND or not is_said:
+            continue
+        name = known.spelling.lstrip("-").replace("-", " ")
+        words.append(name if value is True else f"{name} {_listed(value)}")
+    return ", ".join(words)
+
+
+def _listed(value: object) -> str:
+    return " and ".join(map(str, value)) if isinstance(value, tuple) else str(value)
 
 
 def conventions_of(asked: ExperimentRequest) -> Conventions:
@@ -167,7 +185,7 @@ def read_pairs(
     for word in words:
         name, equals, text = word.partition("=")
         if not equals or not name.strip() or not text.strip():
-            raise WordError(f"{option} takes NAME=VALUE, not '{word}'")
+            raise UsageError(f"{option} takes NAME=VALUE, not '{word}'")
         pairs[name.strip()] = read(text.strip())
     return pairs
 
@@ -179,7 +197,7 @@ def read_number(option: str) -> Callable[[str], float]:
         try:
             return float(text)
         except ValueError:
-            raise WordError(f"{option} takes a number, not '{text}'") from None
+            raise UsageError(f"{option} takes a number, not '{text}'") from None
 
     return read
 
@@ -189,7 +207,7 @@ def _actuator(text: str) -> Port:
     low, dots, high = limits.partition("..")
     read = read_number("--actuator")
     if not dots:
-        raise WordError(f"--actuator takes INPUT=LOW..HIGH or INPUT=LOW..HIGH,SLEW, not '{text}'")
+        raise UsageError(f"--actuator takes INPUT=LOW..HIGH or INPUT=LOW..HIGH,SLEW, not '{text}'")
     return Port(low=read(low), high=read(high), slew=read(slew) if slew else math.inf)
 
 

@@ -279,10 +279,11 @@ _FROM_PATH: dict[str, Any] = {"markersize": 5.5, "fillstyle": "none"}
 # --- Error against cost ---
 
 
-def draw_cost(compared: Sequence[Compared], costs: Sequence[Cost]) -> Figure:
+def draw_cost(compared: Sequence[Compared], costs: Sequence[Cost], title: str = "") -> Figure:
     """Draw mean errors of controllers against operations and time of a control step.
 
-    A mark is the error from the path; a line leads to the error at the set points.
+    A mark is the error from the path; a line leads to the error at the set points. The title
+    says under which conditions.
     """
     from matplotlib.figure import Figure
 
@@ -304,6 +305,8 @@ def draw_cost(compared: Sequence[Compared], costs: Sequence[Cost]) -> Figure:
         "geometric mean of the RMS errors, degrees: from the path, line to that at the set points",
         fontsize=9,
     )
+    if title:
+        figure.suptitle(title, fontsize=9)
     _key_of_families(figure, [comparison.name for comparison in compared])
     return figure
 

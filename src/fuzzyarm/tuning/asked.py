@@ -10,7 +10,7 @@ from typing import NamedTuple
 from fuzzyarm.api import load
 from fuzzyarm.controller.catalogue import controller_of
 from fuzzyarm.controller.text import ControllerText, files_of
-from fuzzyarm.errors import WordError
+from fuzzyarm.errors import UsageError, WordError
 from fuzzyarm.learning.data import Columns, Samples, column_names, read_samples
 from fuzzyarm.loop.experiments import (
     ALONG,
@@ -92,9 +92,9 @@ def require_sensible(asked: TuneRequest) -> None:
         If fields do not fit each other.
     """
     if asked.resume and not asked.journal:
-        raise WordError("--resume goes on with the file of --journal, and none is given")
+        raise UsageError("--resume goes on with the file of --journal, and none is given")
     if asked.test and not asked.data:
-        raise WordError("--test judges what was fitted to --data, and none is given")
+        raise UsageError("--test judges what was fitted to --data, and none is given")
 
 
 def longest(asked: TuneRequest) -> float:

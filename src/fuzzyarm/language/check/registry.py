@@ -267,8 +267,8 @@ CHECKS: dict[str, Check] = {
             "unlike-units",
             Severity.WARNING,
             "The unit of a gain and that of what it scales are of one kind and do not cancel, as "
-            "rad and deg; a width is not in the unit of its signal; or a drive or an input of rules "
-            "is of another dimension.",
+            "rad and deg; a width is not in the unit of its signal; or a drive or an input of "
+            "rules is of another dimension.",
         ),
         Check(
             "unknown-allow",

@@ -64,7 +64,8 @@ def _calibration(axes: Axes, validation: Validation, target: str) -> None:
     axes.plot(ends, ends, color="#333333", linewidth=0.8, label="perfect")
     if validation.slope == validation.slope:  # not NaN: predictions differ
         line = validation.intercept + validation.slope * ends
-        label = f"observed = {validation.slope:.3g} × predicted {validation.intercept:+.3g}"
+        sign, size = "+-"[validation.intercept < 0.0], abs(validation.intercept)
+        label = f"observed = {validation.slope:.3g} × predicted {sign} {size:.3g}"
         axes.plot(ends, line, color=COLOURS[3], linewidth=0.9, linestyle="--", label=label)
     predicted = [bin_.predicted for bin_ in validation.calibration]
     observed = [bin_.observed for bin_ in validation.calibration]

@@ -1,14 +1,17 @@
-"""What is asked of a rule base, or of a controller in its loop, in one call."""
+"""One call that proves: a statement on a rule base, a claim about a loop, all that a file says."""
 
 from __future__ import annotations
 
 import math
+import os
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any, TypedDict, overload
 
+from fuzzyarm.api import load
 from fuzzyarm.closed_loop.claims import read_claim
+from fuzzyarm.closed_loop.orders import Proof, proofs_of
 from fuzzyarm.closed_loop.verdicts import LoopVerdict, prove_loop
 from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.loop.course import Sensor
@@ -18,8 +21,10 @@ from fuzzyarm.plant.own import find_plant
 from fuzzyarm.plant.plant import Plant
 from fuzzyarm.proof import verdicts
 from fuzzyarm.proof.verdicts import Verdict
-from fuzzyarm.text.keywords import demand_keywords
-from fuzzyarm.text.mistaken import CONTROLLER, MODEL, RULE_BASE, OfKind, wrong_kind
+from fuzzyarm.requests.prove import ProveRequest
+from fuzzyarm.text.keywords import ArgumentError, demand_alone, demand_keywords
+from fuzzyarm.text.mistaken import CONTROLLER, MODEL, RULE_BASE, wrong_kind
+from fuzzyarm.text.names import nearest
 
 __all__ = ["prove"]
 
@@ -96,29 +101,42 @@ def prove(
 ) -> Verdict: ...
 
 
+@overload
 def prove(
-    thing: ControllerText | AnyRuleBase,
-    statement: str | LoopClaim | Property,
+    thing: str | os.PathLike[str], statement: str | LoopClaim | Property, **keywords: Any
+) -> LoopVerdict | Verdict: ...
+
+
+@overload
+def prove(
+    thing: ProveRequest | str | os.PathLike[str], *, tell: Tell | None = None, **keywords: Any
+) -> tuple[Proof, ...]: ...
+
+
+def prove(
+    thing: ControllerText | AnyRuleBase | ProveRequest | str | os.PathLike[str],
+    statement: str | LoopClaim | Property | None = None,
     **keywords: Any,
-) -> LoopVerdict | Verdict:
+) -> LoopVerdict | Verdict | tuple[Proof, ...]:
     """Prove or refute what is said of a rule base, or of a controller in its loop.
 
     Parameters
     ----------
-    thing : RuleBase or ControllerText
-        Which.
-    statement : str, Property or LoopClaim
+    thing : RuleBase, ControllerText, str, path-like or ProveRequest
+        Which; of a file its path. A request alone says all that ``fuzzyarm prove`` does.
+    statement : str, Property or LoopClaim, optional
         As behind ``prove`` in a file: ``"u rises with e"`` of a rule base, ``"stable on motor"``
-        of a controller.
+        of a controller. Without one, of a path, everything that its file states.
     **keywords
         ``budget`` and ``tell``; of a rule base ``tolerance`` and ``exact``; of a controller
         ``plant``, ``connect``, ``sensors`` and ``continuous``. See
-        :class:`~fuzzyarm.closed_loop.asking.ProveKeywords`.
+        :class:`~fuzzyarm.closed_loop.call.ProveKeywords`.
 
     Returns
     -------
-    Verdict or LoopVerdict
-        With its evidence.
+    Verdict, LoopVerdict or tuple
+        A verdict on the statement, with its evidence. Of a request, or a path alone, a tuple of
+        all that was asked: verdicts, what holds of drives, bounds, sectors or a tube.
 
     Raises
     ------
@@ -128,6 +146,8 @@ def prove(
         If it is one on a loop and `thing` is a rule base, or the other way round.
     PlantError
         If there is no such plant.
+    FuzzyarmError
+        If fields of a request do not go together.
 
     Examples
     --------
@@ -135,31 +155,71 @@ def prove(
     >>> pd7 = fuzzyarm.load(fuzzyarm.shipped("pd7.frb"))
     >>> fuzzyarm.prove(pd7, "u odd").verdict
     'proved'
-    >>> servo = fuzzyarm.load(fuzzyarm.shipped("servo.frb"))
-    >>> fuzzyarm.prove(servo, "stable", plant="motor").verdict
+    >>> fuzzyarm.prove(fuzzyarm.shipped("servo.frb"), "stable", plant="motor").verdict
     'proved'
     """
-    demand_keywords("prove", keywords, ProveKeywords)
-    if not isinstance(thing, ControllerText):
-        if not isinstance(thing, OfKind):
-            raise wrong_kind(thing, MODEL)
-        if isinstance(statement, LoopClaim) or _is_of_a_loop(statement, thing):
-            raise wrong_kind(thing, CONTROLLER)
-        own_words = {name: keywords[name] for name in OF_RULES if name in keywords}
-        return verdicts.prove(thing, statement, **own_words)
+    demand_keywords("prove", keywords, ProveKeywords, ("thing", "statement"))
+    if isinstance(thing, ProveRequest):
+        demand_alone("prove", statement, {name for name in keywords if name != "tell"} or None)
+        return _all_of(thing, keywords.get("tell"))
+    if statement is None:
+        if isinstance(thing, str | os.PathLike):
+            return _of_file(os.fspath(thing), keywords)
+        raise ArgumentError(
+            "prove() needs a statement", argument="statement", hint="as in prove(pd7, 'u odd')"
+        )
+    model = load(thing) if isinstance(thing, str | os.PathLike) else thing
+    if isinstance(model, ControllerText):
+        return _of_controller(model, statement, keywords)
+    if not isinstance(model, AnyRuleBase):
+        raise wrong_kind(model, MODEL)
+    if isinstance(statement, LoopClaim) or _is_of_a_loop(statement, model):
+        raise wrong_kind(model, CONTROLLER)
+    own_words = {name: keywords[name] for name in OF_RULES if name in keywords}
+    return verdicts.prove(model, statement, **own_words)
+
+
+def _of_file(path: str, keywords: dict[str, Any]) -> tuple[Proof, ...]:
+    """Prove everything that a file states."""
+    words = {name: value for name, value in keywords.items() if name != "tell"}
+    for name in ("plant", "connect", "sensors"):
+        if name in words:
+            raise ArgumentError(
+                f"prove() takes '{name}' with a statement", argument=name,
+                hint="a ProveRequest has it for all of a file",
+            )  # fmt: skip
+    budget = words.pop("budget", math.inf)
+    limit = None if math.isinf(budget) else budget
+    return _all_of(ProveRequest(files=(path,), budget=limit, **words), keywords.get("tell"))
+
+
+def _all_of(asked: ProveRequest, tell: Tell | None) -> tuple[Proof, ...]:
+    return proofs_of(asked) if tell is None else proofs_of(asked, tell)
+
+
+def _of_controller(
+    thing: ControllerText, statement: str | LoopClaim | Property, keywords: dict[str, Any]
+) -> LoopVerdict:
+    """Judge a claim about the loop of a controller."""
     plant = keywords.get("plant")
     own = find_plant(plant) if plant is not None else None
     name = "" if own is None else plant if isinstance(plant, str) else own.name
     if isinstance(statement, LoopClaim):
         claim = statement
-    elif isinstance(statement, str) and (name or _LOOP_WORDS.match(statement)):
-        claim = read_claim(statement, str(name))
+    elif isinstance(statement, str) and (name or _may_be_a_claim(statement)):
+        claim = read_claim(statement, str(name), f"prove('{statement}')")
     else:
         raise wrong_kind(thing, RULE_BASE)
     if name and isinstance(plant, str):
         claim = replace(claim, plant=name)
     own_words = {name: keywords[name] for name in OF_LOOPS if name in keywords}
     return prove_loop(thing, claim, plant=own, **own_words)
+
+
+def _may_be_a_claim(statement: str) -> bool:
+    """Whether a statement begins as a claim about a loop does, or nearly so."""
+    words = statement.strip().removeprefix("prove ").split(maxsplit=1)
+    return bool(words) and nearest(words[0], ("stable", "on")) is not None
 
 
 def _is_of_a_loop(statement: str | Property, rulebase: AnyRuleBase) -> bool:

@@ -1,0 +1,346 @@
+"""What a request of proving means, and what comes of it: verdicts, bounds, sectors, tubes."""
+
+from __future__ import annotations
+
+import math
+import os
+import re
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
+from fractions import Fraction
+from typing import Any
+
+from fuzzyarm.api import controller_if_any, load_rules, load_sampled
+from fuzzyarm.closed_loop.claims import claim_text, read_claim
+from fuzzyarm.closed_loop.enclosure import EnclosureError
+from fuzzyarm.closed_loop.timed import loop_tube
+from fuzzyarm.closed_loop.tube import Tube
+from fuzzyarm.closed_loop.verdicts import LoopVerdict, check_certificate, prove_loop
+from fuzzyarm.controller.text import ControllerText
+from fuzzyarm.errors import FuzzyarmError, UsageError, WordError
+from fuzzyarm.language.tokens import name_text
+from fuzzyarm.loop.reference import read_time
+from fuzzyarm.loop.words import connections, sensors_of
+from fuzzyarm.model.claims import LoopClaim
+from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.plant.own import find_plant
+from fuzzyarm.proof import Bounds, Prover, Verdict, prove_all, sector, slopes_at
+from fuzzyarm.proof.arithmetic import Stop
+from fuzzyarm.proof.controllers import DriveProof, prove_drives
+from fuzzyarm.proof.sector import Sector, form_text
+from fuzzyarm.requests.experiment import ExperimentRequest
+from fuzzyarm.requests.prove import ProveRequest
+from fuzzyarm.table import compile_table
+from fuzzyarm.text.assignments import read_assignments
+
+__all__ = ["Proof", "proofs_of"]
+
+Proof = Verdict | LoopVerdict | DriveProof | Bounds | Sector | Tube
+"""What proving gives: by what was asked."""
+
+Tell = Callable[[str, int, float], None]
+"""Called with the statement, the number of pieces or attempts, and the gap between the bounds."""
+
+MODES = ("linear", "nearest", "bins")
+"""What ``table`` names beside files."""
+
+_PARTS = {"from": "from_", "with": "with_", "at": "at"}
+"""Parts of a claim that are options, and the fields that have them."""
+
+
+def _unheard(_statement: str, _count: int, _gap: float) -> None:
+    """Hear what nobody is told."""
+
+
+def proofs_of(asked: ProveRequest, tell: Tell = _unheard) -> tuple[Proof, ...]:
+    """Return all that a request asks for.
+
+    Raises
+    ------
+    FuzzyarmError
+        If something does not fit.
+    """
+    require_sensible(asked)
+    if asked.check is not None or asked.sector or wants_loop(asked) or bounds_one(asked):
+        return tuple(_single(asked, asked.files[0] if asked.files else "", tell))
+    return tuple(
+        proof
+        for path in asked.files
+        for proof in lines_of(asked, path, controller_if_any(path), tell)
+    )
+
+
+def _single(asked: ProveRequest, path: str, tell: Tell) -> Iterable[Proof]:
+    """Return what is asked beside the lines of files."""
+    controller = controller_if_any(path)
+    if asked.check is not None:
+        return [check_certificate(asked.check, controller)]
+    if bounds_one(asked):
+        return bounds_of(asked, path, tell).values()
+    if not asked.sector:
+        loop = loop_of(asked, controller)
+        if not asked.stable and asked.claim is None:
+            return [tube_of(asked, loop, tell)[0]]
+        return loops_of(asked, loop, (claim_of(asked),), tell)
+    if controller is not None:
+        return drives_of(asked, controller, tell)
+    sectors, failed = sectors_of(asked, path, tell)
+    if not sectors:
+        raise WordError(f"no sector {failed[0]}")
+    return sectors
+
+
+# --- What goes together ---
+
+
+def require_sensible(asked: ProveRequest) -> None:
+    """Tell mistakes before anything is read.
+
+    Raises
+    ------
+    UsageError
+        If fields do not fit each other.
+    """
+    if asked.check is not None:
+        return
+    if not asked.files:
+        raise UsageError("no file is given", hint="a rule base or a controller, or --check")
+    for word in asked.files:
+        if re.search(r"[<>=]| in ", word) and not os.path.exists(word):
+            raise UsageError(f"'{word}' is a statement: it stands in the file, as  prove {word}")
+    single = asked.sector or wants_loop(asked) or bounds_one(asked)
+    if single and len(asked.files) > 1:
+        raise UsageError(f"{_mode(asked)} takes one file")
+    if asked.along is not None and not asked.sector:
+        raise UsageError("--along goes with --sector")
+    if asked.output is not None and not (asked.sector or bounds_one(asked)):
+        raise UsageError("--output goes with --range, --slope, --table or --sector")
+
+
+def _mode(asked: ProveRequest) -> str:
+    modes = ("sector", "stable", "claim", "duration", "range", "slope", "table")
+    known = asked.given(modes)
+    assert known is not None
+    return known.spelling
+
+
+def bounds_one(asked: ProveRequest) -> bool:
+    """Whether one number of an output is to be bounded."""
+    return asked.range or asked.slope or asked.table is not None
+
+
+def wants_loop(asked: ProveRequest) -> bool:
+    """Whether a claim about a loop, or a tube of it, is asked for beside the lines of a file."""
+    wanted = asked.stable or asked.claim is not None or asked.duration is not None
+    for word, field in _PARTS.items():
+        if getattr(asked, field) is not None:
+            if asked.claim is not None:
+                raise UsageError(f"--{word} is part of --claim", hint=f"write {word} in the claim")
+            if not wanted:
+                raise UsageError(f"--{word} goes with --stable or --for")
+    if asked.stable and asked.duration is not None:
+        raise UsageError("--stable is for all time: --for goes with --claim, or alone")
+    return bool(wanted)
+
+
+# --- The lines of files ---
+
+
+def lines_of(
+    asked: ProveRequest, path: str, controller: ControllerText | None, tell: Tell
+) -> Iterator[Verdict | LoopVerdict | DriveProof]:
+    """Judge the ``prove`` lines of a file; of a controller what holds of its drives, too."""
+    rulebases = controller.model.rulebases if controller else (load_rules(path, "prove"),)
+    for rulebase in rulebases:
+        yield from prove_all(
+            rulebase, tolerance=asked.tolerance, budget=budget_of(asked), exact=asked.exact,
+            tell=tell,
+        )  # fmt: skip
+    if controller is not None:
+        yield from loops_of(asked, controller, controller.model.claims, tell)
+        yield from drives_of(asked, controller, tell)
+
+
+def budget_of(asked: ProveRequest) -> float:
+    """Return how long each statement may take, s."""
+    return asked.budget or math.inf
+
+
+# --- One number ---
+
+
+def bounds_of(asked: ProveRequest, path: str, tell: Tell = _unheard) -> dict[str, Bounds]:
+    """Bound the values, the slopes or the error of a table, by what they are called."""
+    prover = _prover(asked, path, tell)
+    if asked.table is not None:
+        return {"worst": _error_of_table(prover, asked.table)}
+    if asked.range:
+        return {"range": prover.value({})}
+    return {name: prover.slope({}, name) for name in prover.names}
+
+
+def _prover(asked: ProveRequest, path: str, tell: Tell) -> Prover:
+    rulebase = load_rules(path, "prove")
+    stop = Stop(budget_of(asked), lambda count, gap: tell(path, count, gap))
+    stop.say(0)
+    name = only_output(rulebase, asked.output)
+    return Prover(rulebase, name, tolerance=asked.tolerance, stop=stop, exact=asked.exact)
+
+
+def only_output(rulebase: RuleBase, name: str | None) -> str:
+    """Return the output that is named, or the only one."""
+    names = [output.name for output in rulebase.outputs]
+    if name is None and len(names) != 1:
+        raise WordError("the file has several outputs", hint=f"--output {' or '.join(names)}")
+    if name is not None and name not in names:
+        raise WordError(f"no output is called '{name}'", hint=f"there are {', '.join(names)}")
+    return name or names[0]
+
+
+def _error_of_table(prover: Prover, which: str) -> Bounds:
+    if which in MODES:
+        return prover.table(compile_table(prover.rulebase, prover.output.name), which)
+    if not which.lower().endswith((".lut", ".csv", ".npz", ".json")):
+        raise UsageError(f"--table takes {', '.join(MODES)} or a table, not '{which}'")
+    table = load_sampled(which)
+    return prover.table(table, table.default_mode)
+
+
+# --- Sectors ---
+
+
+def sectors_of(
+    asked: ProveRequest, path: str, tell: Tell = _unheard
+) -> tuple[list[Sector], list[str]]:
+    """Return the sectors of an output, and in words along what there is none."""
+    if asked.plant is not None:
+        raise UsageError("--plant is for controllers, not for rule bases")
+    prover = _prover(asked, path, tell)
+    sectors, failed = list[Sector](), list[str]()
+    for weights in _forms(prover, asked.along, failed):
+        try:
+            sectors.append(sector(prover, weights))
+        except FuzzyarmError as error:
+            failed.append(f"along {form_text(weights)}: {error}")
+    return sectors, failed
+
+
+def _forms(prover: Prover, along: str | None, failed: list[str]) -> list[dict[str, Any]]:
+    """Return the sums of inputs: each alone, and what a linear law would give."""
+    if along is not None:
+        return [dict(read_assignments([along], prover.names))]
+    forms: list[dict[str, Any]] = [{name: 1} for name in prover.names]
+    if len(prover.names) > 1:
+        try:
+            slopes = slopes_at(prover, {})
+        except FuzzyarmError as error:
+            failed.append(f"along a linear law: {error}")
+            return forms
+        gains = {name: slopes.along({name: Fraction(1)}) for name in prover.names}
+        joint = {name: gain for name, gain in gains.items() if gain}
+        if len(joint) > 1:
+            forms.append(joint)
+    return forms
+
+
+def drives_of(
+    asked: ProveRequest, controller: ControllerText, tell: Tell = _unheard
+) -> list[DriveProof]:
+    """Prove the static part of a controller."""
+    if asked.along is not None or asked.output is not None:
+        raise UsageError("--along and --output are for rule bases, not for controllers")
+    plant = find_plant(asked.plant) if asked.plant is not None else None
+    return prove_drives(controller, plant, budget=budget_of(asked), tell=tell)
+
+
+# --- Loops ---
+
+
+def loop_of(asked: ProveRequest, controller: ControllerText | None) -> ControllerText:
+    """Return the controller whose loop is asked about."""
+    if controller is None:
+        raise WordError(
+            f"{asked.files[0]} is not a controller: --stable, --claim and --for are about loops"
+        )
+    return controller
+
+
+def loops_of(
+    asked: ProveRequest,
+    controller: ControllerText,
+    claims: tuple[LoopClaim, ...],
+    tell: Tell = _unheard,
+) -> Iterator[LoopVerdict]:
+    """Judge claims about the loop of a controller."""
+    for claim in claims:
+        yield prove_loop(
+            controller, claim, budget=budget_of(asked), continuous=asked.continuous, tell=tell,
+            **setup_of(asked, claim),
+        )  # fmt: skip
+
+
+def setup_of(asked: ProveRequest, claim: LoopClaim) -> dict[str, Any]:
+    """Return connections and sensors of a loop, as keywords of `prove_loop`."""
+    loop = ExperimentRequest(
+        connect=asked.connect, quantise=asked.quantise, sensor_delay=asked.sensor_delay
+    )
+    setup: dict[str, Any] = {"connect": connections(loop)}
+    if loop.quantise or loop.sensor_delay:
+        setup["sensors"] = sensors_of(loop, find_plant(claim.plant))
+    return setup
+
+
+def claim_of(asked: ProveRequest) -> LoopClaim:
+    """Return the claim that the fields say: ``claim``, or ``stable`` with its parts."""
+    plant = asked.plant or ""
+    if asked.claim is not None:
+        return _ended(read_claim(asked.claim, plant, f"--claim '{asked.claim}'"), asked)
+    if not plant:
+        word = "--stable" if asked.stable else "--for"
+        raise UsageError(f"{word} needs a plant", hint="--plant motor")
+    parts = {}
+    if asked.at is not None:
+        pairs = (pair.partition("=") for pair in asked.at.split(","))
+        parts["at"] = ", ".join(f"{_name(port)} = {value}" for port, _, value in pairs)
+    for word in ("with", "from"):
+        value = getattr(asked, _PARTS[word])
+        if value is not None:
+            parts[word] = value
+    for word, value in parts.items():  # each alone first: so a mistake has the name of its option
+        read_claim(f"stable {word} {value}", plant, f"--{word} '{getattr(asked, _PARTS[word])}'")
+    return read_claim(" ".join(["stable", *(f"{word} {parts[word]}" for word in parts)]), plant)
+
+
+def _name(word: str) -> str:
+    return name_text(word.strip().strip("'"))
+
+
+def _ended(claim: LoopClaim, asked: ProveRequest) -> LoopClaim:
+    """Return a claim with the end that ``duration`` says."""
+    if asked.duration is None:
+        return claim
+    if claim.stable or claim.when == "during":
+        raise UsageError(
+            "--for gives a claim with `after` or `always` an end; this has none to give"
+        )
+    end = read_time(asked.duration, "--for")
+    if not end > claim.begin:
+        raise WordError(f"--for ends at {end:g} s, before the claim begins at {claim.begin:g} s")
+    return replace(claim, when="during", end=end)
+
+
+def tube_of(
+    asked: ProveRequest, controller: ControllerText, tell: Tell = _unheard
+) -> tuple[Tube, tuple[str, ...], str]:
+    """Bound all ports of the plant for a time: the tube, what is left open, and what it is of."""
+    claim = claim_of(asked)
+    duration = read_time(asked.duration or "", "--for")
+    statement = claim_text(claim).removeprefix("stable ") + f" for {duration:g} s"
+    try:
+        way, left_open = loop_tube(
+            controller, claim, duration, budget=budget_of(asked), **setup_of(asked, claim),
+            tell=lambda share, boxes: tell(statement, boxes, 1.0 - share),
+        )  # fmt: skip
+    except EnclosureError as error:
+        raise WordError(f"{asked.files[0]}: {error}") from error
+    return way, left_open, statement
