@@ -43,7 +43,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
         "--quick",
         action="store_true",
-        help="leave out what takes over a second, a browser, a compiler or the pages",
+        help="leave out what takes over a second, a browser, a compiler, a process or the pages",
     )
 
 
@@ -71,27 +71,37 @@ def build_kernels() -> None:
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Run what is marked slow last; with ``--quick`` leave that out, and more."""
-    items.sort(key=lambda item: item.get_closest_marker("slow") is not None)
+    """Run what is marked slow last; with ``--quick`` leave that out, and more.
+
+    Of what is slow that goes first which says how many seconds it takes: what another worker has
+    begun cannot be taken from it, so a long test at the end would leave the other core idle.
+    """
+    items.sort(key=seconds_of)
     if config.getoption("--quick"):
         left = [item for item in items if not is_long(item)]
         config.hook.pytest_deselected(items=[item for item in items if is_long(item)])
         items[:] = left
 
 
-COMPILING = {"run_c", "compile_c", "need", "COMPILER", "NODE"}
-"""What a test uses that compiles C or starts node: by itself or by a function beside it."""
+def seconds_of(item: pytest.Item) -> tuple[bool, float]:
+    """Return the key of an order: whether a test is slow, and the seconds that it says it takes."""
+    slow = item.get_closest_marker("slow")
+    return slow is not None, -float(slow.kwargs.get("seconds", 0)) if slow else 0.0
+
+
+STARTING = {"run_c", "compile_c", "need", "need_avr", "COMPILER", "NODE", "subprocess"}
+"""What a test uses that compiles or starts a process: by itself or by a function beside it."""
 
 
 def is_long(item: pytest.Item) -> bool:
-    """Whether a test is slow, or of a browser, a compiler or a page of the documentation."""
+    """Whether a test is slow, or of a browser, a compiler, another process or a page."""
     assert isinstance(item, pytest.Function)
     return (
         item.get_closest_marker("slow") is not None
         or bool({"browser", "runner"} & set(item.fixturenames))
         or item.path.parent.name == "docs"
         or item.path.stem.endswith("_page")
-        or uses(item.function, COMPILING, set())
+        or uses(item.function, STARTING, set())
     )
 
 

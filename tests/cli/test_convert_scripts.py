@@ -130,6 +130,7 @@ def test_scripts_that_make_nothing(
     assert not list(folder.glob("*.frb"))
 
 
+@pytest.mark.slow
 def test_what_a_script_has_made_by_the_end_of_its_time(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -154,7 +154,7 @@ def test_every_output_has_a_call(maker: Any) -> None:
     assert list(CALLS) == [output.name for output in maker.OUTPUTS]
 
 
-@pytest.mark.slow
+@pytest.mark.slow(seconds=10)
 def test_what_commands_print_is_what_the_schemas_say(
     maker: Any, folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -72,6 +72,7 @@ def test_a_claim_that_names_what_is_not_there_is_at_fault(words, message, capsys
     assert message in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_certificate_knows_the_sensors(capsys, tmp_path):
     path = tmp_path / "c.json"
     late = ["--sensor-delay", "position=1ms", "--sensor-delay", "velocity=1ms"]
@@ -109,6 +110,7 @@ def test_a_certificate_of_no_loop_is_refused(capsys, tmp_path, words):
     assert not path.exists()
 
 
+@pytest.mark.slow
 def test_a_line_about_a_drive_is_proved(capsys, tmp_path):
     for name in ("servo.frb", "pd7.frb"):
         text = fuzzyarm.shipped(name).read_text(encoding="utf-8")

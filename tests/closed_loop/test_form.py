@@ -87,11 +87,13 @@ def with_entry(matrix, i, j, factor):
     return tuple(map(tuple, rows))
 
 
+@pytest.mark.slow
 def test_every_period_of_simulate_is_one_of_the_form(servo):
     _, problem, form, certificate = servo
     assert misfit(form, samples(problem, certificate, cases(15, 1000))) < 1e-7
 
 
+@pytest.mark.slow
 def test_a_damaged_form_is_seen(servo):
     _, problem, form, certificate = servo
     pairs = samples(problem, certificate, 25)

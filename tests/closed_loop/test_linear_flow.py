@@ -20,6 +20,7 @@ def whole(a, b, f, h):
     return expm(h * matrix)
 
 
+@pytest.mark.slow
 def test_a_step_holds_the_exact_solutions_between_its_ends_and_at_them():
     generator = np.random.default_rng(7)
     for _ in range(cases(20, 500)):

@@ -106,6 +106,7 @@ def test_the_servo_in_continuous_time(servo):
     assert verdict.region["position"][1] > 0.3087
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("statement", "expected"),
     [
@@ -144,6 +145,7 @@ def test_a_drive_is_bounded_over_the_region(servo, servo_verdict):
         assert bound.low == -bound.high
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("statement", "expected"),
     [
@@ -392,6 +394,7 @@ def numbers_in(data, path=()):
             yield (*path, key)
 
 
+@pytest.mark.slow
 def test_a_certificate_that_is_damaged_in_one_number_is_rejected(servo, servo_verdict, written):
     with open(written, encoding="utf-8") as file:
         whole = file.read()
@@ -485,6 +488,7 @@ def test_a_certificate_of_another_file_is_rejected(servo_verdict, tmp_path):
         check_certificate(path, load(tmp_path / "servo.frb"))
 
 
+@pytest.mark.slow
 def test_a_claim_without_starts_is_of_the_whole_region(servo):
     """What the verdict says of the region holds from everywhere in it."""
     verdict = prove_loop(servo, read_claim("stable on motor: position in -0.1 .. 0.1"), budget=60.0)
@@ -500,6 +504,7 @@ def test_a_claim_without_starts_is_of_the_whole_region(servo):
         assert "position stays in" in against.reason
 
 
+@pytest.mark.slow
 def test_a_tube_without_starts_says_from_where_it_is(servo):
     claim = read_claim("stable on motor: position in -0.001 .. 0.001 after 10 ms")
     verdict = prove_loop(servo, claim, budget=60.0)
@@ -507,6 +512,7 @@ def test_a_tube_without_starts_says_from_where_it_is(servo):
     assert "position = 0, velocity = 0, current = 0" in str(verdict)
 
 
+@pytest.mark.slow
 def test_parameters_as_intervals_are_proved_and_checked(servo):
     verdict = prove_loop(servo, read_claim("stable on motor with J in 0.009 .. 0.011"), budget=60.0)
     assert verdict.proved

@@ -121,6 +121,7 @@ def haven(servo):
     return Haven(maker, certificate, loop, claim), certificate
 
 
+@pytest.mark.slow
 def test_the_bound_of_v_holds_and_is_near(haven):
     region, certificate = haven
     p = np.array([[float(x) for x in row] for row in certificate.p])

@@ -38,6 +38,7 @@ def certificate(servo):
     return certify_tube(servo, read_claim(CLAIM))
 
 
+@pytest.mark.slow
 def test_a_certificate_is_what_was_written_and_proves_its_claim(certificate, tmp_path):
     path = str(tmp_path / "tube.json")
     write_tube_certificate(certificate, path)

@@ -212,6 +212,7 @@ def test_what_cannot_learn_is_said(page):
 # --- tuning ---
 
 
+@pytest.mark.slow
 def test_tuned_in_a_page_the_text_is_that_of_the_command(page, monkeypatch, capsys):
     monkeypatch.chdir(page.folder)
 

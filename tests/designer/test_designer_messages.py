@@ -51,6 +51,7 @@ def questions():
 DAMAGE = st.sampled_from([None, True, -1, 1e300, 10**400, math.nan, "", "x" * 99, [], [[]], {}])
 
 
+@pytest.mark.slow
 @settings(max_examples=cases(150, 3000), suppress_health_check=list(HealthCheck))
 @given(st.data())
 def test_no_question_of_any_form_is_a_fault_of_the_program(tmp_path_factory, data):

@@ -89,7 +89,7 @@ def typed(commands, clone, shell):
     return list(zip(map(int, done.stdout.split()), outputs, errors, strict=True))
 
 
-@pytest.mark.slow
+@pytest.mark.slow(seconds=25)
 def test_what_the_readme_says_can_be_typed(stranger):
     clone, shell = stranger
     text = README.read_text("utf-8")

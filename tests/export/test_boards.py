@@ -76,6 +76,7 @@ def load_file(path):
     return load(path)
 
 
+@pytest.mark.slow
 def test_the_sketches_run_with_the_arduino_core(tipper, tmp_path_factory):
     need_avr(core=True)
     assert main(["compile", "tipper.fis", "--for", "arduino", "-o", "tip"]) == 0
@@ -196,6 +197,7 @@ def test_what_a_board_cannot_hold_is_said_with_the_numbers(
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
 def test_too_many_rules_for_the_flash_are_counted(tmp_path, monkeypatch, capsys):
     need_avr()
     monkeypatch.chdir(tmp_path)
@@ -214,6 +216,7 @@ def test_options_for_boards_need_one(tmp_path, monkeypatch, capsys):
     assert "without --for" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_every_numbering_passes_its_test_on_the_chip(tmp_path, monkeypatch, capsys):
     need_avr()
     monkeypatch.chdir(tmp_path)

@@ -148,6 +148,7 @@ VARIETY = [
 ]
 
 
+@pytest.mark.slow
 def test_norms_and_defuzzifiers_agree_in_c(tmp_path):
     models = [made(**settings) for settings in VARIETY]
     two_sets = RULES.replace("u is M", "u is D")
@@ -420,6 +421,7 @@ def compared_in_c(model, tmp_path, columns, *others):
     return routines[:outputs], results[:outputs]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("height", [1.0, 0.7])
 def test_every_kind_of_term_is_the_same_in_c(tmp_path, height):
     shapes = [Shape(kind, numbers, height) for kind, numbers in KINDS.items()]

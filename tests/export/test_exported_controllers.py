@@ -36,6 +36,7 @@ from fuzzyarm.table import compile_table
 ONE_OF_EACH = ("cfaf", "hfie", "soc-table", "fuzzy-fine", "fuzzy-lut")
 
 
+@pytest.mark.slow
 def test_shipped_controllers_drive_the_same_bits_in_c(tmp_path):
     # One program for all of them: 2,000 periods each on masses that the drives push.
     programs, expected = {}, {}

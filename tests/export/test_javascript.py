@@ -173,6 +173,7 @@ console.log("null");
 """
 
 
+@pytest.mark.slow
 def test_twenty_rule_bases_have_the_values_of_python_at_ten_thousand_points(tmp_path):
     cases, given, expected = list(twenty()), [], []
     assert len(cases) == 20

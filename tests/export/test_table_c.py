@@ -45,6 +45,7 @@ def points_of(table, count, dtype=np.float32):
     return spread([edge_points(axis, dtype) for axis in table.axes], count, seed=3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("target", TARGETS)
 def test_every_way_of_looking_up_agrees_over_100_000_points(tmp_path, target):
     routines, columns = [], []

@@ -197,6 +197,7 @@ def test_arrays_kernel_and_loop_have_the_bits_of_a_point(case: Case) -> None:
     demand_same(case, np.array(found), wanted, close)
 
 
+@pytest.mark.slow
 def test_c_has_the_bits_of_a_point(tmp_path: Path) -> None:
     """All settings in one file: nothing in it gets in the way of another."""
     columns = points(MANY)
@@ -233,6 +234,7 @@ console.log(JSON.stringify(found));
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(shutil.which("node") is None, reason="node is not installed")
 def test_javascript_has_the_bits_of_a_point(tmp_path: Path) -> None:
     columns = {name: column.tolist() for name, column in points(60).items()}

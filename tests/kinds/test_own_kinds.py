@@ -249,6 +249,10 @@ def test_every_command_that_takes_a_rule_base_is_here():
     assert {words[0] for words in [*WORKS, *ANSWERS, PROOF]} | NO_RULE_BASE == set(COMMANDS)
 
 
+def words_of(side):
+    return side if isinstance(side, str) else " ".join(side)
+
+
 def run(words, name, folder, capsys):
     (folder / "in").mkdir(exist_ok=True)
     own = folder / "in" / "own.frb"
@@ -273,34 +277,28 @@ def run(words, name, folder, capsys):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("words", WORKS, ids=" ".join)
-def test_commands_work(words, tmp_path, capsys):
-    for name in QUICK:
-        folder = tmp_path / name.replace(" ", "-")
-        folder.mkdir()
-        status, out, err, written = run(words, name, folder, capsys)
-        assert (status, err) == (0, ""), (name, out, err)
-        assert bool(written) == any("{out}" in word for word in words)
-        if words[0] == "show":
-            assert has_an_own_name(out), (name, out)
+@pytest.mark.parametrize(("words", "name"), crossed(WORKS, QUICK), ids=words_of)
+def test_commands_work(words, name, tmp_path, capsys):
+    status, out, err, written = run(words, name, tmp_path, capsys)
+    assert (status, err) == (0, ""), (out, err)
+    assert bool(written) == any("{out}" in word for word in words)
+    if words[0] == "show":
+        assert has_an_own_name(out), out
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("words", ANSWERS, ids=" ".join)
-def test_commands_work_or_refuse_by_name(words, tmp_path, capsys):
-    for name in TEXTS:
-        folder = tmp_path / name.replace(" ", "-")
-        folder.mkdir()
-        status, out, err, written = run(words, name, folder, capsys)
-        if status == 0:
-            assert written, (name, out)
-        elif words[-1] == "--direct" and words[3].endswith(".st"):
-            assert status == 1
-            assert "direct inference" in err or has_an_own_name(err), (name, err)
-        else:
-            assert status == 1
-            assert written == []
-            assert has_an_own_name(err), (name, err)
+@pytest.mark.parametrize(("words", "name"), crossed(ANSWERS, TEXTS), ids=words_of)
+def test_commands_work_or_refuse_by_name(words, name, tmp_path, capsys):
+    status, out, err, written = run(words, name, tmp_path, capsys)
+    if status == 0:
+        assert written, out
+    elif words[-1] == "--direct" and words[3].endswith(".st"):
+        assert status == 1
+        assert "direct inference" in err or has_an_own_name(err), err
+    else:
+        assert status == 1
+        assert written == []
+        assert has_an_own_name(err), err
 
 
 def test_an_evaluated_table_gives_what_the_rule_base_gives(tmp_path, capsys):

@@ -54,6 +54,7 @@ def test_a_line_of_the_greatest_length(start, piece, end):
         check(parsed.rulebase, parsed.document)
 
 
+@pytest.mark.slow
 def test_many_mistakes_end_the_reading():
     text = HEAD + "".join(f"rule if e is T{k} then u is N\n" for k in range(20_000))
     parsed = parse(text)

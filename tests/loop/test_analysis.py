@@ -62,6 +62,7 @@ def test_a_controller_counts_its_gains_and_limits():
     np.testing.assert_allclose(found, alone * gains["e"] * gains["u"], rtol=1e-4)
 
 
+@pytest.mark.slow
 def test_python_control_takes_it_and_finds_the_limit_cycle():
     control = pytest.importorskip("control", reason="python-control is not installed")
     ours = nonlinearity(SATURATION)

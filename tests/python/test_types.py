@@ -111,7 +111,7 @@ def lines_at_fault(text):
     return {n for n, line in enumerate(text.splitlines(), 1) if line and "import" not in line}
 
 
-@pytest.mark.slow
+@pytest.mark.slow(seconds=12)  # one run of mypy for all tests here
 def test_a_slip_is_a_mistake_and_what_is_sound_is_none(complaints):
     found = [each for each in complaints if each[0] in ("slips.py", "sound.py", "readme.py")]
     assert [each for each in found if each[0] != "slips.py"] == []
@@ -120,7 +120,7 @@ def test_a_slip_is_a_mistake_and_what_is_sound_is_none(complaints):
     assert 'maybe "infer"?' in said[5]
 
 
-@pytest.mark.slow
+@pytest.mark.slow(seconds=12)
 def test_no_package_has_every_name(complaints):
     lines = [line for name, line, _ in complaints if name == "names.py"]
     assert lines == list(range(2, len(NAMES.splitlines()) + 1))
@@ -139,7 +139,7 @@ def blocks_of_pages():
     return found
 
 
-@pytest.mark.slow
+@pytest.mark.slow(seconds=12)
 def test_the_python_of_pages_has_no_mistake_of_types(complaints):
     blocks = blocks_of_pages()
     assert len(blocks) > 20

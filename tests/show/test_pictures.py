@@ -47,6 +47,7 @@ def test_pictures_say_what_the_program_says_today(drawn):
     assert all(words(drawn / name) for name in names)
 
 
+@pytest.mark.slow
 def test_figures_look_as_they_do_today(drawn):
     for path in drawn.glob("*.png"):
         now, then = (Image.open(each).convert("RGB") for each in (path, STORED / path.name))

@@ -5,6 +5,7 @@ The bounds are written here on purpose, apart from those the package judges by.
 
 import numpy as np
 import pytest
+from budget import cases
 
 from fuzzyarm import infer, load, shipped
 from fuzzyarm.study import chaotic, find_rows, judge, reproduce_row, variants
@@ -51,9 +52,10 @@ def test_hfie_is_exact_but_for_the_misprint():
 def test_published_rms_lie_between_the_extremes(name):
     (row,) = find_rows([name])
     assert chaotic(row)
-    result = reproduce_row(row, runs=200)
+    runs = cases(40, 200)
+    result = reproduce_row(row, runs=runs)
     ensemble = result.ensemble
-    assert ensemble.runs == 200
+    assert ensemble.runs == runs
     for place in RMS:
         low, high = ensemble.lowest[place], ensemble.highest[place]
         assert low - 5e-5 <= row.figures[place] <= high + 5e-5
