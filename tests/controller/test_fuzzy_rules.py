@@ -22,9 +22,10 @@ POINTS = st.one_of(
 )
 
 
-def evaluated(rulebase, points, *, compiled=False):
-    numbers, first, result = rule_block(rulebase, compiled=compiled)
-    conclude = routine(block_of.evaluate if compiled else evaluate_view, 1, compiled=compiled)
+def evaluated(rulebase, points, *, compiled=False, bindings=None):
+    numbers, first, result, _ = rule_block(rulebase, compiled=compiled)
+    function = block_of.evaluate if compiled or bindings else evaluate_view
+    conclude = routine(function, 1, bindings, compiled=compiled)
     values = []
     for point in points:
         block = numbers.copy()
@@ -33,6 +34,22 @@ def evaluated(rulebase, points, *, compiled=False):
             conclude(block)
         values.append(float(block[result]))
     return values
+
+
+@pytest.mark.parametrize("compiled", [False, True])
+def test_what_is_made_for_grids_has_the_bits_of_what_is_made_for_all(compiled):
+    rulebase = load_rulebase(shipped("pd7.frb"))
+    assert block_of.is_grid(rule_block(rulebase, compiled=compiled).numbers)
+    points = np.random.default_rng(3).uniform(-7, 7, (40, 2))
+    other = evaluated(rulebase, points, compiled=compiled, bindings=block_of.GRID)
+    assert evaluated(rulebase, points, compiled=compiled) == other
+
+
+@pytest.mark.parametrize("name", ["pd7-study", "tipper"])
+def test_what_is_not_such_a_grid_is_not_taken_for_one(name):
+    assert not block_of.is_grid(
+        rule_block(load_rulebase(shipped(f"{name}.frb")), compiled=False).numbers
+    )
 
 
 @given(rule_bases(), st.data())

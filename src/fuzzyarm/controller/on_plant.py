@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from decimal import Decimal
 from functools import cache
-from itertools import chain
 from typing import Any, Protocol, cast
 
 import numpy as np
@@ -33,7 +32,6 @@ from fuzzyarm.controller.program import (
     Sheet,
     SourceError,
     Wiring,
-    inference_address,
     write_down,
 )
 from fuzzyarm.controller.text import ControllerText, ports_of
@@ -47,7 +45,6 @@ from fuzzyarm.model.controller import (
     Signal,
     Zoom,
 )
-from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.plant.arm import RATIOS, motor_torque
 from fuzzyarm.plant.driven_arm import JOINTS, Arm
 from fuzzyarm.plant.plant import Address, Interface, Plant, interface_of
@@ -322,10 +319,7 @@ def make_law(text: ControllerText, find_law: FindLaw, site: Site = SITE_OF_LAWS)
             name: (law_address(partner.law, arithmetic), partner.block(arithmetic))
             for name, partner in partners().items()
         }
-        infers = any(isinstance(sheet, RuleBase) for sheet in chain(*text.sheets.values()))
-        # Tables alone need no inference, which takes long to compile.
-        address = inference_address(compiled=arithmetic.compiled) if infers else 0
-        return write_down(model, text.sheets, laws, site.wiring(model), arithmetic, address)
+        return write_down(model, text.sheets, laws, site.wiring(model), arithmetic)
 
     def pack(_gains: Gains, _arithmetic: Arithmetic) -> list[float]:
         driven = site.driven(model)

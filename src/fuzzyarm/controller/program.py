@@ -173,7 +173,6 @@ def write_down(
     partners: Mapping[str, tuple[int, Block]],
     wiring: Wiring,
     arithmetic: Arithmetic,
-    inference: int,
 ) -> Program:
     """Write a controller down.
 
@@ -189,15 +188,13 @@ def write_down(
         Of the plant.
     arithmetic : Arithmetic
         Of the run.
-    inference : int
-        Address of the inference.
 
     Raises
     ------
     SourceError
         If a rule base or a table does not serve.
     """
-    return _Writer(model, sheets, partners, wiring, arithmetic, inference).program()
+    return _Writer(model, sheets, partners, wiring, arithmetic).program()
 
 
 _FUSED = {
@@ -223,14 +220,12 @@ class _Writer:
         partners: Mapping[str, tuple[int, Block]],
         wiring: Wiring,
         arithmetic: Arithmetic,
-        inference: int,
     ) -> None:
         self.model = model
         self.sheets = sheets
         self.partners = partners
         self.wiring = wiring
         self.arithmetic = arithmetic
-        self.inference = inference
         self.code: list[int] = []
         self.lists: list[int] = []
         self.list_fields: list[int] = []  # where in the code the begin of a list stands
@@ -521,7 +516,7 @@ class _Writer:
         if id(rulebase) not in self.blocks:
             block = rule_block(rulebase, compiled=self.arithmetic.compiled)
             self.blocks[id(rulebase)] = block
-        numbers, first_input, first_result = self.blocks[id(rulebase)]
+        numbers, first_input, first_result, address = self.blocks[id(rulebase)]
         begin = self.parts_size
         self.parts.append(numbers)
         self.parts_size += len(numbers)
@@ -530,7 +525,7 @@ class _Writer:
         results = [self._cell(math.nan if held else 0.0) for held in holds]
         self.asked[results[0]] = (source.name, rulebase)
         inputs = self._inputs(rulebase, source.inputs)
-        self._do(to.INFER, self.scratch, 0, self.inference)
+        self._do(to.INFER, self.scratch, 0, address)
         at = len(self.lists)
         self._list(
             2,
@@ -617,11 +612,12 @@ class _Writer:
 
 
 class RuleBlock(NamedTuple):
-    """A rule base for the inference kernel at one point: numbers, where inputs and results are."""
+    """A rule base for the kernel at a point: numbers, where inputs and results are, the kernel."""
 
     numbers: NDArray[np.float64]
     first_input: int
     first_result: int
+    address: int
 
 
 def rule_block(rulebase: RuleBase, *, compiled: bool) -> RuleBlock:
@@ -641,7 +637,9 @@ def rule_block(rulebase: RuleBase, *, compiled: bool) -> RuleBlock:
         ) from None
     numbers = make_block(layout, 1).numbers
     whole = numbers.view(np.int64)
-    return RuleBlock(numbers, int(whole[block_of.COLUMNS]), int(whole[block_of.RESULTS]))
+    first_input, first_result = int(whole[block_of.COLUMNS]), int(whole[block_of.RESULTS])
+    address = inference_address(numbers, compiled=compiled)
+    return RuleBlock(numbers, first_input, first_result, address)
 
 
 def evaluate_view(block: Any) -> None:
@@ -649,9 +647,12 @@ def evaluate_view(block: Any) -> None:
     block_of.evaluate(np.asanyarray(block))
 
 
-def inference_address(*, compiled: bool) -> int:
-    """Return where controllers find the inference kernel."""
-    return address_of(block_of.evaluate if compiled else evaluate_view, 1, compiled=compiled)
+def inference_address(numbers: NDArray[np.float64], *, compiled: bool) -> int:
+    """Return where a controller finds the inference kernel for a rule base."""
+    if not compiled:
+        return address_of(evaluate_view, 1, compiled=False)
+    bindings = block_of.GRID if block_of.is_grid(numbers) else {}
+    return address_of(block_of.evaluate, 1, bindings, compiled=True)
 
 
 def of_axis(table: LookupTable, index: int) -> tuple[list[Axis], NDArray[np.float64]]:

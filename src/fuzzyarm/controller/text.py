@@ -23,7 +23,6 @@ from fuzzyarm.controller.program import (
     Sheet,
     SourceError,
     Wiring,
-    inference_address,
     write_down,
 )
 from fuzzyarm.errors import FuzzyarmError
@@ -489,14 +488,7 @@ class ControllerRun:
         self.text = text
         self.arithmetic = Arithmetic(single, math.pi, compiled)
         self._wiring = wiring_of(model)
-        self.program: Program = write_down(
-            model,
-            text.sheets,
-            {},
-            self._wiring,
-            self.arithmetic,
-            inference_address(compiled=compiled),
-        )
+        self.program: Program = write_down(model, text.sheets, {}, self._wiring, self.arithmetic)
         self._gains = {name: np.atleast_1d(value).tolist() for name, value in (gains or {}).items()}
         for name in self._gains:
             if name not in self.program.gains:

@@ -285,7 +285,7 @@ def steps_of(
     arithmetic = Arithmetic(types.outside is np.float32, math.pi, False)
     try:
         # No inference is called while the instructions are read: any address will do.
-        program = write_down(model, text.sheets, {}, wiring, arithmetic, 0)
+        program = write_down(model, text.sheets, {}, wiring, arithmetic)
     except SourceError as error:
         raise ExportError(error.message, hint=error.hint, path=text.path) from None
     if program.code[0] > MOST_STEPS:

@@ -48,9 +48,11 @@ fires and nothing is stated) the output is NaN; the caller asks another engine t
 from __future__ import annotations
 
 import math
-from typing import Any
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fuzzyarm.kernels import call, kernel
 
@@ -129,6 +131,56 @@ FAILED = -1
 # ── points ───────────────────────────────────────────────────────────────────────────
 
 
+class Form(NamedTuple):
+    """What a rule base is made of.
+
+    Attributes
+    ----------
+    inputs, outputs, operands : int
+        How many there are; operands of each rule.
+    grid : bool
+        Whether it is known to be what nearly all are: straight terms, rules ``a and b`` under min,
+        of weight 1, united by max, no expressions in parentheses, and the centroid in closed form.
+        Otherwise the block says for each output.
+    """
+
+    inputs: int
+    outputs: int
+    operands: int
+    grid: bool
+
+
+@kernel
+def form_of(k: Any) -> Form:
+    """Read what a rule base is made of in its block."""
+    return Form(k[INPUTS], k[OUTPUTS], k[OPERANDS], False)
+
+
+@kernel
+def form_of_grid(k: Any) -> Form:
+    """Give the form of a grid of two inputs and one output; see :func:`is_grid`."""
+    return Form(2, 1, 2, True)
+
+
+GRID: dict[str, Callable[..., Any]] = {"form_of": form_of_grid}
+"""What :func:`evaluate` is bound to for such a rule base: constants, which the compiler follows."""
+
+
+def is_grid(block: NDArray[np.float64]) -> bool:
+    """Whether the rule base in a block has the form of :func:`form_of_grid`."""
+    k = block.view(np.int64)
+    if tuple(form_of(k))[:3] != tuple(form_of_grid(k))[:3]:
+        return False
+    output, inputs = k[OUTPUTS_AT], range(HEAD, HEAD + 2 * INPUT_HEAD, INPUT_HEAD)
+    programs = (k[k[PROGRAMS_AT] + program] for program in range(k[PROGRAMS]))
+    return bool(
+        k[output + IS_MAX_MIN] and k[output + IS_CLOSED] and k[output + IS_MEAN]
+        and not k[output + FINISH]
+        and not any(k[head + CURVES] for head in inputs)
+        and not any(k[at + 2 * 2] for at in programs)  # behind two numbers for each input
+    )  # fmt: skip
+
+
 @kernel
 def evaluate(block: Any) -> None:
     """Evaluate the one point in a block that has room for one; ``k[MISSING]`` outputs are NaN then.
@@ -138,7 +190,8 @@ def evaluate(block: Any) -> None:
     k = block.view(np.int64)
     f = block[k[FLOATS] :]
     # Read once: the compiler does not know that what is written to a row changes none of them.
-    inputs, outputs, columns, results = k[INPUTS], k[OUTPUTS], k[COLUMNS], k[RESULTS]
+    form = form_of(k)
+    inputs, outputs, columns, results = form.inputs, form.outputs, k[COLUMNS], k[RESULTS]
     program = _program_of_point(block, k, f, inputs, columns)
     k[MISSING] = 0
     if program < 0:
@@ -147,34 +200,29 @@ def evaluate(block: Any) -> None:
         k[MISSING] = outputs
         return
     room = block[k[ROOM] :]
-    operands, heights = k[OPERANDS], k[HEIGHTS]
+    operands, heights = form.operands, k[HEIGHTS]
     at = k[k[PROGRAMS_AT] + program]
     head = HEAD
     for column in range(columns, columns + inputs):
         _fuzzify_point(block, k, f, room, head, column, k[at], k[at + 1])
+        if not form.grid and k[head + CURVES] > 0:
+            _fuzzify_curves(k, f, room, head, block[column : column + 1])
         head += INPUT_HEAD
         at += 2
-    if k[at] != 0:
-        at = _join_expressions(k, f, room, at, 1)
-    else:
-        at += 1
-    # Nothing was sorted: the defuzzifiers read the columns where `sweep` has them read the copy.
-    k[INPUT_ROWS], k[FIRST], k[COUNT] = columns, 0, 1
+    at = at + 1 if form.grid or k[at] == 0 else _join_expressions(k, f, room, at, 1)
     head = k[OUTPUTS_AT]
     for o in range(outputs):
         groups = at
-        if k[head + IS_MAX_MIN] != 0:
+        if form.grid or k[head + IS_MAX_MIN] != 0:
             at = _unite_rules_of_point(k, room, at, heights, operands)
         else:
             at = _fold_heights_of_point(k, f, room, at, k[head + AGGREGATION], heights, operands)
-        if k[head + IS_CLOSED] != 0:
+        bounds = k[head + FLOATS_AT]
+        if form.grid or k[head + IS_CLOSED] != 0:
             total, moment, at = _closed_at_point(k, f, room[heights:], k[groups], at)
         else:
-            k[GROUPS], k[OUTPUT], k[NEXT] = groups, head, at
-            total, moment = _defuzzified_point(block, k, room, k[head + DEFUZZIFIER])
-            at = k[NEXT]
-        bounds = k[head + FLOATS_AT]
-        value = _value_of_output(k, f, room, head, total, moment)
+            total, moment, at = _defuzzified_point(block, k, room, head, groups, at)
+        value = _value_of_output(k, f, room, head, total, moment, form.grid)
         low, high, silent = f[bounds], f[bounds + 1], f[bounds + 2]
         value = settled(k[head + OUT_MODE], low, high, silent, total, value)
         block[results + o] = value
@@ -446,14 +494,12 @@ def on_line(height: float, x_0: float, slope: float, x: float) -> float:
 def _fuzzify_point(
     block: Any, k: Any, f: Any, room: Any, head: int, column: int, line: int, lines: int
 ) -> None:
-    """Write down the degrees of an input at a point; see :func:`fuzzify`."""
+    """Write down the degrees of an input on straight lines at a point; see :func:`fuzzify`."""
     value = block[column]
     first = k[head + SLOT]
     for row in range(first, first + lines):
         room[row] = on_line(f[line], f[line + 1], f[line + 2], value)
         line += LINE
-    if k[head + CURVES] > 0:
-        _fuzzify_curves(k, f, room, head, block[column : column + 1])
 
 
 @kernel
@@ -852,23 +898,30 @@ def _closed_at_point(
 
 
 @kernel
-def _defuzzified_point(block: Any, k: Any, room: Any, address: int) -> tuple[float, float]:
-    """Have a defuzzifier add up total and moment of the one point; it moves ``k[NEXT]``."""
+def _defuzzified_point(
+    block: Any, k: Any, room: Any, head: int, groups: int, at: int
+) -> tuple[float, float, int]:
+    """Have a defuzzifier add up total and moment of the one point; return what is behind, too."""
+    # Nothing was sorted: it reads the columns where `sweep` has it read a copy.
+    k[INPUT_ROWS], k[FIRST], k[COUNT] = k[COLUMNS], 0, 1
+    k[GROUPS], k[OUTPUT], k[NEXT] = groups, head, at
     total = k[WORK] + TOTAL
     moment = k[WORK] + MOMENT
     room[total] = 0.0
     room[moment] = 0.0
-    call(address, block)
-    return room[total], room[moment]
+    call(k[head + DEFUZZIFIER], block)  # moves k[NEXT]
+    return room[total], room[moment], k[NEXT]
 
 
 @kernel
-def _value_of_output(k: Any, f: Any, room: Any, head: int, total: float, moment: float) -> float:
+def _value_of_output(
+    k: Any, f: Any, room: Any, head: int, total: float, moment: float, grid: bool
+) -> float:
     """Return the value of an output at a point, before it is brought into its range."""
     value = moment
-    if k[head + IS_MEAN] != 0 and total > 0.0:
+    if (grid or k[head + IS_MEAN] != 0) and total > 0.0:
         value = mean_of(f[k[head + FLOATS_AT] + 3], moment, total)
-    if k[head + FINISH] != 0:
+    if not grid and k[head + FINISH] != 0:
         at = (k[WORK] + MOMENT) * k[WIDTH]
         room[at] = value
         call(k[head + FINISH], room[at : at + 1], f[0:0], room[at : at + 1])

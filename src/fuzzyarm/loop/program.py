@@ -164,12 +164,11 @@ class Program:
 
     def remembered(self, memory: Any) -> list[float]:
         """Return what the laws remember, of the memory after a run."""
-        return [
-            float(value)
-            for law in self._laws
-            if law.remembers
-            for value in self.memory_of(law, memory)
-        ]
+        values: list[float] = []
+        for law in self._laws:
+            if law.remembers:
+                values += self.memory_of(law, memory).tolist()
+        return values
 
 
 class Record:

@@ -29,7 +29,7 @@ from fuzzyarm.controller.on_plant import text_law
 from fuzzyarm.controller.updates import UPDATE_ARRAYS, update_function
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
 from fuzzyarm.expression.sources import SOURCES
-from fuzzyarm.inference.kernel import evaluate
+from fuzzyarm.inference.kernel import GRID, evaluate
 from fuzzyarm.inference.programs import EVALUATORS, IN_ROWS, PROGRAMS
 from fuzzyarm.inference.row_functions import (
     built_in_curve,
@@ -105,6 +105,7 @@ def _roots() -> Iterator[Root]:
     yield from (
         Root(evaluator, "f", over_rows=evaluator is not evaluate) for evaluator in EVALUATORS
     )
+    yield Root(evaluate, "f", GRID)
     blocks = (*PROGRAMS, *IN_ROWS)
     yield from (Root(block.block, "f", block.bindings, over_rows=True) for block in blocks)
     yield from _rows()
