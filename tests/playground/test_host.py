@@ -6,7 +6,9 @@ import json
 
 import pytest
 
+from fuzzyarm.designer import threads
 from fuzzyarm.designer.jobs import Downloads
+from fuzzyarm.playground import host
 from fuzzyarm.playground.host import LARGEST_TEXT, USED, begin, warm
 from fuzzyarm.shipped_files import shipped
 
@@ -60,6 +62,22 @@ async def test_what_is_exported_is_given_to_the_page(tmp_path):
     key = news["files"][0]["href"].split("/")[1]
     name, content = page.downloads.find(key)
     assert (name, b"tipper" in content) == ("tipper.h", True)
+
+
+async def test_where_webassembly_cannot_wait_news_come_before_the_end(tmp_path, monkeypatch):
+    monkeypatch.setattr(threads, "IN_A_PAGE", True)
+    monkeypatch.setattr(threads, "can_take_turns", lambda: False)
+    monkeypatch.setattr(host, "can_take_turns", lambda: False)
+    page = Page(tmp_path, {"tipper.frb": TIPPER})
+    await page.tell(kind("opened"), do="open", file="tipper.frb")
+    export = {"do": "start", "file": "tipper.frb", "id": 1, "what": "export", "suffix": ".h"}
+    ended = await page.tell(lambda m: m.get("end"), **export)
+    assert ended["end"] == "done"
+    news = [each for each in page.said if each["is"] == "job"]
+    assert news[-1] is ended
+    assert any(each.get("files") for each in news)
+    refused = await page.tell(lambda m: m.get("id") == 2, **{**export, "id": 2, "what": "run"})
+    assert "needs a browser that lets WebAssembly wait" in refused["message"]
 
 
 async def test_a_file_of_another_program_is_converted(tmp_path):

@@ -196,11 +196,18 @@ class OpenFiles:
         if said.id in window.jobs:
             window.jobs[said.id].stop()
 
+    def _why_not(self, _what: str) -> str:
+        """Return why long work cannot be done here; empty where it can."""
+        return ""
+
     async def _start(self, window: Window, said: requests.Start, message: dict[str, Any]) -> None:
         """Begin long work beside the answering; the text is the one of now."""
         shared, works = self.workspace.text(said.file), {**WORKS, **self.works}
         if said.what not in works:
             raise MessageError("is not a kind of work", "what")
+        if why := self._why_not(said.what):
+            await window.tell({"is": "job", "id": said.id, "end": "failed", "message": why})
+            return
         job = Job(said.id, window.tell, self.workspace, self.downloads, lambda: self.plants)
         try:
             asked: Any = read_record(requests.WORKS[said.what], message)

@@ -68,7 +68,17 @@ def wait_for(told: Coroutine[Any, Any, None], loop: asyncio.AbstractEventLoop) -
         run_sync(told)
         run_sync(asyncio.sleep(0.0))  # what has been said meanwhile is heard
     else:
-        loop.create_task(told)
+        _at_once(told)
+
+
+def _at_once(told: Coroutine[Any, Any, None]) -> None:
+    """Run what says something to a page: there it waits for nothing."""
+    try:
+        told.send(None)
+    except StopIteration:
+        return
+    told.close()
+    raise RuntimeError("what is said to a page waits, and this browser's WebAssembly cannot")
 
 
 class Mailbox(Generic[Letter]):

@@ -12,13 +12,11 @@ import warnings
 from collections.abc import Callable, Mapping
 from importlib import import_module
 from pathlib import Path
-from typing import Any
 
 from fuzzyarm.designer.folder import Workspace
 from fuzzyarm.designer.jobs import Downloads
 from fuzzyarm.designer.names import OutsideError, demand_name
 from fuzzyarm.designer.open_files import OpenFiles, Window
-from fuzzyarm.designer.requests import Start
 from fuzzyarm.designer.shared import SharedText
 from fuzzyarm.designer.threads import can_take_turns
 
@@ -65,15 +63,13 @@ class PageFiles(OpenFiles):
         self.listening: asyncio.Future[None] | None = None
         self.foreseeing: asyncio.Future[None] | None = None
 
-    async def _start(self, window: Window, said: Start, message: dict[str, Any]) -> None:
-        if said.what in WAITING and not can_take_turns():
-            words = (
-                "a run needs a browser that lets WebAssembly wait (JSPI), such as Chrome from"
-                " version 137 on; all else of this page works without"
-            )
-            await window.tell({"is": "job", "id": said.id, "end": "failed", "message": words})
-            return
-        await super()._start(window, said, message)
+    def _why_not(self, what: str) -> str:
+        if what not in WAITING or can_take_turns():
+            return ""
+        return (
+            "a run needs a browser that lets WebAssembly wait (JSPI), such as Chrome from version"
+            " 137 on; all else of this page works without"
+        )
 
     def _check(self, name: str, shared: SharedText) -> None:
         size = len(shared.text)

@@ -19731,7 +19731,8 @@ ${each.hint}` : each.message
         desks.add(desk);
         const text = kept2.get(desk.file());
         if (state) {
-          if (text !== null) desk.take({ is: "opened", file: desk.file(), text, saved: text, version: 0, epoch: "kept" });
+          const opened2 = { is: "opened", file: desk.file(), text, saved: text, version: 0, epoch: "kept", writes: true };
+          if (text !== null) desk.take(opened2);
           desk.lose();
         }
         keeping(desk);

@@ -106,7 +106,8 @@ function open(words) {
       const text = kept.get(desk.file());
       if (state) {
         // The text is there before Python is, which then takes it as that of a page which has lost its server.
-        if (text !== null) desk.take({ is: "opened", file: desk.file(), text, saved: text, version: 0, epoch: "kept" });
+        const opened = { is: "opened", file: desk.file(), text, saved: text, version: 0, epoch: "kept", writes: true };
+        if (text !== null) desk.take(opened);
         desk.lose();
       }
       keeping(desk);

@@ -38,10 +38,24 @@ export function takingOver(size, arriving) {
     createPyodideModule: async (settings) => {
       const module = await createModule(settings);
       await filled;
+      keepTrampoline(module, room);
       if (!module.growMemory(Math.max(size, module.HEAP8.length))) throw new Error("there is no memory left");
       return module;
     },
   };
+}
+
+const MEMORY_AT = 1; // the word of the room that says where the memory begins in it
+
+/**
+ * Python calls functions in C through a function of WebAssembly that only some runtimes can have: whether this one has it,
+ * and not the one that made the memory, stands in its own memory.
+ */
+function keepTrampoline(module, room) {
+  const word = (address) => module.HEAP32[address >>> 2];
+  const address = module.__PyRuntime + word(module.__PyEM_EMSCRIPTEN_TRAMPOLINE_OFFSET);
+  const words = new Int32Array(room.buffer);
+  words[(words[MEMORY_AT] + address) >>> 2] = word(address);
 }
 
 async function fill(room, arriving) {
