@@ -66,7 +66,8 @@ class Parameter:
         if share in ends:
             return ends[share]
         first, last = self._steps(self.low), self._steps(self.high)
-        return self._number(first + (last - first) * share)
+        # A power of e may round beyond the end whose logarithm it was made of.
+        return min(max(self._number(first + (last - first) * share), self.low), self.high)
 
     @property
     def share(self) -> float:
