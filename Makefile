@@ -18,7 +18,7 @@ unexport PYTHONDONTWRITEBYTECODE
 help:
 	@echo "make demo   set up and run the whole story on rulebases/pd7.frb"
 	@echo "make test   set up and run linters, types and the whole test suite"
-	@echo "make quick  the tests without browser, compilers and pages: five minutes"
+	@echo "make quick  the tests without browser, compilers, other processes and pages"
 	@echo "make native build the machine code of the kernels anew"
 	@echo "make wheels make wheels for this platform and, by ziglang, for others, and check them"
 	@echo "make docs   set up and build the pages as a site, in build/docs"
