@@ -250,7 +250,7 @@ def load_rules(path: str, option: str) -> RuleBase:
     """
     model = load_sheet(path)
     if not isinstance(model, RuleBase):
-        raise WordError(f"{option} takes a rule base, and {path} is a table")
+        raise WordError(f"{option} takes a rule base, but {path} is a table")
     return model
 
 

@@ -56,8 +56,8 @@ else:
         """
         assert frozen
         compared = ("__eq__", "__hash__") if eq else ()
-        shown = ("__repr__",) if repr else ()
-        return lambda cls: _frozen(cls, ("__init__", *compared, *shown), slots=slots)
+        methods = ("__repr__",) if repr else ()
+        return lambda cls: _frozen(cls, ("__init__", *compared, *methods), slots=slots)
 
     def field(**of: Any) -> Any:
         """Return what stands behind a field: `default`, `default_factory`, `compare`, `repr`."""
@@ -65,8 +65,8 @@ else:
 
     def replace(record: _Record, /, **changes: Any) -> _Record:
         """Return a record with other values in some fields."""
-        kept = ((name, getattr(record, name)) for name in record.__match_args__)
-        return type(record)(**(dict(kept) | changes))
+        fields = ((name, getattr(record, name)) for name in record.__match_args__)
+        return type(record)(**(dict(fields) | changes))
 
     class _TupleType(type):
         """Makes a tuple with names of what is written below ``class X(NamedTuple)``."""
@@ -103,16 +103,20 @@ def _frozen(cls: Any, written: Sequence[str], *, slots: bool) -> Any:
     """Return the data class of a class: another object where its fields become slots."""
     foreign = [b for b in cls.__mro__ if "__dataclass_params__" in vars(b) and not _own_fields(b)]
     assert not foreign, "what a data class inherits from is made here, too"
-    own = tuple(_fields_in(vars(cls)))
-    fields = {each.name: each for base in reversed(cls.__mro__) for each in _own_fields(base)}
-    fields |= {each.name: each for each in own}
+    declared_fields = tuple(_fields_in(vars(cls)))
+    fields = {field.name: field for base in reversed(cls.__mro__) for field in _own_fields(base)}
+    fields |= {field.name: field for field in declared_fields}
     added: dict[str, Any] = {name: _Unwritten(name) for name in written} | _FREEZING
     added |= _STATE if slots else {}
     added = {name: value for name, value in added.items() if not _defines(cls, name)}
     added |= {name: _Unwritten(name) for name in _OF_LIBRARY}
-    added |= {"_own_fields": own, "_all_fields": tuple(fields.values())}
+    added |= {"_own_fields": declared_fields, "_all_fields": tuple(fields.values())}
     added |= {"__match_args__": tuple(fields)}
-    whole = _with_slots(cls, own, added) if slots else _with_defaults(cls, own, added)
+    whole = (
+        _with_slots(cls, declared_fields, added)
+        if slots
+        else _with_defaults(cls, declared_fields, added)
+    )
     for value in added.values():
         if isinstance(value, _Unwritten):
             value.cls = whole
@@ -126,11 +130,11 @@ def _defines(cls: Any, name: str) -> bool:
 
 def _with_defaults(cls: Any, own: Sequence[_Field], added: Mapping[str, Any]) -> Any:
     """Add to a class, which has the defaults of its fields as attributes."""
-    for each in own:
-        if isinstance(vars(cls).get(each.name), _Settings):
-            delattr(cls, each.name)
-        if "default" in each.settings:
-            setattr(cls, each.name, each.settings["default"])
+    for field in own:
+        if isinstance(vars(cls).get(field.name), _Settings):
+            delattr(cls, field.name)
+        if "default" in field.settings:
+            setattr(cls, field.name, field.settings["default"])
     for name, value in added.items():
         setattr(cls, name, value)
     return cls
@@ -138,19 +142,19 @@ def _with_defaults(cls: Any, own: Sequence[_Field], added: Mapping[str, Any]) ->
 
 def _with_slots(cls: Any, own: Sequence[_Field], added: dict[str, Any]) -> Any:
     """Return a class as another that has slots, which are there from the beginning or never."""
-    names = {each.name for each in own}
+    names = {field.name for field in own}
     left_out = {"__dict__", "__weakref__", *names}
     space = {name: value for name, value in vars(cls).items() if name not in left_out}
     above = {name for base in cls.__mro__ for name in getattr(base, "__slots__", ())}
-    space["__slots__"] = tuple(each.name for each in own if each.name not in above)
+    space["__slots__"] = tuple(field.name for field in own if field.name not in above)
     whole = type(cls)(cls.__name__, cls.__bases__, space | added)
     whole.__qualname__ = cls.__qualname__
     return whole
 
 
 def _own_fields(cls: type) -> tuple[_Field, ...]:
-    own: tuple[_Field, ...] = vars(cls).get("_own_fields", ())
-    return own
+    fields: tuple[_Field, ...] = vars(cls).get("_own_fields", ())
+    return fields
 
 
 def _fields_in(space: Mapping[str, Any]) -> Iterator[_Field]:
@@ -166,17 +170,21 @@ def _fields_in(space: Mapping[str, Any]) -> Iterator[_Field]:
 
 def _named_tuple(name: str, space: dict[str, Any]) -> type:
     """Return the class of tuples with the fields that the body of a class names."""
-    own = tuple(_fields_in(space))
-    names = tuple(each.name for each in own)
-    space |= {each.name: _item(index, f"Field {index}") for index, each in enumerate(own)}
+    declared_fields = tuple(_fields_in(space))
+    names = tuple(field.name for field in declared_fields)
+    space |= {
+        field.name: _item(index, f"Field {index}") for index, field in enumerate(declared_fields)
+    }
     space |= {
         "__slots__": (),
         "__match_args__": names,
         "_fields": names,
         "_field_defaults": {
-            each.name: each.settings["default"] for each in own if "default" in each.settings
+            field.name: field.settings["default"]
+            for field in declared_fields
+            if "default" in field.settings
         },
-        "_own_fields": own,
+        "_own_fields": declared_fields,
         "__new__": _Unwritten("__new__"),
     }
     whole = type(name, (tuple,), _OF_TUPLES | space)

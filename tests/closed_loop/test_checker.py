@@ -224,7 +224,7 @@ def test_the_checker_says_what_it_does_not_read():
     problem = problem_of(text, read_claim("stable", "motor"))
     evidence = certificate.evidence
     for changed, words in (
-        (replace(evidence, gains=()), "nothing is claimed"),
+        (replace(evidence, gains=()), "no claim about"),
         (replace(evidence, gains=evidence.gains * 2), "not there"),
         (replace(evidence, memory={"x": "state:shaft:voltage_excess"}), "other states"),
         (replace(evidence, rest={}), "other states"),

@@ -387,7 +387,7 @@ def test_both_strengths_and_both_ends_of_an_interval_are_shown(served, window):
 def test_sentences_are_written_in_the_list_and_findings_stand_there(served, window):
     page = window(put(served, "found.frb", FOUND)[1])
     signs = page.locator(".rules li .sign")
-    assert "already stands on line 6" in signs.get_attribute("aria-label")
+    assert "is already on line 6" in signs.get_attribute("aria-label")
     page.get_by_label("remove the rule of line 7:1", exact=False).click()
     until(lambda: text_of(page).count("\nrule") == 2, "removed")
     until(lambda: signs.count() == 0, "no finding is left")

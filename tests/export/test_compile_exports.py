@@ -197,7 +197,7 @@ def test_what_cannot_be_inferred_says_that_a_table_can(tmp_path, monkeypatch, ca
         ([PD7, "-o", "x.h", "--name", "int"], "'int' cannot begin an identifier"),
         ([PD7, "-o", "x.h", "--name", "a b"], "for instance a_b_x"),
         ([PD7, "-o", "x.h", "--q", "7", "--precision", "float32"], "--precision does not apply"),
-        ([PD7, "-o", 'x"y.h'], "cannot stand in an #include"),
+        ([PD7, "-o", 'x"y.h'], "cannot be used in an #include"),
         ([PD7, "-o", "x.h", "--output", "v"], "no output 'v'"),
         ([PD7, "-o", "x.h", "--output", "v", "--direct"], "no output 'v'"),
         ([TABLE, "-o", "x.h", "--direct"], "is a table already"),

@@ -161,9 +161,9 @@ def test_closing_parentheses_and_powers_give_their_depth_back():
 def test_capitals_are_functions_where_the_program_has_them_so():
     assert read_formula("SIN(0) + 2", FUZZYLITE).evaluate({}) == 2.0
     assert read_formula("SIN(0) + 2", JFUZZYLOGIC).evaluate({}) == 2.0
-    with pytest.raises(FormulaError, match="no function 'SIN'"):
+    with pytest.raises(FormulaError, match="unknown function 'SIN'"):
         read_formula("SIN(0) + 2", FRB)
-    with pytest.raises(FormulaError, match="no function 'lt'"):
+    with pytest.raises(FormulaError, match="unknown function 'lt'"):
         read_formula("lt(1, 2)", JFUZZYLOGIC)
 
 

@@ -69,7 +69,7 @@ def test_functions_with_one_number_are_counted_as_they_stand() -> None:
     imported = read(DATA / "glued_jfuzzylite.fis")
     (message,) = of_name(imported, "duplicate-index")
     assert message == (
-        "'b' has two functions with the number 1; its terms are counted as they stand, 1 to 2"
+        "'b' has two functions with the number 1; its terms are numbered in their order, 1 to 2"
     )
     second = good(imported).rules[1].antecedent.operands[1]  # type: ignore[union-attr]
     assert (second.variable, second.term) == ("b", "high")
@@ -124,7 +124,7 @@ def test_a_file_that_ends_within_a_section_is_cut_off() -> None:
 def test_an_empty_term_says_so(term: str) -> None:
     imported = parse_fcl(PUMP.replace("END_FUZZIFY", f"  {term}\nEND_FUZZIFY", 1))
     assert [d.message for d in imported.errors] == [
-        "the term has no membership function: nothing stands behind its ':='"
+        "the term has no membership function after ':='"
     ]
     used = PUMP.replace("END_FUZZIFY", f"  {term}\nEND_FUZZIFY", 1)
     used = used.replace("IF level IS low AND", "IF level IS odd AND")

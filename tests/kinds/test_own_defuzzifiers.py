@@ -209,9 +209,9 @@ def test_commands_take_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) ->
     ("value", "facts", "message"),
     [
         (lambda middle: middle, {}, "no aggregate has the argument 'middle'"),
-        (lambda: 0.0, {}, "takes nothing of an aggregate"),
-        (lambda centroid, mean: centroid + mean, {}, "centroid and mean, which do not go"),
-        (lambda half: half, {"both": True}, "is no centroid"),
+        (lambda: 0.0, {}, "uses no number of an aggregate"),
+        (lambda centroid, mean: centroid + mean, {}, "centroid and mean, which cannot be"),
+        (lambda half: half, {"both": True}, "is not a centroid"),
         (lambda mean: mean, {"inverts": True}, "weighs no numbers"),
         (lambda mean: mean, {"like": "middle"}, "like 'middle', which is not a defuzzifier"),
         (lambda mean: 2.0 * math.sqrt(mean), {}, "cannot be traced"),

@@ -71,7 +71,7 @@ def test_shoulders_stay_open_where_they_can():
     assert alike(shoulder, "triangle", LOW, HIGH, 1.0).parameters == (-14.0, -6.0, 2.0)
     with pytest.raises(UnlikeError, match="does not rise"):
         alike(shoulder, "s", LOW, HIGH, 1.0)
-    with pytest.raises(UnlikeError, match="as high everywhere"):
+    with pytest.raises(UnlikeError, match="same height everywhere"):
         alike(
             Shape("trapezoid", (-math.inf, -math.inf, math.inf, math.inf)),
             "triangle",

@@ -236,7 +236,7 @@ ADVICE = {
     "rule if temp > 30 then v is HIGH": ("not for numbers", "term temp BEYOND: ramp"),
     "expect temp = 0, h = 0 -> v ~ 5": ("within", "-> u = 5 within 0.1"),
     "expect temp = 0 -> v > 5": ("missing: h", "add  h = 0"),
-    "prove v monotone": ("what is proved", "prove u rises with e"),
+    "prove v monotone": ("a property is about", "prove u rises with e"),
     "drive v = u": ("no statement", "below a line  controller NAME"),
     "gain K = 3": ("no statement", "below a line  controller NAME"),
     "period 1 ms": ("no statement", "below a line  controller NAME"),

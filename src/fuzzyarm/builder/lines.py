@@ -91,8 +91,8 @@ class Lines:
                 return self.write(number_text(float(value)), argument)
             except OverflowError:  # of an integer
                 pass
-        shown = shortened(repr(value))
-        raise ArgumentError(self.named(argument), f"expected a number, found {shown}")
+        text = shortened(repr(value))
+        raise ArgumentError(self.named(argument), f"expected a number, found {text}")
 
     def raw(self, value: object, argument: str) -> Lines:
         """Write words of the language as they are; a line end in them becomes a space."""
@@ -102,8 +102,8 @@ class Lines:
     def words(self, value: object, argument: str) -> str:
         """Return an argument that must be text."""
         if not isinstance(value, str):
-            shown = shortened(repr(value))
-            raise ArgumentError(self.named(argument), f"expected text, found {shown}")
+            text = shortened(repr(value))
+            raise ArgumentError(self.named(argument), f"expected text, found {text}")
         return value
 
     def named(self, argument: str) -> str:

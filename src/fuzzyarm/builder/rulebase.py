@@ -514,8 +514,8 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
             As :meth:`input`.
         """
         lines = Lines("lookup(").write("lookup")
-        for key, given in (("levels", levels), ("bins", bins)):
-            for name, values in _by_input(given):
+        for key, setting in (("levels", levels), ("bins", bins)):
+            for name, values in _by_input(setting):
                 argument = key if name is None else f"{key}[{name!r}]"
                 lines.next().write(f"  {key} ")
                 if name is not None:
@@ -569,7 +569,7 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
         """Read the lines of a call; add what they say, or raise what is wrong with them."""
         document = parse_statements(lines.text, self._line)
         scope = self._known()
-        known = len(scope.diagnostics)
+        count = len(scope.diagnostics)
         diagnostics = list(document.diagnostics)
         if not diagnostics:
             for statement in document.statements:
@@ -578,7 +578,7 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
                     diagnostics.append(Diagnostic("not-a-rule-base", message, statement.node.span))
                     break
                 judge_statement(statement.node, scope)
-            diagnostics += scope.diagnostics[known:]
+            diagnostics += scope.diagnostics[count:]
         if any(finding.is_error for finding in diagnostics):
             self._scope = None  # it has parts of what is not added
             raise RuleBaseError(self._in_call(lines, document, diagnostics))
@@ -611,13 +611,13 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
         self, lines: Lines, document: Document, found: Sequence[Diagnostic]
     ) -> list[Diagnostic]:
         """Return what is wrong with the lines of a call, by its arguments."""
-        moved = 1 - self._line
+        offset = 1 - self._line
         if document.diagnostics:
             # Notations of other programs are explained as in a file.
-            meant, _ = as_meant(lines.text, parse_document(lines.text))
-            found, moved = meant.diagnostics or found, 0
+            repaired, _ = as_meant(lines.text, parse_document(lines.text))
+            found, offset = repaired.diagnostics or found, 0
         return [
-            replace(diagnostic, argument=lines.argument_of(_moved(diagnostic.span, moved)))
+            replace(diagnostic, argument=lines.argument_of(_moved(diagnostic.span, offset)))
             for diagnostic in found
         ]
 

@@ -280,12 +280,12 @@ def controller_text(name: str, file: str, rulebase: RuleBase) -> str:
         lines += [f"{', '.join(several)} = {call}", f"{result} = {several[0]} * G_{result}"]
     else:
         lines.append(f"{result} = {call} * G_{result}")
-    shown = printable(file).replace('"', "'")
+    title = printable(file).replace('"', "'")
     text = [
-        f"# {ground.what}, by the rules of {shown}.",
+        f"# {ground.what}, by the rules of {title}.",
         f"# Run it with `fuzzyarm simulate {typed(f'{name}.frb')} --plant {ground.plant}`.",
         "# For another plant other ports stand behind `of` and `drive`, and gains fit its units.",
-        f'controller {name_text(name)} "{shown} on the plant {ground.plant}"',
+        f'controller {name_text(name)} "{title} on the plant {ground.plant}"',
         "",
         f"use {name_text(Path(file).stem)} from {quote(file, chr(34))}",
         "",
@@ -397,5 +397,5 @@ def _levels(inputs: list[Wish]) -> list[str]:
 
 
 def _expectation(inputs: list[Wish], output: Wish) -> str:
-    given = ", ".join(f"{wish.written} = {number_text(wish.high)}" for wish in inputs)
-    return f"expect {given} -> {output.written} > {number_text(output.middle)}"
+    inputs_text = ", ".join(f"{wish.written} = {number_text(wish.high)}" for wish in inputs)
+    return f"expect {inputs_text} -> {output.written} > {number_text(output.middle)}"

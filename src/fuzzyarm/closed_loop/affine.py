@@ -309,7 +309,7 @@ class AffineAlgebra:
         return forms[root]
 
     def _applied(self, operation: str, arguments: list[Affine]) -> Affine:
-        known: dict[str, Callable[..., Affine]] = {
+        functions: dict[str, Callable[..., Affine]] = {
             "add": self.add,
             "subtract": self.subtract,
             "multiply": self.multiply,
@@ -321,8 +321,8 @@ class AffineAlgebra:
             "less_equal": lambda a, b: number(float(self._is_less(a, b, or_equal=True))),
             "where": lambda condition, then, other: then if condition.constant else other,
         }
-        if operation in known:
-            return known[operation](*arguments)
+        if operation in functions:
+            return functions[operation](*arguments)
         if all(argument.is_constant for argument in arguments):
             return number(_exactly(operation, [argument.constant for argument in arguments]))
         raise NotAffineError(f"'{operation}' of a signal is not linear")

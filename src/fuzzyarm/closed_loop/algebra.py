@@ -80,30 +80,30 @@ class Zonotopes:
 
     def limit(self, x: Number, low: float, high: float) -> Number:
         """Return ``min(max(x, low), high)``."""
-        own = self.forms(x)
-        bounds = own.bounds
+        forms = self.forms(x)
+        bounds = forms.bounds
         if (bounds.low >= low).all() and (bounds.high <= high).all():
             return x
-        return self.fresh(clip(own, low, high))
+        return self.fresh(clip(forms, low, high))
 
     def near(self, x: Number, before: Number, most: float) -> Number:
         """Return ``min(max(x, before - most), before + most)``."""
-        own, last = self.forms(x), self.forms(before)
+        forms, last = self.forms(x), self.forms(before)
         # `most` is a product of floats that the loop rounds: a neighbour each way.
         size = Forms.between(
             np.full(self.batch, math.nextafter(most, 0.0)),
             np.full(self.batch, math.nextafter(most, math.inf)),
         )
-        return self.fresh(smaller(larger(own, last - size), last + size))
+        return self.fresh(smaller(larger(forms, last - size), last + size))
 
     def expression(self, root: Node, values: Mapping[str, Number]) -> Number:
         """Return what an expression is for some values of its symbols."""
         numbers = {name: x for name, x in values.items() if not isinstance(x, Forms)}
-        made = {name: x for name, x in values.items() if isinstance(x, Forms)}
-        own = _readable(root, tuple(sorted(numbers.items())))
-        if isinstance(own, Constant):
-            return own.value
-        return self.fresh(read([own], made or {"": self.forms(0.0)})[0])
+        forms_by_name = {name: x for name, x in values.items() if isinstance(x, Forms)}
+        reading = _readable(root, tuple(sorted(numbers.items())))
+        if isinstance(reading, Constant):
+            return reading.value
+        return self.fresh(read([reading], forms_by_name or {"": self.forms(0.0)})[0])
 
     def error(self, x: Number, size: float) -> Number:
         """Return ``x`` and an unknown error of at most a size."""
@@ -111,15 +111,15 @@ class Zonotopes:
 
     def rules(self, sheet: RuleBase, inputs: Mapping[str, Number]) -> list[Number]:
         """Return what a rule base concludes, output by output."""
-        found: list[Number] = []
+        results: list[Number] = []
         for output in sheet.outputs:
             planes: RulePlanes = self.planes(sheet, output.name)
-            given = [self._inside(inputs[variable.name], variable) for variable in sheet.inputs]
-            value = self._asked(planes.band, given)
+            arguments = [self._inside(inputs[variable.name], variable) for variable in sheet.inputs]
+            value = self._asked(planes.band, arguments)
             if planes.clamps:
                 value = self.fresh(clip(value, output.low, output.high))
-            found.append(value)
-        return found
+            results.append(value)
+        return results
 
     def table(self, sheet: LookupTable, inputs: Mapping[str, Number]) -> Number:
         """Return what a lookup table says."""
@@ -128,10 +128,10 @@ class Zonotopes:
         )
 
     def _inside(self, x: Number, variable: Variable) -> Forms:
-        own = self.forms(x)
+        forms = self.forms(x)
         if variable.outside == "extend":
-            return own
-        return self.fresh(clip(own, variable.low, variable.high))
+            return forms
+        return self.fresh(clip(forms, variable.low, variable.high))
 
     def _asked(self, band: Callable[[Zonotope], Band], given: Sequence[Forms]) -> Forms:
         """Return a value from the plane and the band of each box."""
@@ -146,8 +146,8 @@ class Zonotopes:
             )
             for box in range(self.batch)
         ]
-        slopes = np.array([each.slopes for each in bands])
-        value = Forms.between([each.low for each in bands], [each.high for each in bands])
+        slopes = np.array([plane.slopes for plane in bands])
+        value = Forms.between([plane.low for plane in bands], [plane.high for plane in bands])
         for row in rows:
             value = value + inputs[row].scaled(slopes[:, row])
         return self.fresh(value)

@@ -269,10 +269,10 @@ def unsealed(whole: Field, wanted: str) -> Field:
         If it is not of that format, or is damaged.
     """
     path = whole.file
-    written = whole["format"].text
-    if written != wanted:
-        if written.startswith("fuzzyarm-certificate"):
-            raise CertificateError(f"{path} is of another version ({written}): prove it anew")
+    version = whole["format"].text
+    if version != wanted:
+        if version.startswith("fuzzyarm-certificate"):
+            raise CertificateError(f"{path} is of another version ({version}): prove it anew")
         whole["format"].refuse(f'is not "{wanted}"')
     data = dict(whole.value)
     seal = data.pop("seal", None)
@@ -317,9 +317,9 @@ def sensors_of(data: Field) -> dict[str, Sensor]:
 
 def _sensor(pair: Field) -> Sensor:
     delay, difference = pair.row(2)
-    known = None if difference.value is None else difference.number
+    filter_time = None if difference.value is None else difference.number
     try:
-        return Sensor(delay=delay.number, difference=known)
+        return Sensor(delay=delay.number, difference=filter_time)
     except PlantError as error:
         pair.refuse(f"is not a sensor: {error}")
 

@@ -66,8 +66,8 @@ class Lines:
     def apply(self, operation: str, arguments: list[Line]) -> Any:
         """Return an operation, linear in what moves; of a comparison a bool."""
         if not any(x.parts for x in arguments) and operation not in LINEAR:
-            found = applied(operation, [Slope(x.rest, {}) for x in arguments])
-            return found if isinstance(found, bool) else number_line(found.value)
+            line = applied(operation, [Slope(x.rest, {}) for x in arguments])
+            return line if isinstance(line, bool) else number_line(line.value)
         if operation in ("less", "less_equal", "minimum", "maximum"):
             return self._chosen(operation, *arguments)
         if operation not in LINEAR:
@@ -120,7 +120,7 @@ class Lines:
         if factor.rest.is_point:
             return self._scaled(a, factor.rest.low)
         if a.parts:
-            raise LoopProofError("a signal is multiplied by what is not exact")
+            raise LoopProofError("a signal is multiplied by an inexact value")
         return number_line(a.rest.times(factor.rest))
 
     def _is_less(self, a: Line, b: Line, *, or_equal: bool) -> bool:
@@ -253,7 +253,7 @@ class Lines:
     def _claim(self) -> Gains:
         claim = next(self.gains, None)
         if claim is None:
-            raise LoopProofError("nothing is claimed of one of its rule bases")
+            raise LoopProofError("there is no claim about one of its rule bases")
         return claim
 
     def _region(
@@ -267,7 +267,7 @@ class Lines:
             low, high = claim.region[name]
             half = min(high - x.rest.high, x.rest.low - low)
             if half <= 0:
-                raise LoopProofError(f"at rest '{name}' is outside what is claimed of {of}")
+                raise LoopProofError(f"at rest '{name}' is outside the claim about {of}")
             self.bounds.append((x.parts, half, f"'{name}' of {of}"))
             region[name] = (low, high)
         return region

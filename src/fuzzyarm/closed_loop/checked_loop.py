@@ -120,10 +120,10 @@ class CheckedLoop:
 
     def rows_within(self) -> list[tuple[Row, Fraction, str]]:
         """Return rows g over z alone with |g z| ≤ limit, which say that all bounds hold."""
-        found: dict[tuple[Row, Fraction, str], None] = {}
+        rows: dict[tuple[Row, Fraction, str], None] = {}
         for whole, limit, words in self.rows:
-            found.update({(row, limit, words): None for row in self._without_answers(whole)})
-        return list(found)
+            rows.update({(row, limit, words): None for row in self._without_answers(whole)})
+        return list(rows)
 
     def rows_of_drive(self, address: Address) -> list[Row]:
         """Return rows g over z alone: a drive is as far from its rest as the largest |g z|."""
@@ -178,8 +178,8 @@ def checked_loop(
     LoopProofError
         With what is wrong, or not read.
     """
-    own = pieces or PiecesOfRules()
-    return _Derivation(problem, tuple(names), evidence, own, continuous=continuous).loop()
+    rule_pieces = pieces or PiecesOfRules()
+    return _Derivation(problem, tuple(names), evidence, rule_pieces, continuous=continuous).loop()
 
 
 class _Derivation:
@@ -215,7 +215,7 @@ class _Derivation:
         doubt = {name: self.evidence.rest[name][1] for name in self.names}
         if not any(doubt.values()):
             if any(value != exactly(NOTHING) for value in self._motion(middle)):
-                raise LoopProofError("the loop does not rest where it is said to")
+                raise LoopProofError("the loop does not rest at the stated point")
             return middle
         if not all(radius > 0 for radius in doubt.values()):
             raise LoopProofError("its rest has no room")
@@ -245,11 +245,11 @@ class _Derivation:
         )
         numbers = SlopeNumbers(self.pieces)
         inputs, after = self.walk.period(numbers, outputs, states)
-        driven = {
+        drives = {
             key: inputs[address]
             for key, address in zip(self.equations.inputs, interface.inputs, strict=True)
         }
-        moves = slopes_of(self.equations.rates, {**plant, **driven})
+        moves = slopes_of(self.equations.rates, {**plant, **drives})
         for key in self.memory:
             step = numbers.apply("subtract", [after[key], states[key]])
             moves.append(step)
@@ -257,12 +257,12 @@ class _Derivation:
 
     def _plant_values(self, values: Mapping[str, Slope]) -> dict[str, Slope]:
         equations, problem = self.equations, self.problem
-        found = {
+        seeds = {
             key: values[name] for key, name in zip(equations.states, problem.states, strict=True)
         }
         for key, span in zip(equations.parameters, problem.parameters.values(), strict=True):
-            found[key] = Slope(Span(Fraction(span.low), Fraction(span.high)), {})
-        return found
+            seeds[key] = Slope(Span(Fraction(span.low), Fraction(span.high)), {})
+        return seeds
 
     def _demand_krawczyk(self, middle: Mapping[str, Span], box: Mapping[str, Span]) -> None:
         """Refuse a box unless there is a rest in it, and one only."""
@@ -335,8 +335,8 @@ class _Derivation:
             address: self._output(k, z) for k, address in enumerate(problem.site.interface.outputs)
         }
         if states is None:
-            own = z.values()
-            states = dict(zip(self.memory, list(own)[len(problem.states) :], strict=True))
+            slopes = z.values()
+            states = dict(zip(self.memory, list(slopes)[len(problem.states) :], strict=True))
         return self.walk.period(lines, outputs, states, first=first)
 
     def _output(self, index: int, z: Mapping[str, Line]) -> Line:
@@ -404,7 +404,7 @@ class _Derivation:
             far = {key: span if key in self.equations.parameters else hull(
                 span, Span(-FAR, FAR)) for key, span in ranges.items()}  # fmt: skip
             if self._jacobian(far) != jacobian:
-                raise LoopProofError("the plant is not affine, and no box is said")
+                raise LoopProofError("the plant is not affine, and there is no box")
         if self.continuous:
             if not flat:
                 raise LoopProofError("the plant is not affine")
@@ -440,8 +440,12 @@ class _Derivation:
         for key, (address, line) in zip(equations.inputs, inputs.items(), strict=True):
             port = problem.site.interface.inputs[address]
             ends = [
-                [x for x in (None if math.isinf(limit) else Fraction(limit), own) if x is not None]
-                for limit, own in ((port.low, line.low), (port.high, line.high))
+                [
+                    x
+                    for x in (None if math.isinf(limit) else Fraction(limit), bound)
+                    if x is not None
+                ]
+                for limit, bound in ((port.low, line.low), (port.high, line.high))
             ]
             if all(ends):
                 ranges[key] = Span(max(ends[0]), min(ends[1]))
@@ -460,10 +464,10 @@ class _Derivation:
         self, z: Mapping[str, Line]
     ) -> tuple[dict[str, tuple[Fraction, Mapping[str, Fraction]]], dict[str, Fraction]]:
         """Return what memory is as the loop begins, by states of the plant."""
-        own = dict(zip(self.memory, self.names[len(self.problem.states) :], strict=True))
+        names = dict(zip(self.memory, self.names[len(self.problem.states) :], strict=True))
         begin = {
             name: Fraction(self.walk.states[key])
-            for key, name in own.items()
+            for key, name in names.items()
             if key not in self.walk.begun
         }
         begun = [key for key in self.memory if key in self.walk.begun]
@@ -490,7 +494,7 @@ class _Derivation:
             line = states[key]
             if not line.rest.is_point:
                 return {}, {}
-            seeds[own[key]] = line.rest.low, dict(line.parts)
+            seeds[names[key]] = line.rest.low, dict(line.parts)
         return seeds, begin
 
 

@@ -39,7 +39,7 @@ def flow_over(jacobian: Sequence[Sequence[Span]], h: Span) -> list[list[Span]]:
     step += [[zero] * size for _ in range(size - count)]
     norm = max(sum((x.size for x in row), NOTHING) for row in step)
     if norm > 12:
-        raise LoopProofError("a period is long beside the plant's motion")
+        raise LoopProofError("a period is long compared with the plant's motion")
     last = LAST + 4 * math.ceil(norm)
     total = [[exactly(Fraction(int(i == j))) for j in range(size)] for i in range(size)]
     term = total

@@ -92,12 +92,12 @@ class Conclusions:
 
     @staticmethod
     def _universes(prover: Prover) -> list[tuple[str, Fraction, Fraction]]:
-        found = []
+        universes = []
         for variable in prover.inputs:
             if not (math.isfinite(variable.low) and math.isfinite(variable.high)):
                 raise LoopProofError(f"the input '{variable.name}' of a rule base has no end")
-            found.append((variable.name, Fraction(variable.low), Fraction(variable.high)))
-        return found
+            universes.append((variable.name, Fraction(variable.low), Fraction(variable.high)))
+        return universes
 
     def concluding(self, choice: Choice) -> Rules:
         """Return what stands for rule bases in a form."""
@@ -195,12 +195,12 @@ class Conclusions:
                 weights[name] = ahead if ahead is not None else (low + high) / 2
             if not all(weights.values()):
                 return None
-            found = sector(prover, weights, region)
+            enclosure = sector(prover, weights, region)
         except (NoSectorError, UnprovableError):
             return None
-        if found.slack or not found.complete:
+        if enclosure.slack or not enclosure.complete:
             return None
-        return weights, Fraction(found.low), Fraction(found.high)
+        return weights, Fraction(enclosure.low), Fraction(enclosure.high)
 
     def _slopes(
         self, prover: Prover, region: Mapping[str, tuple[float, float]], name: str

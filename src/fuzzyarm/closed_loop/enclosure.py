@@ -167,7 +167,7 @@ class Intervals:
     def __truediv__(self, other: Intervals | float) -> Intervals:
         other = _intervals(other)
         if np.any((other.low <= 0.0) & (other.high >= 0.0)):
-            raise EnclosureError("a division by an interval that holds 0")
+            raise EnclosureError("a division by an interval that contains 0")
         ends = [a / b for a in (self.low, self.high) for b in (other.low, other.high)]
         return outward(np.minimum.reduce(ends), np.maximum.reduce(ends))
 
@@ -199,7 +199,7 @@ def absolute(x: Intervals) -> Intervals:
 def square_root(x: Intervals) -> Intervals:
     """Return the roots; EnclosureError where something negative is in an interval."""
     if np.any(x.low < 0.0):
-        raise EnclosureError("the root of an interval that holds negative numbers")
+        raise EnclosureError("the root of an interval that contains negative numbers")
     return Intervals(np.maximum(_down(np.sqrt(x.low)), 0.0), _up(np.sqrt(x.high)))
 
 
@@ -245,15 +245,15 @@ _OF_EXPONENTIAL = [1.0 / math.factorial(k) for k in range(14)]
 def _waves(x: Vector) -> tuple[Vector, Vector]:
     """Return sine and cosine of floats, to :data:`OF_SINE`; 0 where there are too many turns."""
     turns = np.rint(x * (2.0 / math.pi))
-    known = np.abs(turns) <= MOST_TURNS
-    turns = np.where(known, turns, 0.0)
-    r = np.where(known, (x - turns * HALF_PI[0]) - turns * HALF_PI[1], 0.0)
+    small = np.abs(turns) <= MOST_TURNS
+    turns = np.where(small, turns, 0.0)
+    r = np.where(small, (x - turns * HALF_PI[0]) - turns * HALF_PI[1], 0.0)
     square = r * r
     s, c = r * _horner(_OF_SINE, square), _horner(_OF_COSINE, square)
     quarter = turns.astype(np.int64) % 4
-    own = [(s, c), (c, -s), (-s, -c), (-c, s)]
-    sines = np.select([quarter == k for k in range(4)], [pair[0] for pair in own])
-    cosines = np.select([quarter == k for k in range(4)], [pair[1] for pair in own])
+    quarters = [(s, c), (c, -s), (-s, -c), (-c, s)]
+    sines = np.select([quarter == k for k in range(4)], [pair[0] for pair in quarters])
+    cosines = np.select([quarter == k for k in range(4)], [pair[1] for pair in quarters])
     return sines, cosines
 
 
@@ -268,8 +268,8 @@ def _exponentials(x: Vector) -> tuple[Vector, Vector]:
     r = (clipped - powers * LOG_2[0]) - powers * LOG_2[1]
     # In two steps, for one of them may leave the range of a float where the result does not.
     first = np.floor(0.5 * powers).astype(np.int64)
-    found = np.ldexp(np.ldexp(_horner(_OF_EXPONENTIAL, r), first), powers.astype(np.int64) - first)
-    return found, OF_EXPONENTIAL * found + 1e-300
+    power = np.ldexp(np.ldexp(_horner(_OF_EXPONENTIAL, r), first), powers.astype(np.int64) - first)
+    return power, OF_EXPONENTIAL * power + 1e-300
 
 
 def exponential(x: Intervals) -> Intervals:
@@ -322,7 +322,7 @@ def cosine(x: Intervals) -> Intervals:
 def tangent(x: Intervals) -> Intervals:
     """Return the tangents; EnclosureError where a pole may lie in an interval."""
     if np.any(x.high - x.low > 3.0) or np.any(absolute(cosine(x)).low <= 0.0):
-        raise EnclosureError("the tangent of an interval that holds a pole")
+        raise EnclosureError("the tangent of an interval that contains a pole")
     ends = [sine(end) / cosine(end) for end in (Intervals.at(x.low), Intervals.at(x.high))]
     return Intervals(ends[0].low, ends[1].high)
 
@@ -338,7 +338,7 @@ def _rising(at: Callable[[Vector], Intervals], x: Intervals) -> Intervals:
 def logarithm(x: Intervals) -> Intervals:
     """Return the natural logarithms; EnclosureError where something is not positive."""
     if np.any(x.low <= 0.0):
-        raise EnclosureError("the logarithm of an interval that holds 0 or negative numbers")
+        raise EnclosureError("the logarithm of an interval that contains 0 or negative numbers")
 
     def at(values: Vector) -> Intervals:
         # With a guess y it is y + log(1 + w), w = x e^-y - 1, and w / (1 + w) ≤ log(1 + w) ≤ w.
@@ -358,11 +358,11 @@ def arctangent(x: Intervals) -> Intervals:
         # With a guess y it is y + atan d, d = (x - tan y) / (1 + x tan y), and |atan d| ≤ |d|. That
         # the two are within a quarter turn is that 1 + x tan y is positive.
         guess = Intervals.at(np.arctan(values))
-        tan, own = tangent(guess), Intervals.at(values)
-        below = own * tan + 1.0
+        tan, point = tangent(guess), Intervals.at(values)
+        below = point * tan + 1.0
         if not np.all(below.low > 0.0):
             raise EnclosureError("an arc tangent that is not known")
-        return _widened(guess.low, ((own - tan) / below).size)
+        return _widened(guess.low, ((point - tan) / below).size)
 
     def at(values: Vector) -> Intervals:
         large = np.abs(values) > 1.0

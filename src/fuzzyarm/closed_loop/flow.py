@@ -98,10 +98,10 @@ class _Series:
 
     def buffer(self, key: Any) -> _Buffer:
         """Return where the coefficients of a node stand."""
-        found = self.buffers.get(key)
-        if found is None:
-            found = self.buffers[key] = _Buffer(self.symbols, self.orders, self.shape[0])
-        return found
+        storage = self.buffers.get(key)
+        if storage is None:
+            storage = self.buffers[key] = _Buffer(self.symbols, self.orders, self.shape[0])
+        return storage
 
     def coefficient(self, node: Node, k: int) -> Any:
         """Return one coefficient: forms, a number, or a condition."""
@@ -134,8 +134,8 @@ class _Series:
             return
         if k == 0 and operation not in ("sin", "cos"):
             arguments = [self.coefficient(argument, 0) for argument in node.arguments]
-            made = applied(node, arguments, self.shape, lambda each: self.coefficient(each, 0))
-            self.buffer(node).put(0, as_forms(made, self.shape))
+            result = applied(node, arguments, self.shape, lambda each: self.coefficient(each, 0))
+            self.buffer(node).put(0, as_forms(result, self.shape))
             return
         value = _RULES[operation](self, node, k)
         self.buffer(node).put(k, as_forms(value, self.shape))
@@ -153,7 +153,7 @@ class _Series:
             return a
         if not decided.any():
             return b
-        a, b = (as_forms(each, self.shape) for each in (a, b))
+        a, b = (as_forms(operand, self.shape) for operand in (a, b))
         return choice_of(Intervals.at(decided.astype(float)), a, b)
 
     @property
@@ -194,8 +194,8 @@ def _sum_rule(sign: float) -> Rule:
         if isinstance(b, float):
             return a + sign * b if isinstance(a, float) or b != 0.0 else a
         if isinstance(a, float):
-            own = b if sign > 0 else -b
-            return own + a if a != 0.0 else own
+            addend = b if sign > 0 else -b
+            return addend + a if a != 0.0 else addend
         return a + b if sign > 0 else a - b
 
     return rule
@@ -207,8 +207,8 @@ def _product_rule(series: _Series, node: Apply, k: int) -> Any:
     if a in steady or isinstance(a, Constant):
         a, b = b, a
     if isinstance(b, Constant):
-        own = series.coefficient(a, k)
-        return own * b.value if isinstance(own, float) else own.scaled(b.value)
+        factor = series.coefficient(a, k)
+        return factor * b.value if isinstance(factor, float) else factor.scaled(b.value)
     if b in steady:
         return series.coefficient(b, 0) * as_forms(series.coefficient(a, k), series.shape)
     return dot(series.buffer(a)[: k + 1], series.buffer(b)[k::-1])
@@ -221,8 +221,8 @@ def _quotient_rule(series: _Series, node: Apply, k: int) -> Any:
         return upper / b.value
     below = series.coefficient(b, 0)
     if b not in series.flow.steady:  # q b = a: qₖ b₀ = aₖ - Σ bⱼ qₖ₋ⱼ
-        own = series.buffer(node)
-        upper = upper - dot(series.buffer(b)[1 : k + 1], own[k - 1 :: -1][:k])
+        quotient = series.buffer(node)
+        upper = upper - dot(series.buffer(b)[1 : k + 1], quotient[k - 1 :: -1][:k])
     return upper / below
 
 
@@ -233,10 +233,10 @@ def _negative_rule(series: _Series, node: Apply, k: int) -> Any:
 def _wave_rule(series: _Series, node: Apply, k: int) -> Any:
     (x,) = node.arguments
     names = ("sin", "cos") if node.operation == "sin" else ("cos", "sin")
-    own, other = (series.buffer((name, x)) for name in names)
+    wave, other = (series.buffer((name, x)) for name in names)
     if k == 0 and x not in series.filled:
         value = as_forms(series.coefficient(x, 0), series.shape)
-        own.put(0, value.function(names[0]))
+        wave.put(0, value.function(names[0]))
         other.put(0, value.function(names[1]))
         series.filled[x] = 0
     elif series.filled[x] < k:
@@ -244,7 +244,7 @@ def _wave_rule(series: _Series, node: Apply, k: int) -> Any:
         sine.put(k, series.steps(x, cosine, k))
         cosine.put(k, -series.steps(x, sine, k))
         series.filled[x] = k
-    return own[k]
+    return wave[k]
 
 
 def _exp_rule(series: _Series, node: Apply, k: int) -> Any:
@@ -253,46 +253,46 @@ def _exp_rule(series: _Series, node: Apply, k: int) -> Any:
 
 def _root_rule(series: _Series, node: Apply, k: int) -> Any:
     # y y = x: 2 y₀ yₖ = xₖ - Σ yⱼ yₖ₋ⱼ, 0 < j < k.
-    own = series.buffer(node)
+    root = series.buffer(node)
     if np.any(series.coefficient(node.arguments[0], 0).bounds.low <= 0.0):
         raise CornerError("the root of 0 within a step")
     upper = series.coefficient(node.arguments[0], k)
     if k > 1:
-        upper = upper - dot(own[1:k], own[k - 1 : 0 : -1])
-    return upper.scaled(0.5) / own[0]
+        upper = upper - dot(root[1:k], root[k - 1 : 0 : -1])
+    return upper.scaled(0.5) / root[0]
 
 
 def _derived(slope: Callable[[_Series, Apply, int], Forms]) -> Rule:
     """Return the rule of y with y' = s x': `slope` gives the coefficients of s, below order k."""
 
     def rule(series: _Series, node: Apply, k: int) -> Any:
-        held = series.buffer(("slope", node))
-        held.put(k - 1, slope(series, node, k - 1))
-        return series.steps(node.arguments[0], held, k)
+        slopes = series.buffer(("slope", node))
+        slopes.put(k - 1, slope(series, node, k - 1))
+        return series.steps(node.arguments[0], slopes, k)
 
     return rule
 
 
 def _slope_of_log(series: _Series, node: Apply, k: int) -> Forms:
-    x, held = series.buffer(node.arguments[0]), series.buffer(("slope", node))
+    x, slopes = series.buffer(node.arguments[0]), series.buffer(("slope", node))
     if k == 0:
         return x[0].function("reciprocal")
-    return -(dot(x[1 : k + 1], held[k - 1 :: -1][:k]) * held[0])
+    return -(dot(x[1 : k + 1], slopes[k - 1 :: -1][:k]) * slopes[0])
 
 
 def _slope_of_tanh(series: _Series, node: Apply, k: int) -> Forms:
-    own = series.buffer(node)
-    square = dot(own[: k + 1], own[k::-1])
+    tanh = series.buffer(node)
+    square = dot(tanh[: k + 1], tanh[k::-1])
     return -square + 1.0 if k == 0 else -square
 
 
 def _slope_of_atan(series: _Series, node: Apply, k: int) -> Forms:
-    x, held = series.buffer(node.arguments[0]), series.buffer(("slope", node))
+    x, slopes = series.buffer(node.arguments[0]), series.buffer(("slope", node))
     square = series.buffer(("square", node))
     square.put(k, dot(x[: k + 1], x[k::-1]))
     if k == 0:
         return (square[0] + 1.0).function("reciprocal")
-    return -(dot(square[1 : k + 1], held[k - 1 :: -1][:k]) * held[0])
+    return -(dot(square[1 : k + 1], slopes[k - 1 :: -1][:k]) * slopes[0])
 
 
 def _choice_rule(series: _Series, node: Apply, k: int) -> Any:
@@ -303,8 +303,8 @@ def _choice_rule(series: _Series, node: Apply, k: int) -> Any:
 def _absolute_rule(series: _Series, node: Apply, k: int) -> Any:
     (x,) = node.arguments
     positive = (series.before or series).decisions[node]
-    own = as_forms(series.coefficient(x, k), series.shape)
-    return own.scaled(np.where(positive, 1.0, -1.0))
+    forms = as_forms(series.coefficient(x, k), series.shape)
+    return forms.scaled(np.where(positive, 1.0, -1.0))
 
 
 _RULES: dict[str, Rule] = {
@@ -409,10 +409,10 @@ class Flow:
         EnclosureError
             If no box is found that holds the solutions: the step is too long.
         """
-        held = {name: Forms.of(value.bounds) for name, value in constants.items()}
-        box = self._box(start.bounds, held, time, length)
+        inputs = {name: Forms.of(value.bounds) for name, value in constants.items()}
+        box = self._box(start.bounds, inputs, time, length)
         try:
-            return self._taylor(start, constants, held, box, time, length, order)
+            return self._taylor(start, constants, inputs, box, time, length, order)
         except CornerError:
             return self._mean(start, constants, box, time, length)
 
@@ -432,16 +432,16 @@ class Flow:
         span = Intervals.between(np.zeros(start.shape), np.full(start.shape, length))
         box, grown = start, 1.05
         for _ in range(14):
-            moved = start + self.rates_over(Forms.of(box), held, times).bounds * span
-            if not np.isfinite(moved.size).all():
+            image = start + self.rates_over(Forms.of(box), held, times).bounds * span
+            if not np.isfinite(image.size).all():
                 break
-            if np.all((box.low < moved.low) & (moved.high < box.high)):
-                again = start + self.rates_over(Forms.of(moved), held, times).bounds * span
-                return again.meet(moved)
-            reach = moved.hull(start)
+            if np.all((box.low < image.low) & (image.high < box.high)):
+                again = start + self.rates_over(Forms.of(image), held, times).bounds * span
+                return again.meet(image)
+            reach = image.hull(start)
             extra = (grown - 1.0) * (reach.high - reach.low) + 1e-12 * (1.0 + reach.size)
             box, grown = Intervals(reach.low - extra, reach.high + extra), grown + 0.1
-        raise EnclosureError("no box was found that holds the solutions of a step")
+        raise EnclosureError("no box was found that contains the solutions of a step")
 
     # ── the series ───────────────────────────────────────────────────────────────────
 
@@ -458,14 +458,14 @@ class Flow:
         times = Intervals.between(time, np.nextafter(time + length, np.inf))
         over = self._series(Forms.of(box), held, times, order + 1, None)
         last = stacked([over.buffer(_state(i))[order + 1] for i in range(len(self.states))])
-        own = self._series(start, constants, Intervals.at(time), order, over)
+        series = self._series(start, constants, Intervals.at(time), order, over)
         power = Intervals.at(1.0)
         for _ in range(order + 1):
             power = power * length
         tail = last.bounds * power
-        total = stacked([own.buffer(_state(i))[order] for i in range(len(self.states))])
+        total = stacked([series.buffer(_state(i))[order] for i in range(len(self.states))])
         for k in range(order - 1, -1, -1):
-            lower = stacked([own.buffer(_state(i))[k] for i in range(len(self.states))])
+            lower = stacked([series.buffer(_state(i))[k] for i in range(len(self.states))])
             total = total.scaled(length) + lower
         end = total + Forms.of(tail)
         # On the way: the straight line between the ends, less ½ s (h - s) x''.
@@ -516,8 +516,8 @@ class Flow:
         length: float,
     ) -> Step:
         times = Intervals.between(time, np.nextafter(time + length, np.inf))
-        held = {name: Forms.of(value.bounds) for name, value in constants.items()}
-        rates = self.rates_over(Forms.of(box), held, times).bounds
+        inputs = {name: Forms.of(value.bounds) for name, value in constants.items()}
+        rates = self.rates_over(Forms.of(box), inputs, times).bounds
         span = Intervals.between(np.zeros(box.shape), np.full(box.shape, length))
         on_the_way = start + Forms.of(rates * span)
         mean = self.rates_over(on_the_way, constants, times)

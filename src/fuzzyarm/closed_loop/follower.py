@@ -133,9 +133,11 @@ class Course(NamedTuple):
 
         It has so many `periods`, of which `most` are returned.
         """
-        own = np.minimum(self.begins.astype(int), periods - 1)
-        first = np.searchsorted(own, np.arange(periods))
-        last = np.concatenate([[0], np.searchsorted(own, np.arange(periods), side="right")])
+        period_of_step = np.minimum(self.begins.astype(int), periods - 1)
+        first = np.searchsorted(period_of_step, np.arange(periods))
+        last = np.concatenate(
+            [[0], np.searchsorted(period_of_step, np.arange(periods), side="right")]
+        )
         return (
             np.minimum.reduceat(self.between.low.min(axis=2), first, axis=0)[:most],
             np.maximum.reduceat(self.between.high.max(axis=2), first, axis=0)[:most],
@@ -238,7 +240,7 @@ class Follower:
             return self._follow(boxes, whole=whole)
 
     def _follow(self, boxes: Sequence[Box], *, whole: bool) -> Course:
-        batch, kept = len(boxes), len(self.first.low)
+        batch, count = len(boxes), len(self.first.low)
         algebra = Zonotopes(batch, self.planes)
         control = ControlPeriod[Number](self.problem, algebra)
         states, constants = self._begun(boxes)
@@ -250,23 +252,23 @@ class Follower:
         ends: list[float] = []
         between: list[Intervals] = []
         at: list[Intervals] = []
-        weight = self.last_weight = np.zeros((kept, batch))
+        weight = self.last_weight = np.zeros((count, batch))
         undone = np.zeros(batch, dtype=bool)
         arrived = np.zeros(batch, dtype=bool)
         self.sizes, self.order = states.bounds.size.max(axis=1), ORDER
         first = self._outputs_at(states, constants, 0.0)
         for period in range(self.periods):
             algebra.count = len(states.parts)
-            told = self._told(states, constants, period * self.period)
-            inputs, memory = control.run(told, memory, first=period == 0)
-            held = {
+            measurements = self._told(states, constants, period * self.period)
+            inputs, memory = control.run(measurements, memory, first=period == 0)
+            drives = {
                 name: algebra.forms(inputs[port])
                 for name, port in zip(self.inputs, self.problem.site.interface.inputs, strict=True)
             }
-            intervals = self._driven(held)
+            intervals = self._driven(drives)
             states = states.with_symbols(max(algebra.count, len(states.parts)))
             states, steps, parts = self._moved(
-                states, {**constants, **held}, period * self.period, parts
+                states, {**constants, **drives}, period * self.period, parts
             )
             if not at:
                 at.append(_joined(first, intervals))
@@ -280,7 +282,7 @@ class Follower:
                 signs = self.goal(period + 1, states, memory)
                 arrived |= signs > 0
                 undone |= (signs < 0) & ~arrived
-            weight = self.last_weight = np.maximum(weight, self._weight(states, kept))
+            weight = self.last_weight = np.maximum(weight, self._weight(states, count))
             if undone.all() and not whole:
                 break
             if arrived.all():
@@ -288,7 +290,7 @@ class Follower:
             self._demand_bounded(at[-1])
             if clock.monotonic() > self.until:
                 raise EnclosureError("time is over")
-            states, memory = self._fewer(states, memory, kept, algebra)
+            states, memory = self._fewer(states, memory, count, algebra)
         return Course(
             np.array(begins),
             np.array(ends),
@@ -313,13 +315,13 @@ class Follower:
         undone = np.zeros(between.shape[1], dtype=bool)
         for demand, port in self.demands:
             first, last = demand.begin / self.period, demand.end / self.period
-            found = []
+            ranges = []
             if end > first + SAME_TIME and begin < last - SAME_TIME:
-                found.append(between[port])
+                ranges.append(between[port])
             for time, at in zip((begin, end), ends, strict=True):
                 if min(abs(time - first), abs(time - last)) <= SAME_TIME:
-                    found.append(at[port])
-            for intervals in found:
+                    ranges.append(at[port])
+            for intervals in ranges:
                 undone |= ~(
                     (intervals.low >= demand.low) & (intervals.high <= demand.high)
                 )  # NaN, too
@@ -358,12 +360,12 @@ class Follower:
         batch = states.shape[1]
         values = {**constants, **{f"x{i}": states[i] for i in range(states.shape[0])}}
         values["t"] = Forms.at(np.full(batch, time))
-        found = read(self.outputs, values)
-        return dict(zip(self.problem.site.interface.outputs, found, strict=True))
+        readings = read(self.outputs, values)
+        return dict(zip(self.problem.site.interface.outputs, readings, strict=True))
 
     def _outputs_at(self, states: Forms, constants: Mapping[str, Forms], time: float) -> Intervals:
-        found = self._told(states, constants, time)
-        return stacked([forms for forms in found.values() if isinstance(forms, Forms)]).bounds
+        outputs = self._told(states, constants, time)
+        return stacked([forms for forms in outputs.values() if isinstance(forms, Forms)]).bounds
 
     def _outputs_between(
         self, ends: tuple[Intervals, Intervals], step: Step, constants: Mapping[str, Forms],
@@ -381,28 +383,33 @@ class Follower:
         low, high = over.low.copy(), over.high.copy()
         for row, weights in enumerate(self.weights):
             if weights is not None:
-                own = line[row]
+                value = line[row]
                 for i, weight in enumerate(weights):
                     if weight:
-                        own = own + step.bend[i] * outward(weight, weight)
-                low[row], high[row] = np.maximum(low[row], own.low), np.minimum(high[row], own.high)
+                        value = value + step.bend[i] * outward(weight, weight)
+                low[row], high[row] = (
+                    np.maximum(low[row], value.low),
+                    np.minimum(high[row], value.high),
+                )
         return Intervals(low, high)
 
     def _moved(
         self, states: Forms, constants: Mapping[str, Forms], time: float, parts: int
     ) -> tuple[Forms, list[tuple[Intervals, Intervals]], int]:
         """Return the states a period on, the outputs in its steps, and how many to take next."""
-        own = {name: constants[name] for name in self.parameters}
+        parameters = {name: constants[name] for name in self.parameters}
         while True:
             try:
-                moved, steps, remainder = states, [], 0.0
-                before = self._outputs_at(states, own, time)
+                state, steps, remainder = states, [], 0.0
+                before = self._outputs_at(states, parameters, time)
                 length = self.period / parts  # of a power of two: exact
                 for index in range(parts):
                     begin = time + index * length
-                    step = self.flow.step(moved, constants, begin, length, self.order)
-                    after = self._outputs_at(step.end, own, begin + length)
-                    over = self._outputs_between((before, after), step, own, begin, begin + length)
+                    step = self.flow.step(state, constants, begin, length, self.order)
+                    after = self._outputs_at(step.end, parameters, begin + length)
+                    over = self._outputs_between(
+                        (before, after), step, parameters, begin, begin + length
+                    )
                     steps.append((over, after))
                     before = after
                     sizes = np.maximum(self.sizes, step.between.size.max(axis=1))
@@ -410,7 +417,7 @@ class Follower:
                     remainder = max(remainder, float((step.remainder / radius).max()))
                     if remainder > LARGE and parts < self._most(step):
                         break
-                    moved = _with_own_symbols(step.end)
+                    state = _with_own_symbols(step.end)
                 if remainder > LARGE and self.order < ORDER:
                     self.order = ORDER
                     continue
@@ -422,7 +429,7 @@ class Follower:
                     parts //= 2
                 elif remainder < SMALL and self.order > LEAST_ORDER:
                     self.order -= 1
-                return moved, steps, parts
+                return state, steps, parts
             except EnclosureError:
                 if parts >= MOST_PARTS:
                     raise

@@ -111,11 +111,11 @@ class Form:
 
         An answer is linear in its gain δ, so the largest value is at δ = -1 or 1 of each block.
         """
-        found = []
+        rows = []
         for bound in self.bounds:
             limit = min(abs(end) for end in (bound.low, bound.high) if end is not None)
-            found += [(row, limit, bound.words) for row in self.rows_of(bound.signal)]
-        return list(dict.fromkeys(found))
+            rows += [(row, limit, bound.words) for row in self.rows_of(bound.signal)]
+        return list(dict.fromkeys(rows))
 
     def rows_of(self, signal: Affine) -> list[tuple[Fraction, ...]]:
         """Return rows g over z alone: a signal is as far from its constant as the largest |g z|."""

@@ -93,8 +93,10 @@ class FormMaker:
         memory |= {name: number(period.memory[name]) for name in self.fixed}
         inputs, after = period.run(outputs, {} if first else memory, first=first)
         for name in self.fixed:
-            left = after.pop(name)
-            if not first and (not left.is_constant or left.constant != period.memory[name]):
+            successor = after.pop(name)
+            if not first and (
+                not successor.is_constant or successor.constant != period.memory[name]
+            ):
                 raise NotAffineError("an anti-windup counts while a limit holds")
         return inputs, after, outputs
 
@@ -137,8 +139,8 @@ class FormMaker:
         states = {name: variable(name) for name in names}
         inputs, after, _ = self._one_period(algebra, states)
         rates = self._rates(algebra, states, inputs)
-        left = [*rates, *(after[name].plus(states[name].scaled(-ONE)) for name in self.memory)]
-        solution = _solved(left, names)
+        residuals = [*rates, *(after[name].plus(states[name].scaled(-ONE)) for name in self.memory)]
+        solution = _solved(residuals, names)
         if solution is None:
             raise LoopProofError("the loop does not rest at one point: its equations leave it open")
         return dict(zip(names, solution, strict=True))
@@ -296,7 +298,7 @@ class FormMaker:
         before = {n: number(x) for n, x in period.memory.items() if not math.isnan(x)}
         again = period.run(outputs, {**before, **seeds})
         if again != (inputs, after):
-            raise NotAffineError(f"'{next(iter(begun))}' starts in a way of its own")
+            raise NotAffineError(f"'{next(iter(begun))}' has a start of its own")
         return seeds
 
 

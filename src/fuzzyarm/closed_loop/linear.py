@@ -133,13 +133,13 @@ FAR = 10.0
 def _box_rows(a: Vector, rows: Sequence[tuple[Vector, float]]) -> list[tuple[Vector, float]]:
     """Return rows that keep every state finite: some are seen by no bound, or a period later."""
     n = len(a)
-    seen = np.zeros(n)
+    reach = np.zeros(n)
     for row, _ in rows:
         later = row
         for _ in range(n):
-            seen = np.maximum(seen, np.abs(later))
+            reach = np.maximum(reach, np.abs(later))
             later = later @ a
-    return [(np.eye(n)[i] * seen[i] / FAR, 1.0) for i in range(n) if rows and seen[i]]
+    return [(np.eye(n)[i] * reach[i] / FAR, 1.0) for i in range(n) if rows and reach[i]]
 
 
 def _whitening(
@@ -170,13 +170,13 @@ def _whitening(
 
 
 def _symmetric_basis(n: int) -> Vector:
-    found = []
+    basis = []
     for i in range(n):
         for j in range(i, n):
-            each = np.zeros((n, n))
-            each[i, j] = each[j, i] = 1.0
-            found.append(each)
-    return np.array(found)
+            element = np.zeros((n, n))
+            element[i, j] = element[j, i] = 1.0
+            basis.append(element)
+    return np.array(basis)
 
 
 def _coordinates(p: Vector) -> Vector:
@@ -191,12 +191,12 @@ def _falling(
     move = np.hstack([a, b])
     stay = np.hstack([np.eye(n), np.zeros((n, m))])
     parts = []
-    for each in basis:
+    for element in basis:
         if continuous:
-            half = stay.T @ each @ move
+            half = stay.T @ element @ move
             parts.append(-(half + half.T))
         else:
-            parts.append((1.0 - rate) * stay.T @ each @ stay - move.T @ each @ move)
+            parts.append((1.0 - rate) * stay.T @ element @ stay - move.T @ element @ move)
     for k in range(m):
         answer = np.zeros(n + m)
         answer[n + k] = 1.0

@@ -50,12 +50,12 @@ def linear_flow(rates: Sequence[Node], inputs: Sequence[str]) -> LinearFlow | No
     at_zero = dict.fromkeys(variables, (0.0, 0.0))
     if any(set(symbols(root)) - set(variables) for root in rates):
         return None
-    found = [
+    matrix = [
         [*(bounds_of(node, {}) for node in row), bounds_of(root, at_zero)]
         for row, root in zip(slopes, rates, strict=True)
     ]
-    low = np.array([[span.low for span in row] for row in found])
-    high = np.array([[span.high for span in row] for row in found])
+    low = np.array([[span.low for span in row] for row in matrix])
+    high = np.array([[span.high for span in row] for row in matrix])
     if not (np.isfinite(low).all() and np.isfinite(high).all()):
         return None
     return LinearFlow(Intervals.between(low, high), states, list(inputs))
@@ -102,11 +102,11 @@ class LinearFlow:
             How long it is, s.
         """
         batch = start.shape[1]
-        given = [*(start[i] for i in range(start.shape[0]))]
-        given += [constants[name] for name in self.inputs] + [Forms.at(np.ones(batch))]
+        columns = [*(start[i] for i in range(start.shape[0]))]
+        columns += [constants[name] for name in self.inputs] + [Forms.at(np.ones(batch))]
         move = self._move(length)
-        end = stacked([_row(move[i], given) for i in range(start.shape[0])])
-        bounds = [form.bounds for form in given]
+        end = stacked([_row(move[i], columns) for i in range(start.shape[0])])
+        bounds = [form.bounds for form in columns]
         box = self._box(bounds, length)
         rates = self._rates_over(box, bounds)
         second = _product(self.rates[:, : len(box.low)], rates)

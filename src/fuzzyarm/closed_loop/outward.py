@@ -49,16 +49,16 @@ def exact_bounds(
     root: Node, ranges: Mapping[str, tuple[Fraction, Fraction]]
 ) -> tuple[Fraction, Fraction]:
     """Return bounds of an expression in rationals: exactly 0 where that is a factor."""
-    found: dict[Node, tuple[Fraction, Fraction]] = {}
+    bounds: dict[Node, tuple[Fraction, Fraction]] = {}
     for node in postorder(root):
         if isinstance(node, Constant):
-            found[node] = (Fraction(node.value), Fraction(node.value))
+            bounds[node] = (Fraction(node.value), Fraction(node.value))
         elif isinstance(node, Symbol):
-            found[node] = ranges[node.name]
+            bounds[node] = ranges[node.name]
         else:
             assert isinstance(node, Apply)
-            found[node] = _exact_operation(node.operation, [found[a] for a in node.arguments])
-    return found[root]
+            bounds[node] = _exact_operation(node.operation, [bounds[a] for a in node.arguments])
+    return bounds[root]
 
 
 def _exact_operation(

@@ -145,12 +145,12 @@ def _window(problem: LoopProblem, names: tuple[str, str], outline: Vector) -> Ve
     """Return half of what the picture shows of each state: the sensors' range, not too far."""
     far = np.abs(outline).max(axis=0)
     ports = {name: port for (_, name), port in problem.site.interface.outputs.items()}
-    found = []
+    window = []
     for name, reach in zip(names, far, strict=True):
         port = ports.get(name)
         half = 0.5 * (port.high - port.low) if port is not None else math.inf
-        found.append(min(half, 2.5 * reach) if half > reach else 1.1 * reach)
-    return np.array(found)
+        window.append(min(half, 2.5 * reach) if half > reach else 1.1 * reach)
+    return np.array(window)
 
 
 def _run(problem: LoopProblem, states: Vector) -> Run:
@@ -185,13 +185,13 @@ def _settles(problem: LoopProblem, states: Vector, rest: Vector) -> bool:
     run = _run(problem, states)
     if run.diverged is not None:
         return False
-    left = begun = 0.0
+    distance = begun = 0.0
     for (_, name), port in problem.site.interface.outputs.items():
         if name not in problem.states:
             continue
         k = problem.states.index(name)
         wide = port.high - port.low if math.isfinite(port.high - port.low) else 1.0
         values = _state(problem, run, name)
-        left = max(left, abs(values[-1] - rest[k]) / wide)
+        distance = max(distance, abs(values[-1] - rest[k]) / wide)
         begun = max(begun, abs(states[k] - rest[k]) / wide)
-    return left <= 0.1 * begun + 1e-6
+    return distance <= 0.1 * begun + 1e-6

@@ -163,10 +163,12 @@ class RulePlanes:
         grid = surface.pieces.grid
         corners = quotients.corners.copy()
         for axis, cells in enumerate(grid.cells):
-            left = np.array([float(cell.left) for cell in cells])
+            corner = np.array([float(cell.left) for cell in cells])
             width = np.array([float(cell.right - cell.left) for cell in cells])
-            own = surface.pieces.cell[quotients.owner, axis]
-            corners[:, :, axis] = left[own, None] + width[own, None] * corners[:, :, axis]
+            cell_of_piece = surface.pieces.cell[quotients.owner, axis]
+            corners[:, :, axis] = (
+                corner[cell_of_piece, None] + width[cell_of_piece, None] * corners[:, :, axis]
+            )
         quotients.corners = corners
         assert quotients.error is not None
         largest = np.maximum(
@@ -198,14 +200,14 @@ class RulePlanes:
             lows, highs = _bands(pieces, slopes, offset, centre, middle)
             if round_number == ROUNDS or pieces.count > MOST:
                 break
-            chosen = self._deciding(pieces, slopes, offset, centre, middle, lows, highs)
-            if not chosen.any():
+            deciding = self._deciding(pieces, slopes, offset, centre, middle, lows, highs)
+            if not deciding.any():
                 break
-            part = pieces.take(np.flatnonzero(chosen))
+            part = pieces.take(np.flatnonzero(deciding))
             part.corners = part.corners / radius  # the longest edge is that of the box
             halves = part.halved(Stop())
             halves.corners = halves.corners * radius
-            pieces = pieces.take(np.flatnonzero(~chosen)).joined(self._near(halves, inputs))
+            pieces = pieces.take(np.flatnonzero(~deciding)).joined(self._near(halves, inputs))
         return self._banded(slopes, offset, centre, radius, lows, highs)
 
     def _banded(
@@ -266,22 +268,22 @@ class RulePlanes:
         """Return slopes and the value at the centre of a plane near the values."""
         values = self._values(pieces, middle).ravel()
         places = ((pieces.corners - centre) / radius).reshape(-1, len(centre))
-        known = np.isfinite(values)
-        places, values = places[known], values[known]
+        finite = np.isfinite(values)
+        places, values = places[finite], values[finite]
         weights = np.ones(len(values))
         if not len(values):
             return np.zeros(len(centre)), middle
         rows = np.column_stack([places, np.ones(len(places))])
         for _ in range(4):
             root = np.sqrt(weights)
-            found = np.linalg.lstsq(rows * root[:, None], values * root, rcond=1e-9)[0]
-            gaps = np.abs(rows @ found - values)
+            solution = np.linalg.lstsq(rows * root[:, None], values * root, rcond=1e-9)[0]
+            gaps = np.abs(rows @ solution - values)
             largest = gaps.max()
             if largest < 1e-12:
                 break
             weights = weights * (gaps + 0.05 * largest)
             weights /= weights.max()
-        return found[:-1] / radius, float(found[-1])
+        return solution[:-1] / radius, float(solution[-1])
 
     def _deciding(
         self, pieces: Quotients, slopes: Vector, offset: float, centre: Vector, middle: float,
@@ -343,7 +345,7 @@ def _moves(dimension: int, degree: int) -> list[tuple[Any, Any]]:
     for r in range(1, degree + 1):
         changed = [index for index in indices if index[1] >= r]
         sources = [number[index[0] + 1, index[1] - 1, *index[2:]] for index in changed]
-        passes.append((np.array([number[each] for each in changed]), np.array(sources)))
+        passes.append((np.array([number[vertex] for vertex in changed]), np.array(sources)))
     return passes
 
 
@@ -362,21 +364,21 @@ def _orders(dimension: int, degree: int) -> tuple[Any, Any]:
             if i == j:
                 continue
             for k, index in enumerate(indices):
-                own = [0] * (dimension + 1)
+                exponents = [0] * (dimension + 1)
                 for vertex, power in zip(order, index, strict=True):
-                    own[vertex] = power
-                there[i * (dimension + 1) + j, k] = number[tuple(own)]
+                    exponents[vertex] = power
+                there[i * (dimension + 1) + j, k] = number[tuple(exponents)]
     return there, np.argsort(there, axis=1)
 
 
 def _cut_at(pieces: Quotients, heights: Vector) -> Quotients:
     """Return the parts of pieces on which a linear function is not positive, given at vertices."""
-    done: list[Quotients] = []
+    parts: list[Quotients] = []
     while pieces.count:
         low, high = heights.min(axis=1), heights.max(axis=1)
         slack = 1e-13 * np.maximum(-low, high)
         inside, outside = high <= slack, low >= -slack
-        done.append(pieces.take(np.flatnonzero(inside)))
+        parts.append(pieces.take(np.flatnonzero(inside)))
         crossing = np.flatnonzero(~inside & ~outside)
         if not crossing.size:
             break
@@ -391,7 +393,7 @@ def _cut_at(pieces: Quotients, heights: Vector) -> Quotients:
         ]
         pieces = halves[0][0].joined(halves[1][0])
         heights = np.concatenate([half[1] for half in halves])
-    return done[0].joined(*done[1:]) if len(done) > 1 else done[0] if done else pieces
+    return parts[0].joined(*parts[1:]) if len(parts) > 1 else parts[0] if parts else pieces
 
 
 def _moved(
@@ -466,8 +468,8 @@ class TablePlanes:
                 values.append(self._value(parts, ends))
         points, heights = np.array(corners), np.array(values)
         rows = np.column_stack([(points - centre) / radius, np.ones(len(points))])
-        found = np.linalg.lstsq(rows, heights, rcond=1e-9)[0]
-        slopes = found[:-1] / radius
+        solution = np.linalg.lstsq(rows, heights, rcond=1e-9)[0]
+        slopes = solution[:-1] / radius
         gaps = heights - points @ slopes
         size = np.abs(heights).max() + float(np.abs(slopes) @ np.abs(points).max(axis=0))
         more = 1e-12 * size

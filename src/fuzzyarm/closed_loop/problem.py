@@ -186,7 +186,7 @@ def loop_problem(
     if text.model.partners:
         name = text.model.partners[0].name
         raise LoopProofError(
-            f"the partner '{name}' is a law of the study, of which nothing is proved"
+            f"the partner '{name}' is a law of the study, about which nothing is proved"
         )
     site.wiring(text.model)  # says which port is missing
     begun = [float(value) for value in start_of(plant, np.random.default_rng(0))]
@@ -196,24 +196,24 @@ def loop_problem(
     values = {name: Interval(x, x) for name, x in numbers.items()}
     values |= _chosen("parameter", parameters, plant.parameters)
     interface = site.interface
-    wanted = dict.fromkeys(interface.references, 0.0)
+    set_points = dict.fromkeys(interface.references, 0.0)
     for name, value in (set_point or {}).items():
         port = interface.port(name)
-        if port not in wanted or interface.references[port].order:
+        if port not in set_points or interface.references[port].order:
             raise ClaimError(f"'{name}' has no constant set point")
-        wanted[port] = float(value)
-    seen = {
+        set_points[port] = float(value)
+    effective = {
         port: sensor
         for name, sensor in (sensors or {}).items()
         for port in interface.every_port(name)
     }
-    for port, each in seen.items():
-        if each.noise:
+    for port, port_sensor in effective.items():
+        if port_sensor.noise:
             label = interface.label(port)
             raise LoopProofError(
                 f"the noise of '{label}' has no bound", hint="a resolution or a delay has one"
             )
-    return LoopProblem(text, plant, site, starts, values, wanted, seen)
+    return LoopProblem(text, plant, site, starts, values, set_points, effective)
 
 
 def _chosen(
@@ -364,9 +364,9 @@ class ControlPeriod(Generic[T]):
     def _collect_line(self, axes: Axes, axis: str, index: int, line: object) -> None:
         if isinstance(line, Zoom):
             words = f"'zoom {', '.join(line.signals)}' switches"
-            raise LoopProofError(f"{words}: nothing is proved of it")
+            raise LoopProofError(f"{words}: nothing is proved about it")
         if isinstance(line, Learn):
-            raise LoopProofError(f"the table '{line.table}' learns: nothing is proved of it")
+            raise LoopProofError(f"the table '{line.table}' learns: nothing is proved about it")
         if isinstance(line, Drive) and line.slew is not None:
             self.memory[_drive_name(axis, line, "slew")] = 0.0
         if isinstance(line, Signal) and line.source is not None:
@@ -375,15 +375,15 @@ class ControlPeriod(Generic[T]):
     def _collect_source(
         self, axes: Axes, axis: str, index: int, line: Signal, source: Source
     ) -> None:
-        kind, given = source.record, dict(source.options)
+        kind, options = source.record, dict(source.options)
         if kind.of == "call":
             sheet = self._sheet(source.name, index)
             if isinstance(sheet, RuleBase) and any(o.no_rule == "hold" for o in sheet.outputs):
                 raise LoopProofError(f"'{source.name}' holds its output where no rule fires")
-        if "cleared" in given and self.model.every > 1:
+        if "cleared" in options and self.model.every > 1:
             message = f"the sum '{line.names[0]}' begins again at each set point"
-            raise LoopProofError(f"{message}: nothing is proved of it")
-        for state, begin in zip(kind.states, kind.starts(given), strict=True):
+            raise LoopProofError(f"{message}: nothing is proved about it")
+        for state, begin in zip(kind.states, kind.starts(options), strict=True):
             self.memory[f"{axis}.{line.names[0]} {state.name}"] = begin
         drive = self._wound(axes, line, source)
         if drive is not None:
@@ -399,11 +399,13 @@ class ControlPeriod(Generic[T]):
     # --- sensors and actuators ---
 
     def _sensed(self, outputs: Mapping[Address, T]) -> dict[Address, T]:
-        seen: dict[Address, T] = {}
+        measurements: dict[Address, T] = {}
         for address, value in outputs.items():
             sensor = self.problem.sensors.get(address)
-            seen[address] = value if sensor is None else self._sensor(address, sensor, value, seen)
-        return seen
+            measurements[address] = (
+                value if sensor is None else self._sensor(address, sensor, value, measurements)
+            )
+        return measurements
 
     def _sensor(self, address: Address, sensor: Sensor, value: T, seen: Mapping[Address, T]) -> T:
         """Return what a sensor makes of an output: rate, steps, delay, in this order."""
@@ -484,20 +486,20 @@ class ControlPeriod(Generic[T]):
 
     def _drive(self, line: Drive) -> None:
         algebra = self.algebra
-        wanted = self._sum(line.products)
-        value = wanted
+        demand = self._sum(line.products)
+        value = demand
         if line.within is not None:
-            value = algebra.limit(wanted, *line.within)
+            value = algebra.limit(demand, *line.within)
             excess = _drive_name(self._axis, line, "excess")
             if excess in self.memory:
-                self._after[excess] = algebra.subtract(value, wanted)
+                self._after[excess] = algebra.subtract(value, demand)
         if line.slew is not None:
             name = _drive_name(self._axis, line, "slew")
             value = algebra.near(value, self._state(name), line.slew * self.problem.period)
             self._after[name] = value
         port = self.problem.site.find(self.model, "drive", (self._axis, line.port))
-        known = self._drives.get(port)
-        self._drives[port] = value if known is None else algebra.add(known, value)
+        earlier = self._drives.get(port)
+        self._drives[port] = value if earlier is None else algebra.add(earlier, value)
 
     def _sum(self, products: Sequence[Product]) -> T:
         total: T | None = None
@@ -518,9 +520,9 @@ class ControlPeriod(Generic[T]):
     def _operand(self, value: str | float) -> T:
         if not isinstance(value, str):
             return self.algebra.number(float(value))
-        known = self._signals.get((self._axis, value))
-        if known is not None:
-            return known
+        signal = self._signals.get((self._axis, value))
+        if signal is not None:
+            return signal
         gain = next(model for model in self.model.gains if model.name == value)
         amount = gain.values[self._index if len(gain.values) > 1 else 0]
         return self.algebra.number(amount.value(math.pi))
@@ -528,21 +530,21 @@ class ControlPeriod(Generic[T]):
     # --- sources ---
 
     def _taken_of(self, source: Source) -> T:
-        kind, asked = source.record, (self._axis, source.name)
+        kind, key = source.record, (self._axis, source.name)
         if not kind.ports:
-            return self._signals[asked]
+            return self._signals[key]
         site, set_point = self.problem.site, self.problem.set_point
-        wanted = measured = self.algebra.number(0.0)
+        reference = measured = self.algebra.number(0.0)
         if "reference" in kind.ports:
-            wanted = self.algebra.number(set_point[site.find(self.model, "reference", asked)])
+            reference = self.algebra.number(set_point[site.find(self.model, "reference", key)])
         if "measured" in kind.ports:
-            measured = self._seen[site.find(self.model, "measured", asked)]
+            measured = self._seen[site.find(self.model, "measured", key)]
         if len(kind.ports) == 1:
-            return wanted if "reference" in kind.ports else measured
+            return reference if "reference" in kind.ports else measured
         weight = source.option("weight")
         if isinstance(weight, str | float):
-            wanted = self.algebra.multiply(wanted, self._operand(weight))
-        return self.algebra.subtract(wanted, measured)
+            reference = self.algebra.multiply(reference, self._operand(weight))
+        return self.algebra.subtract(reference, measured)
 
     def _updated(self, axes: Axes, line: Signal, source: Source) -> T:
         kind = source.record
@@ -563,12 +565,12 @@ class ControlPeriod(Generic[T]):
             values["gain"] = self._gain_of_drive(axes, line, drive)
         for state in kind.states:
             values[state.name] = self._state(f"{name} {state.name}")
-        given = algebra.expression(_seen(kind.expression, kind, self._first), values)
+        output = algebra.expression(_seen(kind.expression, kind, self._first), values)
         for state, root in zip(kind.states, kind.nexts, strict=True):
-            values["value"] = given
+            values["value"] = output
             after = algebra.expression(_seen(root, kind, self._first), values)
             self._after[f"{name} {state.name}"] = after
-        return given
+        return output
 
     def _gain_of_drive(self, axes: Axes, line: Signal, drive: Drive) -> T:
         constants = {gain.name for gain in self.model.gains}
@@ -597,9 +599,9 @@ class ControlPeriod(Generic[T]):
 
     def _called(self, source: Source) -> list[T]:
         sheet = self._sheet(source.name, self._index)
-        asked = [self._signals[self._axis, name] for name in source.inputs]
+        arguments = [self._signals[self._axis, name] for name in source.inputs]
         if isinstance(sheet, RuleBase):
-            waiting = iter(asked)
+            waiting = iter(arguments)
             inputs = {
                 variable.name: self.algebra.number(self._index + 1.0)
                 if variable.name == AXIS and AXIS not in source.inputs
@@ -611,8 +613,8 @@ class ControlPeriod(Generic[T]):
             axes, values = of_axis(sheet, self._index)
         except SourceError as error:
             raise LoopProofError(str(error)) from error
-        own = replace(sheet, axes=tuple(axes), values=np.asarray(values))
-        return [self.algebra.table(own, dict(zip(own.names, asked, strict=True)))]
+        lattice = replace(sheet, axes=tuple(axes), values=np.asarray(values))
+        return [self.algebra.table(lattice, dict(zip(lattice.names, arguments, strict=True)))]
 
 
 def _word(option: str) -> str:

@@ -73,7 +73,7 @@ class ProgramWalk:
             if isinstance(step, Set):
                 self.begun |= _unseen(step.value)
             elif not isinstance(step, Ask):
-                raise LoopProofError("a controller that learns: nothing is proved of it")
+                raise LoopProofError("a controller that learns: nothing is proved about it")
         for (axis, port), sensor in problem.sensors.items():
             self._collect(f"{axis}.{port}", sensor)
         for address, actuator in problem.site.interface.inputs.items():
@@ -130,20 +130,20 @@ class ProgramWalk:
             name: states.get(name, numbers.number(start)) for name, start in self.states.items()
         }
         self._after: dict[str, Any] = {}
-        seen = self._sensed(outputs)
+        measurements = self._sensed(outputs)
         self._values: dict[str, Any] = {
             FIRST: first,
             LAST: self.problem.text.model.every == 1,
         }
         drives: dict[Address, Any] = {}
         for name, variable in self.steps.variables.items():
-            asked = (variable.axis, variable.name)
+            key = (variable.axis, variable.name)
             if variable.sort == "gain":
                 self._values[name] = numbers.number(variable.start)
             elif variable.sort == "measured":
-                self._values[name] = seen[self._port("measured", asked)]
+                self._values[name] = measurements[self._port("measured", key)]
             elif variable.sort == "reference":
-                set_point = self.problem.set_point[self._port("reference", asked)]
+                set_point = self.problem.set_point[self._port("reference", key)]
                 self._values[name] = numbers.number(set_point)
         for step in self.steps.steps:
             if isinstance(step, Set):
@@ -157,8 +157,8 @@ class ProgramWalk:
         for variable in self.steps.of_sort("drive"):
             port = self._port("drive", (variable.axis, variable.name))
             value = self._values[variable.symbol]
-            known = drives.get(port)
-            drives[port] = value if known is None else numbers.apply("add", [known, value])
+            earlier = drives.get(port)
+            drives[port] = value if earlier is None else numbers.apply("add", [earlier, value])
         inputs = {address: self._actuated(address, drives) for address in self._inputs}
         return inputs, {**self._before, **self._after}
 
@@ -179,12 +179,12 @@ class ProgramWalk:
 
     def _value(self, root: Node) -> Any:
         """Return an expression; of a choice only the branch that is taken is looked at."""
-        known: dict[Node, Any] = {}
+        results: dict[Node, Any] = {}
 
         def value(node: Node) -> Any:
-            if node not in known:
-                known[node] = self._computed(node, value)
-            return known[node]
+            if node not in results:
+                results[node] = self._computed(node, value)
+            return results[node]
 
         return value(root)
 
@@ -192,8 +192,8 @@ class ProgramWalk:
         if isinstance(node, Constant):
             return node.value if math.isinf(node.value) else self._numbers.number(node.value)
         if isinstance(node, Symbol):
-            known = node.name in self._values and node.name not in self.states
-            return self._values[node.name] if known else self._state(node.name)
+            is_value = node.name in self._values and node.name not in self.states
+            return self._values[node.name] if is_value else self._state(node.name)
         assert isinstance(node, Apply)
         operation, arguments = node.operation, node.arguments
         if operation == "where":
@@ -210,33 +210,33 @@ class ProgramWalk:
         if limits is not None:
             x, low, high = limits
             return self._numbers.limit(value(x), low, high)
-        given = [value(argument) for argument in arguments]
-        if any(isinstance(x, float) for x in given):
-            return _against_infinity(operation, given)
-        return self._numbers.apply(operation, given)
+        operands = [value(argument) for argument in arguments]
+        if any(isinstance(x, float) for x in operands):
+            return _against_infinity(operation, operands)
+        return self._numbers.apply(operation, operands)
 
     def _asked(self, step: Ask) -> Any:
-        given = [self._values[name] for name in step.inputs]
+        arguments = [self._values[name] for name in step.inputs]
         sheet = self.steps.sheets[step.routine]
         if isinstance(sheet, LookupTable):
-            return self._numbers.table(sheet, dict(zip(sheet.names, given, strict=True)))
+            return self._numbers.table(sheet, dict(zip(sheet.names, arguments, strict=True)))
         rulebase, output = sheet
         names = [variable.name for variable in rulebase.inputs]
-        return self._numbers.rules(rulebase, output, dict(zip(names, given, strict=True)))
+        return self._numbers.rules(rulebase, output, dict(zip(names, arguments, strict=True)))
 
     # ── sensors and actuators ────────────────────────────────────────────────────────
 
     def _sensed(self, outputs: Mapping[Address, Any]) -> dict[Address, Any]:
-        seen: dict[Address, Any] = {}
+        measurements: dict[Address, Any] = {}
         for address, output in outputs.items():
             sensor = self.problem.sensors.get(address)
             value = output
             if sensor is not None:
                 if sensor.difference is not None:
-                    value = self._rate(address, sensor.difference, seen)
+                    value = self._rate(address, sensor.difference, measurements)
                 value = self._late(".".join(address), sensor.delay, value)
-            seen[address] = value
-        return seen
+            measurements[address] = value
+        return measurements
 
     def _rate(self, address: Address, constant: float, seen: Mapping[Address, Any]) -> Any:
         """Return the filtered difference that a sensor gives for a rate."""
@@ -292,13 +292,13 @@ _CONDITIONS: dict[str, Callable[..., bool]] = {
 
 def _unseen(root: Node) -> set[str]:
     """Return the symbols of states of which an expression asks whether they have seen anything."""
-    found = set()
+    names = set()
     for node in postorder(root):
         if isinstance(node, Apply) and node.operation == "equal":
             first, second = node.arguments
             if first is second and isinstance(first, Symbol):
-                found.add(first.name)
-    return found
+                names.add(first.name)
+    return names
 
 
 def _limits(node: Apply) -> tuple[Node, float, float] | None:

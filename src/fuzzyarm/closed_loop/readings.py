@@ -78,14 +78,16 @@ def pruned(root: Node, numbers: Mapping[str, float]) -> Node:
             nodes[node] = node
             continue
         arguments = [nodes[argument] for argument in node.arguments]
-        own: Node = apply(node.operation, *arguments)
+        rewritten: Node = apply(node.operation, *arguments)
         if node.operation in CONDITIONS:
-            own = specialise(own, {})
+            rewritten = specialise(rewritten, {})
         elif node.operation == "where" and isinstance(arguments[0], Constant):
-            own = arguments[1] if arguments[0].value else arguments[2]
+            rewritten = arguments[1] if arguments[0].value else arguments[2]
         elif node.operation in ("minimum", "maximum") or node.operation == "where":
-            own = _without_infinite(_choice(*arguments) if node.operation == "where" else own)
-        nodes[node] = own
+            rewritten = _without_infinite(
+                _choice(*arguments) if node.operation == "where" else rewritten
+            )
+        nodes[node] = rewritten
     return nodes[root]
 
 
@@ -93,8 +95,8 @@ def _without_infinite(node: Node) -> Node:
     """Return the other of two where one is a limit that there is not."""
     if isinstance(node, Apply) and node.operation in ("minimum", "maximum"):
         absent = math.inf if node.operation == "minimum" else -math.inf
-        for own, other in (node.arguments, node.arguments[::-1]):
-            if isinstance(own, Constant) and own.value == absent:
+        for branch, other in (node.arguments, node.arguments[::-1]):
+            if isinstance(branch, Constant) and branch.value == absent:
                 return other
     return node
 
@@ -106,10 +108,10 @@ def _rewritten(operation: str, arguments: tuple[Node, ...]) -> Node:
         return _choice(*arguments)
     if operation == "power":
         return _power(*arguments)
-    made = _IN_OTHERS.get(operation)
-    if made is None:
-        raise UnreadableError(f"nothing is enclosed of '{operation}'")
-    return readable(made(*arguments))
+    rewrite = _IN_OTHERS.get(operation)
+    if rewrite is None:
+        raise UnreadableError(f"no enclosure is known for '{operation}'")
+    return readable(rewrite(*arguments))
 
 
 def _choice(condition: Node, then: Node, otherwise: Node) -> Node:
@@ -124,7 +126,7 @@ def _choice(condition: Node, then: Node, otherwise: Node) -> Node:
 
 def _power(base: Node, exponent: Node) -> Node:
     if not isinstance(exponent, Constant):
-        raise UnreadableError("nothing is enclosed of 'power' with an exponent that changes")
+        raise UnreadableError("no enclosure is known for 'power' with an exponent that changes")
     number = exponent.value
     if number == 0.5:
         return apply("sqrt", base)
@@ -212,7 +214,7 @@ def _absolute(x: Forms) -> Forms:
 def _root(x: Forms) -> Forms:
     """Return the root of what is positive."""
     if np.any(x.bounds.low <= 0.0):
-        raise EnclosureError("the root of an interval that holds 0 or negative numbers")
+        raise EnclosureError("the root of an interval that contains 0 or negative numbers")
     return x.function("sqrt")
 
 
@@ -292,18 +294,18 @@ def read(roots: Sequence[Node], values: Mapping[str, Forms]) -> list[Forms]:
     values : mapping of str to Forms
         Of the symbols.
     """
-    made: dict[Node, Any] = {}
+    results: dict[Node, Any] = {}
     shape = next(iter(values.values())).shape
     for node in postorder(*roots):
         if isinstance(node, Constant):
-            made[node] = node.value
+            results[node] = node.value
         elif isinstance(node, Symbol):
-            made[node] = values[node.name]
+            results[node] = values[node.name]
         else:
             assert isinstance(node, Apply)
-            arguments = [made[argument] for argument in node.arguments]
-            made[node] = applied(node, arguments, shape, made.__getitem__)
-    return [as_forms(made[root], shape) for root in roots]
+            arguments = [results[argument] for argument in node.arguments]
+            results[node] = applied(node, arguments, shape, results.__getitem__)
+    return [as_forms(results[root], shape) for root in roots]
 
 
 def as_forms(value: Any, shape: tuple[int, ...]) -> Any:
@@ -319,8 +321,8 @@ def applied(
         return _steep_root(as_forms(arguments[0], shape))
     numbers = [isinstance(argument, float) for argument in arguments]
     if numbers in ([True, False], [False, True]):
-        own, number = arguments if numbers[1] else reversed(arguments)
+        variable, number = arguments if numbers[1] else reversed(arguments)
         by_number = _WITH_NUMBERS.get((node.operation, numbers[1]))
         if by_number is not None:
-            return by_number(own, number)
+            return by_number(variable, number)
     return _READINGS[node.operation](*(as_forms(argument, shape) for argument in arguments))

@@ -119,15 +119,15 @@ def rest_in_floats(
 def _guess(problem: LoopProblem) -> list[float]:
     """Return where states may be: the set point, or the middle of what a sensor sees."""
     interface = problem.site.interface
-    found = dict.fromkeys(problem.states, 0.0)
+    guess = dict.fromkeys(problem.states, 0.0)
     for address, port in interface.outputs.items():
-        if address[1] in found:
+        if address[1] in guess:
             middle = 0.5 * (port.low + port.high)
-            found[address[1]] = middle if math.isfinite(middle) else 0.0
+            guess[address[1]] = middle if math.isfinite(middle) else 0.0
             set_point = problem.set_point.get(address, 0.0)
             if set_point:
-                found[address[1]] = set_point
-    return list(found.values())
+                guess[address[1]] = set_point
+    return list(guess.values())
 
 
 def _motion(

@@ -112,12 +112,12 @@ class RulePieces:
             if not _is_positive(lower):
                 raise LoopProofError(f"'{self.rulebase.name}' may have no value somewhere")
             # Corners are shares of a cell.
-            own = []
+            cell_index = []
             for corner in corners:
                 place = dict(points)
                 place.update(zip(free, cells.position(int(owner), corner), strict=True))
-                own.append(tuple(place[k] for k in range(len(box))))
-            pieces.append(Piece(tuple(own), upper, lower))
+                cell_index.append(tuple(place[k] for k in range(len(box))))
+            pieces.append(Piece(tuple(cell_index), upper, lower))
         self._demand_unclamped(pieces)
         return pieces, any(cells.grid.jumps)
 
@@ -325,18 +325,18 @@ def _sums(piece: Piece, row: Sequence[Fraction]) -> list[Fraction]:
 
 def _sides(piece: Piece, row: Sequence[Fraction]) -> list[Piece]:
     """Return a piece, or its parts on both sides of σ = 0."""
-    open_, done = [piece], []
+    open_, parts = [piece], []
     while open_:
         part = open_.pop()
         sums = _sums(part, row)
         low, high = min(sums), max(sums)
         if low >= 0 or high <= 0:
-            done.append(part)
+            parts.append(part)
             continue
         i, j = sums.index(low), sums.index(high)
         share = sums[i] / (sums[i] - sums[j])  # of the way from corner i to corner j
         open_ += [_moved(part, i, j, share), _moved(part, j, i, 1 - share)]
-    return done
+    return parts
 
 
 def _moved(piece: Piece, stays: int, moves: int, share: Fraction) -> Piece:

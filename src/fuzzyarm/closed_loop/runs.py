@@ -104,7 +104,7 @@ def sampled_runs(problem: LoopProblem, duration: float, count: int) -> list[Run]
     """
     claim = LoopClaim("", output="", when="during", end=duration)
     begun = _starts(problem, claim)
-    runs = (run_of(problem, *each, claim, duration=duration) for each in islice(begun, count))
+    runs = (run_of(problem, *start, claim, duration=duration) for start in islice(begun, count))
     return [run for run in runs if run is not None]
 
 
@@ -182,11 +182,11 @@ def _breach(
     problem: LoopProblem, claim: LoopClaim, run: Run, rest: Mapping[str, float] | None
 ) -> str:
     """Return in words how a run breaks a claim; empty where it does not."""
-    lost = f"the run diverges after {run.diverged or 0.0:.4g} s: {run.cause}"
+    divergence = f"the run diverges after {run.diverged or 0.0:.4g} s: {run.cause}"
     if claim.output:
-        return _outside(problem, claim, run, lost)
+        return _outside(problem, claim, run, divergence)
     if run.diverged is not None:
-        return lost
+        return divergence
     # Of a start that is not next to rest no run tells: it may be on its way.
     return "" if claim.start or rest is None else _unrest(problem, run, rest)
 
@@ -195,9 +195,9 @@ def _outside(problem: LoopProblem, claim: LoopClaim, run: Run, lost: str) -> str
     """Return where an output is outside the claimed interval in the claimed time."""
     port = claimed_port(problem, claim)
     values = np.asarray(run.outputs[port] if port in run.outputs else run.drives[port])
-    chosen = (run.time >= claim.begin - 1e-9) & (run.time <= claim.end + 1e-9)
+    in_time = (run.time >= claim.begin - 1e-9) & (run.time <= claim.end + 1e-9)
     slack = 1e-9 * (claim.high - claim.low)
-    wrong = chosen & ((values > claim.high + slack) | (values < claim.low - slack))
+    wrong = in_time & ((values > claim.high + slack) | (values < claim.low - slack))
     if wrong.any():
         k = int(np.argmax(wrong))
         return f"{port} = {values[k]:.6g} after {run.time[k]:.6g} s"

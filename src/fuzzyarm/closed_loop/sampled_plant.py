@@ -90,9 +90,9 @@ class SampledPlant:
 
     def _slopes_over(self, ranges: Mapping[str, tuple[float, float]]) -> Intervals:
         """Return bounds of the slopes of the rates by states and inputs."""
-        found = [[bounds_of(node, ranges) for node in row] for row in self._jacobian]
-        low = [[interval.low for interval in row] for row in found]
-        high = [[interval.high for interval in row] for row in found]
+        bounds = [[bounds_of(node, ranges) for node in row] for row in self._jacobian]
+        low = [[interval.low for interval in row] for row in bounds]
+        high = [[interval.high for interval in row] for row in bounds]
         return Intervals.between(low, high)
 
     def _ranges(
@@ -188,7 +188,7 @@ class SampledPlant:
             total = total + term
         norm = float(np.max(np.sum(step.size, axis=1))) * (1.0 + 1e-12)
         if norm > last / 2:
-            raise NotAffineError("a period is long beside the plant's motion")
+            raise NotAffineError("a period is long compared with the plant's motion")
         # Terms fall by more than half from here on: the tail is below twice the next one.
         tail = 2.0 * norm ** (last + 1) / math.factorial(last + 1) * (1.0 + 1e-12)
         total = total + Intervals.between(np.full(unit.shape, -tail), np.full(unit.shape, tail))
@@ -204,18 +204,18 @@ class SampledPlant:
         if not all(math.isfinite(end) for key in states for end in ranges[key]):
             raise NotAffineError("a plant that is not affine needs a box")
         for _ in range(20):
-            moved = {}
+            image = {}
             for key, root in zip(states, self.equations.rates, strict=True):
                 pace = bounds_of(root, wide)
                 low, high = ranges[key]
-                moved[key] = (
+                image[key] = (
                     lower(low + min(0.0, lower(h * pace.low))),
                     higher(high + max(0.0, higher(h * pace.high))),
                 )
-            if all(wide[k][0] <= moved[k][0] and moved[k][1] <= wide[k][1] for k in states):
+            if all(wide[k][0] <= image[k][0] and image[k][1] <= wide[k][1] for k in states):
                 return wide  # Picard's operator takes this box into itself
             for k in states:
-                low, high = moved[k]
+                low, high = image[k]
                 more = 0.05 * (high - low) * 0.1 + 1e-12
                 wide[k] = (min(wide[k][0], low - more), max(wide[k][1], high + more))
         raise NotAffineError("the motion within a period was not enclosed")

@@ -118,8 +118,8 @@ class _Search:
             yield beyond
             return
         if self.wanted is None:
-            found = candidate(form, include=include)
-            yield self._proposal(choice, form, found)
+            solution = candidate(form, include=include)
+            yield self._proposal(choice, form, solution)
             return
         within = self._output_rows(form)
         if isinstance(within, str):
@@ -262,10 +262,10 @@ class _Search:
             form,
             bounds=tuple(b for b in form.bounds if not b.words.startswith("the box of")),
         )
-        found = candidate(free)
-        if found is None:
+        solution = candidate(free)
+        if solution is None:
             return "no quadratic function was found that falls next to rest"
-        return _half_axes(found.p, form)
+        return _half_axes(solution.p, form)
 
     def _box(self, shape: dict[str, float], scale: float) -> dict[str, Fraction]:
         return {
@@ -278,15 +278,13 @@ class _Search:
     ) -> Iterator[Proposal | str]:
         """Yield attempts with boxes of a shape that hold the start, larger and larger ones."""
         maker = self.maker
-        needed = 1e-6
+        scale = 1e-6
         for name, span in maker.problem.start.items():
             far = max(abs(float(Fraction(end) - maker.rest[name])) for end in span)
-            needed = max(needed, far / max(shape[name], 1e-300))
+            scale = max(scale, far / max(shape[name], 1e-300))
         for factor in (1.05, 1.3, 1.7, 2.3):
             if not self.stop.now:
-                yield from self._tried(
-                    Choice(share, grip, self._box(shape, factor * needed), along)
-                )
+                yield from self._tried(Choice(share, grip, self._box(shape, factor * scale), along))
 
     def _largest(
         self, share: Fraction, along: bool, grip: Fraction, shape: dict[str, float]
@@ -301,18 +299,18 @@ class _Search:
             if self.stop.now:
                 break
             box = self._box(shape, scale)
-            made: Proposal | None = None
+            candidate_proposal: Proposal | None = None
             for proposal in self._tried(Choice(share, grip, box, along)):
                 if isinstance(proposal, Proposal):
-                    made = proposal
+                    candidate_proposal = proposal
                 else:
                     yield proposal
-            if made is None:
+            if candidate_proposal is None:
                 high = scale
-            elif best is None or made.size > best.size:
-                best, low = made, scale
+            elif best is None or candidate_proposal.size > best.size:
+                best, low = candidate_proposal, scale
                 # The region may have another shape than the box: what it does not reach is cut.
-                axes = _half_axes(made.p, made.form)
+                axes = _half_axes(candidate_proposal.p, candidate_proposal.form)
                 shape = {n: min(x, 1.05 * axes[n] / scale) for n, x in shape.items()}
             else:
                 break

@@ -150,22 +150,22 @@ def slopes_of(roots: Sequence[Node], values: Mapping[str, Slope]) -> list[Slope]
     SpanError
         If they have an operation that is not read, a choice that is open, or no value.
     """
-    known: dict[Node, Any] = {}
+    results: dict[Node, Any] = {}
     for node in postorder(*roots):
         if isinstance(node, Constant):
-            known[node] = Slope(exactly(node.value), {})
+            results[node] = Slope(exactly(node.value), {})
         elif isinstance(node, Symbol):
-            known[node] = values[node.name]
+            results[node] = values[node.name]
         else:
             assert isinstance(node, Apply)
-            arguments = [known[argument] for argument in node.arguments]
+            arguments = [results[argument] for argument in node.arguments]
             if node.operation == "where":
-                known[node] = arguments[1] if arguments[0] else arguments[2]
+                results[node] = arguments[1] if arguments[0] else arguments[2]
             elif node.operation == "multiply" and node.arguments[0] is node.arguments[1]:
-                known[node] = _squared(arguments[0])
+                results[node] = _squared(arguments[0])
             else:
-                known[node] = applied(node.operation, arguments)
-    return [known[root] for root in roots]
+                results[node] = applied(node.operation, arguments)
+    return [results[root] for root in roots]
 
 
 def _squared(a: Slope) -> Slope:

@@ -73,7 +73,7 @@ class Span(NamedTuple):
     def over(self, other: Span) -> Span:
         """Return all quotients."""
         if other.low <= 0 <= other.high:
-            raise SpanError("a division by an interval that holds 0")
+            raise SpanError("a division by an interval that contains 0")
         return self.times(_outward(1 / other.high, 1 / other.low))
 
     def holds(self, other: Span) -> bool:

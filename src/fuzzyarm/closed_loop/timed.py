@@ -85,7 +85,7 @@ def followed(
     if claim.output:
         port = claimed_port(problem, claim)
         demands = [Demand(port, claim.low, claim.high, claim.begin, horizon)]
-    found = tube(
+    course = tube(
         problem,
         horizon,
         demands=demands,
@@ -93,10 +93,10 @@ def followed(
         progress=tell,
         goal=None if haven is None else haven.sign,
     )
-    proved = found.complete and not found.open
+    proved = course.complete and not course.open
     if proved and haven is None and demands:
-        proved = found.holds(demands[0])
-    return found, "" if proved else _failure(problem, found, claim, haven)
+        proved = course.holds(demands[0])
+    return course, "" if proved else _failure(problem, course, claim, haven)
 
 
 def loop_tube(
@@ -287,9 +287,9 @@ class Haven:
         z: list[Forms] = []
         for name, rest in zip(self.loop.names, self.rests, strict=True):
             value = states[names.index(name)] if name in names else memory[name]
-            own = value if isinstance(value, Forms) else Forms.at(np.full(batch, value))
+            forms = value if isinstance(value, Forms) else Forms.at(np.full(batch, value))
             low, high = np.full(batch, rest.low), np.full(batch, rest.high)
-            z.append(own - Forms.between(low, high))
+            z.append(forms - Forms.between(low, high))
         total = np.zeros(batch)
         for k in range(len(z)):
             entry = z[k].scaled(self.factor[k, k])

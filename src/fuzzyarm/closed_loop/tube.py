@@ -107,18 +107,18 @@ class Tube:
             If parts of the starts were not followed so far.
         """
         if not self.complete:
-            raise EnclosureError("the tube does not hold all starts")
+            raise EnclosureError("the tube does not contain all starts")
         column = self.ports.index(output)
         return _between(self, column, begin, end)
 
     def lines(self) -> list[str]:
         """Return in words where each port is: in all the time, and at its end."""
-        found = []
+        report = []
         for port in self.ports:
             whole = self.bounds(port, 0.0, self.duration)
             last = self.bounds(port, self.duration, self.duration)
-            found.append(f"{port} in {_ends(whole)}, at {self.duration:g} s in {_ends(last)}")
-        return found
+            report.append(f"{port} in {_ends(whole)}, at {self.duration:g} s in {_ends(last)}")
+        return report
 
     def holds(self, demand: Demand) -> bool:
         """Tell whether a demand is proved."""
@@ -227,7 +227,7 @@ class _Search:
         open_ = self._cut(boxes)
         finished: list[Course] = []
         failed: list[Box] = []
-        lost: list[Box] = []
+        unfollowed: list[Box] = []
         count = len(open_)
         while open_:
             batch, open_ = open_[:AT_ONCE], open_[AT_ONCE:]
@@ -236,18 +236,18 @@ class _Search:
             for group, course, weights in self._followed(batch, whole=not halves):
                 halved = list(group)
                 if course is not None:
-                    kept = ~course.undone if halves else np.ones(len(group), dtype=bool)
-                    if kept.any():
-                        finished.append(course.part(kept))
+                    complete = ~course.undone if halves else np.ones(len(group), dtype=bool)
+                    if complete.any():
+                        finished.append(course.part(complete))
                     failed += [
-                        box for box, bad in zip(group, kept & course.undone, strict=True) if bad
+                        box for box, bad in zip(group, complete & course.undone, strict=True) if bad
                     ]
                     self.done += sum(
-                        box.share() for box, good in zip(group, kept, strict=True) if good
+                        box.share() for box, good in zip(group, complete, strict=True) if good
                     )
-                    halved = [box for box, good in zip(group, kept, strict=True) if not good]
+                    halved = [box for box, good in zip(group, complete, strict=True) if not good]
                 elif not halves:
-                    lost += group
+                    unfollowed += group
                     halved = []
                 for box in halved:
                     way = self._dimension(box, weights[:, group.index(box)], lost=course is None)
@@ -255,14 +255,14 @@ class _Search:
                     count += 1
             if self.progress is not None:
                 self.progress(self.done, len(open_))
-        return self._answer(finished, failed, lost, count)
+        return self._answer(finished, failed, unfollowed, count)
 
     def _cut(self, boxes: Sequence[int]) -> list[Box]:
-        found = [self.follower.first]
+        halves_of_box = [self.follower.first]
         for dimension, parts in enumerate(boxes):
             for _ in range(max(0, int(parts) - 1).bit_length()):
-                found = [half for box in found for half in box.halves(dimension)]
-        return found
+                halves_of_box = [half for box in halves_of_box for half in box.halves(dimension)]
+        return halves_of_box
 
     def _followed(
         self, boxes: Sequence[Box], *, whole: bool

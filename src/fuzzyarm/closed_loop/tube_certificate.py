@@ -68,8 +68,11 @@ class TubeCertificate:
                     {
                         "path": [[dimension, upper] for dimension, upper in box.path],
                         "sets": [
-                            {"centre": _texts(own.centre), "rows": [_texts(r) for r in own.rows]}
-                            for own in box.sets
+                            {
+                                "centre": _texts(tube_set.centre),
+                                "rows": [_texts(r) for r in tube_set.rows],
+                            }
+                            for tube_set in box.sets
                         ],
                     }
                     for box in self.boxes
@@ -200,9 +203,9 @@ def _box(box: Field) -> BoxProof:
         tuple((dimension.index, upper.flag) for dimension, upper in halvings),
         tuple(
             TubeSet(
-                tuple(x.rational for x in own["centre"]),
-                tuple(tuple(x.rational for x in row) for row in own["rows"]),
+                tuple(x.rational for x in record["centre"]),
+                tuple(tuple(x.rational for x in row) for row in record["rows"]),
             )
-            for own in box["sets"]
+            for record in box["sets"]
         ),
     )

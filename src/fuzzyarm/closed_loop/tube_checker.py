@@ -140,17 +140,17 @@ class TubeLoop:
             whole.append(Slope(span, along))
         at = [Slope(exactly(x), {}) for x in own.centre]
         states = dict(zip(self.problem.states, whole[:count], strict=True))
-        driven, after = self._controlled(states, whole[count:], first=first)
-        read = set(self.walk.read)
+        drives, after = self._controlled(states, whole[count:], first=first)
+        names_read = set(self.walk.read)
         middle = dict(zip(self.problem.states, at[:count], strict=True))
-        held, kept = self._controlled(middle, at[count:], first=first)
-        if not (read | self.walk.read) <= set(self.memory):
-            raise LoopProofError("the program reads what the certificate does not know")
-        moving = self._around(states, driven)
-        moved = self._plant_spread(moving, [*whole[:count], *driven.values()], names)
-        spread = [*moved, *([line.along.get(n, ZERO) for n in names] for line in after)]
-        ends = [*self._followed(middle, held), *(line.value for line in kept)]
-        return Period(ends, spread, self._outputs(moving, driven))
+        centre_drives, memory_lines = self._controlled(middle, at[count:], first=first)
+        if not (names_read | self.walk.read) <= set(self.memory):
+            raise LoopProofError("the program reads a value that is not in the certificate")
+        moving = self._around(states, drives)
+        plant_spread = self._plant_spread(moving, [*whole[:count], *drives.values()], names)
+        spread = [*plant_spread, *([line.along.get(n, ZERO) for n in names] for line in after)]
+        ends = [*self._followed(middle, centre_drives), *(line.value for line in memory_lines)]
+        return Period(ends, spread, self._outputs(moving, drives))
 
     def _controlled(
         self, states: Mapping[str, Slope], memory: Sequence[Slope], *, first: bool = True
@@ -158,18 +158,18 @@ class TubeLoop:
         """Return the inputs of the plant by symbol, and the memory afterwards."""
         equations, interface = self.problem.equations, self.problem.site.interface
         values = {k: states[n] for k, n in zip(equations.states, self.problem.states, strict=True)}
-        told = slopes_of(equations.outputs, {**values, **self.parameters})
+        outputs = slopes_of(equations.outputs, {**values, **self.parameters})
         inputs, after = self.walk.period(
             self.numbers,
-            dict(zip(interface.outputs, told, strict=True)),
+            dict(zip(interface.outputs, outputs, strict=True)),
             dict(zip(self.memory, memory, strict=True)),
             first=first,
         )
-        driven = {
+        drives = {
             key: inputs[address]
             for key, address in zip(equations.inputs, interface.inputs, strict=True)
         }
-        return driven, [after[name] for name in self.memory]
+        return drives, [after[name] for name in self.memory]
 
     def _around(self, states: Mapping[str, Slope], driven: Mapping[str, Slope]) -> dict[str, Span]:
         """Return a box that the plant does not leave within the period, by symbol."""
@@ -200,14 +200,14 @@ class TubeLoop:
         equations, problem = self.problem.equations, self.problem
         h = Fraction(problem.period) / STEPS
         at = {k: states[n].value for k, n in zip(equations.states, problem.states, strict=True)}
-        held = {key: line.value for key, line in driven.items()}
+        inputs = {key: line.value for key, line in driven.items()}
         fixed = {key: value.value for key, value in self.parameters.items()}
         for _ in range(STEPS):
-            box = around_motion(problem, {**at, **held, **fixed}, h)
+            box = around_motion(problem, {**at, **inputs, **fixed}, h)
             values = {k: Slope(s, {k: ONE} if k in at else {}) for k, s in box.items()}
             over = slopes_of(equations.rates, values)
             begin = slopes_of(
-                equations.rates, {k: Slope(s, {}) for k, s in {**at, **held, **fixed}.items()}
+                equations.rates, {k: Slope(s, {}) for k, s in {**at, **inputs, **fixed}.items()}
             )
             after = {}
             for key, rate, slope in zip(at, begin, over, strict=True):
@@ -220,14 +220,14 @@ class TubeLoop:
     def _outputs(self, moving: Mapping[str, Span], driven: Mapping[str, Slope]) -> dict[str, Span]:
         equations, interface = self.problem.equations, self.problem.site.interface
         values = {key: Slope(span, {}) for key, span in moving.items()}
-        told = slopes_of(equations.outputs, values)
-        found = {
+        outputs = slopes_of(equations.outputs, values)
+        spans = {
             interface.label(address): line.value
-            for address, line in zip(interface.outputs, told, strict=True)
+            for address, line in zip(interface.outputs, outputs, strict=True)
         }
         for address, line in zip(interface.inputs, driven.values(), strict=True):
-            found[interface.label(address)] = line.value
-        return found
+            spans[interface.label(address)] = line.value
+        return spans
 
 
 def _rounded(span: Span) -> Span:
@@ -315,12 +315,12 @@ def _is_all(paths: tuple[tuple[tuple[int, bool], ...], ...]) -> bool:
 def _box_refutation(loop: TubeLoop, claim: LoopClaim, port: str, box: BoxProof) -> str:
     spans = start_of(loop, box.path)
     if not _is_inside([x.middle for x in spans], [x.radius for x in spans], box.sets[0]):
-        return "its first set does not hold the starts"
+        return "its first set does not contain the starts"
     h = Fraction(loop.problem.period)
-    for k, own in enumerate(box.sets):
+    for k, tube_set in enumerate(box.sets):
         if h * k >= Fraction(claim.end):
             break
-        step = loop.period(own, first=k == 0)
+        step = loop.period(tube_set, first=k == 0)
         if h * (k + 1) > Fraction(claim.begin):
             where = step.outputs[port]
             if not (claim.low <= where.low and where.high <= claim.high):

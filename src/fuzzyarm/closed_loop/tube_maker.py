@@ -42,27 +42,27 @@ def proof_boxes(
     """
     until = time.monotonic() + budget
     open_: list[tuple[tuple[int, bool], ...]] = [()]
-    done: list[BoxProof] = []
+    proofs: list[BoxProof] = []
     wide = [k for k, x in enumerate(loop.problem.start.values()) if x.low < x.high]
     while open_:
         path = open_.pop(0)
-        made = _followed(loop, claim, port, path, until)
-        if isinstance(made, BoxProof):
-            done.append(made)
+        proof = _followed(loop, claim, port, path, until)
+        if isinstance(proof, BoxProof):
+            proofs.append(proof)
             continue
         if time.monotonic() > until or not wide or len(path) > 12:
-            return made
+            return proof
         # Along each of the states in turn, as the whole box was wide.
         dimension = wide[len(path) % len(wide)]
         open_ += [(*path, (dimension, False)), (*path, (dimension, True))]
-    return tuple(done)
+    return tuple(proofs)
 
 
 def _followed(
     loop: TubeLoop, claim: LoopClaim, port: str, path: tuple[tuple[int, bool], ...], until: float
 ) -> BoxProof | str:
     spans = start_of(loop, path)
-    own = TubeSet(
+    tube_set = TubeSet(
         tuple(x.middle for x in spans),
         tuple(
             tuple(Fraction(int(i == j)) / max(x.radius, POINT) for j in range(len(spans)))
@@ -75,14 +75,14 @@ def _followed(
         while h * k < Fraction(claim.end):
             if time.monotonic() > until:
                 return "time ran out"
-            sets.append(own)
-            step = loop.period(own, first=k == 0)
+            sets.append(tube_set)
+            step = loop.period(tube_set, first=k == 0)
             where: Span = step.outputs[port]
             if h * (k + 1) > Fraction(claim.begin) and not (
                 claim.low <= where.low and where.high <= claim.high
             ):
                 return f"in period {k + 1} the claim is not shown"
-            own, k = _next(step), k + 1
+            tube_set, k = _next(step), k + 1
     except LoopProofError as error:
         return str(error)
     return BoxProof(path, tuple(sets))

@@ -320,11 +320,11 @@ class _Case:
         )
 
     def _searched(self, maker: FormMaker, claim: LoopClaim, stop: Stop) -> LoopVerdict:
-        wanted = (claim.low, claim.high) if claim.output else None
+        bounds = (claim.low, claim.high) if claim.output else None
         reason = "no quadratic function was found that falls"
         good: list[Proposal] = []
         verdict: LoopVerdict | None = None
-        for proposal in proposals(maker, claim, stop, continuous=self.continuous, wanted=wanted):
+        for proposal in proposals(maker, claim, stop, continuous=self.continuous, wanted=bounds):
             self.attempts += 1
             self.stop.say(self.attempts)
             if isinstance(proposal, str):

@@ -73,7 +73,7 @@ def verified(
         except LoopProofError as error:
             return str(error), {}, loop
         if level > 1:
-            return "its region does not hold the whole start", {}, loop
+            return "its region does not contain the whole start", {}, loop
     reach = reach_of(loop, Fraction(1), p)
     facts: dict[str, Any] = {
         "region": {
@@ -95,13 +95,13 @@ def verified(
 def _at_most(loop: CheckedLoop, p: Sequence[Sequence[Fraction]], z: Sequence[Fraction]) -> Fraction:
     """Return V at most, where the rest is known but for its doubt."""
     doubt = [loop.doubt[name] for name in loop.names]
-    moved = _value(p, z)
+    total = _value(p, z)
     if any(doubt):
         slope = [abs(sum((w * x for w, x in zip(row, z, strict=True)), Fraction(0))) for row in p]
         sizes = [[abs(w) for w in row] for row in p]
-        moved += 2 * sum((s * r for s, r in zip(slope, doubt, strict=True)), Fraction(0))
-        moved += _value(sizes, doubt)
-    return moved
+        total += 2 * sum((s * r for s, r in zip(slope, doubt, strict=True)), Fraction(0))
+        total += _value(sizes, doubt)
+    return total
 
 
 def _value(p: Sequence[Sequence[Fraction]], z: Sequence[Fraction]) -> Fraction:
@@ -138,7 +138,7 @@ def start_vertices(problem: LoopProblem, loop: CheckedLoop) -> list[tuple[Fracti
 
 def _with_memory(loop: CheckedLoop, states: Mapping[str, Fraction]) -> tuple[Fraction, ...]:
     """Return z of the moment before the first period, of states of the plant."""
-    found = []
+    values = []
     for name in loop.names:
         if name in states:
             value = states[name]
@@ -150,9 +150,9 @@ def _with_memory(loop: CheckedLoop, states: Mapping[str, Fraction]) -> tuple[Fra
         elif name in loop.begin:
             value = loop.begin[name]
         else:
-            raise LoopProofError(f"'{name}' starts in a way of its own")
-        found.append(value - loop.rest[name])
-    return tuple(found)
+            raise LoopProofError(f"'{name}' has a start of its own")
+        values.append(value - loop.rest[name])
+    return tuple(values)
 
 
 def start_quadric(
@@ -176,8 +176,8 @@ def start_quadric(
     base = np.array([float(x) for x in _with_memory(loop, rest)])
     ways = []
     for k in states:
-        moved = {**rest, names[k]: rest[names[k]] + 1}
-        ways.append(np.array([float(x) for x in _with_memory(loop, moved)]) - base)
+        shifted = {**rest, names[k]: rest[names[k]] + 1}
+        ways.append(np.array([float(x) for x in _with_memory(loop, shifted)]) - base)
     way, plain = np.array(ways), np.array([[float(x) for x in row] for row in p])
     return way @ plain @ way.T, 2.0 * way @ plain @ base, float(base @ plain @ base) - 1.0
 
@@ -289,9 +289,9 @@ def _outside(
     if certificate.continuous:
         return "a claim about an output is proved of the sampled loop"
     periods = int(Fraction(claim.begin) / Fraction(problem.period)) if claim.begin else 0
-    left = power_up(1 - certificate.rate, periods) * level
+    remainder = power_up(1 - certificate.rate, periods) * level
     try:
-        span = port_within(problem, loop, certificate.p, left, claim.output)
+        span = port_within(problem, loop, certificate.p, remainder, claim.output)
     except LoopProofError as error:
         return str(error)
     low, high = below(span.low), above(span.high)

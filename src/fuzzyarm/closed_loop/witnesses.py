@@ -73,7 +73,7 @@ def _starts(
     names = problem.states
     try:
         quadratic, linear, constant = start_quadric(problem, loop, certificate.p, range(len(names)))
-    except LoopProofError:  # it starts in a way of its own
+    except LoopProofError:  # it has a start of its own
         return
     centre = -0.5 * np.linalg.solve(quadratic, linear)
     level = -(constant + 0.5 * float(linear @ centre))
@@ -99,7 +99,7 @@ def _against(problem: LoopProblem, loop: CheckedLoop, run: Run, p: Vector, reach
     for name, values in course.items():
         far = np.abs(values - float(loop.rest[name])).max() / reach[loop.names.index(name)]
         if far > 1.0 + SLACK:
-            return f"leaves the region: {name} goes {far:.4g} times as far as it reaches"
+            return f"leaves the region: {name} goes {far:.4g} times beyond its reach"
     if set(course) != set(loop.names):  # memory is not seen in a run
         return ""
     z = np.array([course[name] - float(loop.rest[name]) for name in loop.names]).T
@@ -113,9 +113,9 @@ def _states_of(problem: LoopProblem, run: Run) -> dict[str, Vector]:
     """Return the states of the plant that are outputs, at all samples."""
     interface = problem.site.interface
     key_of = dict(zip(problem.equations.states, problem.states, strict=True))
-    found = {}
+    states = {}
     for port, root in zip(interface.outputs, problem.equations.outputs, strict=True):
         state = key_of.get(getattr(root, "name", ""))
         if state is not None and not problem.sensors:
-            found[state] = np.asarray(run.outputs[interface.label(port)])
-    return found
+            states[state] = np.asarray(run.outputs[interface.label(port)])
+    return states

@@ -83,9 +83,9 @@ class Forms:
         self._spread = spread
 
     def __repr__(self) -> str:
-        shown = f"{self.centre.flat[0]:g} ± {self.radius.flat[0]:.3g}" if self.centre.size else ""
+        text = f"{self.centre.flat[0]:g} ± {self.radius.flat[0]:.3g}" if self.centre.size else ""
         count = len(self.parts)
-        return f"<Forms {shown} with {count} symbol{'s' * (count != 1)}>"
+        return f"<Forms {text} with {count} symbol{'s' * (count != 1)}>"
 
     @classmethod
     def at(cls, values: Any) -> Forms:
@@ -137,12 +137,12 @@ class Forms:
         )
 
     def __getitem__(self, index: Any) -> Forms:
-        own = index if isinstance(index, tuple) else (index,)
-        spread = None if self._spread is None else np.asarray(self._spread[own])
+        indices = index if isinstance(index, tuple) else (index,)
+        spread = None if self._spread is None else np.asarray(self._spread[indices])
         return Forms(
-            np.asarray(self.centre[own]),
-            self.parts[(slice(None), *own)],
-            np.asarray(self.rest[own]),
+            np.asarray(self.centre[indices]),
+            self.parts[(slice(None), *indices)],
+            np.asarray(self.rest[indices]),
             spread,
         )
 
@@ -192,8 +192,8 @@ class Forms:
         stays[kept + dropped] = False
         rest = (self.rest + np.abs(self.parts[kept + dropped]).sum(axis=0)) * ENLARGED
         forms = Forms(self.centre, self.parts[stays], rest)
-        left = int(stays.sum())
-        return forms.with_symbols(left + states, range(left, left + states))
+        staying = int(stays.sum())
+        return forms.with_symbols(staying + states, range(staying, staying + states))
 
     # ── sums and multiples ───────────────────────────────────────────────────────────
 
@@ -306,10 +306,10 @@ def stacked(forms: Sequence[Forms]) -> Forms:
     count = max(len(form.parts) for form in forms)
     every = [form if len(form.parts) == count else form.with_symbols(count) for form in forms]
     return Forms(
-        np.stack([each.centre for each in every]),
-        np.stack([each.parts for each in every], axis=1),
-        np.stack([each.rest for each in every]),
-        np.stack([each.spread for each in every]),
+        np.stack([item.centre for item in every]),
+        np.stack([item.parts for item in every], axis=1),
+        np.stack([item.rest for item in every]),
+        np.stack([item.spread for item in every]),
     )
 
 
@@ -336,11 +336,11 @@ def dot(a: Forms, b: Forms) -> Forms:
         products = pa * pb
         squares = products.sum(axis=1)  # of each symbol with itself
         parts = (ca * pb).sum(axis=1) + (cb * pa).sum(axis=1)
-        own = np.abs(products).sum(axis=(0, 1))
+        magnitude = np.abs(products).sum(axis=(0, 1))
         centre = (ca * cb).sum(axis=0) + 0.5 * squares.sum(axis=0)
         both = (sa * sb).sum(axis=0)
         # Symbols with others, then each with itself: εᵢ² is ½ ± ½.
-        curved = np.maximum(both * ENLARGED - own / ENLARGED, 0.0)
+        curved = np.maximum(both * ENLARGED - magnitude / ENLARGED, 0.0)
         curved = curved + 0.5 * np.abs(squares).sum(axis=0)
     else:
         parts = np.zeros((0, *np.broadcast_shapes(ca.shape, cb.shape)[1:]))

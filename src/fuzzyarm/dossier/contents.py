@@ -78,9 +78,9 @@ def report_of(file: str, how: Making, exported: Exported | ExportedController) -
         ],
         "functions": _functions(exported),
         "findings": [
-            {"name": each.name, "severity": str(each.severity), "message": each.message,
-             "line": each.span.line}
-            for each in review.diagnostics
+            {"name": finding.name, "severity": str(finding.severity), "message": finding.message,
+             "line": finding.span.line}
+            for finding in review.diagnostics
         ],
         "proofs": [*_proofs(review.rulebase), *_claimed(how)],
         "self_test": _self_test(trial),

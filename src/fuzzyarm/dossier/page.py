@@ -48,9 +48,9 @@ def page(data: dict[str, Any]) -> str:
 def _summary(data: dict[str, Any]) -> list[str]:
     test, coverage = data["self_test"], data["coverage"]
     count, failed = len(test["rows"]), sum(not row["passed"] for row in test["rows"])
-    errors = sum(each["severity"] != "info" for each in data["findings"])
+    errors = sum(entry["severity"] != "info" for entry in data["findings"])
     count_of_proofs = len(data["proofs"])
-    proved = sum(each["verdict"] == "proved" for each in data["proofs"])
+    proved = sum(entry["verdict"] == "proved" for entry in data["proofs"])
     claims = _verdict(proved == count_of_proofs, f"{proved} of {count_of_proofs} proved")
     return [
         f"<h1>Report on {escape(data['source']['file'])}</h1>",
@@ -69,8 +69,8 @@ def _summary(data: dict[str, Any]) -> list[str]:
 
 
 def _made_of(data: dict[str, Any]) -> list[str]:
-    files = [("source", data["source"]), *(("used", each) for each in data["used"]),
-             *(("written", each) for each in data["written"])]  # fmt: skip
+    files = [("source", data["source"]), *(("used", file) for file in data["used"]),
+             *(("written", file) for file in data["written"])]  # fmt: skip
     settings = [
         (f"<code>{escape(name)}</code>", escape(_setting(x)))
         for name, x in data["settings"].items()
@@ -80,9 +80,9 @@ def _made_of(data: dict[str, Any]) -> list[str]:
         _table(
             ("", "file", "bytes", "SHA-256"),
             [
-                (word, escape(each["file"]), _number(each["bytes"]),
-                 f"<code>{each['sha256']}</code>")
-                for word, each in files
+                (word, escape(file["file"]), _number(file["bytes"]),
+                 f"<code>{file['sha256']}</code>")
+                for word, file in files
             ],
         ),
         "<h2>Settings of the export</h2>",
@@ -98,25 +98,27 @@ def _setting(value: bool | float | str | None) -> str:
 
 def _functions(data: dict[str, Any]) -> list[str]:
     lines = ["<h2>Accuracy and worst-case operations</h2>"]
-    for each in data["functions"]:
+    for function in data["functions"]:
         rows = [
-            (f"worst error against {escape(each['against'])}",
-             f"{each['worst']:.3g}, over {each['points']:,} points")
+            (f"worst error against {escape(function['against'])}",
+             f"{function['worst']:.3g}, over {function['points']:,} points")
         ]  # fmt: skip
-        if each["proved"] is not None:
-            rows.append(("worst error against the rules", f"{each['proved']:.6g}, proved"))
-        rows += [(f"at most: {escape(sort)}", f"{n:,}") for sort, n in each["operations"].items()]
-        if each["stack"] is not None:
-            rows.append(("local variables, about", f"{each['stack']:,} bytes"))
-        lines += [f"<p><code>{escape(each['call'])}</code></p>", _table(("", ""), rows)]
+        if function["proved"] is not None:
+            rows.append(("worst error against the rules", f"{function['proved']:.6g}, proved"))
+        rows += [
+            (f"at most: {escape(sort)}", f"{n:,}") for sort, n in function["operations"].items()
+        ]
+        if function["stack"] is not None:
+            rows.append(("local variables, about", f"{function['stack']:,} bytes"))
+        lines += [f"<p><code>{escape(function['call'])}</code></p>", _table(("", ""), rows)]
     return lines
 
 
 def _findings(data: dict[str, Any]) -> list[str]:
     rows = [
-        (str(each["line"]), escape(each["severity"]), escape(each["name"]),
-         escape(each["message"]))
-        for each in data["findings"]
+        (str(finding["line"]), escape(finding["severity"]), escape(finding["name"]),
+         escape(finding["message"]))
+        for finding in data["findings"]
     ]  # fmt: skip
     table = _table(("line", "severity", "finding", "message"), rows) if rows else "<p>None.</p>"
     return ["<h2>Findings of the check</h2>", table]
@@ -124,9 +126,9 @@ def _findings(data: dict[str, Any]) -> list[str]:
 
 def _proofs(data: dict[str, Any]) -> list[str]:
     rows = [
-        (escape(each["statement"]),
-         _verdict(each["verdict"] == "proved", each["verdict"]), escape(each["reason"]))
-        for each in data["proofs"]
+        (escape(proof["statement"]),
+         _verdict(proof["verdict"] == "proved", proof["verdict"]), escape(proof["reason"]))
+        for proof in data["proofs"]
     ]  # fmt: skip
     none = "<p>The file has no <code>prove</code> line, and no certificate was given.</p>"
     table = _table(("statement about all points", "verdict", ""), rows) if rows else none
@@ -150,7 +152,7 @@ def _coverage(data: dict[str, Any]) -> list[str]:
     if coverage["untaken"]:
         rows = [(str(x["line"]), f"<code>{escape(x['text'])}</code>") for x in coverage["untaken"]]
         lines += [
-            "<p>Lines with a branch that no point takes; each is to be tried or argued:</p>",
+            "<p>Lines with an untaken branch; test or justify each of them:</p>",
             _table(("line", "text"), rows),
         ]
     return lines
@@ -158,9 +160,9 @@ def _coverage(data: dict[str, Any]) -> list[str]:
 
 def _sizes(data: dict[str, Any]) -> list[str]:
     rows = [
-        (escape(each["processor"]), _number(each["flash"]), _number(each["ram"]),
-         f"{escape(each['compiler'])}, <code>{escape(' '.join(each['flags']))}</code>")
-        for each in data["sizes"]
+        (escape(size["processor"]), _number(size["flash"]), _number(size["ram"]),
+         f"{escape(size['compiler'])}, <code>{escape(' '.join(size['flags']))}</code>")
+        for size in data["sizes"]
     ]  # fmt: skip
     none = "<p>No cross compiler is installed.</p>"
     table = _table(("processor", "flash, bytes", "static RAM, bytes", "compiler"), rows)
@@ -173,12 +175,12 @@ def _sizes(data: dict[str, Any]) -> list[str]:
 
 def _rows(data: dict[str, Any]) -> list[str]:
     rows = [
-        (f"<code>{escape(each['function'])}</code>", _list(each["inputs"]),
-         _list(each["expected"]), _list(each["computed"]),
-         _verdict(each["passed"], "passes" if each["passed"] else "fails"))
-        for each in data["self_test"]["rows"]
+        (f"<code>{escape(row['function'])}</code>", _list(row["inputs"]),
+         _list(row["expected"]), _list(row["computed"]),
+         _verdict(row["passed"], "passes" if row["passed"] else "fails"))
+        for row in data["self_test"]["rows"]
     ]  # fmt: skip
-    tolerance = max((each["tolerance"] for each in data["self_test"]["rows"]), default=0.0)
+    tolerance = max((row["tolerance"] for row in data["self_test"]["rows"]), default=0.0)
     return [
         "<h2>Points of the self-test</h2>",
         f"<p>Expected values are those of the model in Python; a difference up to {tolerance:.3g}"

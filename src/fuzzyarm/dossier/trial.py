@@ -94,10 +94,10 @@ def tried(exported: Exported | ExportedController) -> Trial:
             (folder / file).write_text(text, "utf-8")
         _run(["gcc", *_FLAGS, "-c", source, "-o", "own.o"], folder)
         _run(["gcc", "-std=c99", "driver.c", "own.o", "--coverage", "-o", "driver", "-lm"], folder)
-        said = iter(_run(["./driver"], folder).split())
+        values = iter(_run(["./driver"], folder).split())
         rows = tuple(
-            Row(function, given, expected, tuple(_read(next(said)) for _ in expected), tolerance)
-            for function, given, expected, tolerance in cases
+            Row(function, inputs, expected, tuple(_read(next(values)) for _ in expected), tolerance)
+            for function, inputs, expected, tolerance in cases
         )
         counted = _counted(folder, source)
         compiler = _run(["gcc", "--version"], folder).splitlines()[0]
@@ -118,8 +118,8 @@ def _points(exported: Exported, stem: str) -> tuple[list[Case], str]:
         whole = np.issubdtype(routine.kind, np.integer)
         show = 'printf("%ld\\n", (long)' if whole else 'printf("%a\\n", (double)'
         for row in zip(*(c.tolist() for c in (*vectors.inputs, vectors.expected)), strict=True):
-            given = ", ".join(c_number(x, routine.kind) for x in row[:-1])
-            lines.append(f"    {show}{function}({given}));")
+            arguments = ", ".join(c_number(x, routine.kind) for x in row[:-1])
+            lines.append(f"    {show}{function}({arguments}));")
             cases.append((function, row[:-1], row[-1:], vectors.tolerance))
     return cases, _program(stem, lines)
 
@@ -131,7 +131,7 @@ def _periods(exported: ExportedController, stem: str) -> tuple[list[Case], str]:
     step = exported.calls[1].partition("(")[0].split()[-1]
     prefix, kind = step.removesuffix("_step"), steps.precision.outside
     inputs = [*steps.of_sort("reference"), *steps.of_sort("measured")]
-    used = {
+    structs = {
         sort: name
         for sort, name in (
             ("reference", "reference"),
@@ -141,20 +141,20 @@ def _periods(exported: ExportedController, stem: str) -> tuple[list[Case], str]:
         if steps.of_sort(sort)
     }
     lines = [f"    static {prefix}_state s;"]
-    lines += [f"    {prefix}_{name} {sort};" for sort, name in used.items()]
+    lines += [f"    {prefix}_{name} {sort};" for sort, name in structs.items()]
     lines.append(f"    {prefix}_init(&s);")
-    called = ", ".join(["&s", *(f"&{sort}" for sort in used)])
+    arguments = ", ".join(["&s", *(f"&{sort}" for sort in structs)])
     cases: list[Case] = []
-    for given, expected in zip(vectors.given, vectors.expected, strict=True):
-        for port, x in zip(inputs, given, strict=True):
+    for row, expected in zip(vectors.given, vectors.expected, strict=True):
+        for port, x in zip(inputs, row, strict=True):
             text = "NAN" if math.isnan(x) else c_number(x, kind)
             lines.append(f"    {port.sort}.{_member(steps, port)} = {text};")
-        lines.append(f"    {step}({called});")
+        lines.append(f"    {step}({arguments});")
         lines += [
             f'    printf("%a\\n", (double)drive.{_member(steps, drive)});'
             for drive in steps.of_sort("drive")
         ]
-        cases.append((step, tuple(given), tuple(expected), vectors.tolerance))
+        cases.append((step, tuple(row), tuple(expected), vectors.tolerance))
     return cases, _program(stem, lines)
 
 
@@ -177,8 +177,8 @@ def _counted(folder: Path, source: str) -> Mapping[str, Any]:
     (packed,) = folder.glob("*own*.gcov.json.gz")
     with gzip.open(packed, "rt", encoding="utf-8") as file:
         data = json.load(file)
-    found: Mapping[str, Any] = next(f for f in data["files"] if f["file"].endswith(source))
-    return found
+    entry: Mapping[str, Any] = next(f for f in data["files"] if f["file"].endswith(source))
+    return entry
 
 
 Lines = tuple[tuple[int, str], ...]
@@ -190,12 +190,12 @@ def _coverage(
 ) -> tuple[tuple[int, int], tuple[int, int], Lines, Lines]:
     lines = counted["lines"]
     branches = [branch for line in lines for branch in line["branches"]]
-    shown = text.split("\n")
+    source_lines = text.split("\n")
 
     def listed(numbers: set[int]) -> Lines:
-        return tuple((number, shown[number - 1].strip()) for number in sorted(numbers))
+        return tuple((number, source_lines[number - 1].strip()) for number in sorted(numbers))
 
-    missed = {line["line_number"] for line in lines if not line["count"]}
+    uncovered = {line["line_number"] for line in lines if not line["count"]}
     untaken = {
         line["line_number"]
         for line in lines
@@ -204,14 +204,14 @@ def _coverage(
     return (
         (sum(bool(line["count"]) for line in lines), len(lines)),
         (sum(bool(branch["count"]) for branch in branches), len(branches)),
-        listed(missed),
-        listed(untaken - missed),
+        listed(uncovered),
+        listed(untaken - uncovered),
     )
 
 
 def sizes(exported: Exported | ExportedController) -> list[dict[str, Any]]:
     """Return flash and RAM of the exported functions alone, by the compilers that are here."""
-    found = []
+    results = []
     files = {path.name: str(text) for path, text in exported.files}
     source = next(name for name in files if name.endswith(".c"))
     for processor, (compiler, size, flags) in TARGETS.items():
@@ -225,11 +225,11 @@ def sizes(exported: Exported | ExportedController) -> list[dict[str, Any]]:
             numbers = _run([size, "own.o"], folder).splitlines()[1].split()[:3]
             version = _run([compiler, "--version"], folder).splitlines()[0]
         text_bytes, data, bss = map(int, numbers)
-        found.append(
+        results.append(
             {"processor": processor, "compiler": version, "flags": [*flags, *_SMALL],
              "flash": text_bytes + data, "ram": data + bss}
         )  # fmt: skip
-    return found
+    return results
 
 
 def _run(words: Sequence[str], folder: Path) -> str:

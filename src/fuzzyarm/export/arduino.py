@@ -125,10 +125,10 @@ def _routines_part(routines: Sequence[Routine], stem: str, board: Board) -> _Par
     rows = [list(row) for row in zip(*vectors.inputs, strict=True)][:_SKETCH_CALLS]
     kind = C_TYPES[first.kind]
     names = [f"x_{k}" for k in range(len(first.arguments))]
-    held = [f"static volatile {kind} {', '.join([*names, 'result'])};"]
+    globals_ = [f"static volatile {kind} {', '.join([*names, 'result'])};"]
     call = Call(
         header=f"{stem}.h",
-        declarations=["#include <stdint.h>", *held, *_rows("given", kind, rows, first.kind)],
+        declarations=["#include <stdint.h>", *globals_, *_rows("given", kind, rows, first.kind)],
         start=[],
         load=[f"{name} = given[k][{k}];" for k, name in enumerate(names)],
         call=f"result = {_function(library.prototypes[0])}({', '.join(names)});",
@@ -144,25 +144,25 @@ def _routines_part(routines: Sequence[Routine], stem: str, board: Board) -> _Par
 
 
 def _controller_part(program: ControllerProgram, stem: str, board: Board) -> _Part:
-    steps, tried = program.steps, program.tried
-    library, made = controller_library(steps, stem, stem, tried.vectors, program.head())
+    steps, trial_run = program.steps, program.tried
+    library, writer = controller_library(steps, stem, stem, trial_run.vectors, program.head())
     kind = C_TYPES[steps.precision.outside]
-    rows = [list(row) or [0.0] for row in tried.vectors.given][:_SKETCH_CALLS]
+    rows = [list(row) or [0.0] for row in trial_run.vectors.given][:_SKETCH_CALLS]
     sorts = [sort for sort in ("reference", "measured", "drive") if steps.of_sort(sort)]
     types = {"reference": "reference", "measured": "measured", "drive": "drives"}
-    declared = [f"static {stem}_{types[sort]} {sort};" for sort in sorts]
+    declarations = [f"static {stem}_{types[sort]} {sort};" for sort in sorts]
     variables = [*steps.of_sort("reference"), *steps.of_sort("measured")]
-    called = ", ".join(["&state", *(f"&{sort}" for sort in sorts)])
+    arguments = ", ".join(["&state", *(f"&{sort}" for sort in sorts)])
     call = Call(
         header=f"{stem}.h",
         declarations=[
             f"static {stem}_state state;",
-            *declared,
+            *declarations,
             *_rows("given", kind, rows, steps.precision.outside),
         ],
         start=[f"{stem}_init(&state);"],
-        load=[f"{_member(made, port)} = given[k][{k}];" for k, port in enumerate(variables)],
-        call=f"{stem}_step({called});",
+        load=[f"{_member(writer, port)} = given[k][{k}];" for k, port in enumerate(variables)],
+        call=f"{stem}_step({arguments});",
         count=len(rows),
         held=0,
         self_test=library.self_test,
@@ -170,8 +170,8 @@ def _controller_part(program: ControllerProgram, stem: str, board: Board) -> _Pa
     model = program.text.model
     words = plain(f"{model.name}: {model.description}" if model.description else model.name)
     notes = [f"`{prototype}`" for prototype in library.prototypes]
-    sketch = list(_controller_sketch(program, made, stem, board))
-    return _Part(stem, words, library, call, sketch, made.ram(), 0, notes)
+    sketch = list(_controller_sketch(program, writer, stem, board))
+    return _Part(stem, words, library, call, sketch, writer.ram(), 0, notes)
 
 
 def _function(prototype: str) -> str:
@@ -209,26 +209,26 @@ def _routine_sketch(
     first = routines[0]
     scales = _scales(first)
     count = len(first.arguments)
-    held = [each for each in first.arguments if each.name.startswith("last ")]
+    last_values = [parameter for parameter in first.arguments if parameter.name.startswith("last ")]
     variables = []
     yield from _opening(stem, f"Reads {_listed(first)}, prints {_outputs(routines)}.")
     for routine in routines:
         if _holds(routine):
             yield f"static {C_TYPES[routine.kind]} {identifier('last ' + routine.output.name)};"
     yield from ["", "void loop()", "{"]
-    for number, argument in enumerate(first.arguments[: count - len(held)]):
+    for number, argument in enumerate(first.arguments[: count - len(last_values)]):
         name = names.new(argument.name)
         variables.append(name)
         text = _from_pin(argument.low, argument.high, number, scales[number], first.kind, board)
         yield f"    const {C_TYPES[first.kind]} {name} = {text};"
     for routine, prototype in zip(routines, library.prototypes, strict=True):
         result = names.new(routine.output.name)
-        called = list(variables)
+        arguments = list(variables)
         last = identifier("last " + routine.output.name)
         if _holds(routine):
-            called.append(last)
+            arguments.append(last)
         kind = C_TYPES[routine.kind]
-        yield f"    const {kind} {result} = {_function(prototype)}({', '.join(called)});"
+        yield f"    const {kind} {result} = {_function(prototype)}({', '.join(arguments)});"
         if _holds(routine):
             yield f"    {last} = {result};"
         yield f'    Serial.print("{_quoted(routine.output.name)} ");'
@@ -266,20 +266,20 @@ def _controller_sketch(
     for port in steps.of_sort("reference"):
         zero = c_number(0.0, kind)
         yield f"    {_member(made, port)} = {zero}; /* what you want of {_said(program, port)} */"
-    called = ["&state"]
+    arguments = ["&state"]
     if steps.of_sort("reference"):
-        called.append("&reference")
+        arguments.append("&reference")
     if measured:
         yield f"    {stem}_measured measured;"
-        called.append("&measured")
+        arguments.append("&measured")
     for number, port in enumerate(measured):
         text = _from_pin(-1.0, 1.0, number, None, kind, board)
         remark = f"/* {_said(program, port)}: the range of your sensor */"
         yield f"    {_member(made, port)} = {text}; {remark}"
     if drives:
         yield f"    {stem}_drives drive;"
-        called.append("&drive")
-    yield f"    {stem}_step({', '.join(called)});"
+        arguments.append("&drive")
+    yield f"    {stem}_step({', '.join(arguments)});"
     for port in drives:
         yield f'    Serial.print("{_quoted(_said(program, port))} ");'
         yield f"    Serial.println({_member(made, port)}, 3);"
@@ -299,7 +299,7 @@ def _opening(
 
 def _self_test_sketch(part: _Part) -> list[str]:
     return [
-        "// Says whether this board computes what the model says.",
+        "// Reports whether this board agrees with the model.",
         f"#include <{part.stem}.h>",
         "",
         "void setup()",

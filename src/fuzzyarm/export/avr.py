@@ -120,35 +120,35 @@ def measure(board: Board, files: Mapping[str, str], stem: str, call: Call) -> Me
         target = [f"-mmcu={board.processor}", f"-DF_CPU={board.clock}UL", *FLAGS]
         compiler = _say(["avr-gcc", "-dumpversion"], folder).strip()
         _say(["avr-gcc", *target, "-c", f"{stem}.c", "-o", "own.o"], folder)
-        own = sum(_sizes("own.o", folder)[:2])
+        size = sum(_sizes("own.o", folder)[:2])
         # Room for what is too large: the answer is how large it is.
         roomy = "-Wl,--defsym=__TEXT_REGION_LENGTH__=8192K"
         for flag, program in (("-DNOTHING", "nothing"), ("-DCALL", "calling")):
             sources = ["size.c", f"{stem}.c", "-o", program, "-lm", roomy]
             _say(["avr-gcc", *target, flag, *sources], folder)
-        without, used = _sizes("nothing", folder), _sizes("calling", folder)
-        code, data, bss = (a - b for a, b in zip(used, without, strict=True))
+        without, calling = _sizes("nothing", folder), _sizes("calling", folder)
+        code, data, bss = (a - b for a, b in zip(calling, without, strict=True))
         flash, static = code + data, data + bss - call.held
         what = "code, tables and arithmetic"
         fits = flash <= board.flash and static < board.ram
         if not has_simulator() or not fits:
-            return Measured(compiler, Footprint(flash, static, 0, what), own, None, None)
+            return Measured(compiler, Footprint(flash, static, 0, what), size, None, None)
         (folder / "run.c").write_text(_run_program(call), "utf-8")
         sources = ["run.c", f"{stem}.c", f"{stem}_self_test.c", "-o", "run", "-lm"]
         _say(["avr-gcc", *target, *sources], folder)
-        said = _say(["simavr", "-m", board.processor, "-f", str(board.clock), "run"], folder)
-        found = _figures(said)
-        stack = max(found.get("stack", [0])) - min(found.get("empty", [0]))
-        if len(found.get("low", [])) != call.count + 1 or "test" not in found:
-            raise ExportError(f"simavr ended early: {said.strip()[-200:]}")
+        output = _say(["simavr", "-m", board.processor, "-f", str(board.clock), "run"], folder)
+        figures = _figures(output)
+        stack = max(figures.get("stack", [0])) - min(figures.get("empty", [0]))
+        if len(figures.get("low", [])) != call.count + 1 or "test" not in figures:
+            raise ExportError(f"simavr ended early: {output.strip()[-200:]}")
         footprint = Footprint(flash, static, stack, what)
-        return Measured(compiler, footprint, own, _cycles(found), found["test"] == [0])
+        return Measured(compiler, footprint, size, _cycles(figures), figures["test"] == [0])
 
 
 def _say(words: Sequence[str], folder: Path) -> str:
     """Run a program and return what it says."""
-    done = run_tool(words, folder, _SECONDS, to="measure with")
-    return done.stdout + done.stderr
+    process = run_tool(words, folder, _SECONDS, to="measure with")
+    return process.stdout + process.stderr
 
 
 def run_tool(
@@ -173,15 +173,15 @@ def run_tool(
         If it is not there, takes longer, or ends with an error.
     """
     try:
-        done = subprocess.run(
+        process = subprocess.run(
             words, cwd=folder, capture_output=True, text=True, check=False, timeout=seconds
         )
     except (OSError, subprocess.TimeoutExpired) as error:
         raise ExportError(f"cannot {to} {words[0]}: {error}") from None
-    if done.returncode != 0:
-        text = next(iter(done.stderr.strip().splitlines()), "it says nothing")
+    if process.returncode != 0:
+        text = next(iter(process.stderr.strip().splitlines()), "it says nothing")
         raise ExportError(f"{words[0]} failed: {text}")
-    return done
+    return process
 
 
 def _sizes(file: str, folder: Path) -> tuple[int, int, int]:
@@ -322,10 +322,10 @@ def _run_program(call: Call) -> str:
 
 def _figures(said: str) -> dict[str, list[int]]:
     """Return the numbers that a program said, by their words."""
-    found: dict[str, list[int]] = {}
+    figures: dict[str, list[int]] = {}
     for word, number in re.findall(r"(low|high|stack|empty|test)=(\d+)", said):
-        found.setdefault(word, []).append(int(number))
-    return found
+        figures.setdefault(word, []).append(int(number))
+    return figures
 
 
 def _cycles(found: dict[str, list[int]]) -> tuple[int, ...]:

@@ -138,8 +138,8 @@ def demand_fit(footprint: Footprint, board: Board, name: str) -> None:
 def _larger(board: Board, flash: int, ram: int) -> str:
     """Name the boards that hold so much."""
     fitting = [
-        each.name
-        for each in BOARDS.values()
-        if each is not board and each.flash >= flash and each.ram >= ram
+        larger.name
+        for larger in BOARDS.values()
+        if larger is not board and larger.flash >= flash and larger.ram >= ram
     ]
     return f"--board {' or '.join(fitting)} holds it" if fitting else "no board here holds it"

@@ -53,8 +53,8 @@ def c_pair(routines: Sequence[Routine], prefix: str, stem: str) -> tuple[str, st
     head = _head(
         writer, routines, prototypes, f"{include}, link {stem}.c", f"{stem}.c -o self_test"
     )
-    declared = for_cxx(f"{prototype};" for prototype in prototypes)
-    header = [*head, *guarded(writer, [*_includes(routines), *declared])]
+    declarations = for_cxx(f"{prototype};" for prototype in prototypes)
+    header = [*head, *guarded(writer, [*_includes(routines), *declarations])]
     source = [*head, include, "", code, *_self_test(writer, routines, prototypes)]
     return "\n".join(header), "\n".join(source), prototypes
 
@@ -114,9 +114,9 @@ def c_library(routines: Sequence[Routine], prefix: str, stem: str) -> Library:
     prototypes, code = _definitions(writer, routines)
     test = f"{stem}.c {stem}_self_test.c, and call {name}()"
     head = head_lines(routines, prototypes, writer, f'#include "{stem}.h"', test)
-    called = [f"{prototype};" for prototype in prototypes]
-    declared = for_cxx([*called, f"int {name}(void); /* returns 0 if all is well */"])
-    header = "\n".join([*head, *guarded(writer, [*_includes(routines), *declared])])
+    prototypes_of_c = [f"{prototype};" for prototype in prototypes]
+    declarations = for_cxx([*prototypes_of_c, f"int {name}(void); /* returns 0 if all is well */"])
+    header = "\n".join([*head, *guarded(writer, [*_includes(routines), *declarations])])
     source = library_file(writer, head, stem, [code], flash=bool(writer.constants))
     body = test_function(
         f"int {name}(void)", _test_lines(routines, prototypes, writer.in_flash), "functions"
@@ -128,7 +128,7 @@ def c_library(routines: Sequence[Routine], prefix: str, stem: str) -> Library:
 
 def _test_head(stem: str) -> list[str]:
     return [
-        f"/* Values of the model, for a test of {stem}.c; not linked where nobody calls it. */",
+        f"/* Values of the model, for a test of {stem}.c; not linked unless it is called. */",
         "",
     ]
 
@@ -175,8 +175,8 @@ def _prototype(writer: CWriter, routine: Routine) -> Prototype:
 
 
 def _includes(routines: Sequence[Routine]) -> list[str]:
-    found = {f"#include <{name}>" for routine in routines for name in routine_headers(routine)}
-    return [*sorted(found), ""] if found else []
+    includes = {f"#include <{name}>" for routine in routines for name in routine_headers(routine)}
+    return [*sorted(includes), ""] if includes else []
 
 
 def routine_headers(routine: Routine) -> list[str]:
@@ -204,7 +204,7 @@ def _self_test(
 
 def test_function(prototype: str, body: Sequence[str], tested: str) -> list[str]:
     """Return the lines of the function that tests a file."""
-    remark = f"/* Returns 0 if the {tested} give what the model gives. */"
+    remark = f"/* Returns 0 if the {tested} agree with the model. */"
     return [remark, prototype, "{", "    int failed = 0;", *body, "    return failed;", "}", ""]
 
 
@@ -237,11 +237,11 @@ def _test_lines(
         lines += [*body, "    };"]
         whole = _whole(routine)
         wide, cast = ("long", "(long)") if whole else (C_TYPES[routine.kind], "")
-        given = ", ".join(f"{array}[k][{i}]" for i in range(len(columns) - 1))
+        arguments = ", ".join(f"{array}[k][{i}]" for i in range(len(columns) - 1))
         tolerance = "0" if whole else _literal(routine, vectors.tolerance)
         calls += [
             f"    for (k = 0u; k < {count}u; k++) {{",
-            f"        const {wide} difference = {cast}{prototype.name}({given})",
+            f"        const {wide} difference = {cast}{prototype.name}({arguments})",
             f"            - {cast}{array}[k][{len(columns) - 1}];",
             f"        if (!((difference <= {tolerance}) && (difference >= -{tolerance}))) {{",
             "            failed = 1;",

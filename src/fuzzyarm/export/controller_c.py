@@ -148,14 +148,14 @@ class CController:
     def _in_axes(self, lines: dict[str, list[str]], what: str) -> list[str]:
         """Return members, in a struct for each axis where there are several."""
         members: list[str] = []
-        for axis, own in lines.items():
+        for axis, axis_lines in lines.items():
             path = self.paths[axis]
-            if own and path:
+            if axis_lines and path:
                 tag = self.writer.names.new(f"{self.prefix}_{what}_{path[:-1]}")
-                inner = (f"    {line}" for line in own)
+                inner = (f"    {line}" for line in axis_lines)
                 members += [f"    struct {tag} {{", *inner, f"    }} {path[:-1]};"]
             else:
-                members += own
+                members += axis_lines
         return members
 
     def _port_type(self, sort: str) -> Iterator[str]:
@@ -212,11 +212,11 @@ class CController:
 
     def _table_types(self) -> Iterator[str]:
         self.table_types: dict[str, str] = {}
-        known: dict[tuple[int, int], str] = {}
+        types: dict[tuple[int, int], str] = {}
         for key, table in self.steps.learned.items():
             shape = (len(table.values), table.delay)
-            if shape not in known:
-                known[shape] = self.writer.names.new(f"{self.prefix}_{table.name}_table")
+            if shape not in types:
+                types[shape] = self.writer.names.new(f"{self.prefix}_{table.name}_table")
                 whole = _whole(table)
                 ring = (
                     [
@@ -228,14 +228,14 @@ class CController:
                 )
                 yield "\n".join(
                     [
-                        f"typedef struct {{ /* {known[shape]} */",
+                        f"typedef struct {{ /* {types[shape]} */",
                         f"    {self.outer} values[{shape[0]}];",
                         f"    unsigned long visits[{shape[0]}]; /* of each cell */",
                         *ring,
-                        f"}} {known[shape]};\n",
+                        f"}} {types[shape]};\n",
                     ]
                 )
-            self.table_types[key] = known[shape]
+            self.table_types[key] = types[shape]
 
     # --- Functions that the step calls ---
 
@@ -290,9 +290,9 @@ class CController:
         table, wide = self.steps.learned[key], self.wide
         whole = _whole(table)
         values = "table->values[responsible]"
-        held, limited = f"{values} + (rate * judged)", self.language.expression(limited_value())
+        sum_text, limited = f"{values} + (rate * judged)", self.language.expression(limited_value())
         if self.outer != wide:
-            held = f"({self.outer})(({wide}){held})"
+            sum_text = f"({self.outer})(({wide}){sum_text})"
             limited = f"({self.outer})({limited.replace('value', f'({wide})value')})"
         zero = self.language.number(0.0)
         name = self.functions[table_type] = self.writer.names.new(
@@ -303,7 +303,7 @@ class CController:
             + ("table->ring[table->next];" if table.delay else f"({whole})cell;"),
             f"if ((responsible >= 0) && (rate != {zero})) {{"
             + (" /* none is, before the first delay is over */" if table.delay else ""),
-            f"    const {self.outer} value = {held};",
+            f"    const {self.outer} value = {sum_text};",
             f"    {values} = {limited};",
             "}",
             "table->visits[cell]++;",
@@ -341,11 +341,11 @@ class CController:
 
     def _uses(self) -> dict[str, int]:
         """Count how often each local variable is read."""
-        found: dict[str, int] = {}
+        counts: dict[str, int] = {}
         for step in self.steps.steps:
             for name in reads(step):
-                found[name] = found.get(name, 0) + 1
-        return found
+                counts[name] = counts.get(name, 0) + 1
+        return counts
 
     def _step(self, each: Step, following: Step | None, uses: dict[str, int]) -> list[str]:
         if isinstance(each, Set):
@@ -488,19 +488,19 @@ class CController:
             for sort in POINTERS
             if self.steps.of_sort(sort)
         ]
-        found = {
+        signatures = {
             "init": f"void {p}_init({p}_state *s)",
             "step": f"void {p}_step({', '.join([f'{p}_state *s', *ports])})",
         }
         if self.steps.learned:
             kind = self.outer
-            found["save"] = (
+            signatures["save"] = (
                 f"void {p}_save(const {p}_state *s, {kind} *values, unsigned long *visits)"
             )
-            found["load"] = (
+            signatures["load"] = (
                 f"void {p}_load({p}_state *s, const {kind} *values, const unsigned long *visits)"
             )
-        return found
+        return signatures
 
     def copy_lines(self, what: str) -> list[str]:
         """Return the statements of ``save`` or ``load``."""
@@ -528,12 +528,12 @@ class CController:
         nodes: list[Node] = []
         for step in self.steps.steps:
             nodes += [step.value] if isinstance(step, Set) else []
-        found = {"math.h"} if needs_math_header(list(postorder(*nodes))) else set()
-        found |= {"stddef.h"} if self.steps.learned else set()
-        found |= {"stdbool.h"} if self.steps.needs_last else set()
+        names = {"math.h"} if needs_math_header(list(postorder(*nodes))) else set()
+        names |= {"stddef.h"} if self.steps.learned else set()
+        names |= {"stdbool.h"} if self.steps.needs_last else set()
         for routine in self.steps.routines.values():
-            found |= set(routine_headers(routine))
-        return [f"#include <{name}>" for name in sorted(found)]
+            names |= set(routine_headers(routine))
+        return [f"#include <{name}>" for name in sorted(names)]
 
     def constants(self) -> list[str]:
         """Return the macros of the file."""
@@ -601,8 +601,8 @@ class CController:
                 place += 1
         if not place:
             lines.append("        (void)given;")
-        called = ", ".join(["&s", *(f"&{sort}" for sort in sorts)])
-        lines.append(f"        {self.prefix}_step({called});")
+        arguments = ", ".join(["&s", *(f"&{sort}" for sort in sorts)])
+        lines.append(f"        {self.prefix}_step({arguments});")
         for number, port in enumerate(self.steps.of_sort("drive")):
             member = self.targets[port.symbol].replace("->", ".", 1)
             difference = f"({member} - expected[k][{number}])"
@@ -646,8 +646,8 @@ def controller_c(
     """
     alone = suffix == ".h"
     writer = CWriter(prefix, "static inline " if alone else "")
-    made = CController(steps, writer)
-    code = made.definitions()
+    controller = CController(steps, writer)
+    code = controller.definitions()
     guard = writer.names.new(f"{prefix.upper()}_H")
     library = " -lm" if steps.calls_functions else ""
     sources = f"-x c {stem}.h" if alone else f"{stem}.c"
@@ -657,21 +657,21 @@ def controller_c(
     head = [
         *words,
         "",
-        *_use_words(made, stem, alone=alone),
+        *_use_words(controller, stem, alone=alone),
         f"self-test (returns 0 if all is well): {test}",
     ]
     top = [*comment(head, "/*", " *", " */"), ""]
-    opening = [f"#ifndef {guard}", f"#define {guard}", "", *made.headers()]
+    opening = [f"#ifndef {guard}", f"#define {guard}", "", *controller.headers()]
     opening += [""] if opening[-1] else []
-    declared = [*made.constants(), "", *made.types]
-    test_lines = made.self_test(vectors)
+    declarations = [*controller.constants(), "", *controller.types]
+    test_lines = controller.self_test(vectors)
     if alone:
-        lines = [*top, *opening, *declared, code, *test_lines, "#endif", ""]
-        return {suffix: "\n".join(lines)}, made
-    prototypes = [f"{prototype};" for prototype in made.prototypes().values()]
-    header = [*top, *opening, *declared, *for_cxx(prototypes), "#endif", ""]
+        lines = [*top, *opening, *declarations, code, *test_lines, "#endif", ""]
+        return {suffix: "\n".join(lines)}, controller
+    prototypes = [f"{prototype};" for prototype in controller.prototypes().values()]
+    header = [*top, *opening, *declarations, *for_cxx(prototypes), "#endif", ""]
     source = [*top, f'#include "{stem}.h"', "", code, *test_lines]
-    return {".c": "\n".join(source), ".h": "\n".join(header)}, made
+    return {".c": "\n".join(source), ".h": "\n".join(header)}, controller
 
 
 def controller_library(
@@ -680,21 +680,28 @@ def controller_library(
     """Return a controller as a library of three files; parameters as of `controller_c`."""
     writer = library_writer(prefix)
     name = writer.names.new(f"{prefix}_self_test")
-    made = CController(steps, writer)
-    code = made.definitions()
+    controller = CController(steps, writer)
+    code = controller.definitions()
     test = f"{stem}.c {stem}_self_test.c, and call {name}()"
-    head = [*words, "", *_use_words(made, stem, alone=False), f"self-test: {test}"]
+    head = [*words, "", *_use_words(controller, stem, alone=False), f"self-test: {test}"]
     top = [*comment(head, "/*", " *", " */"), ""]
-    called = [f"{prototype};" for prototype in made.prototypes().values()]
+    declarations = [f"{prototype};" for prototype in controller.prototypes().values()]
     tested = f"int {name}(void); /* returns 0 if all is well */"
-    inside = [*made.headers(), "", *made.constants(), "", *made.types, *for_cxx([*called, tested])]
+    inside = [
+        *controller.headers(),
+        "",
+        *controller.constants(),
+        "",
+        *controller.types,
+        *for_cxx([*declarations, tested]),
+    ]
     header = "\n".join([*top, *guarded(writer, inside)])
     source = library_file(writer, top, stem, [code], flash=bool(writer.constants))
-    body = test_function(f"int {name}(void)", made.test_lines(vectors), "steps")
+    body = test_function(f"int {name}(void)", controller.test_lines(vectors), "steps")
     remark = f"/* A sequence of the model, for a test of {stem}.c; linked where it is called. */"
     tests = library_file(writer, [remark, ""], stem, body)
-    prototypes = tuple(made.prototypes().values())
-    return Library(header, source, tests, writer, prototypes, name), made
+    prototypes = tuple(controller.prototypes().values())
+    return Library(header, source, tests, writer, prototypes, name), controller
 
 
 def _use_words(made: CController, stem: str, *, alone: bool) -> list[str]:
@@ -715,7 +722,7 @@ def _use_words(made: CController, stem: str, *, alone: bool) -> list[str]:
         )
     if made.steps.learned:
         lines.append(
-            f"tables that learn lie in the state: {prefix}_save copies their values and visits"
+            f"tables that learn are part of the state: {prefix}_save copies their values and visits"
             f" out ({prefix.upper()}_LEARNED_CELLS numbers each, axis by axis), {prefix}_load"
             " copies them in, after init; visits may be a null pointer"
         )

@@ -247,8 +247,8 @@ class _Controller:
         elif isinstance(each, Ask):
             yield from self._asked(each)
         elif isinstance(each, Find):
-            given = [self.members[name] for name in each.inputs]
-            call, result = self._call(each.grid, given)
+            arguments = [self.members[name] for name in each.inputs]
+            call, result = self._call(each.grid, arguments)
             yield call
             yield f"{self._local(each.target, 'DINT')} := {result};"
         elif isinstance(each, Pick):
@@ -288,28 +288,28 @@ class _Controller:
 
     def _target(self, target: str, kind: str) -> str:
         """Return the variable that a step sets; a local one is declared."""
-        known = target in self.steps.variables
-        return self.targets[target] if known else self._local(target, kind)
+        is_variable = target in self.steps.variables
+        return self.targets[target] if is_variable else self._local(target, kind)
 
     def _asked(self, each: Ask) -> Iterator[str]:
         routine = self.steps.routines[each.routine]
         core = getattr(routine, "core", None)
         if not isinstance(core, FixedTable):
             kind = ST_TYPES[routine.kind]
-            given = [
+            arguments = [
                 self.targets[name] if kind != self.wide else self.members[name]
                 for name in each.inputs
             ]
-            call, result = self._call(each.routine, given)
+            call, result = self._call(each.routine, arguments)
             yield call
             yield f"{self._local(each.target, kind)} := {result};"
             return
-        kind, given = ST_TYPES[routine.kind], []
+        kind, arguments = ST_TYPES[routine.kind], []
         for scale, name in zip(core.inputs, each.inputs, strict=True):
             lines, text = self._expression(scaled(scale, symbol(name)))
             yield from lines
-            given.append(f"DINT_TO_{kind}(TRUNC({text}) - {shift_of(scale)})")
-        call, result = self._call(each.routine, given)
+            arguments.append(f"DINT_TO_{kind}(TRUNC({text}) - {shift_of(scale)})")
+        call, result = self._call(each.routine, arguments)
         yield call
         self.language.rename["whole number"] = f"{kind}_TO_{self.wide}({result})"
         text = self.language.expression(unscaled(core.output, symbol("whole number")))
@@ -351,16 +351,16 @@ class _Controller:
     def text(self, words: Sequence[str]) -> str:
         """Return the file."""
         lines = list(self._statements())
-        written = {line.strip().partition(" := ")[0] for line in lines}
+        targets = {line.strip().partition(" := ")[0] for line in lines}
         self.sections["VAR"] += [
-            f"    {part} : {self.wide};" for part in sorted(self.parts & written)
+            f"    {part} : {self.wide};" for part in sorted(self.parts & targets)
         ]
-        declared = []
-        for title, own in self.sections.items():
-            if own:
-                declared += [title, *own, "END_VAR"]
+        declarations = []
+        for title, section_lines in self.sections.items():
+            if section_lines:
+                declarations += [title, *section_lines, "END_VAR"]
         head = head_comment([*words, "", *self._use_words()])
-        block = [*head, f"FUNCTION_BLOCK {self.name}", *declared, "", *lines]
+        block = [*head, f"FUNCTION_BLOCK {self.name}", *declarations, "", *lines]
         return "\n".join([*self.blocks, *block, "END_FUNCTION_BLOCK", ""])
 
     def _use_words(self) -> Iterator[str]:
@@ -371,4 +371,4 @@ class _Controller:
                 f" that count, {self.ends} is TRUE in the last period of the present one"
             )
         if self.steps.learned:
-            yield "tables that learn are RETAIN: they stay where the power goes"
+            yield "tables that learn are RETAIN: they survive a loss of power"

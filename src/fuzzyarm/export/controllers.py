@@ -61,17 +61,19 @@ def with_tables(text: ControllerText, compile_output: Compile) -> ControllerText
         if not isinstance(line, Signal) or line.source is None or line.source.kind != "rules":
             return [line]
         source = line.source
-        found: list[Line] = []
-        used = text.sheets[source.name]
+        lines: list[Line] = []
+        source_sheets = text.sheets[source.name]
         for number, name in enumerate(line.names):
-            outputs = [sheet.outputs[number].name for sheet in used if isinstance(sheet, RuleBase)]
-            own = source.name if len(line.names) == 1 else f"{source.name}_{outputs[0]}"
-            rulebases = [sheet for sheet in used if isinstance(sheet, RuleBase)]
-            made = [table(*pair) for pair in zip(rulebases, outputs, strict=True)]
-            inputs, sheets[own] = _looked_up(rulebases, made, source.inputs)
-            looked_up = Source("table", own, inputs, source.options)
-            found.append(replace(line, names=(name,), source=looked_up))
-        return found
+            outputs = [
+                sheet.outputs[number].name for sheet in source_sheets if isinstance(sheet, RuleBase)
+            ]
+            table_name = source.name if len(line.names) == 1 else f"{source.name}_{outputs[0]}"
+            rulebases = [sheet for sheet in source_sheets if isinstance(sheet, RuleBase)]
+            compiled = [table(*pair) for pair in zip(rulebases, outputs, strict=True)]
+            inputs, sheets[table_name] = _looked_up(rulebases, compiled, source.inputs)
+            looked_up = Source("table", table_name, inputs, source.options)
+            lines.append(replace(line, names=(name,), source=looked_up))
+        return lines
 
     axes = tuple(
         replace(axis, lines=tuple(new for line in axis.lines for new in lines_of(line)))
@@ -84,7 +86,7 @@ def _looked_up(
     rulebases: Sequence[RuleBase], tables: Sequence[LookupTable], inputs: tuple[str, ...]
 ) -> tuple[tuple[str, ...], tuple[LookupTable, ...]]:
     """Return the inputs of a look-up, those that any of the tables needs, and tables over them."""
-    needed = [
+    indices = [
         k
         for k in range(len(inputs))
         if any(
@@ -93,10 +95,10 @@ def _looked_up(
         )
     ]
     over = tuple(
-        over_inputs(table, [rulebase.inputs[k] for k in needed])
+        over_inputs(table, [rulebase.inputs[k] for k in indices])
         for rulebase, table in zip(rulebases, tables, strict=True)
     )
-    return tuple(inputs[k] for k in needed), over
+    return tuple(inputs[k] for k in indices), over
 
 
 @dataclass(frozen=True)
@@ -154,24 +156,32 @@ class ControllerProgram:
         steps = self.steps
         exact = self.precision != "float32" and self.q is None
         replica = None if exact else Replica(steps)
-        held = self.text.run(single=self.precision == "mixed", compiled=False) if exact else None
+        reference_run = (
+            self.text.run(single=self.precision == "mixed", compiled=False) if exact else None
+        )
         # With signals in single precision the difference is that to double precision.
-        plain = held if self.precision == "float64" and held else self.text.run(compiled=False)
+        plain = (
+            reference_run
+            if self.precision == "float64" and reference_run
+            else self.text.run(compiled=False)
+        )
         drives, outside = steps.of_sort("drive"), steps.precision.outside
         given_rows, expected_rows, worst = [], [], 0.0
         periods = PERIODS if exact else PERIODS_OF_REPLICA
-        for given in trial(steps, periods):
-            ports = _by_port(steps, given)
+        for period_inputs in trial(steps, periods):
+            ports = _by_port(steps, period_inputs)
             truth = plain.step(ports["measured"], ports["reference"])
             if replica is not None:
-                values = replica.step(given)
+                values = replica.step(period_inputs)
                 row = [float(values[drive.symbol]) for drive in drives]
             else:
-                assert held is not None
-                known = truth if held is plain else held.step(*ports.values())
-                row = [float(outside(known[port_name(steps, drive)])) for drive in drives]
+                assert reference_run is not None
+                expected_drives = (
+                    truth if reference_run is plain else reference_run.step(*ports.values())
+                )
+                row = [float(outside(expected_drives[port_name(steps, drive)])) for drive in drives]
             inputs = [*steps.of_sort("reference"), *steps.of_sort("measured")]
-            given_rows.append([given[variable.symbol] for variable in inputs])
+            given_rows.append([period_inputs[variable.symbol] for variable in inputs])
             expected_rows.append(row)
             differences = (
                 abs(x - truth[port_name(steps, drive)])
@@ -237,12 +247,12 @@ class ControllerProgram:
 
     def provenance(self) -> list[tuple[str, str]]:
         """Return where it comes from."""
-        found = [("proved in real arithmetic", words) for words in self.proofs]
+        entries = [("proved in real arithmetic", words) for words in self.proofs]
         if self.text.path:
-            found.append(("source", Path(self.text.path).name))
+            entries.append(("source", Path(self.text.path).name))
             content = Path(self.text.path).read_bytes() if Path(self.text.path).is_file() else b""
-            found.append(("sha256", hashlib.sha256(content).hexdigest()))
-        return found
+            entries.append(("sha256", hashlib.sha256(content).hexdigest()))
+        return entries
 
 
 def port_name(steps: Steps, port: Variable) -> str:

@@ -76,7 +76,7 @@ def step_cost(text: ControllerText) -> StepCost:
     """
     steps = steps_of(text)
     least, most, exported = Operations(), Operations(), Operations()
-    asked: set[tuple[str, tuple[str, ...]]] = set()
+    counted: set[tuple[str, tuple[str, ...]]] = set()
     for step in steps.steps:
         if isinstance(step, Ask) and isinstance(steps.routines[step.routine], DirectRoutine):
             routine = steps.routines[step.routine]
@@ -84,8 +84,8 @@ def step_cost(text: ControllerText) -> StepCost:
             exported += routine.listing.operations()
             # The kernel finds all outputs of a rule base at once.
             key = (routine.rulebase.name, step.inputs)
-            if key not in asked:
-                asked.add(key)
+            if key not in counted:
+                counted.add(key)
                 low, high = rule_cost(routine.rulebase)
                 least, most = least + low, most + high
             continue
@@ -99,16 +99,16 @@ def _cost(each: Step, steps: Steps) -> tuple[Operations, Operations]:
     if isinstance(each, Set):
         return operations_of(each.value, least=True), operations_of(each.value)
     if isinstance(each, Ask):
-        own = Operations(dict(steps.routines[each.routine].cost().operations))
-        del own["index multiplications"]
-        return own, own
+        operations = Operations(dict(steps.routines[each.routine].cost().operations))
+        del operations["index multiplications"]
+        return operations, operations
     if isinstance(each, Find):
         sizes = [len(thresholds) for _, thresholds in steps.grids[each.grid]]
-        own = Operations({COMPARISONS: sum(math.ceil(math.log2(n + 1)) for n in sizes)})
-        return own, own
+        operations = Operations({COMPARISONS: sum(math.ceil(math.log2(n + 1)) for n in sizes)})
+        return operations, operations
     if isinstance(each, Teach):
-        own = Operations({SUMS: 1, PRODUCTS: 1, COMPARISONS: 4})
-        return Operations({COMPARISONS: 2}), own
+        operations = Operations({SUMS: 1, PRODUCTS: 1, COMPARISONS: 4})
+        return Operations({COMPARISONS: 2}), operations
     return Operations(), Operations()
 
 
@@ -135,8 +135,8 @@ def rule_cost(rulebase: RuleBase) -> tuple[Operations, Operations]:
         One that the kernel covers.
     """
     layout = lay_out(plan(rulebase), compiled=False)
-    found = list(_Programs(layout).costs())
-    return min(found, key=lambda cost: cost.total()), max(found, key=lambda cost: cost.total())
+    costs = list(_Programs(layout).costs())
+    return min(costs, key=lambda cost: cost.total()), max(costs, key=lambda cost: cost.total())
 
 
 class _Programs:
@@ -168,8 +168,8 @@ class _Programs:
             here += at.TRUTH_HEAD + operands
         head = k[at.OUTPUTS_AT]
         for _ in range(k[at.OUTPUTS]):
-            own, here = self._output(here, head)
-            total += own
+            output_cost, here = self._output(here, head)
+            total += output_cost
             head += at.OUTPUT_HEAD
         return +total
 
@@ -190,8 +190,8 @@ class _Programs:
                 here += at.RULE_HEAD + k[at.OPERANDS]
         kind = self.kinds.get(k[head + at.DEFUZZIFIER])
         if kind is CLOSED:
-            own, here = self._closed(here)
-            total += own
+            closed_cost, here = self._closed(here)
+            total += closed_cost
         elif kind is SAMPLES["gravity"]:
             total += self._sampled(consequents, fold)
         elif kind is WEIGHTED:

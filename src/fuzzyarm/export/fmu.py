@@ -112,8 +112,8 @@ def controller_fmu(
         raise ExportError("an FMU computes in double precision", hint="--precision float64")
     compiler = _cross_compiler() if platforms else find_compiler()
     steps = program.steps
-    files, made = controller_c(steps, prefix, prefix, ".h", program.tried.vectors, program.head())
-    entries = list(_entries(program, made.targets))
+    files, writer = controller_c(steps, prefix, prefix, ".h", program.tried.vectors, program.head())
+    entries = list(_entries(program, writer.targets))
     settable = sum(each.sort in ("reference", "measured", "gain") for each, _, _ in entries)
     digest = hashlib.sha256((files[".h"] + str(version)).encode()).digest()
     token = f"{{{uuid.UUID(bytes=digest[:16])}}}"
@@ -153,8 +153,8 @@ def find_compiler() -> list[str]:
     ExportError
         If there is none.
     """
-    asked = os.environ.get("CC", "")
-    words = shlex.split(asked)
+    command = os.environ.get("CC", "")
+    words = shlex.split(command)
     if words:
         if shutil.which(words[0]) is None:
             raise ExportError(f"the C compiler '{words[0]}' named by CC was not found")
@@ -202,12 +202,14 @@ def compile_library(
         words = ["-std=c99", "-O2", "-ffp-contract=off", "-fPIC", "-shared", "-fvisibility=hidden"]
         command = [*compiler, *words, f"{name}.c", "-o", target.name, "-lm"]
         try:
-            done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+            process = subprocess.run(
+                command, cwd=folder, capture_output=True, text=True, check=False
+            )
         except OSError as error:
             raise ExportError(f"cannot run the C compiler: {error}") from None
-        if done.returncode != 0 or not target.is_file():
-            said = next(iter(done.stderr.strip().splitlines()), "it says nothing")
-            raise ExportError(f"the C compiler '{' '.join(compiler)}' failed: {said}")
+        if process.returncode != 0 or not target.is_file():
+            message = next(iter(process.stderr.strip().splitlines()), "it says nothing")
+            raise ExportError(f"the C compiler '{' '.join(compiler)}' failed: {message}")
         return target.read_bytes()
 
 
@@ -309,11 +311,11 @@ def _description(
     way = Xml.SubElement(root, "CoSimulation", ways)
     if version == 2:
         Xml.SubElement(Xml.SubElement(way, "SourceFiles"), "File", {"name": f"{prefix}.c"})
-    units = dict.fromkeys(_words_of(each, program).get("unit", "") for each, _, _ in entries)
-    named = [unit for unit in units if unit]
-    if named:
+    units = dict.fromkeys(_words_of(entry, program).get("unit", "") for entry, _, _ in entries)
+    unit_names = [unit for unit in units if unit]
+    if unit_names:
         listed = Xml.SubElement(root, "UnitDefinitions")
-        for unit in named:
+        for unit in unit_names:
             Xml.SubElement(listed, "Unit", {"name": unit})
     Xml.SubElement(
         root,
@@ -321,15 +323,15 @@ def _description(
         {"startTime": "0.0", "stopTime": repr(1000 * model.period), "stepSize": repr(model.period)},
     )
     variables = Xml.SubElement(root, "ModelVariables")
-    for number, (each, name, _) in enumerate(entries):
-        words = {"name": name, "valueReference": str(number), **_words_of(each, program)}
-        start = {"start": repr(each.start)} if _starts(each) else {}
+    for number, (entry, name, _) in enumerate(entries):
+        words = {"name": name, "valueReference": str(number), **_words_of(entry, program)}
+        start = {"start": repr(entry.start)} if _starts(entry) else {}
         if version == 3:
             Xml.SubElement(variables, "Float64", {**words, **start})
         else:
-            own = {"unit": words.pop("unit")} if "unit" in words else {}
+            unit_attribute = {"unit": words.pop("unit")} if "unit" in words else {}
             variable = Xml.SubElement(variables, "ScalarVariable", words)
-            Xml.SubElement(variable, "Real", {**own, **start})
+            Xml.SubElement(variable, "Real", {**unit_attribute, **start})
     if version == 3:
         time = {"name": "time", "valueReference": str(len(entries)), "causality": "independent"}
         Xml.SubElement(variables, "Float64", {**time, "variability": "continuous"})

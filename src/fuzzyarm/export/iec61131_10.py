@@ -47,10 +47,10 @@ def iec61131_10_xml(project: Project) -> str:
             if unit.sort == sort:
                 space.append(_declared(unit))
     Xml.SubElement(root, _of("Instances"))
-    texts = {each: each.text for each in root.iter(_of("ST"))}
+    texts = {element: element.text for element in root.iter(_of("ST"))}
     Xml.indent(root)
-    for each, text in texts.items():
-        each.text = text
+    for element, text in texts.items():
+        element.text = text
     return f'<?xml version="1.0" encoding="utf-8"?>\n{Xml.tostring(root, "unicode")}\n'
 
 

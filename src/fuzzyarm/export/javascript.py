@@ -151,20 +151,21 @@ def numbers_of(
         If the kernel does not evaluate it.
     """
     functions = functions or Functions()
-    made = plan(rulebase)
-    layout = lay_out(made, addresses=functions, loose=loose)
+    evaluation_plan = plan(rulebase)
+    layout = lay_out(evaluation_plan, addresses=functions, loose=loose)
     return {
         "whole": _base64("i", layout.whole),
         "floats": _base64("d", layout.floats),
         "programs": layout.programs,
         "rows": layout.rows,
         "samples": layout.samples,
-        "rules": len(made.rules),
-        "weights": _first_weight(made, layout),
+        "rules": len(evaluation_plan.rules),
+        "weights": _first_weight(evaluation_plan, layout),
         "intervals": [
             o
             for o, output in enumerate(rulebase.outputs)
-            if output.defuzzifier.record.of == "ends" and made.outputs[output.name].members
+            if output.defuzzifier.record.of == "ends"
+            and evaluation_plan.outputs[output.name].members
         ],
         "functions": functions.described,
         "marks": [mark._asdict() for mark in layout.marks],
@@ -262,8 +263,10 @@ def _shape_row(name: str) -> str:
     count = len(kind.symbols) - 1
     heads = [f"    const p{i} = numbers[{i}];" for i in range(count)]
     lines, result = printed(root, JAVASCRIPT, taken=("x", "i", *(f"p{i}" for i in range(count))))
-    each = [f"      {line}" for line in ("const x = x_row[i];", *lines, f"into[i] = {result};")]
-    loop = ["    for (let i = 0; i < into.length; i++) {", *each, "    }"]
+    loop_body = [
+        f"      {line}" for line in ("const x = x_row[i];", *lines, f"into[i] = {result};")
+    ]
+    loop = ["    for (let i = 0; i < into.length; i++) {", *loop_body, "    }"]
     return "\n".join(["(x_row, numbers, into) => {", *heads, *loop, "  }"])
 
 
@@ -334,7 +337,7 @@ def rule_base_module(rulebase: RuleBase, source: str = "") -> str:
     parts = [
         *origin,
         engine_source(_used(numbers["functions"])),
-        *(f"export const {name} = {_json(found)};" for name, found in ranges.items()),
+        *(f"export const {name} = {_json(limits)};" for name, limits in ranges.items()),
         f"const engine = new Engine({_json(numbers)});",
         _INTERFACE,
     ]

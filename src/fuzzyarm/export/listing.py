@@ -79,8 +79,8 @@ def operations_of(
         fewer = min(rest, key=lambda count: count.total())
         return first + (fewer if least else rest[0] | rest[1])
     sort = OPERATIONS[node.operation].sort.removesuffix(" of two")
-    own = Counter() if sort == "logic" else Counter({sort: 1})
-    return sum(rest, first) + own
+    operations = Counter() if sort == "logic" else Counter({sort: 1})
+    return sum(rest, first) + operations
 
 
 @dataclass(frozen=True)
@@ -115,17 +115,17 @@ class Listing:
     def __init__(self, program: Program) -> None:
         # By the symbol that stands for it, a call and its argument; inner ones first.
         self.calls: dict[str, tuple[Call, Node]] = {}
-        written, result = self._in_variables(program)
+        assignments, result = self._in_variables(program)
         self.reads = self._symbols(result)
-        needed = []
-        for each in reversed(written):
-            if self.reads.isdisjoint(_sets(each)):
+        steps = []
+        for step in reversed(assignments):
+            if self.reads.isdisjoint(_sets(step)):
                 continue
-            needed.append(each)
-            if isinstance(each, Walked):
-                self.reads = self.reads.union(*map(self._symbols, each.parts))
+            steps.append(step)
+            if isinstance(step, Walked):
+                self.reads = self.reads.union(*map(self._symbols, step.parts))
                 continue
-            inner = each.body if isinstance(each, Loop) else (each,)
+            inner = step.body if isinstance(step, Loop) else (step,)
             for statement in inner:
                 assert isinstance(statement, Assign)
                 self.reads |= self._symbols(statement.value)
@@ -134,14 +134,14 @@ class Listing:
             *(name for variable in program.variables for name in _sets(variable)),
         }
         self.body: list[Statement | Loop | Walked] = []
-        for each in reversed(needed):
-            if isinstance(each, Walked):
-                self.body.append(self._named_parts(each))
-            elif isinstance(each, Loop):
-                inner = tuple(s for assign in each.body for s in self._spread_out(assign))
-                self.body.append(replace(each, body=inner))
+        for step in reversed(steps):
+            if isinstance(step, Walked):
+                self.body.append(self._named_parts(step))
+            elif isinstance(step, Loop):
+                inner = tuple(s for assign in step.body for s in self._spread_out(assign))
+                self.body.append(replace(step, body=inner))
             else:
-                self.body += self._spread_out(each)
+                self.body += self._spread_out(step)
         body, self.result = spread("result", result, self._taken)
         self.body += body
 
@@ -156,11 +156,11 @@ class Listing:
         last = {name: i for i, variable in enumerate(program.variables) for name in _sets(variable)}
         nodes: dict[Node, Node] = {}
         growing: dict[str, Node] = {}
-        written: list[Assign | Loop | Walked] = []
+        assignments: list[Assign | Loop | Walked] = []
         for index, variable in enumerate(program.variables):
             if isinstance(variable, Walk):
                 parts_of_walk = (self._written(p, program.calls, nodes, {}) for p in variable.parts)
-                written.append(Walked(variable, tuple(parts_of_walk)))
+                assignments.append(Walked(variable, tuple(parts_of_walk)))
                 continue
             if isinstance(variable, SampleSums):
                 parts = {
@@ -172,17 +172,17 @@ class Listing:
                     step._replace(value=substitute(step.value, {**parts, **columns}))
                     for step in variable.body
                 )
-                written.append(Loop(variable, tuple(body)))
+                assignments.append(Loop(variable, tuple(body)))
                 continue
             before = growing.get(variable.name)
             if variable.value is not before:  # else nothing was added: it is closed here
-                own = {} if before is None else {before: symbol(variable.name)}
-                value = self._written(variable.value, program.calls, nodes, own)
-                written.append(variable._replace(value=value))
+                aliases = {} if before is None else {before: symbol(variable.name)}
+                value = self._written(variable.value, program.calls, nodes, aliases)
+                assignments.append(variable._replace(value=value))
             growing[variable.name] = variable.value
             if index == last[variable.name]:
                 nodes[variable.value] = symbol(variable.name)
-        return written, self._written(program.result, program.calls, nodes, {})
+        return assignments, self._written(program.result, program.calls, nodes, {})
 
     def _written(
         self,
@@ -217,9 +217,9 @@ class Listing:
         return symbol(name)
 
     def _symbols(self, value: Node) -> set[str]:
-        found = set(symbols(value))
-        inner = [self._symbols(self.calls[name][1]) for name in found & set(self.calls)]
-        return found.union(*inner)
+        names = set(symbols(value))
+        inner = [self._symbols(self.calls[name][1]) for name in names & set(self.calls)]
+        return names.union(*inner)
 
     def _named_parts(self, each: Walked) -> Walked:
         """Have the parts of a walk stand in variables where they take more than one statement."""
@@ -242,12 +242,12 @@ class Listing:
     @property
     def variables(self) -> set[str]:
         """The names of all variables."""
-        found: set[str] = set()
+        names: set[str] = set()
         for loop in self.body:
-            found |= {*_sets(loop)}
+            names |= {*_sets(loop)}
             if not isinstance(loop, Walked):
-                found |= set(variables(loop.body if isinstance(loop, Loop) else (loop,)))
-        return found
+                names |= set(variables(loop.body if isinstance(loop, Loop) else (loop,)))
+        return names
 
     def operations(self) -> Counter[str]:
         """Return how many operations of each sort are done at most, never both branches."""
@@ -273,10 +273,10 @@ class Listing:
         return operations_of(node, self._count_call)
 
     def _count_call(self, name: str) -> Counter[str]:
-        called = self.calls.get(name)
-        if called is None:
+        callee = self.calls.get(name)
+        if callee is None:
             return Counter()
-        function, argument = called
+        function, argument = callee
         return self._count(function_body(function)) + self._count_node(argument)
 
     # ── text ─────────────────────────────────────────────────────────────────────────
@@ -288,16 +288,16 @@ class Listing:
             if name in self.reads:
                 function = writer.helper(call.wanted, _function(call, language, C_TYPES[real]))
                 language.rename[name] = f"{function}({language.expression(argument)})"
-        for each in self.body:
-            if isinstance(each, Loop):
-                for name, column in each.sums.columns.items():
+        for step in self.body:
+            if isinstance(step, Loop):
+                for name, column in step.sums.columns.items():
                     literals = [language.number(value) for value in column]
-                    array = writer.constant(real, literals, each.sums.wanted[name])
-                    language.rename[element(each.sums, name)] = f"{array}[{each.sums.index}]"
+                    array = writer.constant(real, literals, step.sums.wanted[name])
+                    language.rename[element(step.sums, name)] = f"{array}[{step.sums.index}]"
         walks = {
-            each.walk: walk_in_c(each.walk, writer, f"{each.walk.output}_{WALKED}")
-            for each in self.body
-            if isinstance(each, Walked)
+            step.walk: walk_in_c(step.walk, writer, f"{step.walk.output}_{WALKED}")
+            for step in self.body
+            if isinstance(step, Walked)
         }
         lines = _lines(self.body, language, C_TYPES[real], set(), walks)
         return lines, language.expression(self.result)
@@ -314,12 +314,12 @@ def _lines(
 
     `walks` has the functions of the walks.
     """
-    times_set = Counter(name for each in body for name in _sets(each))
+    times_set = Counter(name for step in body for name in _sets(step))
     lines: list[str] = []
-    for each in body:
-        if isinstance(each, Walked):
-            walk, room = each.walk, f"room_of_{each.walk.total}"
-            parts = [language.expression(part) for part in each.parts]
+    for step in body:
+        if isinstance(step, Walked):
+            walk, room = step.walk, f"room_of_{step.walk.total}"
+            parts = [language.expression(part) for part in step.parts]
             lines += [
                 f"double {room}[{walk.room}]; /* what is walked over, and to work in */",
                 f"double {walk.total};",
@@ -329,23 +329,23 @@ def _lines(
             ]
             made |= {walk.total, walk.value}
             continue
-        if isinstance(each, Loop):
-            sums = each.sums
+        if isinstance(step, Loop):
+            sums = step.sums
             lines += [
                 f"{real} {name} = {language.number(0.0)};" for name in (sums.area, sums.moment)
             ]
             lines.append(
                 f"for (unsigned {sums.index} = 0u; {sums.index} < {sums.count}u; {sums.index}++) {{"
             )
-            inner = _lines(each.body, language, real, made | {sums.area, sums.moment}, walks)
+            inner = _lines(step.body, language, real, made | {sums.area, sums.moment}, walks)
             lines += [*(f"    {line}" for line in inner), "}"]
             made |= {sums.area, sums.moment}
             continue
-        again = isinstance(each, Assign) and times_set[each.name] > 1
-        text = language.lines([each], made={each.name} if again else made)
-        if again and each.name not in made:
+        again = isinstance(step, Assign) and times_set[step.name] > 1
+        text = language.lines([step], made={step.name} if again else made)
+        if again and step.name not in made:
             text[0] = f"{real} {text[0]}"  # not const: it is set again
-        made.add(each.name)
+        made.add(step.name)
         lines += text
     return lines
 
@@ -411,8 +411,8 @@ def c_numbers(writer: CWriter, real: Kind) -> Language:
     def text(operation: Operation) -> str:
         if operation.name not in _HELPERS:
             return basis.text(operation)
-        wanted, sign = _HELPERS[operation.name]
-        return f"{writer.helper(wanted, ONE_OF_TWO, TYPE=kind, SIGN=sign)}({{0}}, {{1}})"
+        helper, sign = _HELPERS[operation.name]
+        return f"{writer.helper(helper, ONE_OF_TWO, TYPE=kind, SIGN=sign)}({{0}}, {{1}})"
 
     def number(value: float) -> str:
         if math.isfinite(value):

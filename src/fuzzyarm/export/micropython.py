@@ -134,13 +134,13 @@ class PythonModule:
         if name not in _FUNCTIONS:
             return operation.python
         text = _FUNCTIONS[name]
-        for each in re.findall(r"_\w+", text):
-            self._own(each)
-        called = text
+        for helper_name in re.findall(r"_\w+", text):
+            self._own(helper_name)
+        function = text
         if "(" in text:
-            called = f"_{name}_of" if f"_{name}" in text else f"_{name}"
-            self.helper(f"{called} = {text}\n")
-        return f"{called}({', '.join(f'{{{i}}}' for i in range(operation.arity))})"
+            function = f"_{name}_of" if f"_{name}" in text else f"_{name}"
+            self.helper(f"{function} = {text}\n")
+        return f"{function}({', '.join(f'{{{i}}}' for i in range(operation.arity))})"
 
     def _own(self, name: str) -> None:
         """Write a function of fuzzyarm's own arithmetic, and those that it calls."""
@@ -148,9 +148,9 @@ class PythonModule:
             self.helper(_ENDLESS)
             return
         text = _source(getattr(operations, name))
-        for each in re.findall(r"\b_[a-z]+\b", text):
-            if each != name and hasattr(operations, each):
-                self._own(each)
+        for helper_name in re.findall(r"\b_[a-z]+\b", text):
+            if helper_name != name and hasattr(operations, helper_name):
+                self._own(helper_name)
         self.helper(text)
 
     def language(self) -> Language:
@@ -202,20 +202,20 @@ def python_module(routines: Sequence[Routine], name: str) -> tuple[str, list[str
     calls: list[str] = []
     tests: list[str] = []
     for routine in routines:
-        own = module.names.new(routine.output.name)
-        call, text = routine_function(routine, own, module)
+        function_name = module.names.new(routine.output.name)
+        call, text = routine_function(routine, function_name, module)
         calls.append(call)
         functions.append(text)
-        tests += _test(routine, own, module)
-    words = [line for each, call in zip(routines, calls, strict=True)
-             for line in (call, *(f"  {word}" for word in routine_words(each)), "")]  # fmt: skip
+        tests += _test(routine, function_name, module)
+    words = [line for entry, call in zip(routines, calls, strict=True)
+             for line in (call, *(f"  {word}" for word in routine_words(entry)), "")]  # fmt: skip
     head = [
         f"made by fuzzyarm {__version__}; do not edit: make it again from its source",
         "",
         *words,
         f"on a board: import {name}, and {name}.self_test() is 0 where all is well",
     ]
-    remark = "Returns 0 if the functions give what the model gives."
+    remark = "Returns 0 if the functions agree with the model."
     return module_text(head, module, functions, [remark, *tests]), calls
 
 
@@ -263,10 +263,10 @@ def _rules(routine: DirectRoutine, module: PythonModule, parameters: Sequence[st
     """Return the statements that infer an output."""
     listing, language = routine.listing, module.language()
     lines = []
-    for given, parameter in zip(routine.program.given, parameters, strict=True):
-        language.rename[given] = f"{given}_"
-        if given in listing.reads:
-            lines.append(f"{given}_ = float({parameter})")
+    for symbol, parameter in zip(routine.program.given, parameters, strict=True):
+        language.rename[symbol] = f"{symbol}_"
+        if symbol in listing.reads:
+            lines.append(f"{symbol}_ = float({parameter})")
     for name, (call, argument) in listing.calls.items():
         if name in listing.reads:
             function = module.helper(_function(call, module))
@@ -332,12 +332,12 @@ class TableInPython(TableCode):
         return self._interpolated() if self.core.linear else self._picked()
 
     def _points(self, side: Side, what: str) -> str:
-        wanted = f"{identifier(self.core.table.axes[side.axis].name)}_{what}"
-        return self.module.array(self.core.points[side.axis], self.kind, wanted)
+        array_name = f"{identifier(self.core.table.axes[side.axis].name)}_{what}"
+        return self.module.array(self.core.points[side.axis], self.kind, array_name)
 
     def _values(self) -> str:
-        wanted = f"{identifier(self.core.table.output)}_values"
-        return self.module.array(self.core.values, self.kind, wanted)
+        array_name = f"{identifier(self.core.table.output)}_values"
+        return self.module.array(self.core.values, self.kind, array_name)
 
     def _picked(self) -> list[str]:
         return [f"return {self._values()}[{self.cell()}]"]
@@ -404,12 +404,12 @@ def _test(routine: Routine, name: str, module: PythonModule) -> list[str]:
     rows = np.stack([np.asarray(column) for column in columns], axis=1)
     array = module.array(rows.ravel(), routine.kind, f"test_of_{name}")
     width = len(columns)
-    given = ", ".join(f"{array}[k + {i}]" if i else f"{array}[k]" for i in range(width - 1))
+    arguments = ", ".join(f"{array}[k + {i}]" if i else f"{array}[k]" for i in range(width - 1))
     # A port with floats of 32 bits is as good as these: the test lets that pass.
     largest = float(np.nanmax(np.abs(vectors.expected.astype(np.float64)), initial=1e-30))
     tolerance = 0 if np.issubdtype(routine.kind, np.integer) else 1e-4 * largest
     return [
         f"for k in range(0, {count * width}, {width}):",
-        f"    if not abs({name}({given}) - {array}[k + {width - 1}]) <= {tolerance!r}:",
+        f"    if not abs({name}({arguments}) - {array}[k + {width - 1}]) <= {tolerance!r}:",
         "        return 1",
     ]

@@ -68,22 +68,24 @@ def python_controller(program: ControllerProgram, name: str) -> tuple[str, tuple
     ExportError
         If a rule base of it walks over tables.
     """
-    made = _Class(program.steps)
-    body = made.text()
-    calls = ("Controller()", f"step({', '.join(made.parameters)})")
+    controller = _Class(program.steps)
+    body = controller.text()
+    calls = ("Controller()", f"step({', '.join(controller.parameters)})")
     words = [
         *program.head(),
         "",
         f"use: controller = {name}.Controller(), then controller.{calls[1]}"
         f" every {number_text(program.text.model.period)} s",
-        "step takes its arguments by name as well; it returns " + made.returned_words(),
+        "step takes its arguments by name as well; it returns " + controller.returned_words(),
         "gains are attributes of the controller, to be set at any time",
-        *made.use_words(),
+        *controller.use_words(),
         f"on a board: import {name}, and {name}.self_test() is 0 where all is well",
     ]
     vectors = program.tried.vectors
-    test = made.test(vectors.given, vectors.expected, vectors.tolerance, program.tried.largest)
-    return module_text(words, made.module, [*made.functions, body], test), calls
+    test = controller.test(
+        vectors.given, vectors.expected, vectors.tolerance, program.tried.largest
+    )
+    return module_text(words, controller.module, [*controller.functions, body], test), calls
 
 
 @dataclass
@@ -154,16 +156,16 @@ class _Class:
         name = self.attributes.new(table.name if one else f"{table.axis}_{table.name}")
         for suffix in ("_visits", "_ring", "_next"):
             self.attributes.new(f"{name}{suffix}")
-        own = self.tables[key] = f"self.{name}"
+        attribute = self.tables[key] = f"self.{name}"
         count = len(table.values)
         start = f"bytes({8 * count})"
         if any(table.values):
             start = self.module.array(table.values, np.float64, f"{name}_start")
-        self.starts.append(f'{own} = array("d", {start})')
-        self.starts.append(f'{own}_visits = array("i", bytes({4 * count}))')
+        self.starts.append(f'{attribute} = array("d", {start})')
+        self.starts.append(f'{attribute}_visits = array("i", bytes({4 * count}))')
         if table.delay:
-            self.starts.append(f"{own}_ring = [-1] * {table.delay}")
-            self.starts.append(f"{own}_next = 0")
+            self.starts.append(f"{attribute}_ring = [-1] * {table.delay}")
+            self.starts.append(f"{attribute}_next = 0")
 
     def _local(self, target: str) -> str:
         """Name a local variable: a drive as its port; no function of the module is called so."""
@@ -196,8 +198,8 @@ class _Class:
         if isinstance(each, Teach):
             return self._taught(each)
         if isinstance(each, Find):
-            given = ", ".join(self.language.rename[name] for name in each.inputs)
-            value = f"{self._cell(each.grid)}({given})"
+            arguments = ", ".join(self.language.rename[name] for name in each.inputs)
+            value = f"{self._cell(each.grid)}({arguments})"
         else:
             value = f"{self.tables[each.table]}[{self.targets[each.cell]}]"
         return [f"{self._local(each.target)} = {value}"]
@@ -222,8 +224,8 @@ class _Class:
         function = self.routines[each.routine]
         core = getattr(self.steps.routines[each.routine], "core", None)
         if not isinstance(core, FixedTable):
-            given = ", ".join(self.language.rename[name] for name in each.inputs)
-            return [f"{self._local(each.target)} = {function}({given})"]
+            arguments = ", ".join(self.language.rename[name] for name in each.inputs)
+            return [f"{self._local(each.target)} = {function}({arguments})"]
         lines, given_numbers = [], []
         for scale, name in zip(core.inputs, each.inputs, strict=True):
             before, text = self._expression(scaled(scale, symbol(name)))
@@ -247,7 +249,7 @@ class _Class:
 
     def _taught(self, each: Teach) -> list[str]:
         """Correct a table, as `learn` in the kernel does."""
-        table, own = self.steps.learned[each.table], self.tables[each.table]
+        table, attribute = self.steps.learned[each.table], self.tables[each.table]
         if each.judge not in self.judges:
             values = np.asarray(self.steps.judges[each.judge].values).ravel()
             self.judges[each.judge] = self.module.array(values, np.float64, each.judge)
@@ -255,24 +257,24 @@ class _Class:
         cell = self.targets[each.cell]
         before, rate = self._expression(each.rate)
         more, bound = self._expression(each.bound)
-        names = {wanted: self.locals.new(wanted) for wanted in ("responsible", "rate", "value")}
+        names = {role: self.locals.new(role) for role in ("responsible", "rate", "value")}
         responsible, rate_name, value = names.values()
         self.language.rename.update({"value": value, "bound": bound})
         limited = self.language.expression(limited_value())
-        ring = f"{own}_ring[{own}_next]" if table.delay else cell
+        ring = f"{attribute}_ring[{attribute}_next]" if table.delay else cell
         lines = [
             *before,
             *more,
             f"{responsible} = {ring}",
             f"{rate_name} = {rate}",
             f"if {responsible} >= 0 and {rate_name} != 0.0:",
-            f"    {value} = {own}[{responsible}] + {rate_name} * {judged}",
-            f"    {own}[{responsible}] = {limited}",
-            f"{own}_visits[{cell}] += 1",
+            f"    {value} = {attribute}[{responsible}] + {rate_name} * {judged}",
+            f"    {attribute}[{responsible}] = {limited}",
+            f"{attribute}_visits[{cell}] += 1",
         ]
         if table.delay:
-            lines.append(f"{own}_ring[{own}_next] = {cell}")
-            lines.append(f"{own}_next = ({own}_next + 1) % {table.delay}")
+            lines.append(f"{attribute}_ring[{attribute}_next] = {cell}")
+            lines.append(f"{attribute}_next = ({attribute}_next + 1) % {table.delay}")
         return lines
 
     # --- The class and its test ---
@@ -332,10 +334,10 @@ class _Class:
             f"    drives = controller.step({ports})",
         ]
         for i in range(width - count):
-            drive, wanted = "drives" if one else f"drives[{i}]", f"{array}[k + {count + i}]"
+            drive, target = "drives" if one else f"drives[{i}]", f"{array}[k + {count + i}]"
             if any(math.isnan(row[count + i]) for row in rows):
-                lines.append(f"    if {wanted} != {wanted} and {drive} != {drive}:")
+                lines.append(f"    if {target} != {target} and {drive} != {drive}:")
                 lines.append("        continue")
-            lines.append(f"    if not abs({drive} - {wanted}) <= within:")
+            lines.append(f"    if not abs({drive} - {target}) <= within:")
             lines.append("        return 1")
-        return ["Returns 0 if a sequence of periods gives what the controller gives.", *lines]
+        return ["Returns 0 if a sequence of periods agrees with the controller.", *lines]

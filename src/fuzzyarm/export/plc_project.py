@@ -142,8 +142,8 @@ def routines_project(routines: Sequence[Routine], prefix: str) -> Project:
             for point, value in zip(points, vectors.expected.tolist(), strict=True)
             if not _has_subnormal(point, routine.kind)
         ]
-        given, expected = [row[0] for row in rows], [row[1] for row in rows]
-        trials.append(_Trial(block, given, expected, vectors.tolerance, routine.kind))
+        inputs, expected = [row[0] for row in rows], [row[1] for row in rows]
+        trials.append(_Trial(block, inputs, expected, vectors.tolerance, routine.kind))
     return _project(text, prefix, trials)
 
 
@@ -192,13 +192,13 @@ def _unit(match: re.Match[str]) -> Unit:
         last = section.end()
         declarations = tuple(
             Declaration(
-                each["name"],
-                each["type"],
-                None if each["last"] is None else int(each["last"]),
-                (each["start"] or "").strip(),
-                each["remark"] or "",
+                declaration["name"],
+                declaration["type"],
+                None if declaration["last"] is None else int(declaration["last"]),
+                (declaration["start"] or "").strip(),
+                declaration["remark"] or "",
             )
-            for each in _DECLARATION.finditer(section["lines"])
+            for declaration in _DECLARATION.finditer(section["lines"])
         )
         sections.append(Section(section["title"], declarations))
     lines = (match["head"] or "").strip("\n").split("\n")
@@ -212,15 +212,15 @@ def _unit(match: re.Match[str]) -> Unit:
 def _test_program(units: dict[str, Unit], prefix: str, trials: Sequence[_Trial]) -> str:
     """Return a program whose variable `passed` is TRUE after one cycle if all is well."""
     names = Names("st", set(units))
-    declared, lines = ["    passed : BOOL;", "    k : DINT;"], ["passed := TRUE;"]
+    declarations, lines = ["    passed : BOOL;", "    k : DINT;"], ["passed := TRUE;"]
     for number, trial in enumerate(trials):
         if not trial.expected:
             continue
         unit = units[trial.block]
-        given = unit.ports("VAR_INPUT")[: len(trial.given[0])]
+        inputs = unit.ports("VAR_INPUT")[: len(trial.given[0])]
         drives = unit.ports("VAR_OUTPUT")[: len(trial.expected[0])]
         block, points = f"tested_{number}", f"points_{number}"
-        width = len(given) + len(drives)
+        width = len(inputs) + len(drives)
         rows = [
             x
             for pair in zip(trial.given, trial.expected, strict=True)
@@ -229,12 +229,17 @@ def _test_program(units: dict[str, Unit], prefix: str, trials: Sequence[_Trial])
         literals = [st_number(x, trial.kind) for x in rows]
         body = "\n".join(number_lines(literals, width, indent="        "))
         of = f"ARRAY [0..{len(literals) - 1}] OF {ST_TYPES[trial.kind]}"
-        declared += [f"    {block} : {trial.block};", f"    {points} : {of} := [\n{body}\n    ];"]
-        passed = ", ".join(f"{name} := {points}[k * {width} + {i}]" for i, name in enumerate(given))
+        declarations += [
+            f"    {block} : {trial.block};",
+            f"    {points} : {of} := [\n{body}\n    ];",
+        ]
+        passed = ", ".join(
+            f"{name} := {points}[k * {width} + {i}]" for i, name in enumerate(inputs)
+        )
         lines.append(f"FOR k := 0 TO {len(trial.expected) - 1} DO")
         lines.append(f"    {block}({passed});")
         for i, name in enumerate(drives):
-            place = f"{points}[k * {width} + {len(given) + i}]"
+            place = f"{points}[k * {width} + {len(inputs) + i}]"
             condition = f"{block}.{name} <> {place}"
             if not np.issubdtype(trial.kind, np.integer):
                 tolerance = st_number(trial.tolerance, trial.kind)
@@ -242,7 +247,7 @@ def _test_program(units: dict[str, Unit], prefix: str, trials: Sequence[_Trial])
             lines += [f"    IF {condition} THEN", "        passed := FALSE;", "    END_IF;"]
         lines.append("END_FOR;")
     name = names.new(f"{prefix}_test")
-    head = "(* passed is TRUE after one cycle if the blocks give what the model gives *)"
+    head = "(* passed is TRUE after one cycle if the blocks agree with the model *)"
     return "\n".join(
-        [head, f"PROGRAM {name}", "VAR", *declared, "END_VAR", "", *lines, "END_PROGRAM", ""]
+        [head, f"PROGRAM {name}", "VAR", *declarations, "END_VAR", "", *lines, "END_PROGRAM", ""]
     )

@@ -117,7 +117,7 @@ def _of(name: str) -> str:
 
 def _indent(root: Xml.Element) -> None:
     """Put elements on lines of their own, but for texts, which stay as they are."""
-    texts = {each: each.text for each in root.iter(f"{{{_TEXT}}}p")}
+    texts = {element: element.text for element in root.iter(f"{{{_TEXT}}}p")}
     Xml.indent(root)
-    for each, text in texts.items():
-        each.text = text
+    for element, text in texts.items():
+        element.text = text

@@ -128,13 +128,13 @@ class Program:
 
     def over_arrays(self, values: Mapping[str, Any], real: type) -> Any:
         """Return the output at arguments by :attr:`given`, every operation rounded to `real`."""
-        known = dict(values)
+        columns = dict(values)
         for variable in self.variables:
             if isinstance(variable, SampleSums | Walk):
-                known |= variable.over_arrays(known, real)
+                columns |= variable.over_arrays(columns, real)
         # C has the functions of its library, in double precision those of Python.
         in_doubles = np.dtype(real) == np.float64
-        return evaluate_arrays(self.result, known, real, self._order, as_floats=in_doubles)
+        return evaluate_arrays(self.result, columns, real, self._order, as_floats=in_doubles)
 
     @cached_property
     def _order(self) -> Schedule:
@@ -162,9 +162,9 @@ def _words(expression: Antecedent) -> str:
     if isinstance(expression, Hedged):
         hedges = "".join(f"{hedge.name} " for hedge in expression.hedges)
         return f"{hedges}({_words(expression.operand)})"
-    joined = " and " if isinstance(expression, And) else " or "
+    connective = " and " if isinstance(expression, And) else " or "
     inner = (_words(operand) for operand in expression.operands)
-    return joined.join(
+    return connective.join(
         text if isinstance(operand, Is | Hedged) else f"({text})"
         for operand, text in zip(expression.operands, inner, strict=True)
     )
@@ -174,7 +174,9 @@ class _Builder:
     def __init__(self, rulebase: RuleBase, target: str, parameters: Sequence[str]) -> None:
         self.plan: Plan = plan(rulebase)
         # An interval type-2 rule is read twice, under one number.
-        self.numbers = {i: rule for rule, own in enumerate(self.plan.readings) for i in own}
+        self.numbers = {
+            i: rule for rule, rule_numbers in enumerate(self.plan.readings) for i in rule_numbers
+        }
         self.target = target
         self.names = Names(taken=set(parameters))
         self.variables: list[Assign | SampleSums | Walk] = []
@@ -195,8 +197,8 @@ class _Builder:
 
     def build(self) -> Program:
         rulebase = self.plan.rulebase
-        given = tuple(self.names.new(f"given_{name}") for name in self.parameters)
-        for variable, name in zip(rulebase.inputs, given, strict=False):
+        parameters = tuple(self.names.new(f"given_{name}") for name in self.parameters)
+        for variable, name in zip(rulebase.inputs, parameters, strict=False):
             self.values[variable.name] = self.fresh(
                 _into_range(variable, symbol(name), guard_nan=True), variable.name
             )
@@ -210,10 +212,10 @@ class _Builder:
             if isinstance(step, int) and step in rules:
                 self._fire(step, self.plan.rules[step], outputs)
             elif isinstance(step, str) and step in outputs:
-                result = self._conclude(self.plan.outputs[step], symbol(given[-1]))
+                result = self._conclude(self.plan.outputs[step], symbol(parameters[-1]))
         for guard in self.guards:
             result = where(guard > 0.0, result, math.nan)
-        return Program(given, result, tuple(self.variables), self.calls, self.holds)
+        return Program(parameters, result, tuple(self.variables), self.calls, self.holds)
 
     def fresh(self, value: Node, wanted: str, remark: str = "") -> Node:
         """Give a part a variable of its own, unless it has one or needs none."""
@@ -241,7 +243,7 @@ class _Builder:
             if size > MOST_SAMPLES:
                 raise refuse(
                     f"the {way.method} of '{name}' over {way.resolution:,} samples takes {size:,}"
-                    f" constants, and {MOST_SAMPLES:,} are the most",
+                    f" constants; the limit is {MOST_SAMPLES:,}",
                     span,
                     f"write  defuzzifier {way.method}(101)",
                 )
@@ -263,7 +265,7 @@ class _Builder:
             listed = ", ".join(sorted(planned.degrees))
             what = f"a rule reads '{listed}' as a set of its own block"
             raise refuse(
-                what, planned.rule.span, "put the rules that read it into a block of their own"
+                what, planned.rule.span, "put the rules that read it into a separate block"
             )
         strength = times(self._truth(planned.rule.antecedent, planned), planned.rule.weight)
         if planned.threshold > 0.0:
@@ -409,21 +411,23 @@ class _Builder:
         strengths = {member: height for member, (_, height) in self.heights[name].items()}
         if output.in_order and not output.discrete:
             strengths = self.walked[name]
-        own = [strengths.get(group, ZERO) for group in layout.groups]
+        nodes = [strengths.get(group, ZERO) for group in layout.groups]
         if output.discrete:
-            values = [self._value(output, member, own[i]) for i, member in enumerate(layout.groups)]
-            by_turns = list(zip(own, values, strict=True))
+            values = [
+                self._value(output, member, nodes[i]) for i, member in enumerate(layout.groups)
+            ]
+            by_turns = list(zip(nodes, values, strict=True))
             if output.record.of == "ends":  # of each pair both strengths, then both values
                 pairs = list(zip(by_turns[::2], by_turns[1::2], strict=True))
-                own = [
+                nodes = [
                     node
                     for pair in pairs
                     for node in (*(s for s, _ in pair), *(v for _, v in pair))
                 ]
             else:
-                own = [node for both in by_turns for node in both]
+                nodes = [node for both in by_turns for node in both]
         total, value = self.names.new("total"), self.names.new("found")
-        self.variables.append(Walk(total, value, self.plan, name, tuple(own)))
+        self.variables.append(Walk(total, value, self.plan, name, tuple(nodes)))
         result: Node = symbol(value)
         if layout.program.centre:
             centre = constant(layout.floats[layout.whole[at.HEAD + at.FLOATS_AT] + 3])
@@ -438,9 +442,11 @@ class _Builder:
         area: Node = ZERO
         moment: Node = ZERO
         for side in _sides(output):
-            own = [each for each in fired if side is None or output.sides[each[0]] == side]
-            if own:
-                sums = sample_sums(output, own, self.names)
+            heights_of_side = [
+                pair for pair in fired if side is None or output.sides[pair[0]] == side
+            ]
+            if heights_of_side:
+                sums = sample_sums(output, heights_of_side, self.names)
                 self.variables.append(sums)
                 area, moment = plus(area, symbol(sums.area)), plus(moment, symbol(sums.moment))
         return area, moment
@@ -454,8 +460,10 @@ class _Builder:
         else:
             parts = []
             for side in _sides(output):
-                own = {m: h for m, h in heights.items() if side is None or output.sides[m] == side}
-                parts += scaled_union(output, own, self.fresh)
+                heights_of_side = {
+                    m: h for m, h in heights.items() if side is None or output.sides[m] == side
+                }
+                parts += scaled_union(output, heights_of_side, self.fresh)
         sums = _Sums(self)
         for sign, part in parts:
             sums.add(part, sign)
@@ -475,71 +483,72 @@ class _Builder:
 
     def _weighed(self, output: OutputPlan, member: int, height: Node) -> Node:
         """Return the value of a consequent times its strength."""
-        found = output.members[member]
-        if found.value is not None:
-            return times(height, found.value)
+        consequent = output.members[member]
+        if consequent.value is not None:
+            return times(height, consequent.value)
         value = self._value(output, member, height)
-        if found.formula is not None or found.pieces:
+        if consequent.formula is not None or consequent.pieces:
             # Where its rule does not fire a formula may have no value, such as 1/0.
             return where(height > 0.0, height * value, 0.0)
         return times(height, value)
 
     def _value(self, output: OutputPlan, member: int, height: Node) -> Node:
         """Return the value of a consequent, which may depend on its strength."""
-        found = output.members[member]
-        shape = found.term.shape
-        if found.value is not None:
-            return constant(found.value)
-        if output.record.inverts and found.pieces:
-            return self.fresh(self._position(output, member, height), found.term.name)
+        consequent = output.members[member]
+        shape = consequent.term.shape
+        if consequent.value is not None:
+            return constant(consequent.value)
+        if output.record.inverts and consequent.pieces:
+            return self.fresh(self._position(output, member, height), consequent.term.name)
         if shape.kind == "formula":
             value: Node = times(constant(shape.height), self._formula(output, member))
-            return self.fresh(value, found.term.name)
+            return self.fresh(value, consequent.term.name)
         *coefficients, offset = shape.parameters
         value = constant(offset)
         for coefficient, variable in zip(coefficients, self.plan.rulebase.inputs, strict=True):
             value = plus(value, times(constant(coefficient), self.values[variable.name]))
-        return self.fresh(value, found.term.name)
+        return self.fresh(value, consequent.term.name)
 
     def _position(self, output: OutputPlan, member: int, height: Node) -> Node:
         """Return where a set that rises or falls throughout reaches a strength."""
-        found, model = output.members[member], output.output
-        shape = found.term.shape
+        consequent, model = output.members[member], output.output
+        shape = consequent.term.shape
         kind = SHAPES[shape.kind]
-        if kind.inverse_expression is not None and not found.hedges:
+        if kind.inverse_expression is not None and not consequent.hedges:
             share = height if shape.height == 1.0 else height / constant(shape.height)
             numbers = dict(zip(kind.inverse_symbols[1:], shape.parameters, strict=True))
             inverse = specialise(kind.inverse_expression, numbers)
             # Ends that it only tends to: those of the range.
             inverse = with_ends(inverse, model.low, model.high)
             value = self.fresh(
-                replace(inverse, {"degree": op.minimum(1.0, share)}), f"{found.term.name}_at"
+                replace(inverse, {"degree": op.minimum(1.0, share)}), f"{consequent.term.name}_at"
             )
             if kind.straight or shape.kind in {"s", "z", "arc"}:  # finite throughout
                 return value
             low, high = constant(-LARGEST_DOUBLE), constant(LARGEST_DOUBLE)
             return where(value > high, model.high, where(value < low, model.low, value))
         try:
-            rising = is_rising(output, found)
+            rising = is_rising(output, consequent)
         except InferenceError as error:
             raise refuse(
-                str(error), found.term.span, "write  defuzzifier weighted-average"
+                str(error), consequent.term.span, "write  defuzzifier weighted-average"
             ) from None
-        if not all(piece.straight for piece in found.pieces):
-            what = (
-                f"'{model.name} is {found.term.name}' is curved, and its position is searched for"
-            )
-            raise refuse(what, found.term.span, "write  defuzzifier weighted-average")
-        return _on_pieces(found.pieces, height, model.high if rising else model.low, rising=rising)
+        if not all(piece.straight for piece in consequent.pieces):
+            term = f"{model.name} is {consequent.term.name}"
+            what = f"'{term}' is curved, and its position is searched for"
+            raise refuse(what, consequent.term.span, "write  defuzzifier weighted-average")
+        return _on_pieces(
+            consequent.pieces, height, model.high if rising else model.low, rising=rising
+        )
 
     def _formula(self, output: OutputPlan, member: int) -> Node:
         term = output.members[member].term
         formula = formula_of(term.shape)
-        known = {variable.name for variable in self.plan.rulebase.inputs}
-        if not {name for name in formula.names if name not in CONSTANTS} <= known:
+        names = {variable.name for variable in self.plan.rulebase.inputs}
+        if not {name for name in formula.names if name not in CONSTANTS} <= names:
             what = f"consequent '{term.name}' of '{output.output.name}' reads an output"
             raise refuse(what, term.span, "give it the inputs that the output is made of")
-        return replace(formula.with_constants(tuple(known)), self.values)
+        return replace(formula.with_constants(tuple(names)), self.values)
 
 
 def _is_expression(output: OutputPlan) -> bool:

@@ -88,9 +88,9 @@ _COMPARED: dict[type, Callable[[Any, Any], Any]] = {
 
 @cache
 def _source(function: Callable[..., Any]) -> ast.FunctionDef:
-    (found,) = ast.parse(textwrap.dedent(inspect.getsource(function))).body
-    assert isinstance(found, ast.FunctionDef)
-    return found
+    (definition,) = ast.parse(textwrap.dedent(inspect.getsource(function))).body
+    assert isinstance(definition, ast.FunctionDef)
+    return definition
 
 
 class _Reader:
@@ -116,8 +116,8 @@ class _Reader:
     # --- Statements ---
 
     def statements(self, body: list[ast.stmt]) -> None:
-        for each in body:
-            self.statement(each)
+        for statement in body:
+            self.statement(statement)
 
     def statement(self, each: ast.stmt) -> None:
         if isinstance(each, ast.Expr):
@@ -145,8 +145,8 @@ class _Reader:
         if isinstance(target, ast.Name):
             self.known[target.id] = value
         elif isinstance(target, ast.Tuple):
-            for part, each in zip(target.elts, value, strict=True):
-                self.assign(part, each)
+            for part, item in zip(target.elts, value, strict=True):
+                self.assign(part, item)
         else:
             assert isinstance(target, ast.Subscript)
             assert self.value(target.value) is self.cells
@@ -157,15 +157,15 @@ class _Reader:
         if not isinstance(condition, Node):
             self.statements(each.body if condition else each.orelse)
             return
-        names, written = dict(self.known), dict(self.cells.written)
+        names, stores = dict(self.known), dict(self.cells.written)
         self.statements(each.body)
         then_names, then_written = self.known, self.cells.written
-        self.known, self.cells.written = dict(names), dict(written)
+        self.known, self.cells.written = dict(names), dict(stores)
         self.statements(each.orelse)
         for name in then_names.keys() & self.known.keys():
             self.known[name] = _choice(condition, then_names[name], self.known[name])
         for index in {**then_written, **self.cells.written}:
-            before = written[index] if index in written else self.cells.cells.load(index)
+            before = stores[index] if index in stores else self.cells.cells.load(index)
             then = then_written.get(index, before)
             otherwise = self.cells.written.get(index, before)
             self.cells.written[index] = _choice(condition, then, otherwise)
@@ -212,8 +212,8 @@ class _Reader:
         for part in each.values:
             value = self.value(part)
             if isinstance(value, Node):
-                joined = "both" if conjunction else "either"
-                node = value if node is None else apply(joined, node, value)
+                connective = "both" if conjunction else "either"
+                node = value if node is None else apply(connective, node, value)
             elif bool(value) != conjunction:
                 return value
         return conjunction if node is None else node
@@ -222,8 +222,8 @@ class _Reader:
         if isinstance(each.func, ast.Attribute):  # math.isnan(x)
             assert each.func.attr == "isnan"
             value = self.value(each.args[0])
-            known = not isinstance(value, Node)
-            return math.isnan(value) if known else self.cells.cells.is_nan(value)
+            is_number = not isinstance(value, Node)
+            return math.isnan(value) if is_number else self.cells.cells.is_nan(value)
         assert isinstance(each.func, ast.Name)
         name, arguments = each.func.id, [self.value(part) for part in each.args]
         if name == "stored":

@@ -52,15 +52,15 @@ class Replica:
         self.values: dict[str, Any] = {
             name: self.real(self._held(variable)) for name, variable in steps.variables.items()
         }
-        held = np.float32 if steps.single else np.float64
+        storage_type = np.float32 if steps.single else np.float64
         self.tables = {
-            name: np.array(learning.values, held).astype(self.real)
+            name: np.array(learning.values, storage_type).astype(self.real)
             for name, learning in steps.learned.items()
         }
         self.visits = {name: np.zeros(len(t), np.int64) for name, t in self.tables.items()}
         self._rings = {name: [-1] * learning.delay for name, learning in steps.learned.items()}
         self._judges = {
-            name: np.asarray(table.values, held).ravel().astype(self.real)
+            name: np.asarray(table.values, storage_type).ravel().astype(self.real)
             for name, table in steps.judges.items()
         }
         self._periods = 0
@@ -92,8 +92,8 @@ class Replica:
                 value = self.real(np.float32(value))
             values[each.target] = value
         elif isinstance(each, Ask):
-            given = [values[name] for name in each.inputs]
-            values[each.target] = self._routines[each.routine](given, self.real)
+            arguments = [values[name] for name in each.inputs]
+            values[each.target] = self._routines[each.routine](arguments, self.real)
         elif isinstance(each, Find):
             values[each.target] = _cell(
                 self.program.grids[each.grid], [values[n] for n in each.inputs]
@@ -167,12 +167,12 @@ def trial(steps: Steps, periods: int, seed: int = 1) -> Iterator[dict[str, float
     references = {variable: draw.uniform(0.2, 2.0, 2) for variable in steps.of_sort("reference")}
     errors = {variable: draw.uniform(0.05, 0.4, 2) for variable in steps.of_sort("measured")}
     for k in range(periods):
-        given = {
+        sample = {
             variable.symbol: float(outside(a * math.sin(0.05 * b * k)))
             for variable, (a, b) in references.items()
         }
-        for each, (a, b) in errors.items():
+        for port, (a, b) in errors.items():
             size = 10.0 ** (4.0 * math.sin(a * k + 1.0) * math.cos(0.3 * b * k) - 1.5)
-            target = given.get(each.symbol.replace("measured:", "reference:"), 0.0)
-            given[each.symbol] = float(outside(target - min(size, 10.0) * math.sin(b * k + 2.0)))
-        yield given
+            target = sample.get(port.symbol.replace("measured:", "reference:"), 0.0)
+            sample[port.symbol] = float(outside(target - min(size, 10.0) * math.sin(b * k + 2.0)))
+        yield sample

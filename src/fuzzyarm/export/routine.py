@@ -303,8 +303,8 @@ def comment(lines: Sequence[str], first: str, every: str, last: str) -> list[str
 
 def plain(text: str) -> str:
     """Return `text` on one line, harmless in a comment of C or of Structured Text."""
-    shown = "".join(letter if letter.isprintable() else " " for letter in text)
+    printable = "".join(letter if letter.isprintable() else " " for letter in text)
     for mark in ("*/", "/*", "(*", "*)", "??"):
-        while mark in shown:
-            shown = shown.replace(mark, f"{mark[0]} {mark[1]}")
-    return shown.replace("\\", "/") if shown.endswith("\\") else shown
+        while mark in printable:
+            printable = printable.replace(mark, f"{mark[0]} {mark[1]}")
+    return printable.replace("\\", "/") if printable.endswith("\\") else printable

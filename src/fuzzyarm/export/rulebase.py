@@ -90,12 +90,12 @@ class DirectRoutine:
     @property
     def arguments(self) -> Sequence[Argument]:
         """The inputs, and the value to hold where the output holds."""
-        found = [Argument(v.name, v.low, v.high, v.description) for v in self.rulebase.inputs]
+        parameters = [Argument(v.name, v.low, v.high, v.description) for v in self.rulebase.inputs]
         if self.program.holds:
             output = self.rulebase.output(self.name)
             words = "the last value, returned where no rule fires"
-            found.append(Argument(f"last {output.name}", output.low, output.high, words))
-        return found
+            parameters.append(Argument(f"last {output.name}", output.low, output.high, words))
+        return parameters
 
     @property
     def kind(self) -> Kind:
@@ -140,9 +140,9 @@ class DirectRoutine:
         outer, inner, _ = (C_TYPES[kind] for kind in self.precision)
         cast, back = (f"({inner})", f"({outer})") if inner != outer else ("", "")
         lines = []
-        for given, parameter in zip(self.program.given, parameters, strict=True):
-            if given in self.listing.reads:
-                lines.append(f"const {inner} {given} = {cast}{parameter};")
+        for symbol, parameter in zip(self.program.given, parameters, strict=True):
+            if symbol in self.listing.reads:
+                lines.append(f"const {inner} {symbol} = {cast}{parameter};")
             else:
                 lines.append(f"(void){parameter}; /* no rule that counts asks for it */")
         body, result = self.listing.lines(writer, self.precision.inside)
@@ -215,17 +215,17 @@ class DirectRoutine:
 
         Inputs outside a range that forbids it are clamped, as in the exported function.
         """
-        named = {
+        columns = {
             variable.name: np.asarray(x, dtype=np.float64)
             for variable, x in zip(self.rulebase.inputs, inputs, strict=True)
         }
         last = self._last() if held is None else held
         # Other outputs may take longer than this one by far.
         part = part_for(_forgiving(self.rulebase), (self.name,))
-        needed = {variable.name: named[variable.name] for variable in part.inputs}
+        part_inputs = {variable.name: columns[variable.name] for variable in part.inputs}
         holding = {o.name: last for o in part.outputs if o.no_rule == "hold"}
-        found = infer_many(part, needed, holding)[self.name]
-        return np.broadcast_to(np.asarray(found), np.broadcast_shapes(*(x.shape for x in inputs)))
+        values = infer_many(part, part_inputs, holding)[self.name]
+        return np.broadcast_to(np.asarray(values), np.broadcast_shapes(*(x.shape for x in inputs)))
 
     def _last(self) -> float:
         output = self.rulebase.output(self.name)
@@ -262,11 +262,11 @@ class DirectRoutine:
             inputs.append(points[(number * stride + turns + k) % points.size])
         columns = [*inputs, *self._held(inputs[0])]
         expected = self.evaluate(*columns)
-        known = ~np.isnan(expected)
-        if not known.any():
+        finite = ~np.isnan(expected)
+        if not finite.any():
             columns, expected = [c[:0] for c in columns], expected[:0]
         else:
-            columns, expected = [c[known] for c in columns], expected[known]
+            columns, expected = [c[finite] for c in columns], expected[finite]
         step = float(np.finfo(self.precision.outside).eps)
         output = self.rulebase.output(self.name)
         ends = [abs(x) for x in (output.low, output.high) if math.isfinite(x)]
@@ -346,5 +346,5 @@ def _border_words(variable: Input) -> str:
     if variable.outside == "extend":
         return f"{variable.name} is used as it is beyond its range"
     if variable.outside == "error":
-        return f"{variable.name} beyond its range, an error in the model, takes the border here"
-    return f"{variable.name} beyond its range takes the border (saturation)"
+        return f"{variable.name} outside its range is an error in the model, clamped here"
+    return f"{variable.name} outside its range is clamped to the border (saturation)"

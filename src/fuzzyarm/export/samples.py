@@ -69,14 +69,16 @@ class SampleSums:
             name: np.array(column, real).reshape(-1, *ones) for name, column in self.columns.items()
         }
         in_doubles = np.dtype(real) == np.float64
-        known: dict[str, Any] = {
+        operands: dict[str, Any] = {
             name: evaluate_arrays(p, values, real, as_floats=in_doubles)
             for name, p in self.parts.items()
         }
-        known |= columns
+        operands |= columns
         for step in self.body[:-2]:
-            known[self.height] = evaluate_arrays(step.value, known, real, as_floats=in_doubles)
-        height = known[self.height]
+            operands[self.height] = evaluate_arrays(
+                step.value, operands, real, as_floats=in_doubles
+            )
+        height = operands[self.height]
         terms = {self.area: height, self.moment: height * columns["position"]}
         # accumulate() adds from first to last; sum() may go about it in another order.
         return {
@@ -96,24 +98,24 @@ def sample_sums(
     assert way.resolution is not None
     samples = positions(model.low, model.high, way.resolution, way.sampling)
     columns = {"position": tuple(samples)}
-    wanted = {"position": f"{model.name}_samples", "weight": f"{model.name}_weights"}
+    column_names = {"position": f"{model.name}_samples", "weight": f"{model.name}_weights"}
     if way.sampling == "trapezoid":
         columns["weight"] = tuple(weights(way.resolution, way.sampling))
     height = names.new("height")
     parts: dict[str, Node] = {}
     steps: list[Assign] = []
     for member, strength, remark in fired:
-        found = output.members[member]
+        consequent = output.members[member]
         degree, cut = f"degree {member}", f"strength {len(parts)}"
-        sampled = sampled_set(found.term.shape, found.hedges, model.low, model.high, way)
+        sampled = sampled_set(consequent.term.shape, consequent.hedges, model.low, model.high, way)
         columns[degree] = sampled.over(way.resolution)
-        wanted[degree] = f"{model.name}_{found.term.name}"
+        column_names[degree] = f"{model.name}_{consequent.term.name}"
         parts[cut] = strength
         implied = {"a": symbol(cut), "b": symbol(degree)}
-        value = replace(TNORMS[found.implication].expression, implied)
+        value = replace(TNORMS[consequent.implication].expression, implied)
         if steps:
             both = {"a": symbol(height), "b": value}
             value = replace(SNORMS[model.aggregation].expression, both)
         steps.append(Assign(height, value, remark))
     found_names = names.new("area"), names.new("moment"), height, names.new("k")
-    return SampleSums(*found_names, columns, wanted, parts, tuple(steps))
+    return SampleSums(*found_names, columns, column_names, parts, tuple(steps))

@@ -79,7 +79,9 @@ class _Block:
 
     def __post_init__(self) -> None:
         for section in self.unit.sections:
-            self.types |= {each.name: each.type for each in section.declarations}
+            self.types |= {
+                declaration.name: declaration.type for declaration in section.declarations
+            }
         if self.unit.sort == "FUNCTION":
             self.types[self.unit.name] = self.unit.returned
             self.inputs = _written_inputs(self.unit)
@@ -181,9 +183,9 @@ class _Block:
             unit = self.units[name]
             written = _written_inputs(unit)
             parameters = [
-                written.get(each, _local(each))
+                written.get(port, _local(port))
                 for title in ("VAR_IN_OUT", "VAR_INPUT")
-                for each in unit.ports(title)
+                for port in unit.ports(title)
             ]
             name = f'"{name}"'
         else:
@@ -193,8 +195,8 @@ class _Block:
 
     def _named(self, tokens: Sequence[tuple[str, str]]) -> str:
         """Return an argument behind its name."""
-        own = [token for token in tokens if token[0] != "space"]
-        (_, name), (_, sign), *_ = own
+        words = [token for token in tokens if token[0] != "space"]
+        (_, name), (_, sign), *_ = words
         assert sign == ":="
         at = next(i for i, token in enumerate(tokens) if token[1] == ":=")
         return f"{_local(name)} := {self._translated(tokens[at + 1 :]).strip()}"

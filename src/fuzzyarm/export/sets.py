@@ -253,7 +253,7 @@ def most_overlapping(plan: OutputPlan) -> int:
     most = 0
     sides = plan.sides or (0,) * len(plan.members)
     for side in {*sides}:
-        members = [i for i, own in enumerate(sides) if own == side]
+        members = [i for i, side_of_member in enumerate(sides) if side_of_member == side]
         edges = sorted({x for m in members for p in plan.members[m].pieces for x in (p.x0, p.x1)})
         for x0, x1 in pairwise(edges):
             present = [m for m in members if max(_ends(plan.members[m], x0, x1)) > 0.0]

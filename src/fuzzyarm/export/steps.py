@@ -291,7 +291,7 @@ def steps_of(
     if program.code[0] > MOST_STEPS:
         raise ExportError(
             f"{program.code[0]:,} instructions are more than {MOST_STEPS:,}",
-            hint="export parts of it as controllers of their own",
+            hint="export parts of it as separate controllers",
         )
     return _Walk(text, program, wiring, types, options or RoutineOptions()).steps()
 
@@ -352,8 +352,8 @@ class _Walk:
             several = len(gain.values) > 1
             for number, cell in enumerate(self.program.gains[gain.name]):
                 start = float(self.program.cells[cell])
-                own = number if several else -1
-                self._variable(cell, Variable("gain", "", gain.name, start, number=own))
+                axis_number = number if several else -1
+                self._variable(cell, Variable("gain", "", gain.name, start, number=axis_number))
 
     def _state(self, cell: int, suffix: str, begin: int) -> None:
         """Name a cell that an instruction changes, after the signal that it works for."""
@@ -365,9 +365,9 @@ class _Walk:
         # No language has NaN for what has seen nothing yet: the first period is known.
         nothing = math.isnan(start)
         variable = Variable("state", axis, name, 0.0 if nothing else start, wide=True)
-        found = self._variable(cell, variable)
+        symbol = self._variable(cell, variable)
         if nothing:
-            self.unseen.add(found)
+            self.unseen.add(symbol)
 
     def _works_for(self, begin: int) -> tuple[str, str]:
         """Return axis and name of the next signal or drive that is written."""
@@ -455,8 +455,8 @@ class _Walk:
             return
         if target is None or target in self.drives:
             variable = self.made.variables.get(target or "")
-            wanted = f"{variable.axis}_{variable.name}" if variable is not None else ""
-            target = self.scratch[cell] = self._local(wanted)
+            hint = f"{variable.axis}_{variable.name}" if variable is not None else ""
+            target = self.scratch[cell] = self._local(hint)
         elif not rounded and self.made.variables[target].sort == "signal":
             # What `zoom` writes is not rounded: it is kept as it is.
             self.made.variables[target] = self.made.variables[target]._replace(wide=True)
@@ -472,8 +472,8 @@ class _Walk:
         elif what in (at.LIMIT, at.SLEW):
             for offset, suffix in at.REMEMBERED[what]:
                 self._state(b + offset, suffix, begin)
-            made = at.limited if what == at.LIMIT else at.slewed
-            value = read(made, self, self, self.load(a), b)
+            function = at.limited if what == at.LIMIT else at.slewed
+            value = read(function, self, self, self.load(a), b)
         elif what == at.UPDATE:
             value = self._updated(a, b, c, begin)
         elif what == at.ZOOM:
@@ -504,8 +504,8 @@ class _Walk:
         for cell, state in enumerate(kind.states, frame + 1):
             self._state(cell, state.name, begin)
             arguments[state.name] = self.load(cell)
-        for own, name in enumerate(kind.inputs, first):
-            cell = fetched.get(own, own)
+        for input_cell, name in enumerate(kind.inputs, first):
+            cell = fetched.get(input_cell, input_cell)
             if name == "excess":
                 self._excess(cell, begin)
             arguments[name] = self.load(cell)
@@ -614,20 +614,20 @@ class _Walk:
         signals = [self.made.variables.get(variable) for variable in inputs]
         narrow = all(signal is not None and not signal.wide for signal in signals)
         core = self._core(table, narrow=narrow)
-        for known, routine in self.made.routines.items():
+        for routine_name, routine in self.made.routines.items():
             if isinstance(routine, TableRoutine) and _same_table(routine.core, core):
-                return known
-        made = self._routine(name, TableRoutine(core))
-        self.made.sheets[made] = table
-        return made
+                return routine_name
+        routine_key = self._routine(name, TableRoutine(core))
+        self.made.sheets[routine_key] = table
+        return routine_key
 
     def _core(self, table: LookupTable, *, narrow: bool) -> FloatTable | FixedTable:
         if self.options.q is not None:
             return fixed_table(table, self.options.q)
         if self.made.single and self.made.precision.wide is np.float64:
             # The kernel holds values in the precision of signals and computes in double.
-            held = np.asarray(table.values, np.float32).astype(np.float64)
-            table = with_values(table, values=held)
+            single = np.asarray(table.values, np.float32).astype(np.float64)
+            table = with_values(table, values=single)
         precision = self._inner()
         if table.default_mode != "linear" and self.made.single and narrow:
             precision = "float32"
@@ -637,29 +637,29 @@ class _Walk:
         for (axis, name), place in self.program.learned.items():
             if place.values == values:
                 return f"{axis}:{name}"
-        raise AssertionError("a table that nothing teaches is a routine")
+        raise AssertionError("a table that does not learn is a routine")
 
     def _found(self, begin: int, table: LookupTable, name: str, inputs: tuple[str, ...]) -> str:
         """Add the step that finds a cell; return the local with its number."""
         grid = self._grid(begin, table)
-        known = {other: key for key, other in self.made.grids.items()}
-        if grid not in known:
-            known[grid] = self.names.new(f"{name}_cell")
-            self.made.grids[known[grid]] = grid
-            self.made.grid_tables[known[grid]] = table
+        keys = {other: key for key, other in self.made.grids.items()}
+        if grid not in keys:
+            keys[grid] = self.names.new(f"{name}_cell")
+            self.made.grids[keys[grid]] = grid
+            self.made.grid_tables[keys[grid]] = table
         target = self._local()
-        self.made.steps.append(Find(target, known[grid], inputs))
+        self.made.steps.append(Find(target, keys[grid], inputs))
         return target
 
     def _grid(self, begin: int, table: LookupTable) -> Grid:
         """Read a grid out of the cells."""
-        found, at_axis = [], begin + GRID_HEAD
+        axes, at_axis = [], begin + GRID_HEAD
         for axis in table.axes:
             count = int(self.program.cells[at_axis])
             thresholds = self.program.cells[at_axis + 1 : at_axis + count]
-            found.append((axis.name, tuple(map(float, thresholds))))
+            axes.append((axis.name, tuple(map(float, thresholds))))
             at_axis += 2 * count
-        return tuple(found)
+        return tuple(axes)
 
     def _teach(self, begin: int, into: int) -> None:
         if self.options.q is not None:
@@ -677,7 +677,7 @@ class _Walk:
         if name in self.made.learned:
             raise ExportError(
                 f"two lines teach the table '{key[1]}' of axis '{key[0]}'; one is exported",
-                hint="leave one of them out, or give each a table of its own",
+                hint="leave one of them out, or give each its own table",
                 span=self._learner_of(key[1]),
                 path=self.text.path,
             )
@@ -724,12 +724,12 @@ class _Walk:
 
     def _judge(self, name: str, table: LookupTable) -> str:
         """Return what a performance table is called; axes share one."""
-        for known, other in self.made.judges.items():
+        for judge, other in self.made.judges.items():
             if np.array_equal(other.values, table.values):
-                return known
-        found = self.names.new(name)
-        self.made.judges[found] = table
-        return found
+                return judge
+        judge_name = self.names.new(name)
+        self.made.judges[judge_name] = table
+        return judge_name
 
 
 def _same_table(a: FloatTable | FixedTable, b: FloatTable | FixedTable) -> bool:

@@ -36,13 +36,13 @@ from fuzzyarm.version import __version__
 def structured_text(routines: Sequence[Routine], prefix: str) -> tuple[str, list[str]]:
     """Return a file with a function block for every routine, and the names of the blocks."""
     names = Names("st")
-    blocks, called = [], []
+    blocks, block_names = [], []
     for routine in routines:
         name = names.new(f"{prefix}_{identifier(routine.output.name)}")
-        called.append(name)
+        block_names.append(name)
         with printable_only():
             blocks.append(block_of(routine, name, names).text())
-    return "\n".join(blocks), called
+    return "\n".join(blocks), block_names
 
 
 @contextmanager
@@ -69,7 +69,7 @@ def head_comment(words: Sequence[str]) -> list[str]:
 
 def st_numbers(real: Kind) -> Language:
     """Return Structured Text with its own functions for the smaller and the greater of two."""
-    own = {"minimum": "MIN({0}, {1})", "maximum": "MAX({0}, {1})"}
+    spellings = {"minimum": "MIN({0}, {1})", "maximum": "MAX({0}, {1})"}
 
     def number(value: float) -> str:
         if not math.isfinite(value):
@@ -77,7 +77,7 @@ def st_numbers(real: Kind) -> Language:
         return st_number(value, real)
 
     return STRUCTURED_TEXT._replace(
-        text=lambda operation: own.get(operation.name, operation.st), number=number, rename={}
+        text=lambda operation: spellings.get(operation.name, operation.st), number=number, rename={}
     )
 
 
@@ -161,7 +161,7 @@ class TableBlock(TableCode):
     ) -> tuple[list[str], str]:
         """Return a bisection; afterwards the variable `low` counts the points from `first`."""
         if not hasattr(self, "bounds"):
-            self.bounds = [self._variable(each, self.index) for each in ("low", "high", "middle")]
+            self.bounds = [self._variable(role, self.index) for role in ("low", "high", "middle")]
         low, high, middle = self.bounds
         index = f"{middle} + {first}" if first else middle
         return [
@@ -221,7 +221,7 @@ class TableBlock(TableCode):
         name, points = side.name, self.points(side)
         levels = self._array(f"{name}_levels", points)
         x, share = self._variable(f"x_{name}", self.inner), self._variable(f"t_{name}", self.wide)
-        given = name if self.inner == self.outer else f"{self.outer}_TO_{self.inner}({name})"
+        argument = name if self.inner == self.outer else f"{self.outer}_TO_{self.inner}({name})"
         search, low = self._search(levels, 1, side.size - 2, x, "<=")
         way = [self._widened(text) for text in (x, f"{levels}[{low}]", f"{levels}[{low} + 1]")]
         value = self.share(*way)
@@ -230,8 +230,8 @@ class TableBlock(TableCode):
         step = low if side.stride == 1 else f"{low} * {side.stride}"
         return [
             f"{x} := {points[0]};",
-            f"IF {given} > {x} THEN",
-            f"    {x} := {given};",
+            f"IF {argument} > {x} THEN",
+            f"    {x} := {argument};",
             "END_IF;",
             f"IF {x} > {points[-1]} THEN",
             f"    {x} := {points[-1]};",
@@ -346,12 +346,12 @@ class RulesBlock:
     def _statements(self) -> list[str]:
         listing, same = self.routine.listing, self.outer == self.inner
         lines = [f"{self.fired} := TRUE;"]
-        for given, parameter in zip(self.routine.program.given, self.inputs, strict=True):
-            if given in listing.reads:
+        for symbol, parameter in zip(self.routine.program.given, self.inputs, strict=True):
+            if symbol in listing.reads:
                 text = parameter if same else f"{self.outer}_TO_{self.inner}({parameter})"
-                lines.append(f"{self._declared(given)} := {text};")
-        for each in listing.body:
-            lines += self._lines_of(each)
+                lines.append(f"{self._declared(symbol)} := {text};")
+        for step in listing.body:
+            lines += self._lines_of(step)
         result = "result value"  # no variable of the listing has a space in it
         lines += self._lines_of(Assign(result, listing.result))
         back = self._declared(result)
@@ -361,9 +361,9 @@ class RulesBlock:
     def _declared(self, name: str) -> str:
         """Return what a variable is called here; letters alone do not tell two apart."""
         if name not in self.language.rename:
-            own = self.names.new(name)
-            self.language.rename[name] = own
-            self.variables[own] = self.inner
+            identifier = self.names.new(name)
+            self.language.rename[name] = identifier
+            self.variables[identifier] = self.inner
         return self.language.rename[name]
 
     def _lines_of(self, each: Statement | Loop | Walked) -> list[str]:
@@ -402,20 +402,24 @@ class RulesBlock:
         language = st_numbers(self.kind)
         body = function_body(call)
         *inner, last = body
-        made = [name for name in variables(inner) if name]
+        local_names = [name for name in variables(inner) if name]
         lines = [*language.lines(inner)]
         assert isinstance(last, Assign)
         text = "\n".join([*lines, language.expression(last.value)])
         if text not in self.known:
             name = self.file_names.new(f"{self.name}_{call.wanted}")
             self.known[text] = name
-            declared = ["VAR", *(f"    {each} : {self.inner};" for each in made), "END_VAR"]
+            declarations = [
+                "VAR",
+                *(f"    {local} : {self.inner};" for local in local_names),
+                "END_VAR",
+            ]
             self.functions += [
                 f"FUNCTION {name} : {self.inner}",
                 "VAR_INPUT",
                 f"    h : {self.inner};",
                 "END_VAR",
-                *(declared if made else []),
+                *(declarations if local_names else []),
                 "",
                 *lines,
                 f"{name} := {language.expression(last.value)};",
@@ -438,16 +442,16 @@ class RulesBlock:
             self.variables[arrays[array]] = of
         arrays["room"] = self.names.new(f"{walk.output}_room")
         self.variables[arrays["room"]] = f"ARRAY [0..{text.room - 1}] OF LREAL"
-        done = self.names.new("done")
-        self.variables[done] = "BOOL"
+        flag = self.names.new("done")
+        self.variables[flag] = "BOOL"
         lines = []
         for index, part in enumerate(each.parts):
             body_of_part, value = statements(part, prefix="part_", taken=self.taken)
             self.taken |= set(variables(body_of_part))
             lines += [line for inner in body_of_part for line in self._lines_of(inner)]
             lines.append(f"{arrays['room']}[{index}] := {self._expression(value)};")
-        total, found = self._declared(walk.total), self._declared(walk.value)
-        return [*lines, text.call.format(**arrays, total=total, value=found, done=done)]
+        total, result = self._declared(walk.total), self._declared(walk.value)
+        return [*lines, text.call.format(**arrays, total=total, value=result, done=flag)]
 
     def _loop(self, each: Loop) -> list[str]:
         sums = each.sums

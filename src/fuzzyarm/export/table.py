@@ -222,21 +222,21 @@ class _CTable(TableCode):
         levels = self._constant(side, "levels")
         x, i = names.new(f"x_{side.name}"), names.new(f"i_{side.name}")
         points = self.points(side)
-        given = f"({self.inner}){side.name}" if self.inner != self.outer else side.name
-        found = f"0{u}"
+        argument = f"({self.inner}){side.name}" if self.inner != self.outer else side.name
+        index_text = f"0{u}"
         if side.size > 2:
             count = self.writer.helper(
                 "level", COUNT_FUNCTION, INDEX=index, TYPE=self.inner, **_REACHED
             )
-            found = f"{count}(&{levels}[1], {side.size - 2}{u}, {x})"
+            index_text = f"{count}(&{levels}[1], {side.size - 2}{u}, {x})"
         t = names.new(f"t_{side.name}")
         lower, upper = f"{levels}[{i}]", f"{levels}[{i} + 1u]"
         share = self.share(x, lower, upper)
         if self.fixed:
             share = f"(((int32_t){x} - {lower}) * 32768)\n        / ((int32_t){upper} - {lower})"
         return [
-            f"const {self.inner} {x} = {clamp}({given}, {points[0]}, {points[-1]});",
-            f"const {index} {i} = {found};",
+            f"const {self.inner} {x} = {clamp}({argument}, {points[0]}, {points[-1]});",
+            f"const {index} {i} = {index_text};",
             f"const {self.wide} {t} = {share};",
         ], t, i  # fmt: skip
 
@@ -335,9 +335,9 @@ class TableRoutine:
         lines = [f"index order: {order}; the last one varies fastest"]
         lines.append(f"looked up by {core.mode}: {_MODE_WORDS[core.mode]}")
         lines.append(
-            "inputs beyond the outer levels take the value at the border (saturation)"
+            "inputs outside the levels use the value at the border (saturation)"
             if core.linear
-            else "inputs beyond the outer cells take the value of the outer cell (saturation)"
+            else "inputs outside the cells use the value of the outer cell (saturation)"
         )
         return lines + core.remarks()
 
@@ -386,7 +386,7 @@ class TableRoutine:
 
 _MODE_WORDS = {
     "bins": "an input equal to a threshold belongs to the lower cell",
-    "nearest": "the nearest level; a tie goes to the lower one",
+    "nearest": "the nearest level; ties go to the lower one",
     "linear": "interpolation between the neighbouring levels of every input",
 }
 

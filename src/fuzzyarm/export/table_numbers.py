@@ -74,8 +74,8 @@ class NumberTable:
 
     def _look_up(self, columns: Sequence[NDArray[Any]]) -> NDArray[Any]:
         grid = Grid.of(self.table.shape, self.points, self.values, self.arithmetic)
-        found = grid.interpolate(columns) if self.linear else grid.pick(columns)
-        return np.broadcast_to(found, columns[0].shape)
+        values = grid.interpolate(columns) if self.linear else grid.pick(columns)
+        return np.broadcast_to(values, columns[0].shape)
 
 
 # --- A lookup table in floating point ---
@@ -92,8 +92,8 @@ class FloatTable(NumberTable):
         """
         outside, inside, _ = self.precision
         with np.errstate(over="ignore"):
-            given = np.broadcast_arrays(*(np.asarray(x, dtype=outside) for x in inputs))
-        columns = [np.where(np.isnan(x), outside(-math.inf), x).astype(inside) for x in given]
+            arguments = np.broadcast_arrays(*(np.asarray(x, dtype=outside) for x in inputs))
+        columns = [np.where(np.isnan(x), outside(-math.inf), x).astype(inside) for x in arguments]
         return self._look_up(columns).astype(outside)
 
     def arithmetic_error(self) -> float:
@@ -105,7 +105,7 @@ class FloatTable(NumberTable):
         values = self.table.values
         if not self.linear:  # the cell is right: only the value is rounded
             return float(np.abs(values.astype(self.precision.outside) - values).max())
-        inside, outside = (float(np.finfo(each).eps) for each in self.precision[1::-1])
+        inside, outside = (float(np.finfo(real).eps) for real in self.precision[1::-1])
         largest = float(np.abs(values).max())
         error = (outside + (1.0 + 4.0 * len(self.table.axes)) * inside) * largest
         for axis, steepest in zip(self.table.axes, self._steepest(), strict=True):
@@ -132,8 +132,8 @@ class FloatTable(NumberTable):
 
     def truth(self, mesh: Sequence[NDArray[Any]]) -> NDArray[np.float64]:
         """Return the table in double precision at some inputs."""
-        given = [x.astype(np.float64) for x in mesh]
-        return np.asarray(self.table.lookup(*given, mode=self.mode))
+        quantities = [x.astype(np.float64) for x in mesh]
+        return np.asarray(self.table.lookup(*quantities, mode=self.mode))
 
     def quantity(self, result: Reals) -> NDArray[np.float64]:
         """Return what results stand for."""
@@ -155,8 +155,8 @@ def float_table(
     table: LookupTable, mode: str | None = None, precision: str = "mixed"
 ) -> FloatTable:
     """Prepare a table in floating point; refuse levels that coincide in the type."""
-    chosen = _chosen_mode(table, mode)
-    linear = chosen == "linear"
+    lookup_mode = _chosen_mode(table, mode)
+    linear = lookup_mode == "linear"
     types = precision_named(precision, arithmetic=linear)
     points = []
     for axis in table.axes:
@@ -166,23 +166,23 @@ def float_table(
             _require_distinct(levels, axis.name)
             points.append(levels)
         else:
-            edges = axis.thresholds(chosen)
+            edges = axis.thresholds(lookup_mode)
             points.append(rounded_down(edges, types.inside, f"axis '{axis.name}'"))
     what = f"the table of '{table.output}'"
     rounded(table.values, types.outside, what)
     values = rounded(table.values.ravel(), types.inside, what)
-    return FloatTable(table, chosen, tuple(points), values, types)
+    return FloatTable(table, lookup_mode, tuple(points), values, types)
 
 
 def _chosen_mode(table: LookupTable, mode: str | None) -> str:
-    chosen = table.default_mode if mode is None else mode_named(mode)
-    if chosen == "linear" and len(table.axes) > MOST_AXES:
+    lookup_mode = table.default_mode if mode is None else mode_named(mode)
+    if lookup_mode == "linear" and len(table.axes) > MOST_AXES:
         raise ExportError(
             f"the table has {len(table.axes)} inputs; interpolation is exported for at most"
             f" {MOST_AXES}",
             hint="export it with --mode nearest",
         )
-    return chosen
+    return lookup_mode
 
 
 def _require_distinct(levels: Reals, name: str) -> None:
@@ -356,9 +356,9 @@ class FixedTable(NumberTable):
             if len(axis.levels) < 2:
                 continue
             exact = [float(scale.exact(level)) for level in axis.levels]
-            moved = max(abs(a - int(b)) for a, b in zip(exact, self.points[k], strict=True))
+            shift = max(abs(a - int(b)) for a, b in zip(exact, self.points[k], strict=True))
             widths = [b - a for a, b in pairwise(exact)] + np.diff(self.points[k]).tolist()
-            share = 2.0**-SHARE_BITS + moved / min(widths)
+            share = 2.0**-SHARE_BITS + shift / min(widths)
             error += share * self._steepest()[k]
         return error * (1.0 + 1e-9)
 
@@ -379,8 +379,8 @@ class FixedTable(NumberTable):
     def truth(self, mesh: Sequence[NDArray[Any]]) -> NDArray[np.float64]:
         """Return the table in double precision at some inputs."""
         if self.linear:
-            given = [scale.quantity(x) for scale, x in zip(self.inputs, mesh, strict=True)]
-            return np.asarray(self.table.lookup(*given, mode="linear"))
+            quantities = [scale.quantity(x) for scale, x in zip(self.inputs, mesh, strict=True)]
+            return np.asarray(self.table.lookup(*quantities, mode="linear"))
         # The thresholds are whole numbers by exact arithmetic: the cell is right, and only the
         # value is rounded.
         cells = replace(self, values=np.arange(self.values.size)).evaluate(*mesh)
@@ -404,18 +404,18 @@ def fixed_table(table: LookupTable, bits: int, mode: str | None = None) -> Fixed
     """Prepare a table in Q15 or Q7; refuse levels that coincide in the format."""
     if bits not in FORMATS:
         raise ExportError(f"no fixed-point format q{bits}", hint="there are q15 and q7")
-    chosen = _chosen_mode(table, mode)
+    lookup_mode = _chosen_mode(table, mode)
     scales = tuple(
-        scale_over((axis.low, axis.high, *axis.levels, *axis.thresholds(chosen)), bits)
+        scale_over((axis.low, axis.high, *axis.levels, *axis.thresholds(lookup_mode)), bits)
         for axis in table.axes
     )
     points = tuple(
-        _points(axis, scale, chosen) for axis, scale in zip(table.axes, scales, strict=True)
+        _points(axis, scale, lookup_mode) for axis, scale in zip(table.axes, scales, strict=True)
     )
     ends = () if table.low is None or table.high is None else (table.low, table.high)
     output = scale_over((*ends, float(table.values.min()), float(table.values.max())), bits)
     values = np.array([output.nearest(x) for x in table.values.ravel().tolist()], dtype=np.int64)
-    return FixedTable(table, chosen, points, values, FORMATS[bits], scales, output)
+    return FixedTable(table, lookup_mode, points, values, FORMATS[bits], scales, output)
 
 
 def _points(axis: Axis, scale: Scale, mode: str) -> Integers:

@@ -150,8 +150,8 @@ class Walk:
     @property
     def steps(self) -> int:
         """About how many heights of sets are asked for at one point."""
-        found = STEPS_OF_AN_INTEGRAL if self.layout.program.takes_long else self.room
-        return found * max(1, len(self.layout.groups)) * (1 if has_machine_code() else 100)
+        count = STEPS_OF_AN_INTEGRAL if self.layout.program.takes_long else self.room
+        return count * max(1, len(self.layout.groups)) * (1 if has_machine_code() else 100)
 
     @property
     def flash(self) -> int:

@@ -173,14 +173,14 @@ class _InC(Translation):
             listed = self.walk.functions.norms if len(types) == 4 else self.walk.functions.curves
             parameters = [f"{self.type_name(type_)} a_{i}" for i, type_ in enumerate(types)]
             passed = ", ".join(f"a_{i}" for i in range(len(types)))
-            given = ", ".join(["int32_t number", *parameters])
-            head = f"{self._keyword} void {self._dispatchers[types]}({given})"
+            signature = ", ".join(["int32_t number", *parameters])
+            head = f"{self._keyword} void {self._dispatchers[types]}({signature})"
             lines: list[str] = []
             for number, function in listed.items():
-                made = self.function(function, types)
+                callee = self.function(function, types)
                 word = "} else if" if lines else "    if"
                 lines.append(f"{'    ' if lines else ''}{word} (number == {number}) {{")
-                lines.append(f"        {made.name}({passed});")
+                lines.append(f"        {callee.name}({passed});")
             lines += ["    } else {", "        (void)number; /* there is no other */", "    }"]
             if not listed:
                 lines = [f"    (void){name};" for name in ("number", *passed.split(", "))]
@@ -192,7 +192,9 @@ class _InC(Translation):
 
     def finish(self) -> None:
         """Write the functions into the file, behind the helpers that they use."""
-        text = "\n".join(_by_the_rules(_without_unused(each)) for each in self._finished)
+        text = "\n".join(
+            _by_the_rules(_without_unused(definition)) for definition in self._finished
+        )
         text = re.sub(r"@(\w+) (\w+)@", self._helper, text)
         self.writer.helpers.append(text)
 
@@ -205,15 +207,17 @@ class _InC(Translation):
             (parts,) = (parts for parts, name in self._tuples.items() if name == what)
             return self._constructor(Record(parts), what)
         extreme = min if sort == "min" else max
-        wanted, sign = _SIGNS[extreme]
-        return self.writer.helper(wanted, ONE_OF_TWO, TYPE=what, SIGN=sign)
+        helper, sign = _SIGNS[extreme]
+        return self.writer.helper(helper, ONE_OF_TWO, TYPE=what, SIGN=sign)
 
     def _constructor(self, type_: Record, name: str) -> str:
         kinds = [self.type_name(part) for part in type_.parts]
-        given = ", ".join(f"{kind} p_{i}" for i, kind in enumerate(kinds))
+        signature = ", ".join(f"{kind} p_{i}" for i, kind in enumerate(kinds))
         parts = [f"part[{i}]" if type_.uniform else f"part_{i}" for i in range(len(kinds))]
         sets = [f"    found.{part} = p_{i};\n" for i, part in enumerate(parts)]
-        text = f"TYPE NAME({given})\n{{\n    TYPE found;\n{''.join(sets)}    return found;\n}}\n"
+        text = (
+            f"TYPE NAME({signature})\n{{\n    TYPE found;\n{''.join(sets)}    return found;\n}}\n"
+        )
         return self.writer.helper(
             f"{name.removeprefix(self.writer.prefix).strip('_')}_of", text, TYPE=name
         )

@@ -61,8 +61,8 @@ class WalkText:
         self.room = walk.room
         ends = f"0, {len(layout.whole)}, 0, {len(layout.floats)}, 0, {walk.room}"
         heap = f"{walk.heap}, {walk.room - walk.heap}"
-        given = f"{{whole}}, {{floats}}, {{room}}, {{total}}, {{value}}, {ends}, {heap}, 0"
-        self.call = f"{{done}} := {name}({given});"
+        arguments = f"{{whole}}, {{floats}}, {{room}}, {{total}}, {{value}}, {ends}, {heap}, 0"
+        self.call = f"{{done}} := {name}({arguments});"
 
 
 def walk_in_st(walk: Walk, names: Names, wanted: str) -> WalkText:
@@ -70,10 +70,10 @@ def walk_in_st(walk: Walk, names: Names, wanted: str) -> WalkText:
     translation = _InST(walk, names, wanted)
     arrays = [Array.WHOLES, Array.CONSTANTS, Array.REALS, Array.REALS]
     try:
-        made = translation.function(walk.function, [*arrays, WHOLE])
+        function = translation.function(walk.function, [*arrays, WHOLE])
     except NotTranslatedError as error:
         raise ExportError(str(error), hint="export C, or a table") from None
-    return WalkText(translation.text().split("\n"), walk, made.name)
+    return WalkText(translation.text().split("\n"), walk, function.name)
 
 
 def _real(value: float) -> str:
@@ -148,9 +148,9 @@ class _InST(Translation):
             pairs = [f"a{i}_{part}" for i in range(len(types)) for part in ("at", "n")]
             lines = []
             for number, function in listed.items():
-                made = self.function(function, types)
+                callee = self.function(function, types)
                 passed = ", ".join([*MEMORIES.values(), *pairs])
-                lines += [f"IF number = {number} THEN", f"    done := {made.name}({passed});",
+                lines += [f"IF number = {number} THEN", f"    done := {callee.name}({passed});",
                           "END_IF;"]  # fmt: skip
             text = [
                 f"FUNCTION {name} : BOOL", *self.memories(), "END_VAR", "VAR_INPUT",
@@ -187,14 +187,14 @@ class _STFunction(_Function):
         results = [f"    part_{i} : {self.whole.type_name(part)};" for i, part in parts]
         kind = "BOOL" if self._parts() or not isinstance(self.returned, Scalar) else (
             _KINDS[self.returned])  # fmt: skip
-        given = [line for name in self.parameters for line in self._declared(name)]
+        inputs = [line for name in self.parameters for line in self._declared(name)]
         local = {n: t for n, t in self.types.items() if n not in self.parameters}
         lines = [line for name in local for line in self._declared(name)]
         lines += [f"    {name} : {kind_};" for name, kind_ in self.own.items()]
         end = [f"{self.name} := TRUE;"] if kind == "BOOL" and self.returned is not TRUTH else []
         self.text = "\n".join([
             f"FUNCTION {self.name} : {kind}", *self.whole.memories(), *results, "END_VAR",
-            "VAR_INPUT", *given, "END_VAR", "VAR", *lines, "END_VAR", "", *body, *end,
+            "VAR_INPUT", *inputs, "END_VAR", "VAR", *lines, "END_VAR", "", *body, *end,
             "END_FUNCTION", "",
         ])  # fmt: skip
 
@@ -202,11 +202,11 @@ class _STFunction(_Function):
         return self.returned.parts if isinstance(self.returned, Record) else ()
 
     def _declared(self, name: str) -> list[str]:
-        type_, own = self.types[name], self.variable(name)
+        type_, identifier = self.types[name], self.variable(name)
         if isinstance(type_, Array):
-            return [f"    {own}_at : DINT;", f"    {own}_n : DINT;"]
+            return [f"    {identifier}_at : DINT;", f"    {identifier}_n : DINT;"]
         assert isinstance(type_, Scalar), name
-        return [f"    {own} : {_KINDS[type_]};"]
+        return [f"    {identifier} : {_KINDS[type_]};"]
 
     # --- Statements ---
 
@@ -285,16 +285,16 @@ class _STFunction(_Function):
         """Return the lines that write all values of a tuple, or one value."""
         if not (isinstance(target, ast.Tuple) and isinstance(source, ast.Tuple)):
             return self.stored(target, self.value(source))
-        lines, named = [], []
+        lines, values = [], []
         for part in source.elts:
             value = self.value(part)
             if isinstance(value.type, Array):  # nothing that is assigned here moves it
-                named.append(value)
+                values.append(value)
                 continue
             name = self.temporary()
             lines.append(self.named(name, value))
-            named.append(Value(name, value.type))
-        for part, value in zip(target.elts, named, strict=True):
+            values.append(Value(name, value.type))
+        for part, value in zip(target.elts, values, strict=True):
             lines += self.stored(part, value)
         return lines
 
@@ -354,8 +354,8 @@ class _STFunction(_Function):
         """Return a name; of an array where it begins and how long it is."""
         type_ = self.types.get(node.id)
         if isinstance(type_, Array):
-            own = self.variable(node.id)
-            return Value(f"{own}_at{_SPLIT}{own}_n", type_)
+            identifier = self.variable(node.id)
+            return Value(f"{identifier}_at{_SPLIT}{identifier}_n", type_)
         return super().name_(node)
 
     def unary(self, node: ast.UnaryOp) -> Value:
@@ -438,23 +438,23 @@ class _STFunction(_Function):
         memories = list(MEMORIES.values())
         if function is call:
             types = tuple(argument.type for argument in arguments[1:])
-            given = [arguments[0].text, *(_passed(argument.text) for argument in arguments[1:])]
+            passed = [arguments[0].text, *(_passed(argument.text) for argument in arguments[1:])]
             name = self.whole.dispatcher(types)
-            return Value(f"{name}({', '.join([*memories, *given])})", Nothing.NOTHING)
-        made = self.whole.function(
+            return Value(f"{name}({', '.join([*memories, *passed])})", Nothing.NOTHING)
+        callee = self.whole.function(
             function, [argument.type for argument in arguments], self.bindings
         )
-        kinds = [made.types[name] for name in made.parameters]
-        given = [_passed(self.as_type(*pair)) for pair in zip(arguments, kinds, strict=True)]
-        if not isinstance(made.returned, Record):
-            return Value(f"{made.name}({', '.join([*memories, *given])})", made.returned)
+        kinds = [callee.types[name] for name in callee.parameters]
+        passed = [_passed(self.as_type(*pair)) for pair in zip(arguments, kinds, strict=True)]
+        if not isinstance(callee.returned, Record):
+            return Value(f"{callee.name}({', '.join([*memories, *passed])})", callee.returned)
         parts = []
-        for part in made.returned.parts:
+        for part in callee.returned.parts:
             assert isinstance(part, Scalar)
             parts.append(self.temporary())
             self.own[parts[-1]] = _KINDS[part]
-        self.before.append(f"done := {made.name}({', '.join([*memories, *parts, *given])});")
-        return Value(_SPLIT.join(parts), made.returned)
+        self.before.append(f"done := {callee.name}({', '.join([*memories, *parts, *passed])});")
+        return Value(_SPLIT.join(parts), callee.returned)
 
     def as_type(self, value: Value, type_: Type) -> str:
         """Return the text of a value as one of another type."""

@@ -105,7 +105,7 @@ def routines_of(
             )
         if mode is not None:
             raise ExportError("direct inference has no lookup mode", hint="leave out --mode")
-        names = [each.name for each in model.outputs] if output is None else [output]
+        names = [variable.name for variable in model.outputs] if output is None else [output]
         if not names:
             raise ExportError(
                 f"'{model.name}' has no outputs", hint="add a line like  output u -1 .. 1"
@@ -156,22 +156,24 @@ def export_files(
     """
     path = Path(path)
     suffix, prefix = _suffix_and_prefix(path, name, EXPORTS)
-    chosen = tuple(routines)
+    routine_list = tuple(routines)
     if suffix == ".py":
-        text, calls = python_module(chosen, path.stem)
-        return Exported(chosen, ((path, text),), tuple(calls))
+        text, calls = python_module(routine_list, path.stem)
+        return Exported(routine_list, ((path, text),), tuple(calls))
     if suffix == ".st":
-        text, blocks = structured_text(chosen, prefix)
-        return Exported(chosen, ((path, text),), tuple(blocks))
+        text, blocks = structured_text(routine_list, prefix)
+        return Exported(routine_list, ((path, text),), tuple(blocks))
     if suffix in _STRUCTURED:
-        project = routines_project(chosen, prefix)
-        return Exported(chosen, ((path, _project_text(project, suffix, xml)),), project.blocks)
+        project = routines_project(routine_list, prefix)
+        return Exported(
+            routine_list, ((path, _project_text(project, suffix, xml)),), project.blocks
+        )
     if suffix == ".h":
-        header, prototypes = c_header(chosen, prefix, path.name)
-        return Exported(chosen, ((path, header),), tuple(map(str, prototypes)))
-    header, source, prototypes = c_pair(chosen, prefix, path.stem)
+        header, prototypes = c_header(routine_list, prefix, path.name)
+        return Exported(routine_list, ((path, header),), tuple(map(str, prototypes)))
+    header, source, prototypes = c_pair(routine_list, prefix, path.stem)
     files = ((path, source), (path.with_suffix(".h"), header))
-    return Exported(chosen, files, tuple(map(str, prototypes)))
+    return Exported(routine_list, files, tuple(map(str, prototypes)))
 
 
 def write_export(
@@ -221,7 +223,7 @@ def _suffix_and_prefix(path: Path, name: str | None, known: Sequence[str]) -> tu
             hint="take another name",
         )
     if not path.name.isprintable() or any(mark in path.name for mark in '"\\'):
-        raise ExportError(f"{path.name!r} cannot stand in an #include", hint="take another name")
+        raise ExportError(f"{path.name!r} cannot be used in an #include", hint="take another name")
     if name is None:
         return suffix, identifier(path.stem)
     reserved = name in C_RESERVED or (suffix in _STRUCTURED and name.lower() in ST_RESERVED)
@@ -304,11 +306,11 @@ def export_controller(
         text, calls = python_controller(program, path.stem)
         return ExportedController(program, ((path, text),), calls)
     if suffix == ".fmu":
-        chosen = platforms_named(platforms, fmi) if platforms is not None else ()
-        unit = controller_fmu(program, prefix, fmi, chosen)
+        targets = platforms_named(platforms, fmi) if platforms is not None else ()
+        unit = controller_fmu(program, prefix, fmi, targets)
         return ExportedController(program, ((path, unit),), ())
-    files, made = controller_c(
+    files, writer = controller_c(
         program.steps, prefix, path.stem, suffix, program.tried.vectors, program.head()
     )
     listed_files = tuple((path.with_suffix(end), content) for end, content in files.items())
-    return ExportedController(program, listed_files, tuple(made.prototypes().values()))
+    return ExportedController(program, listed_files, tuple(writer.prototypes().values()))

@@ -222,23 +222,25 @@ def defuzzifier(name: str, value: Callable[..., X], **facts: Any) -> Defuzzifier
     if unknown:
         raise KindError(f"no aggregate has the argument '{unknown[0]}' of '{name}'", name)
     if not kind.symbols:
-        raise KindError(f"the value of '{name}' takes nothing of an aggregate", name)
+        raise KindError(f"the value of '{name}' uses no number of an aggregate", name)
     others = [symbol for symbol in kind.symbols if _ASPECT_OF[symbol] != kind.of]
     if others:
         both = f"{kind.symbols[0]} and {others[0]}"
-        raise KindError(f"'{name}' takes {both}, which do not go together", name)
+        raise KindError(f"'{name}' takes {both}, which cannot be combined", name)
     if kind.both and kind.of != "gravity":
-        raise KindError(f"'{name}' is no centroid, which alone is taken of both sets", name)
+        raise KindError(
+            f"'{name}' is not a centroid; only a centroid can be taken of both sets", name
+        )
     if kind.inverts and not kind.weighs:
         raise KindError(f"'{name}' inverts sets, and weighs no numbers", name)
     if kind.like and kind.like not in DEFUZZIFIERS:
         raise KindError(f"'{name}' is like '{kind.like}', which is not a defuzzifier", name)
     try:
-        used = set(symbols(kind.expression))
+        names = set(symbols(kind.expression))
     except (TypeError, AttributeError) as error:
         raise KindError(f"the value of '{name}' cannot be traced: {error}", name) from error
-    if not used <= set(kind.symbols):
-        raise KindError(f"the value of '{name}' uses '{min(used - set(kind.symbols))}'", name)
+    if not names <= set(kind.symbols):
+        raise KindError(f"the value of '{name}' uses '{min(names - set(kind.symbols))}'", name)
     return DEFUZZIFIERS.add(kind)
 
 

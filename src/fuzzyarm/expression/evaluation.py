@@ -153,10 +153,10 @@ def schedule(root: Node) -> Schedule:
     """
     order = list(postorder(root))
     last = {argument: node for node in order for argument in children(node)}
-    done: dict[Node, list[Node]] = {node: [] for node in order}
+    last_uses: dict[Node, list[Node]] = {node: [] for node in order}
     for argument, node in last.items():
-        done[node].append(argument)
-    return [(node, tuple(arguments)) for node, arguments in done.items()]
+        last_uses[node].append(argument)
+    return [(node, tuple(arguments)) for node, arguments in last_uses.items()]
 
 
 def evaluate_arrays(
@@ -194,7 +194,7 @@ def evaluate_arrays(
 
     values_of_nodes: dict[Node, Any] = {}
     with np.errstate(all="ignore"):
-        for node, done in ((node, ()) for node in postorder(root)) if order is None else order:
+        for node, last_uses in ((node, ()) for node in postorder(root)) if order is None else order:
             if isinstance(node, Apply):
                 arguments = (values_of_nodes[argument] for argument in node.arguments)
                 is_of_library = as_floats and OPERATIONS[node.operation].of_library
@@ -204,7 +204,7 @@ def evaluate_arrays(
                 values_of_nodes[node] = np.dtype(real).type(node.value)
             else:
                 values_of_nodes[node] = values[node.name]  # type: ignore[attr-defined]
-            for argument in done:
+            for argument in last_uses:
                 del values_of_nodes[argument]
     return values_of_nodes[root]
 

@@ -395,7 +395,7 @@ class _Parser:
                 return apply(operation, *parts)
 
         else:
-            raise FormulaError(f"there is no function '{word}'", self.text, position)
+            raise FormulaError(f"unknown function '{word}'", self.text, position)
         several = key in {"min", "max"} and len(arguments) > arity
         if len(arguments) != arity and not several:
             counted = "one argument" if arity == 1 else f"{arity} arguments"
@@ -490,17 +490,17 @@ class _Writer:
     def _operator(self, node: Apply) -> str:
         # Left operands by a loop, from the right end: a chain may be thousands long.
         text: list[str] = []
-        opened = 0
+        parentheses = 0
         while True:
             left, right = node.arguments
             binds = _BINDS.get(node.operation, 9)
             text.append(f" {_SIGNS[node.operation]} {self._operand(right, binds, at_right=True)}")
             if not (isinstance(left, Apply) and left.operation in _SIGNS):
                 text.append(self._operand(left, binds, at_right=False))
-                return "(" * opened + "".join(reversed(text))
+                return "(" * parentheses + "".join(reversed(text))
             if not _clear(left, binds, at_right=False):
                 text.append(")")
-                opened += 1
+                parentheses += 1
             node = left
 
     def _operand(self, node: Node, above: int, *, at_right: bool) -> str:

@@ -93,8 +93,8 @@ def row_source(root: Node, rows: Sequence[str], numbers: Sequence[str], name: st
         ``def name(rows …, numbers, into)``; it fills `into`.
     """
     lines, result = printed(root, PYTHON, taken=(*rows, *numbers))
-    used = symbols(root)
-    head = [f"{number} = numbers[{i}]" for i, number in enumerate(numbers) if number in used]
+    names = symbols(root)
+    head = [f"{number} = numbers[{i}]" for i, number in enumerate(numbers) if number in names]
     body = [*(f"{row} = {row}_row[i]" for row in rows), *lines, f"into[i] = {result}"]
     arguments = ", ".join([*(f"{row}_row" for row in rows), "numbers", "into"])
     # How many numbers there are, used or not, belongs to what the function is: its program of

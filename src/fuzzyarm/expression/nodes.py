@@ -217,19 +217,21 @@ def postorder(*roots: Node) -> Iterator[Node]:
 
     Nothing recurses here: a sum of a thousand terms is a thousand nodes deep.
     """
-    done: set[Node] = set()
+    visited: set[Node] = set()
     for root in roots:
         stack: list[tuple[Node, bool]] = [(root, False)]
         while stack:
             node, ready = stack.pop()
-            if node in done:
+            if node in visited:
                 continue
             if ready:
-                done.add(node)
+                visited.add(node)
                 yield node
             else:
                 stack.append((node, True))
-                stack += [(child, False) for child in reversed(children(node)) if child not in done]
+                stack += [
+                    (child, False) for child in reversed(children(node)) if child not in visited
+                ]
 
 
 def symbols(*roots: Node) -> tuple[str, ...]:

@@ -63,8 +63,10 @@ def program_of(
     program = array("d", [len(rows), len(numbers), len(constants), len(steps), len(roots)])
     program.extend(node.value for node in constants)
     for step in steps:
-        taken = [_value_of(argument, values) for argument in step.arguments]
-        program.extend([_CODES[step.operation], *taken, *([0] * (INSTRUCTION - 1 - len(taken)))])
+        operands = [_value_of(argument, values) for argument in step.arguments]
+        program.extend(
+            [_CODES[step.operation], *operands, *([0] * (INSTRUCTION - 1 - len(operands)))]
+        )
     program.extend(_value_of(root, values) for root in roots)
     return program
 

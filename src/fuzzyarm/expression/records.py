@@ -102,7 +102,7 @@ class Kind:
     def expression(self) -> Node:
         """The definition as an expression, traced at the first use."""
         if self.function is None:
-            raise TypeError(f"a {self.name} has no expression of its own")
+            raise TypeError(f"a {self.name} has no expression")
         return trace(self.function, self.symbols)
 
     @cached_property

@@ -207,7 +207,7 @@ class SourceKind(Kind):
     @cached_property
     def symbols(self) -> tuple[str, ...]:
         """Arguments of the update: what it remembers, :data:`ALWAYS`, then the others."""
-        functions = [each for each in (self.function, *(s.next for s in self.states)) if each]
+        functions = [update for update in (self.function, *(s.next for s in self.states)) if update]
         names = [*(state.name for state in self.states), *ALWAYS]
         names += (
             name for function in functions for name in argument_names(function) if name != VALUE
@@ -245,19 +245,19 @@ class SourceKind(Kind):
 
     def settings(self, given: Mapping[str, Setting]) -> dict[str, str | float]:
         """Return the arguments of the update that options say: numbers, or names of gains."""
-        found: dict[str, str | float] = {}
+        numbers: dict[str, str | float] = {}
         for word, kind in self.options.items():
             name, value = word.replace("-", "_"), given.get(word)
             if kind.takes == "range":
                 ends = value if isinstance(value, tuple) else EVERYTHING
-                found[f"{name}_low"], found[f"{name}_high"] = ends
+                numbers[f"{name}_low"], numbers[f"{name}_high"] = ends
             elif kind.takes == "windup":
-                found[name] = -1.0 if value == "hold" else _number(value)
+                numbers[name] = -1.0 if value == "hold" else _number(value)
             elif isinstance(value, str):
-                found[name] = value
+                numbers[name] = value
             else:
-                found[name] = _number(value)
-        return found
+                numbers[name] = _number(value)
+        return numbers
 
     def starts(self, given: Mapping[str, Setting]) -> list[float]:
         """Return its states before the first period."""
@@ -354,8 +354,8 @@ def _integral(
     gained = op.where(~op.equal(gain, 0.0), excess / gain, 0.0)
     # In less than a period nothing goes back: it would swing.
     back = x * period + gained * period / op.maximum(anti_windup, period)
-    held = op.where((anti_windup < 0.0) & (gained * x < 0.0), 0.0, x * period)
-    new = total + op.where(anti_windup > 0.0, back, held)
+    increment = op.where((anti_windup < 0.0) & (gained * x < 0.0), 0.0, x * period)
+    new = total + op.where(anti_windup > 0.0, back, increment)
     new = op.where(new > within_low, new, within_low)
     return op.where(new < within_high, new, within_high)
 
@@ -431,7 +431,7 @@ def _register() -> None:
         doc="what a port is",
         elsewhere="measurement measure actual feedback meas sensor",
     )
-    low_pass = OptionKind("time", "time constant of a first-order low-pass behind it")
+    low_pass = OptionKind("time", "time constant of a first-order low-pass after it")
     kind(
         "rate",
         _rate,

@@ -45,9 +45,9 @@ def converted(
     is_own = Path(source).suffix.lower() == ".frb"
     if is_own and target == ".frb":
         return Exported(format_text(own_text, source))
-    named = rulebase if rulebase.name.strip() else replace(rulebase, name=Path(source).stem)
+    titled = rulebase if rulebase.name.strip() else replace(rulebase, name=Path(source).stem)
     exported = write(
-        in_tables(named) if target == ".frb" else named,
+        in_tables(titled) if target == ".frb" else titled,
         target,
         producer=producer,
         lossy=lossy,
@@ -57,8 +57,8 @@ def converted(
     if not comments:
         return exported
     message = f"{comments} comment{'' if comments == 1 else 's'} left out"
-    lost = Diagnostic("dropped-comments", message, severity=Severity.INFO)
-    return replace(exported, diagnostics=(lost, *exported.diagnostics))
+    loss = Diagnostic("dropped-comments", message, severity=Severity.INFO)
+    return replace(exported, diagnostics=(loss, *exported.diagnostics))
 
 
 def findings_of(imported: Imported, exported: Exported | None, source: str) -> list[Diagnostic]:

@@ -86,7 +86,7 @@ def _refuse_unknown_names(rulebase: RuleBase, findings: Findings) -> None:
     """Report formulas of values that name no variable, and of sets that name one."""
     records = [(output, output.defuzzifier.record) for output in rulebase.outputs]
     values = [output for output, record in records if record.weighs and not record.inverts]
-    names_there = {each.name for each in (*rulebase.inputs, *rulebase.outputs)}
+    names_there = {declaration.name for declaration in (*rulebase.inputs, *rulebase.outputs)}
     for variable in (*rulebase.inputs, *values):
         is_set = isinstance(variable, Input)
         for term in variable.terms:
@@ -123,20 +123,24 @@ def _refuse_circles(rulebase: RuleBase, dialect: Dialect, findings: Findings) ->
     late: list[str] = []
     for index, block in enumerate(rulebase.blocks):
         for rule in block.rules:
-            used = {part.variable for part in propositions(rule.antecedent)} & outputs.keys()
+            dependencies = {
+                part.variable for part in propositions(rule.antecedent)
+            } & outputs.keys()
             for name, term in [(c.variable, c.term) for c in rule.consequents]:
                 names_here = formulas.get((name, term), set())
                 late += [other for other in names_here if outputs[other] >= outputs[name]]
-                late += [other for other in used | names_here if last.get(other, -1) > index]
-                waits.setdefault(name, set()).update(used, names_here)
-                reader |= dict.fromkeys(used | names_here, rule)
+                late += [
+                    other for other in dependencies | names_here if last.get(other, -1) > index
+                ]
+                waits.setdefault(name, set()).update(dependencies, names_here)
+                reader |= dict.fromkeys(dependencies | names_here, rule)
     try:
         TopologicalSorter(waits).prepare()
     except CycleError as error:
         late += error.args[1]
     if late:
         message = (
-            f"'{late[0]}' is asked for before all rules that conclude it; {dialect.program} takes "
+            f"'{late[0]}' is used before all rules that conclude it; {dialect.program} takes "
             "its last value, which the model does not have"
         )
         findings.error("chained-output", message, reader[late[0]].span)

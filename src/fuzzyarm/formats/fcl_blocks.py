@@ -77,8 +77,8 @@ class FunctionBlock(SystemReader):
         """Return the norms that a block names, by AND, OR, ACT and ACCU."""
         norms: dict[str, str] = {}
         for key, word in text.norms:
-            read = self.tnorm if key in ("AND", "ACT") else self.snorm
-            norm = read(word, f"the norm for {key}")
+            reader = self.tnorm if key in ("AND", "ACT") else self.snorm
+            norm = reader(word, f"the norm for {key}")
             if norm is None:
                 continue
             if not self.own and key in ("AND", "OR"):
@@ -196,14 +196,14 @@ def _settle_edges(draft: Draft, findings: Findings) -> None:
         if not any(_edges(term.shape)):
             continue
         samples = samples or _samples(draft.low, draft.high, count)
-        moved = _moved(term.shape, samples, draft.low, draft.high)
-        if moved != term.shape:
+        shape = _moved(term.shape, samples, draft.low, draft.high)
+        if shape != term.shape:
             message = (
-                f"an edge of '{term.name}' stands on a sample that jFuzzyLogic takes right "
-                "beside it; it is moved by the smallest step there is"
+                f"an edge of '{term.name}' is on a sample that jFuzzyLogic takes right beside "
+                "it; it is moved by the smallest possible step"
             )
             findings.info("edge-on-sample", message, term.span)
-            draft.put(index, Term(term.name, moved, term.span))
+            draft.put(index, Term(term.name, shape, term.span))
 
 
 def _samples(low: float, high: float, count: int) -> list[tuple[float, float]]:

@@ -127,18 +127,18 @@ class _Reader:
     def _chosen(self, wanted: str | None) -> FunctionBlock | None:
         if not self.blocks:
             if not self.findings.failed:
-                self.findings.error("no-engine", "there is no FUNCTION_BLOCK in this file")
+                self.findings.error("no-engine", "this file has no FUNCTION_BLOCK")
             return None
         names = [block.word.text for block in self.blocks]
         if wanted is not None and wanted not in names:
             self.findings.unknown("unknown-block", "the function block", Word(wanted), names)
             return None
-        chosen = self.blocks[names.index(wanted) if wanted is not None else 0]
+        selection = self.blocks[names.index(wanted) if wanted is not None else 0]
         for other in self.blocks:
-            if other is not chosen:
+            if other is not selection:
                 message = f"the function block '{other.word.text}' is left out"
                 self.findings.warn("several-blocks", message, other.word)
-        return chosen
+        return selection
 
     def _section(self) -> None:
         cursor = self.cursor
@@ -177,7 +177,7 @@ class _Reader:
             return
         while not self.cursor.ended and self.cursor.key() != "FUNCTION_BLOCK":
             self.cursor.take()
-        message = "the text behind END_FUNCTION_BLOCK is left out"
+        message = "the text after END_FUNCTION_BLOCK is ignored"
         self.findings.warn("trailing-text", message, first)
 
     def _inner(self, key: str) -> None:

@@ -43,7 +43,7 @@ __all__ = ["ScikitBlock", "universe"]
 
 MEAN_OF_POINTS = (
     "scikit-fuzzy takes the mean of the points that are greatest, and of the cuts between them; "
-    "here it is the middle of where the set is greatest"
+    "here it is the middle of the maximum"
 )
 
 MAX_POINTS = 1_000_000
@@ -101,7 +101,7 @@ class ScikitBlock(FunctionBlock):
 
     def _norms(self, text: BlockText) -> dict[str, str]:
         """Return the norms of a block; of a pair of which one is named the other is its dual."""
-        named: dict[str, str] = {}
+        norms: dict[str, str] = {}
         for key, word in text.norms:
             kinds = TNORMS if key in ("AND", "ACT") else SNORMS
             table = words(kinds, "fcl") | {k: n for k, n in _NAMES.items() if n in kinds}
@@ -114,12 +114,12 @@ class ScikitBlock(FunctionBlock):
                 message = "ACCU of a rule block is left out; that of an output counts"
                 self.findings.warn("unsupported-norm", message, word)
             else:
-                named[key] = norm
-        if "AND" in named and "OR" not in named:
-            named["OR"] = TNORMS[named["AND"]].dual
-        elif "OR" in named and "AND" not in named:
-            named["AND"] = SNORMS[named["OR"]].dual
-        return {key: norm for key, norm in named.items() if key in ("AND", "OR")}
+                norms[key] = norm
+        if "AND" in norms and "OR" not in norms:
+            norms["OR"] = TNORMS[norms["AND"]].dual
+        elif "OR" in norms and "AND" not in norms:
+            norms["AND"] = SNORMS[norms["OR"]].dual
+        return {key: norm for key, norm in norms.items() if key in ("AND", "OR")}
 
     def _accumulate(self, rules: list[RuleText], accumulation: str | None) -> None:
         """Leave the aggregation to the outputs."""
@@ -186,8 +186,8 @@ class ScikitBlock(FunctionBlock):
     def _hedged(self, expression: Expression) -> Expression:
         match expression:
             case Is(variable=variable, term=name, hedges=hedges):
-                term, left = self._hedged_term(variable, name, hedges)
-                return replace(expression, term=term, hedges=left)
+                term, remaining = self._hedged_term(variable, name, hedges)
+                return replace(expression, term=term, hedges=remaining)
             case Hedged(operand=operand):
                 return replace(expression, operand=self._hedged(operand))
             case And(operands=operands) | Or(operands=operands):

@@ -199,7 +199,7 @@ def _spellings(dialect: Dialect) -> dict[str, Spelling]:
     spellings["SINGLETON"] = Spelling("singleton", "singleton", (0,))
     for word in ("LEFTGAUSSIAN", "RIGHTGAUSSIAN"):
         spellings[word] = Spelling("gaussian", word.lower(), (0, 1))
-    return {word: each for word, each in spellings.items() if word not in _NOT_OF_SCIKIT}
+    return {word: entry for word, entry in spellings.items() if word not in _NOT_OF_SCIKIT}
 
 
 _NOT_OF_SCIKIT = frozenset({"LINEAR", "FUNCTION", "CONSTANT", "DISCRETE", "BINARY", "ARC", "DSIGM"})
@@ -222,9 +222,7 @@ def read_shape(cursor: Cursor, dialect: Dialect, inputs: int, findings: Findings
     if not cursor.ended and word.text[0] in ".0123456789":
         cursor.number()
     if cursor.ended or key in (";", *KEYWORDS):
-        raise FaultError(
-            "the term has no membership function: nothing stands behind its ':='", word
-        )
+        raise FaultError("the term has no membership function after ':='", word)
     if not word.text[0].isalpha():
         raise FaultError(f"a membership function is expected here, not '{word.text[:40]}'", word)
     cursor.take()
@@ -256,9 +254,9 @@ def _shape(
         if reason:
             findings.error("unordered-corners", reason, word)
             return None
-        own = own_shape(key, values)
-        if own is not None:
-            return own
+        user_shape = own_shape(key, values)
+        if user_shape is not None:
+            return user_shape
     if key == "COSINE" and dialect.producer == "jfuzzylogic":  # half width, then centre
         values = [values[1], 2.0 * values[0]] if len(values) == 2 else values
         return make_shape("cosine", values, word, findings)
@@ -270,7 +268,7 @@ def _shape(
     shape = spelled_shape(spelling, values, inputs, word, findings, program)
     if key == "DSIGM" and shape is not None and is_cut(shape):
         message = (
-            "jFuzzyLogic takes 0 where the difference of the sigmoids is negative, the model "
+            "jFuzzyLogic uses 0 where the difference of the sigmoids is negative, the model "
             "its magnitude"
         )
         findings.loss("negative-difference", message, word, slight=True)

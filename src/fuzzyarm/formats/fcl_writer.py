@@ -195,11 +195,11 @@ class _Writer(SystemWriter):
             message = f"jFuzzyLogic has no implication {block.implication}"
             self.findings.loss("unsupported-norm", message)
         concluded = {c.variable for rule in block.rules for c in rule.consequents}
-        used = [o.aggregation for o in self.rulebase.outputs if o.name in concluded]
-        if len(set(used)) > 1:
+        aggregations = [o.aggregation for o in self.rulebase.outputs if o.name in concluded]
+        if len(set(aggregations)) > 1:
             message = "jFuzzyLogic has one accumulation for all outputs of a block"
             self.findings.loss("one-for-all", message)
-        aggregation = used[0] if used else "max"
+        aggregation = aggregations[0] if aggregations else "max"
         if aggregation not in JFUZZYLOGIC_ACCUMULATIONS:
             message = f"jFuzzyLogic has no accumulation {aggregation}"
             self.findings.loss("unsupported-norm", message)
@@ -278,9 +278,13 @@ _COMPARISONS = {"less": "lt", "less_equal": "le", "equal": "eq"}
 
 def _missing_functions(root: Node, dialect: Dialect) -> list[str]:
     """Return the functions of a formula that the program lacks, by their names here."""
-    used = dict.fromkeys(node.operation for node in postorder(root) if isinstance(node, Apply))
+    operations = dict.fromkeys(
+        node.operation for node in postorder(root) if isinstance(node, Apply)
+    )
     missing = [
-        function for function in used if function not in _OPERATORS | dialect.formula.words.keys()
+        function
+        for function in operations
+        if function not in _OPERATORS | dialect.formula.words.keys()
     ]
     return [(FRB.words | _COMPARISONS)[operation] for operation in missing]
 

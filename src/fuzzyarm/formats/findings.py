@@ -41,7 +41,7 @@ MAX_LISTED = 12
 MAX_VARIABLES = 200
 MAX_RULES = 10_000
 
-LOSSY_HINT = "--lossy goes on regardless"
+LOSSY_HINT = "--lossy continues anyway"
 
 
 class FormatError(FuzzyarmError, ValueError):

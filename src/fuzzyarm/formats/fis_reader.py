@@ -159,7 +159,7 @@ class _Reader(SystemReader):
         key = (section.kind, section.number)
         if key in self.seen:
             message = (
-                f"the section [{section.kind.capitalize()}{section.number or ''}] stands twice"
+                f"the section [{section.kind.capitalize()}{section.number or ''}] appears twice"
             )
             self.findings.error("duplicate-section", message, section.span)
             return
@@ -199,7 +199,9 @@ class _Reader(SystemReader):
             return True
         if name.endswith("type2") and name[:3] in ("mam", "sug"):
             self.is_type2 = True
-            message = "how MATLAB writes systems of type 2 is not published; read by what is known"
+            message = (
+                "the format of MATLAB's type-2 systems is not published; this reading is a guess"
+            )
             self.findings.warn("guessed-type-2", message, word)
             return True
         self.findings.unknown("unknown-type", "the type of system", word, _TYPES)
@@ -282,14 +284,14 @@ class _Reader(SystemReader):
         draft = Draft(Word("", section.span), is_output)
         if not is_output:
             draft.outside = self.dialect.outside
-        taken: dict[int, str] = {}
+        names_by_index: dict[int, str] = {}
         memberships: list[tuple[int, Word]] = []
         lower: dict[int, Word] = {}
-        declared: list[Word] = []
+        counts: list[Word] = []
         for key, value in self._settings(section):
             below = LOWER_KEY.match(key.text)
             if key.text.lower() == "nummfs":
-                declared.append(value)
+                counts.append(value)
             elif below:
                 lower[int(below.group(1))] = value
             else:
@@ -300,29 +302,29 @@ class _Reader(SystemReader):
         for index, value in memberships:
             # Behind the numbers of an upper and a lower function may stand a height.
             dialect = FIS["fuzzylite"] if index in lower else self.dialect
-            self._term(draft, index, value, taken, names, inputs, dialect)
+            self._term(draft, index, value, names_by_index, names, inputs, dialect)
             if index in lower:
                 self._lower(draft, lower.pop(index), inputs)
         for word in lower.values():
             message = "a lower membership function needs an upper one of the same number"
             self.findings.error("syntax", message, word)
-        for word in declared[-1:]:
+        for word in counts[-1:]:
             self._check_count(word, len(memberships), "terms")
-        self.terms[draft.name] = taken
+        self.terms[draft.name] = names_by_index
         self.variables[draft.name] = draft
 
     def _numbered(
         self, draft: Draft, memberships: list[tuple[int, Word]], lower: Mapping[int, Word]
     ) -> list[tuple[int, Word]]:
-        """Count terms as they stand where a number is there twice: programs take them in order."""
+        """Renumber terms in their order if a number appears twice, as the programs do."""
         numbers = [number for number, _ in memberships]
         twice = next((n for i, n in enumerate(numbers) if n in numbers[:i]), None)
         if twice is None or lower:
             return memberships
         at = memberships[numbers.index(twice, numbers.index(twice) + 1)][1]
         message = (
-            f"'{draft.name}' has two functions with the number {twice}; its terms are counted as "
-            f"they stand, 1 to {len(numbers)}"
+            f"'{draft.name}' has two functions with the number {twice}; its terms are "
+            f"numbered in their order, 1 to {len(numbers)}"
         )
         self.findings.warn("duplicate-index", message, at)
         return [(index, value) for index, (_, value) in enumerate(memberships, 1)]
@@ -543,7 +545,7 @@ class _Reader(SystemReader):
             ("numrules", len(self.rules), "rules"),
         )
         if not systems:
-            self.findings.error("no-engine", "there is no section [System] in this file")
+            self.findings.error("no-engine", "this file has no section [System]")
             return
         for key, counted, what in counts:
             word = self.settings.get(key)
@@ -555,18 +557,18 @@ class _Reader(SystemReader):
             what = "input" if not self.inputs else "output"
             self.findings.error("no-engine", f"there is no {what} in this file", system)
         elif ("rules", 0) not in self.seen:
-            self.findings.error("no-rules", "there is no section [Rules] in this file", system)
+            self.findings.error("no-rules", "this file has no section [Rules]", system)
         elif ends == [True, False]:
             message = "the last rule lacks the ending of the others: the file is cut off"
             self.findings.error("syntax", message, self.rules.pop())
 
     def _check_count(self, word: Word, counted: int, what: str) -> bool:
         """Compare a count with what the file has; return whether nothing is missing."""
-        declared = number(word.text)
-        if declared == counted:
+        count = number(word.text)
+        if count == counted:
             return True
         message = f"the file says {word.text[:20]} {what}, but there are {counted}"
-        if declared is not None and declared < counted:
+        if count is not None and count < counted:
             self.findings.warn("wrong-count", f"{message}, which are all read", word)
             return True
         # Rules that are whole up to the last one are there; nothing else tells of more.

@@ -83,7 +83,7 @@ def sections(text: str, findings: Findings) -> list[Section]:
         elif sections_:
             sections_[-1].lines.append(line)
         elif not findings.failed:  # of many such lines the first
-            message = f"'{line.text[:40]}' stands before any section"
+            message = f"'{line.text[:40]}' is before any section"
             findings.error("syntax", message, line)
         if line.text in comments.glued:
             comments.glued.remove(line.text)
@@ -280,8 +280,8 @@ _VERY_VERY = (0.4, (Hedge("very"), Hedge("very")))
 def fractions(dialect: Dialect) -> dict[float, tuple[Hedge, ...]]:
     """Return the hedges that fractions of an index stand for, but for powers."""
     key = "fis" if dialect.producer == "fuzzylite" else "octave"
-    named = words(HEDGES, key).items()
-    return {float(word): (Hedge(name),) for word, name in named} | dict([_VERY_VERY])
+    pairs = words(HEDGES, key).items()
+    return {float(word): (Hedge(name),) for word, name in pairs} | dict([_VERY_VERY])
 
 
 def hedges_of(fraction: float, dialect: Dialect) -> tuple[Hedge, ...] | None:

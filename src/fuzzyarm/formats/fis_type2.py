@@ -83,5 +83,5 @@ def note_toolbox(block: Block, settings: Mapping[str, Word], findings: Findings)
     block.conjunction = "product"
     for text in block.rules:
         if any(NOT in part.hedges for part in propositions(text.antecedent)):
-            message = "the toolbox divides by a degree with a minus sign, which cannot be carried"
+            message = "the toolbox divides by a degree with a minus sign, which cannot be converted"
             findings.loss("unsupported-hedge", message, text.span)

@@ -52,7 +52,7 @@ def write_fis(
         The text, if there is no error, and every finding.
     """
     producers = (producer,) if producer is not None else tuple(FIS)
-    dialects = [FIS[each] for each in producers]
+    dialects = [FIS[program] for program in producers]
     return likeliest(
         [_Writer(rulebase, dialect, lossy=lossy, strict=strict).export() for dialect in dialects]
     )
@@ -72,7 +72,7 @@ class _Writer(SystemWriter):
             for index, term in enumerate(variable.terms, 1)
         }
         if sum(bool(block.rules) for block in rulebase.blocks) > 1:
-            self.findings.info("dropped-blocks", "the rules of all blocks stand in one list")
+            self.findings.info("dropped-blocks", "the rules of all blocks are put in one list")
         self.rules = [self._rules(block) for block in rulebase.blocks]
 
     def head(self) -> list[str]:
@@ -274,7 +274,7 @@ class _Writer(SystemWriter):
         if len(propositions) != len(parts) or len(set(order)) != len(order):
             return None
         if order != sorted(order) and len(order) > 2:
-            message = "the conditions of a rule stand in the order of the inputs"
+            message = "the conditions of a rule are put in the order of the inputs"
             self.findings.info("reordered-conditions", message)
         return propositions
 
@@ -330,16 +330,16 @@ def _fraction_of(hedges: tuple[Hedge, ...], dialect: Dialect) -> float | None:
     """Return the fraction that says `hedges`, or None."""
     if not hedges:
         return 0.0
-    for fraction, meant in fractions(dialect).items():
-        if meant == hedges:
+    for fraction, hedges_there in fractions(dialect).items():
+        if hedges_there == hedges:
             return fraction
     if dialect.producer == "fuzzylite" or len(hedges) != 1 or hedges[0].name not in POWERS:
         return None
     fraction = round(_exponent(hedges[0]) / 10.0, 6)
     if not 0.0 < fraction < 1.0:
         return None
-    read = hedges_of(fraction, dialect) or ()
-    return fraction if len(read) == 1 and _exponent(read[0]) == _exponent(hedges[0]) else None
+    reading = hedges_of(fraction, dialect) or ()
+    return fraction if len(reading) == 1 and _exponent(reading[0]) == _exponent(hedges[0]) else None
 
 
 def _exponent(hedge: Hedge) -> float:

@@ -176,7 +176,7 @@ class _Reader(SystemReader):
             else:
                 self._setting(line)
         if not self.outputs and not self.findings.failed:
-            self.findings.error("no-engine", "there is no output in this file")
+            self.findings.error("no-engine", "this file has no output")
         for draft, line in self.terms:
             self._term(draft, line)
         self.settle()
@@ -210,7 +210,7 @@ class _Reader(SystemReader):
     def _setting(self, line: _Line) -> None:
         key = line.key.text
         if not self.section:
-            self.findings.error("syntax", f"'{key[:40]}' stands before any section", line.key)
+            self.findings.error("syntax", f"'{key[:40]}' is before any section", line.key)
         elif self.section == "Engine":
             if key == "description":
                 self.description = line.value.text

@@ -211,9 +211,9 @@ class _Reader(SystemReader):
         self._refuse_others(knowledge, VARIABLES)
         self._refuse_others(self.root.children, ("knowledgeBase", *RULE_BASES))
         # A linear consequent needs to know how many inputs there are.
-        elements = [each for each in knowledge if each.tag.text in VARIABLES]
-        named = {each.get("name").text for each in elements if not _is_output(each)}
-        inputs = len(named - {""})
+        elements = [child for child in knowledge if child.tag.text in VARIABLES]
+        input_names = {child.get("name").text for child in elements if not _is_output(child)}
+        inputs = len(input_names - {""})
         for element in elements:
             self._variable(element, inputs)
         self.settle()
@@ -224,9 +224,9 @@ class _Reader(SystemReader):
             for block in self._blocks(element, RULE_BASES[element.tag.text])
         ]
         if not self.outputs:
-            self.findings.error("no-engine", "there is no output in this file", self.root.tag)
+            self.findings.error("no-engine", "this file has no output", self.root.tag)
         elif not blocks and not self.findings.failed:
-            self.findings.error("no-rules", "there is no rule base in this file", self.root.tag)
+            self.findings.error("no-rules", "this file has no rule base", self.root.tag)
         return self.rulebase(self.root.get("name").text, self.in_model(blocks))
 
     def _estimate_ranges(self) -> None:
@@ -357,7 +357,7 @@ class _Reader(SystemReader):
         term = draft.term(word.text)
         if term is None:
             if word.text not in draft.refused:
-                names = [each.name for each in draft.terms]
+                names = [declared_term.name for declared_term in draft.terms]
                 self.findings.no_term(draft.name, word, names)
             return None
         parts.append(term.shape)
@@ -535,7 +535,7 @@ class _Reader(SystemReader):
         for half in rule.child(consequent).all(then, other):
             hedges = () if half.tag.text == then else (NOT,)
             if hedged_weight(weight, hedges) is None:
-                message = "an else beside a weight cannot be carried"
+                message = "an else with a weight cannot be converted"
                 self.findings.loss("hedged-weight", message, half.tag)
             conclusions = self._conclusions(half, clause)
             yield RuleText(around(hedges, antecedent), conclusions, weight, rule.tag.span)
@@ -583,7 +583,7 @@ class _Reader(SystemReader):
                     "undefined-variable", "the variable", variable, self.variables
                 )
             elif draft.term(term.text) is None and term.text not in draft.refused:
-                names = [each.name for each in draft.terms]
+                names = [declared_term.name for declared_term in draft.terms]
                 self.findings.no_term(draft.name, term, names)
             hedges = self._hedges(clause.get("modifier"))
             if (variable.text, term.text) in self.complements:
@@ -593,8 +593,8 @@ class _Reader(SystemReader):
     def _hedges(self, word: Word) -> tuple[Hedge, ...]:
         if not word.text:
             return ()
-        named = {key: (Hedge(name),) for key, name in words(HEDGES, FML.kinds).items()}
-        hedges = named | MODIFIERS
+        plain_hedges = {key: (Hedge(name),) for key, name in words(HEDGES, FML.kinds).items()}
+        hedges = plain_hedges | MODIFIERS
         if word.text not in hedges:
             message = f"the modifier '{word.text[:40]}' is not supported"
             self.findings.loss("unsupported-hedge", message, word)

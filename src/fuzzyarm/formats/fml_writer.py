@@ -83,8 +83,10 @@ class _Writer(SystemWriter):
 
     def settle_names(self) -> None:
         self.kinds = {output.name: self._kind(output) for output in self.rulebase.outputs}
-        named = {word: (Hedge(name),) for word, name in words(HEDGES, FML.kinds).items()}
-        self.modifiers = {hedges: word for word, hedges in (*MODIFIERS.items(), *named.items())}
+        plain_hedges = {word: (Hedge(name),) for word, name in words(HEDGES, FML.kinds).items()}
+        self.modifiers = {
+            hedges: word for word, hedges in (*MODIFIERS.items(), *plain_hedges.items())
+        }
         variables: set[str] = set()
         for variable in (*self.rulebase.inputs, *self.rulebase.outputs):
             name = unique_name(self._text(variable.name), variables)
@@ -261,8 +263,8 @@ class _Writer(SystemWriter):
             self.findings.loss("unsupported-hedge", message, rule.span)
         variable = escape(self.names.variable(part.variable))
         term = escape(self.names.term(part.variable, part.term))
-        named = f"<variable>{variable}</variable><term>{term}</term>"
-        return f"<{tag}{_attributes(modifier=modifier or '')}>{named}</{tag}>"
+        content = f"<variable>{variable}</variable><term>{term}</term>"
+        return f"<{tag}{_attributes(modifier=modifier or '')}>{content}</{tag}>"
 
 
 def _attributes(**values: str) -> str:

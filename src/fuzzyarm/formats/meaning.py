@@ -112,11 +112,11 @@ def _concluded(blocks: list[Block]) -> frozenset[str]:
 
 
 def _note_outputs(text: RuleText, variables: dict[str, Draft], findings: Findings) -> None:
-    for used in sorted({part.variable for part in propositions(text.antecedent)}):
-        if used in variables and variables[used].is_output:
+    for variable in sorted({part.variable for part in propositions(text.antecedent)}):
+        if variable in variables and variables[variable].is_output:
             message = (
-                f"'{used}' is an output; jFuzzyLogic takes the value it had before the "
-                "rules, which cannot be carried"
+                f"'{variable}' is an output; jFuzzyLogic takes the value it had before the "
+                "rules, which cannot be converted"
             )
             findings.loss("chained-output", message, text.span)
 
@@ -138,11 +138,11 @@ def _rules_of_values(
     for consequent in rule.consequents:
         is_value = drafts[consequent.variable].defuzzifier.record.weighs
         is_octave = dialect.producer == "octave"
-        named = same_value(consequent, drafts) if is_octave else consequent
-        (hedged_ones if is_value and named.hedges else plain).append(named)
-        if not is_octave and hedged_ones and hedged_ones[-1] is named:
+        conclusion = same_value(consequent, drafts) if is_octave else consequent
+        (hedged_ones if is_value and conclusion.hedges else plain).append(conclusion)
+        if not is_octave and hedged_ones and hedged_ones[-1] is conclusion:
             message = (
-                f"the hedge on the value '{named.term}' is read as Octave and fuzzylite do "
+                f"the hedge on the value '{conclusion.term}' is read as Octave and fuzzylite do "
                 "(not: 1 minus the firing strength); some releases of MATLAB ignore it"
             )
             findings.warn("hedged-value", message, consequent.span)
@@ -220,9 +220,9 @@ class _Activations:
         return any(self.variables[name].is_output for name in names & self.variables.keys())
 
     def _need_norms(self, text: RuleText, block: Block) -> None:
-        used = set(map(type, _parts(text.antecedent)))
+        connectives = set(map(type, _parts(text.antecedent)))
         for kind, norm, key in ((And, block.conjunction, "and"), (Or, block.disjunction, "or")):
-            if kind in used and norm is None:
+            if kind in connectives and norm is None:
                 message = f"the rule says '{key}' but its block names no norm for it"
                 self.findings.error("missing-norm", message, text.span)
         if self.findings.failed:  # maybe a norm that is misspelt
@@ -325,7 +325,7 @@ class _Activations:
             apply_hedges(part.hedges, degree(draft.low + width * i / _SAMPLES))
             for i in range(_SAMPLES + 1)
         ]
-        return sum(0.0 < each <= threshold for each in degrees) / _SAMPLES
+        return sum(0.0 < membership <= threshold for membership in degrees) / _SAMPLES
 
     def _expanded(self, expression: Expression, span: Span, block: Block) -> Expression:
         expanded = self._put_in(expression, block)
@@ -380,14 +380,14 @@ class _Activations:
         if reason:
             message = (
                 f"fuzzylite takes the activation of '{output.name} is {proposition.term}' so "
-                f"far, which cannot be carried here: {reason}"
+                f"far, which cannot be converted here: {reason}"
             )
             self.findings.loss("chained-output", message, proposition.span)
         antecedents = tuple(rule.antecedent for rule, _ in fired)
         if not reason:
             message = (
                 f"'{output.name} is {proposition.term}' means its activation to fuzzylite; "
-                "the conditions that lead to it are put in its place"
+                "the conditions that lead to it are substituted"
             )
             self.findings.info("activation-put-in", message, proposition.span)
         return antecedents[0] if len(antecedents) == 1 else Or(antecedents)

@@ -438,8 +438,8 @@ def _bell_slope(samples: _Samples, side: int) -> float | None:
     inside = samples.steep(side)
     if len(inside) < 3:
         return None
-    chosen = (inside[0], inside[len(inside) // 2], inside[-1])
-    (x0, x1, x2), ys = ([samples.xs[i] for i in chosen], [samples.ys[i] for i in chosen])
+    indices = (inside[0], inside[len(inside) // 2], inside[-1])
+    (x0, x1, x2), ys = ([samples.xs[i] for i in indices], [samples.ys[i] for i in indices])
     if ys[0] == ys[2]:  # a level stretch: a bell has none
         return None
 
@@ -471,10 +471,10 @@ def _settled(
         nearest if not _is_plain(number) and abs(nearest - number) <= scale else number
         for number, nearest in zip(plain, (_nearest(xs, number) for number in plain), strict=True)
     )
-    for tried in dict.fromkeys((at_points, plain, numbers)):
-        if SHAPES[kind].fault(tried) is not None or not all(map(math.isfinite, tried)):
+    for parameters in dict.fromkeys((at_points, plain, numbers)):
+        if SHAPES[kind].fault(parameters) is not None or not all(map(math.isfinite, parameters)):
             continue
-        shape = Shape(kind, tried, _rounded(height))
+        shape = Shape(kind, parameters, _rounded(height))
         if _has(shape, xs, ys):
             return shape
     return None

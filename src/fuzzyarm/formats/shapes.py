@@ -175,8 +175,8 @@ def _checked(
     if kind in _EITHER_WAY:
         parameters = sorted(parameters)
     if kind in _SQUARED:  # a deviation is only ever squared
-        named = zip(shape.parameters, parameters, strict=True)
-        parameters = [abs(value) if name in shape.positive else value for name, value in named]
+        pairs = zip(shape.parameters, parameters, strict=True)
+        parameters = [abs(value) if name in shape.positive else value for name, value in pairs]
     misfits = {misfit.why: misfit for misfit in reversed(list(shape.misfits(parameters)))}
     if "order" in misfits:
         names = " <= ".join(shape.symbols[1:])

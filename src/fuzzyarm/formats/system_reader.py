@@ -215,7 +215,7 @@ class SystemReader:
         if self.dialect.activates:
             message = (
                 f"'{draft.name}' has sets where values are needed; fuzzylite takes the membership "
-                "of the firing strength, which cannot be carried"
+                "of the firing strength, which cannot be converted"
             )
             self.findings.loss("set-as-value", message, at)
         else:
@@ -261,16 +261,16 @@ class SystemReader:
         if draft.no_rule == "hold" or not _is_nan(draft.no_rule):
             what = "holds" if draft.no_rule == "hold" else "has a default"
             message = (
-                f"'{draft.name}' {what}, but the maximum of nothing is {value:g} to fuzzylite 7, "
-                "which takes that; version 6 does as the file says"
+                f"'{draft.name}' {what}, but the maximum of an empty set is {value:g} in fuzzylite "
+                "7, which is used here; version 6 follows the file"
             )
             self.findings.loss("maximum-of-nothing", message, at, slight=True)
         draft.no_rule = value
 
     def implication(self) -> str | None:
         """Return the implication of all blocks that are on, if it is the same."""
-        named = {block.implication for block in self.blocks if block.enabled}
-        return named.pop() if len(named) == 1 else None
+        implications = {block.implication for block in self.blocks if block.enabled}
+        return implications.pop() if len(implications) == 1 else None
 
     # --- Rules, and the whole ---
 

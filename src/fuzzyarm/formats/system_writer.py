@@ -405,8 +405,8 @@ def note_chaining(rulebase: RuleBase, findings: Findings, program: str, *, own: 
             last |= {consequent.variable: (number, index) for consequent in rule.consequents}
     for number, block in enumerate(rulebase.blocks):
         for index, rule in enumerate(block.rules):
-            used = {part.variable for part in propositions(rule.antecedent)}
-            for name in sorted(used & outputs):
+            names = {part.variable for part in propositions(rule.antecedent)}
+            for name in sorted(names & outputs):
                 writer = last.get(name, (number, -1))
                 if own and writer[0] == number and writer[1] < index:
                     continue

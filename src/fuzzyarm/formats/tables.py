@@ -40,8 +40,8 @@ def in_tables(rulebase: RuleBase) -> RuleBase:
 
 
 def _ordered(block: RuleBlock, order: _Order, outputs: set[str]) -> RuleBlock:
-    read = {part.variable for rule in block.rules for part in propositions(rule.antecedent)}
-    if read & outputs:
+    names = {part.variable for rule in block.rules for part in propositions(rule.antecedent)}
+    if names & outputs:
         return block  # which rules come first may matter
     tables: dict[_Key, dict[frozenset[tuple[str, str]], Rule]] = {}
     pieces: list[_Key | Rule] = []  # in the order of the text, a table where its first rule stood
@@ -81,8 +81,8 @@ def _key(rule: Rule, block: RuleBlock) -> _Key | None:
 
 def _table(rules: list[Rule], order: _Order) -> list[Rule]:
     """Return rules over the same inputs in the order of tables; what fills none comes last."""
-    used = {(p.variable, p.term) for rule in rules for p in propositions(rule.antecedent)}
-    counts = Counter(variable for variable, _ in used)
+    terms = {(p.variable, p.term) for rule in rules for p in propositions(rule.antecedent)}
+    counts = Counter(variable for variable, _ in terms)
     inputs = [part.variable for part in propositions(rules[0].antecedent)]
 
     def cell(rule: Rule, names: list[str]) -> list[int]:
@@ -102,13 +102,13 @@ def _table(rules: list[Rule], order: _Order) -> list[Rule]:
     full = [part for part in parts if _is_full([cell(rule, way[-2:]) for rule in part])]
     in_full = list(chain.from_iterable(full))
     names = [*way[-2:], *way[:-2]]
-    written = [
+    grid_rules = [
         replace(_with_conditions(rule, names), consequents=(rule.consequents[index],))
         for index in range(len(rules[0].consequents))
         for rule in in_full
     ]
-    left = set(map(id, rules)) - set(map(id, in_full))
-    return written + [rule for rule in rules if id(rule) in left]
+    remaining = set(map(id, rules)) - set(map(id, in_full))
+    return grid_rules + [rule for rule in rules if id(rule) in remaining]
 
 
 def _is_full(cells: list[list[int]]) -> bool:

@@ -102,13 +102,13 @@ def tree(
     """
     findings = Findings(lossy=lossy, strict=strict)
     parts = {key: rulebase.model for key, rulebase in rulebases.items()}
-    read = list(_read(connections, findings))
-    known = [connection for connection in read if _is_known(connection, parts, findings)]
-    order = _order(parts, known, findings)
+    parsed = list(_read(connections, findings))
+    valid = [connection for connection in parsed if _is_known(connection, parts, findings)]
+    order = _order(parts, valid, findings)
     if findings.failed:
         return Imported(None, findings.all(), "fuzzyarm")
-    _note_apart(parts, known, findings)
-    rulebase = _Joint(parts, known, findings).rulebase(name, order)
+    _note_apart(parts, valid, findings)
+    rulebase = _Joint(parts, valid, findings).rulebase(name, order)
     return Imported(None if findings.failed else rulebase, findings.all(), "fuzzyarm")
 
 
@@ -172,14 +172,14 @@ def _order(
         findings.error("circle", message, hint="cut it, or let a controller delay a signal")
         return []
     for target in sources:
-        end, seen = target, {target}
+        end, visited = target, {target}
         while end in sources:
             end = sources[end]
-            if end in seen:
+            if end in visited:
                 message = f"the inputs '{_place(target)}' and '{_place(end)}' wait for each other"
                 findings.error("circle", message)
                 return []
-            seen.add(end)
+            visited.add(end)
     # Those that wait for nothing stand in the order in which they were given.
     places = {key: place for place, key in enumerate(parts)}
     depth: dict[str, int] = {}
@@ -257,14 +257,14 @@ class _Joint:
     def _settle_names(self) -> None:
         """Keep names that stand once; put that of the rule base before the others."""
         names = [shared.variable.name for shared in self.shared.values()]
-        taken: set[str] = set()
+        used_names: set[str] = set()
         for shared in self.shared.values():
-            own = shared.variable.name
-            name = own if names.count(own) == 1 else f"{shared.key}_{own}"
-            shared.name = unique_name(name, taken)
-            taken.add(shared.name)
-            if shared.name != own:
-                message = f"the variable '{own}' of '{shared.key}' is called '{shared.name}'"
+            original = shared.variable.name
+            name = original if names.count(original) == 1 else f"{shared.key}_{original}"
+            shared.name = unique_name(name, used_names)
+            used_names.add(shared.name)
+            if shared.name != original:
+                message = f"the variable '{original}' of '{shared.key}' is called '{shared.name}'"
                 self.findings.info("renamed", message)
 
     def _take_terms(self, key: str, variable: Input | Output) -> None:
@@ -314,28 +314,30 @@ class _Joint:
                 self.findings.warn("beyond-input", message, hint=hint)
 
     def _input(self, shared: _Shared) -> Input:
-        joined = [
+        variables = [
             variable
             for key, part in self.parts.items()
             for variable in part.inputs
             if self.root(key, variable.name) is shared
         ]
         assert isinstance(shared.variable, Input)
-        outside = {variable.outside for variable in joined}
+        outside = {variable.outside for variable in variables}
         return replace(
             shared.variable,
             name=shared.name,
-            low=min(variable.low for variable in joined),
-            high=max(variable.high for variable in joined),
+            low=min(variable.low for variable in variables),
+            high=max(variable.high for variable in variables),
             terms=tuple(shared.terms),
             outside=outside.pop() if len(outside) == 1 else "extend",
         )
 
     def _output(self, shared: _Shared) -> Output:
         assert isinstance(shared.variable, Output)
-        own = {name for (key, _, _), name in shared.renamed.items() if key == shared.key}
+        term_names = {name for (key, _, _), name in shared.renamed.items() if key == shared.key}
         terms = [
-            replace(term, shape=self._shape(shared.key, term.shape)) if term.name in own else term
+            replace(term, shape=self._shape(shared.key, term.shape))
+            if term.name in term_names
+            else term
             for term in shared.terms
         ]
         return replace(shared.variable, name=shared.name, terms=tuple(terms))
@@ -348,10 +350,10 @@ class _Joint:
         roots = {variable.name: self.root(key, variable.name) for variable in part.inputs}
         if shape.kind == "linear":
             *factors, constant = shape.parameters
-            used = [(f, roots[v.name]) for f, v in zip(factors, part.inputs, strict=True) if f]
-            if all(isinstance(root.variable, Input) for _, root in used):
-                return replace(shape, parameters=(*self._factors(used), constant))
-            names = [(factor, self._formula_name(root)) for factor, root in used]
+            terms = [(f, roots[v.name]) for f, v in zip(factors, part.inputs, strict=True) if f]
+            if all(isinstance(root.variable, Input) for _, root in terms):
+                return replace(shape, parameters=(*self._factors(terms), constant))
+            names = [(factor, self._formula_name(root)) for factor, root in terms]
             sums = [f"{number_text(factor)} * {name}" for factor, name in names]
             return Shape("formula", (), 1.0, " + ".join([*sums, number_text(constant)]))
         if shape.kind != "formula":

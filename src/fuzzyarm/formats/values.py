@@ -32,14 +32,14 @@ def formulas_of_input(draft: Draft, findings: Findings) -> None:
             root = put_in(formula.root, {draft.name: symbol(POSITION)})
             formula = read_formula(write_formula(root))
         shape = Shape("formula", (), 1.0, write_formula(formula.root))
-        drawn = _drawn(formula, draft)
-        if drawn is not None:
+        recovered = _drawn(formula, draft)
+        if recovered is not None:
             message = (
-                f"the formula of '{term.name}' of '{draft.name}' is taken as the {drawn.kind} that "
-                "it draws"
+                f"the formula of '{term.name}' of '{draft.name}' is taken as the {recovered.kind} "
+                "that it draws"
             )
             findings.info("formula-as-set", message, term.span)
-        draft.put(index, Term(term.name, drawn or shape, term.span))
+        draft.put(index, Term(term.name, recovered or shape, term.span))
 
 
 def _drawn(formula: Formula, draft: Draft) -> Shape | None:

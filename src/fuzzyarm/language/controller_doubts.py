@@ -42,7 +42,7 @@ def _integrals(axes: Axes, gains: Collection[str]) -> Iterator[Diagnostic]:
         elif drive is not None and limits is not None and line.source.option("within") is None:
             yield Diagnostic(
                 "windup",
-                f"the {line.source.kind} '{name}' goes on growing while {drive.port} is at"
+                f"the {line.source.kind} '{name}' keeps growing while {drive.port} is at"
                 f" {limits[0]:g} or {limits[1]:g}",
                 line.span,
                 Severity.WARNING,
@@ -58,11 +58,10 @@ def _unknown_gain(line: Signal, drive: Drive) -> Iterator[Diagnostic]:
         return
     yield Diagnostic(
         "windup-gain",
-        f"by how much {drive.port} grows with '{name}' is not constant: the anti-windup goes back"
-        f" as if it were 1",
+        f"the gain from '{name}' to {drive.port} is not constant: the anti-windup takes it as 1",
         line.span,
         Severity.WARNING,
-        hint="anti-windup hold asks for its sign only, or bound the integral by  within A .. B",
+        hint="anti-windup hold only needs its sign; or bound the integral by  within A .. B",
         related=(Related("the drive", drive.span),),
     )
 
@@ -89,13 +88,13 @@ def _limits_that_add_up(axes: Axes) -> Iterator[Diagnostic]:
 
 def _tables_that_nothing_reads(axes: Axes) -> Iterator[Diagnostic]:
     """Yield learners whose table no line looks up."""
-    read = {
+    lookups = {
         line.source.name
         for line in axes.lines
         if isinstance(line, Signal) and line.source is not None and line.source.kind == "table"
     }
     for line in axes.lines:
-        if isinstance(line, Learn) and line.table not in read:
+        if isinstance(line, Learn) and line.table not in lookups:
             inputs = ", ".join(map(name_text, line.inputs))
             yield Diagnostic(
                 "unread-table",

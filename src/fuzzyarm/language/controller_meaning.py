@@ -185,7 +185,7 @@ class _Reader:
         ):
             for k, word in enumerate(group):
                 if word in group[:k]:
-                    message = f"'{word}' stands twice in the claim"
+                    message = f"'{word}' appears twice in the claim"
                     self.scope.report("duplicate-name", message, word.span)
 
     def _declare(self, word: str, names: dict[str, str]) -> None:
@@ -324,8 +324,8 @@ class _Reader:
                 related=(Related("made here", self.later[word]),),
             )
             return
-        written = name_text(word)
-        new = f"a number is  gain {written} = 1 , a value of the plant  measured {written}"
+        name = name_text(word)
+        new = f"a number is  gain {name} = 1 , a value of the plant  measured {name}"
         self._unknown("unknown-signal", "signal or gain", word, [*signals, *self.numbers], new)
 
     def _unknown(
@@ -347,8 +347,8 @@ class _Reader:
     def _need_sheet(self, word: str) -> None:
         self.used.add(word)
         if word not in self.sheets:
-            written = name_text(word)
-            new = f'a file is named by  use {written} from "{word}.frb"'
+            name = name_text(word)
+            new = f'a file is named by  use {name} from "{word}.frb"'
             self._unknown("unknown-use", "rule base or table", word, list(self.sheets), new)
 
     def _need_all(self, words: Sequence[str], signals: dict[str, str]) -> None:
@@ -385,11 +385,11 @@ class _Reader:
             self._unknown("unknown-signal", "gain", word, list(self.numbers))
 
     def _judge_repeated(self, options: Sequence[tuple[str, Setting]]) -> None:
-        seen: set[str] = set()
+        names: set[str] = set()
         for word, _ in options:
-            if word in seen:
+            if word in names:
                 self.scope.report("duplicate-setting", f"'{word}' is set twice", span_of(word))
-            seen.add(word)
+            names.add(word)
 
     def _judge_source(self, source: Source, span: Span) -> None:
         """Report what a source needs, and numbers that it cannot have."""
@@ -474,7 +474,7 @@ class _Reader:
         right = f"{name_text(port)} = {name_text(node.port)}"
         self.scope.report(
             "unknown-signal",
-            f"the port stands before '=', and no signal is called '{port}'",
+            f"write the port before '='; no signal is called '{port}'",
             span_of(node.port).to(span_of(port)),
             hint=f"write  drive {right}",
             replacement=right,
@@ -527,8 +527,8 @@ class _Reader:
                 )
             return
         for axis in axes:
-            driven = any(isinstance(line, Drive) for line in axis.lines)
-            if not driven and "drive" not in self.broken:
+            has_drive = any(isinstance(line, Drive) for line in axis.lines)
+            if not has_drive and "drive" not in self.broken:
                 self.scope.report(
                     "no-drives",
                     f"axis {', '.join(axis.names)} drives nothing",

@@ -103,7 +103,7 @@ SLIPS = (
     ),
     Slip("a file is named by use", re.compile(r"^\s*(?:import|include|load|uses)\b"), "use", ("",)),
     Slip(
-        "what is done for each axis stands below  axis NAME",
+        "the lines of an axis come below  axis NAME",
         re.compile(r"^\s*(?:axes|joints?|channels?)\b", ANY_CASE),
         "axis",
         ("",),
@@ -121,7 +121,7 @@ SLIPS = (
         ("gain", "partner", *_LINE),
     ),
     Slip(
-        "no mark stands behind the word",
+        "no punctuation after the keyword",
         re.compile(r"^(\s*(?:period|axis|controller|set-point|use|drive|zoom|learn)\b)\s*[:=]\s*"),
         r"\1 ",
         ("period", "axis", "controller", "set-point", "use", "drive", "zoom", "learn"),
@@ -134,7 +134,7 @@ SLIPS = (
         whole=True,
     ),
     # Headings, axes, files
-    Slip("no mark stands behind an axis", re.compile(r"\s*[:{]\s*$"), "", ("axis", "controller")),
+    Slip("no punctuation after an axis", re.compile(r"\s*[:{]\s*$"), "", ("axis", "controller")),
     Slip(
         "an axis is a name, without double quotes",
         re.compile(r'"([^\W\d]\w*)"'),
@@ -143,7 +143,7 @@ SLIPS = (
         whole=True,
     ),
     Slip(
-        "commas stand between axes",
+        "axes are separated by commas",
         re.compile(rf"^(\s*axis\s+)({NAME}(?:(?:\s+and\s+|\s*&\s*|\s+)(?!and\b){NAME})+)\s*$"),
         lambda m: m[1] + ", ".join(re.findall(NAME, re.sub(r"\band\b|&", " ", m[2]))),
         ("axis",),
@@ -163,7 +163,7 @@ SLIPS = (
         whole=True,
     ),
     Slip(
-        "a file stands in double quotes behind from",
+        "write the file in double quotes after from",
         re.compile(rf"""^(\s*use\s+{NAME})\s*(?:from\b|=|:|\s)\s*(?:"([^"]*)"|'([^']*)'|([^\s"',#]+))"""),
         lambda m: f'{m[1]} from "{m[2] or m[3] or m[4]}"',
         ("use", ""),
@@ -171,7 +171,7 @@ SLIPS = (
     ),
     # Gains
     Slip(
-        "'=' stands between a name and its value",
+        "write '=' between a name and its value",
         re.compile(rf"^(\s*(?:gain|partner)\s+{NAME})(?:\s*:\s*=?\s*|\s+(?=[^=:\s]))"),
         r"\1 = ",
         ("gain", "partner"),
@@ -183,7 +183,7 @@ SLIPS = (
         ("gain",),
     ),
     Slip(
-        "a unit stands in double quotes",
+        "write a unit in double quotes",
         re.compile(rf"""(=\s*{NUMBER}(?:\s*[*/]\s*(?:{NUMBER}|pi))*)\s+['\[]?([^\W\d][^,"'#\]]*?|1/[^,"'#\]]+?)['\]]?\s*(?=,|#|$)"""),
         r'\1 "\2"',
         ("gain",),
@@ -196,7 +196,7 @@ SLIPS = (
         ("gain",),
     ),
     Slip(
-        "a range of tune stands behind a comma",
+        "write a comma before tune",
         re.compile(r"(?<![,\s])\s+(?=tune\b)"),
         ", ",
         ("gain",),
@@ -212,7 +212,7 @@ SLIPS = (
         _LINE,
     ),
     Slip(
-        "an option stands behind a comma",
+        "write a comma before an option",
         re.compile(rf"(?<=[\w')])\s+(?=(?:{_VOCABULARY}|slew)\b)"),
         ", ",
         _LINE,
@@ -261,13 +261,13 @@ SLIPS = (
         _LINE,
     ),
     Slip(
-        "an error is written behind the word",
+        "write the port after 'error of'",
         re.compile(rf"(?<=[=*+(])\s*({NAME})\s+error\b(?!\s+of)"),
         r" error of \1",
         _LINE,
     ),
     Slip(
-        "a rule base is asked by rules",
+        "evaluate a rule base by  rules",
         re.compile(
             rf"\bevalfis\s*\(\s*(?:({NAME})\s*,\s*\[([^\])]*)\]|\[([^\])]*)\]\s*,\s*({NAME}))\s*\)"
         ),
@@ -275,19 +275,19 @@ SLIPS = (
         _LINE,
     ),
     Slip(
-        "the inputs stand in parentheses",
+        "write the inputs in parentheses",
         re.compile(rf"\b({NAME})\s*\[([^\]]*)\]"),
         lambda m: f"{m[1]}({_comma_list(m[2])})",
         _LINE,
     ),
     Slip(
-        "inputs stand in the order of the rule base, without their names",
+        "write the inputs in the order of the rule base, without their names",
         re.compile(rf"(\(\s*){NAME}\s*=\s*({NAME}\s*\))"),  # of several the order is not known
         r"\1\2",
         _LINE,
     ),
     Slip(
-        "a rule base is asked by rules",
+        "evaluate a rule base by  rules",
         re.compile(
             r"\b(?:rule|rulebase|fuzzy|infer|evaluate|eval|fis)\s+(?=[\w']+\s*\()", ANY_CASE
         ),
@@ -295,26 +295,26 @@ SLIPS = (
         _LINE,
     ),
     Slip(
-        "a rule base is asked by rules, a table by table",
+        "evaluate a rule base by  rules, a table by  table",
         re.compile(rf"(=\s*)(?!(?:{_NO_CALL})\b)({NAME})\s*\((?=[^()]*\))", ANY_CASE),
         r"\1rules \2(",
         _LINE,
     ),
     Slip(
-        "the inputs stand in parentheses",
+        "write the inputs in parentheses",
         re.compile(rf"\b(rules|table)\s+({NAME})\s+({NAME}(?:(?:\s*,\s*|\s+){NAME})*)\s*$"),
         lambda m: f"{m[1]} {m[2]}({_comma_list(m[3])})",
         _LINE,
     ),
     Slip("a source is written  WORD of NAME", _OF_ONE, _source, _LINE),
     Slip(
-        "a factor stands behind '*'",
+        "write a factor after '*'",
         re.compile(rf"(=\s*)({NAME})\s+({_SOURCE})(?=\s*(?:,|$))"),
         r"\1\3 * \2",
         (SIGNAL,),
     ),
     Slip(
-        "what comes from a source stands first, its factors behind it",
+        "write the source first, then its factors",
         re.compile(rf"(=\s*)([^=,]*?)\s*\*\s*({_SOURCE})((?:\s*[*/][^,+-]*)?)(?=,|$|\s*$)"),
         r"\1\3\4 * \2",
         _LINE,
@@ -327,28 +327,28 @@ SLIPS = (
     ),
     # Drives, zooms, learners
     Slip(
-        "a drive is named before what it gets",
+        "write the port of a drive first",
         re.compile(rf"^(\s*)drive\s+([^=]+?)\s+(?:to|into|on)\s+({NAME})\s*(?=,|$)"),
         r"\1drive \3 = \2",
         ("drive",),
     ),
     Slip(
-        "'=' stands behind the port",
+        "write '=' after the port",
         re.compile(rf"^(\s*drive\s+)\(?\s*({NAME})\s*\)?\s*[:=]?\s*(?=[\w'.-])"),
         r"\1\2 = ",
         ("drive",),
     ),
     Slip(
-        "what goes to the plant is a drive",
+        "signals to the plant are drives",
         re.compile(
             rf"^(\s*)(?:output|out|actuator|actuate|send|write|put)\s+(?={NAME}\s*=)", ANY_CASE
         ),
         r"\1drive ",
         (SIGNAL,),
     ),
-    Slip("commas stand between signals", re.compile(r"\s+(?:and|&)\s+"), ", ", ("zoom",)),
+    Slip("signals are separated by commas", re.compile(r"\s+(?:and|&)\s+"), ", ", ("zoom",)),
     Slip(
-        "a performance table stands behind by",
+        "write the performance table after by",
         re.compile(r"\b(?:with|from|using|to)\b"),
         "by",
         ("learn",),
@@ -368,12 +368,12 @@ def _above(match: re.Match[str]) -> str:
 
 
 def _no_function(match: re.Match[str]) -> str:
-    return f"there is no function '{match['at']}'"
+    return f"unknown function '{match['at']}'"
 
 
 def _in_place_of(match: re.Match[str]) -> str:
     if match["at"].lower() in _LIMITING:
-        return "limits stand behind a drive or an integral:  drive PORT = u, within -1 .. 1"
+        return "limits follow a drive or an integral:  drive PORT = u, within -1 .. 1"
     if match["at"].lower() in _ZONES:
         return "it is a source:  y = deadband of x, width 0.5"
     return "a curve of one signal is a rule base:  y = rules NAME(x)"
@@ -382,19 +382,19 @@ def _in_place_of(match: re.Match[str]) -> str:
 ADVICE = (
     Advice(
         re.compile(rf"\((?P<at>\s*{NAME}\s*=[^=()]*,[^()]*)\)"),
-        "inputs stand in the order of the rule base, without their names",
+        "write the inputs in the order of the rule base, without their names",
         "write the signals alone, in the order in which that file declares its inputs",
         _LINE,
     ),
     Advice(
         re.compile(rf"\b(?P<at>evalfis)\s*\(\s*({NAME})\s*,\s*({NAME})\s*\)"),
-        "a rule base is asked by rules",
+        "evaluate a rule base by  rules",
         "write  rules NAME(x)  with the rule base first and its inputs in parentheses",
         _LINE,
     ),
     Advice(
         re.compile(r"^\s*(?P<at>(?:rule\s+)?(?:if|when|case)\b.*)", ANY_CASE),
-        "a controller has no rules and no 'if': they stand in a rule base",
+        "a controller has neither rules nor 'if': they belong in a rule base",
         "write them into a rule base, in this file or another, and  u = rules NAME(e, ce)  here",
     ),
     Advice(
@@ -423,7 +423,7 @@ ADVICE = (
     ),
     Advice(
         re.compile(rf"=\s*\S.*?[-+*/]\s*(?P<at>{_SOURCE})|=\s*-\s*(?P<two>{_SOURCE})"),
-        "a line has one source, and it stands first",
+        "a line has one source, at its start",
         lambda m: f"write  x = {' '.join((m['at'] or m['two']).split())}  above, and x here",
         (SIGNAL,),
     ),
@@ -435,7 +435,7 @@ ADVICE = (
     ),
     Advice(
         re.compile(rf"(?P<at>{_SOURCE})\s*(?:[*/][^-+,]*)?[-+]"),
-        "a source stands alone on its line, with factors",
+        "a line has only one source, with factors",
         _above,
         (SIGNAL,),
     ),
@@ -447,7 +447,7 @@ ADVICE = (
     ),
     Advice(
         re.compile(rf"=\s*(?P<at>{'|'.join(SOURCES)})\s*$"),
-        lambda m: f"'{m['at']}' is a source: of what is missing",
+        lambda m: f"'{m['at']}' is a source: its signal is missing",
         lambda m: f"as in  error of position ; a signal of that name is  '{m['at']}'",
         (SIGNAL,),
     ),
@@ -465,7 +465,7 @@ ADVICE = (
     ),
     Advice(
         re.compile(rf"=\s*(?P<at>(?!(?:partner|{'|'.join(SOURCES)})\b){NAME})\s+of\b"),
-        lambda m: f"there is no source '{m['at']}'",
+        lambda m: f"unknown source '{m['at']}'",
         f"there are {', '.join(SOURCES)}",
         (SIGNAL,),
     ),
@@ -483,14 +483,14 @@ ADVICE = (
     ),
     Advice(
         re.compile(r"\btune\s*(?P<at>(?:log)?)\s*$"),
-        "between what it may move is missing",
+        "its range is missing",
         "as in  tune 2 .. 200 log",
         ("gain",),
     ),
     Advice(
         re.compile(r"=\s*(?P<at>[^,\"]*(?:[^\W\d]\w*|\().*)"),
         "a gain is a number, or numbers and pi between * and /",
-        "what is made of other gains or signals is a line of an axis",
+        "compute it from other gains or signals on a line of an axis",
         ("gain",),
     ),
     Advice(

@@ -173,8 +173,8 @@ def _read_unit(cursor: Cursor) -> Word:
 
 
 def _unit_text(unit: str) -> str:
-    written = unit or (isinstance(unit, Word) and unit.span is not NOWHERE)
-    return quote(unit, '"') if written else ""
+    has_unit = unit or (isinstance(unit, Word) and unit.span is not NOWHERE)
+    return quote(unit, '"') if has_unit else ""
 
 
 LEARN_OPTIONS = {
@@ -182,7 +182,7 @@ LEARN_OPTIONS = {
     "rate": OptionKind("number", "share of the performance value that corrects"),
     "bound": OptionKind("number", "largest magnitude of a cell"),
 }
-"""What stands behind the commas of ``learn``."""
+"""What stands after the commas of ``learn``."""
 
 # --- The statements ---
 
@@ -191,7 +191,7 @@ SIGNAL = "signal"
 
 _TUNE = Row(
     Tune,
-    Mark("tune", "behind the comma", "between what it may move when it is tuned"),
+    Mark("tune", "after the comma", "between what it may move when it is tuned"),
     Number("low", "the lowest value", "LOW"),
     Mark("..", "between the ends of the range"),
     Number("high", "the highest value", "HIGH"),
@@ -243,7 +243,7 @@ CONTROLLER_STATEMENTS: dict[str, StatementKind] = {
             Row(
                 SetPointNode,
                 Keyword("set-point"),
-                Mark("every", "behind set-point"),
+                Mark("every", "after set-point"),
                 Number("every", "the periods from one set point to the next"),
             ),
         ),
@@ -333,14 +333,14 @@ CONTROLLER_STATEMENTS: dict[str, StatementKind] = {
                     lambda signals: ", ".join(map(name_text, signals)),
                     lambda signals: map(of_signal, signals),
                 ),
-                Mark("by", "behind the signals"),
+                Mark("by", "after the signals"),
                 _amount("by", "how much they are magnified", "FACTOR"),
-                Mark("inside", "behind that"),
+                Mark("inside", "after that"),
                 _amount("inside", "the window", "WINDOW"),
                 Maybe(
                     Mark(","),
-                    Mark("edge", "behind the comma"),
-                    Mark("wait", "behind edge", "stay at the edge of the window"),
+                    Mark("edge", "after the comma"),
+                    Mark("wait", "after edge", "stay at the edge of the window"),
                     flag="wait",
                 ),
                 indent="  ",
@@ -393,7 +393,7 @@ CONTROLLER_STATEMENTS: dict[str, StatementKind] = {
                     ),
                     Maybe(
                         Mark(
-                            "slew", "or 'within' behind the comma", "the largest change per second"
+                            "slew", "or 'within' after the comma", "the largest change per second"
                         ),
                         Number("slew", "the largest change per second"),
                     ),

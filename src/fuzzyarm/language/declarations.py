@@ -129,8 +129,8 @@ class Scope:
         if len(self.diagnostics) < _MOST_HINTS:
             hint, replacement = near_hint(word, options)
         if not hint and options:
-            shown = ", ".join(options[:10]) + (", …" if len(options) > 10 else "")
-            hint = f"there are {shown}"
+            listing = ", ".join(options[:10]) + (", …" if len(options) > 10 else "")
+            hint = f"there are {listing}"
         self.report(
             name, f"no {what} is called '{word}'", word.span, hint=hint,
             replacement=None if replacement is None else name_text(replacement),
@@ -224,7 +224,7 @@ def _elaborate_lower(node: ShapeNode, upper: Shape, draft: Draft, scope: Scope) 
     message = _lower_above(upper, lower, *range_of(draft.node))
     if message:
         span = node.kind.span.to(node.figures[-1].span) if node.figures else node.kind.span
-        hint = "the upper one stands in front of `over`"
+        hint = "write the upper one before `over`"
         scope.report("lower-above-upper", message, span, hint=hint)
         return None
     return lower
@@ -504,11 +504,11 @@ def _set_norm(setting: SettingNode, scope: Scope, norms: Norms) -> None:
 
 
 def _report_repeated(settings: tuple[SettingNode, ...], scope: Scope) -> None:
-    seen: set[str] = set()
+    keys: set[str] = set()
     for setting in settings:
-        if setting.key in seen:
+        if setting.key in keys:
             scope.report("duplicate-setting", f"'{setting.key}' is set twice", setting.key.span)
-        seen.add(setting.key)
+        keys.add(setting.key)
 
 
 def _apply(setting: SettingNode, draft: Draft, scope: Scope, *, named: bool) -> None:

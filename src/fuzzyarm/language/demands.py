@@ -280,14 +280,14 @@ def elaborate_tuning(node: TuneNode, scope: Scope) -> Tuning:
     peaks: list[PeakTuning] = []
     gains: list[GainTuning] = []
     kept_names: list[tuple[str, str]] = []
-    moved: set[str] = set()
+    seen_names: set[str] = set()
     for item in node.items:
         if item.key == "peaks":
-            _report_twice(item, moved, scope)
+            _report_twice(item, seen_names, scope)
             tuning = _peaks(item, scope)
             peaks += [tuning] if tuning.variables else []
         elif item.key == "gain":
-            _report_twice(item, moved, scope)
+            _report_twice(item, seen_names, scope)
             gains += [_tuned_gain(item)] if _sound_range(item, scope) else []
         else:
             draft = scope.variable(item.names[0])

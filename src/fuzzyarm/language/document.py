@@ -194,8 +194,8 @@ def _group_lines(
             if replacement is None:
                 continue
             # Read on as what was probably meant, so that one slip does not look like many.
-            meant = first._replace(kind="name", text=replacement)
-            tokens = (meant, *line.tokens[1:])
+            name_token = first._replace(kind="name", text=replacement)
+            tokens = (name_token, *line.tokens[1:])
             groups.append(_Group(records[replacement], tokens, tuple(waiting), line.comment))
             heading = replacement if replacement in HEADINGS else heading
             in_axis = replacement == "axis" or (in_axis and replacement not in HEADINGS)
@@ -209,7 +209,7 @@ def _likely_statement(word: str, heading: str) -> tuple[str, str | None]:
     """Return what a word that starts no statement below a heading was probably meant for."""
     for other in HEADINGS:
         if other != heading and word in statements_below(other):
-            return f"it stands below a line  {other} NAME", None
+            return f"it belongs below a line  {other} NAME", None
     return near_hint(word, statements_below(heading))
 
 
@@ -279,8 +279,8 @@ class ParseMemory:
         for index, line in enumerate(split_lines(text)):
             entry = before[index] if index < len(before) else None
             if entry is None or entry[0] != line:
-                found: list[Diagnostic] = []
-                entry = (line, tokenize_line(index + 1, line, found), tuple(found))
+                findings: list[Diagnostic] = []
+                entry = (line, tokenize_line(index + 1, line, findings), tuple(findings))
             diagnostics += entry[2]
             self._lines.append(entry)
             if len(diagnostics) > MAX_DIAGNOSTICS:
@@ -352,7 +352,7 @@ def parse_statements(text: str, line: int) -> Document:
         return Document((), diagnostics=(too_large,))
     diagnostics: list[Diagnostic] = []
     numbered = enumerate(split_lines(text), line)
-    lines = [tokenize_line(number, each, diagnostics) for number, each in numbered]
+    lines = [tokenize_line(number, text_line, diagnostics) for number, text_line in numbered]
     return _read_lines(lines, diagnostics, _read_group)
 
 
@@ -467,7 +467,7 @@ def _broken(line: str) -> list[str]:
         words.append(match[0])
         length += len(match[0]) + 1
     first, *rest = [*lines, " ".join(words)]
-    return [margin + first, *(f"{margin}  {each}" for each in rest)]
+    return [margin + first, *(f"{margin}  {continuation}" for continuation in rest)]
 
 
 def _wants_distance(previous: StatementNode, node: StatementNode) -> bool:

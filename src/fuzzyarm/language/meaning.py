@@ -304,20 +304,20 @@ def _judge_whole(rulebase: RuleBase, nodes: list[StatementNode], scope: Scope) -
     if not any(isinstance(node, Heading) for node in nodes) and "rulebase" not in broken:
         scope.report(
             "missing-heading",
-            "the file does not say what it is",
+            "the file does not say what it contains",
             nodes[0].span if nodes else NOWHERE,
             hint='start it with  rulebase NAME "what it is for"',
             severity=Severity.WARNING,
         )
     for what, count in (("input", len(rulebase.inputs)), ("output", len(rulebase.outputs))):
         if count == 0 and what not in broken:
-            used = [
+            uses = [
                 mention
                 for node in nodes
                 for mention in mentions(node)
                 if mention.kind is Kind.VARIABLE and mention.name in _presumed(nodes, what)
             ]
-            first = min(used, key=lambda mention: mention.span, default=None)
+            first = min(uses, key=lambda mention: mention.span, default=None)
             scope.report(
                 f"no-{what}s",
                 f"the file declares no {what}",
@@ -345,13 +345,13 @@ def _judge_chain(rulebase: RuleBase, scope: Scope) -> None:
                 if name not in last:
                     scope.report(
                         "unassigned-output",
-                        f"the output '{name}' is asked for here, but no rule sets it",
+                        f"the output '{name}' is used here, but no rule sets it",
                         proposition.span,
                     )
                 elif last[name] >= index:
                     scope.report(
                         "cyclic-blocks",
-                        f"the output '{name}' is asked for here, but rules set it in this block"
+                        f"the output '{name}' is used here, but rules set it in this block"
                         " or a later one",
                         proposition.span,
                         hint="put the rule into a block after those that set the output",

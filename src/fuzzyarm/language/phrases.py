@@ -258,7 +258,7 @@ def _conjunction(cursor: Cursor, depth: int) -> ExpressionNode:
 def _operand(cursor: Cursor, depth: int) -> ExpressionNode:
     hedges = HedgeNode.read_all(cursor)
     if hedges:
-        cursor.expect("(", "after the hedge (or write the hedge behind 'is')")
+        cursor.expect("(", "after the hedge (or write the hedge after 'is')")
     elif not cursor.accept("("):
         return PropositionNode.read(cursor, "the name of a variable")
     inner = read_expression(cursor, depth + 1)
@@ -507,7 +507,7 @@ SETTINGS: dict[str, Setting] = {
         ),
         Setting(
             "no-rule",
-            "the value where no rule fires: error, hold or a number",
+            "the value if no rule fires: error, hold or a number",
             "outputs",
             ("error", "hold"),
             number="error, hold or a number for the case that no rule fires",

@@ -91,7 +91,7 @@ def parse(text: str, path: str = "<text>", memory: ParseMemory | None = None) ->
     """
     document = parse_document(text, memory)
     too_large = any(d.name in ("file-too-large", "line-too-long") for d in document.diagnostics)
-    meant, mended = document, frozenset[int]()
+    repaired, mended = document, frozenset[int]()
     heads = {type(statement.node) for statement in document.statements}
     if document.diagnostics and not too_large:
         from fuzzyarm.language.slips import as_meant, foreign_text
@@ -101,23 +101,23 @@ def parse(text: str, path: str = "<text>", memory: ParseMemory | None = None) ->
             document = document._replace(diagnostics=(foreign,))
             diagnostics = [replace(foreign, path=path)]
             return Parsed(document, RuleBase(UNNAMED, (), (), ()), tuple(diagnostics))
-        meant, mended = as_meant(text, document)
-        document = document._replace(diagnostics=meant.diagnostics)
-        heads = {type(statement.node) for statement in meant.statements}
+        repaired, mended = as_meant(text, document)
+        document = document._replace(diagnostics=repaired.diagnostics)
+        heads = {type(statement.node) for statement in repaired.statements}
     whole: ControllerModel | None = None
     partial, findings = RuleBase(UNNAMED, (), (), ()), list[Diagnostic]()
     # A controller whose heading cannot be read is not a rule base without rules.
     headless = any(
-        isinstance(each.node, Broken) and each.node.keyword == "controller"
-        for each in meant.statements
+        isinstance(item.node, Broken) and item.node.keyword == "controller"
+        for item in repaired.statements
     )
     if (ControllerHeading not in heads and not headless) or Heading in heads:
-        partial, findings = elaborate(meant, memory)
+        partial, findings = elaborate(repaired, memory)
         findings = [finding for finding in findings if finding.line not in mended]
     if ControllerHeading in heads:
         from fuzzyarm.language.controller_meaning import elaborate_controller
 
-        nodes = [statement.node for statement in meant.statements]
+        nodes = [statement.node for statement in repaired.statements]
         whole, more = elaborate_controller(nodes, partial if Heading in heads else None)
         findings += [finding for finding in more if finding.line not in mended]
     diagnostics = list(document.diagnostics) if too_large else [*document.diagnostics, *findings]
@@ -225,7 +225,7 @@ def without_rulebase(parsed: Parsed, path: str) -> list[Diagnostic]:
         span = parsed.document.statements[0].node.span
         hint = (
             "`fuzzyarm simulate` runs it, fuzzyarm.load_controller reads it; "
-            "its rule bases stand in its use lines"
+            "its rule bases are in its use lines"
         )
         message = "this is a controller, not a rule base"
         diagnostics.append(Diagnostic("not-a-rule-base", message, span, hint=hint, path=path))

@@ -33,7 +33,7 @@ ANYWHERE = (
     Slip("quotes are straight", re.compile("[“”„«»]"), '"', whole=True),
     Slip("quotes are straight", re.compile("[‘’‚‹›]"), "'", whole=True),
     Slip(
-        "a description stands in double quotes",
+        "write a description in double quotes",
         re.compile(r"'([^']*)'\s*$"),
         r'"\1"',
         (*_NAMED, "controller"),
@@ -74,7 +74,7 @@ SLIPS = (
     ),
     # Variables
     Slip(
-        "the range stands behind the name",
+        "write the range after the name",
         re.compile(
             rf"^(\s*(?:input|output)\s+{NAME})\s*(?::=|[:=]|\b(?:in|range|from|of)\b)[\s:=]*",
             ANY_CASE,
@@ -83,7 +83,7 @@ SLIPS = (
         _VARIABLES,
     ),
     Slip(
-        "a description stands in double quotes",
+        "write a description in double quotes",
         re.compile(rf"""({NUMBER}\s*\.\.\s*{NUMBER})\s+([^\W\d][^"'#,]*?)\s*(?=#|$)"""),
         r'\1 "\2"',
         _VARIABLES,
@@ -97,27 +97,27 @@ SLIPS = (
         ("term",),
     ),
     Slip(
-        "a colon stands behind the name of a term",
+        "write a colon after the name of a term",
         re.compile(rf"^(\s*term\s+{NAME}\s+{NAME})\s+(?={NAME}\s*[-+.\d\[(])"),
         r"\1: ",
         ("term",),
     ),
     # Rules
     Slip(
-        "a weight stands behind with",
+        "write a weight after with",
         re.compile(rf"\s*(?:\(\s*({NUMBER})\s*\)|\bweight\s*=?\s*({NUMBER}))\s*$"),
         lambda m: f" with {m[1] or m[2]}",
         ("rule",),
     ),
-    Slip("'not' stands behind 'is'", re.compile(r"\bis\s*n['’]?t\b"), "is not", _RULE, whole=True),
+    Slip("write 'not' after 'is'", re.compile(r"\bis\s*n['’]?t\b"), "is not", _RULE, whole=True),
     Slip(
-        "'not' stands behind 'is'",
+        "write 'not' after 'is'",
         re.compile(rf"\bnot\s+({NAME})\s+is\s+"),
         r"\1 is not ",
         ("rule",),
     ),
     Slip(
-        "the weight of a cell stands behind '*'",
+        "write the weight of a cell after '*'",
         re.compile(rf"({NAME})\s*\(\s*({NUMBER})\s*\)"),
         r"\1*\2",
         ("row",),
@@ -129,7 +129,7 @@ SLIPS = (
         ("row",),
     ),
     Slip(
-        "the output of a grid stands alone",
+        "write the output of a grid by itself",
         re.compile(r"^rules\s*(?::|=|\b(?:table|grid|matrix)\b)\s*(?:for\s+)?"),
         "rules ",
         ("rules",),
@@ -150,7 +150,7 @@ SLIPS = (
     ),
     Slip(CAPITALS, re.compile(r"\b[A-Z]+\b"), small, ("inference", "block")),
     Slip(
-        "an arrow stands behind the inputs",
+        "write '->' after the inputs",
         re.compile(r"\s*(?:=>|:|→|\bgives\b|\bthen\b)\s*"),
         " -> ",
         ("expect",),
@@ -184,9 +184,11 @@ SLIPS = (
     Slip("propositions are joined by 'or'", re.compile(r"\s*\|\|?\s*"), " or ", ("rule",)),
     Slip("the consequent starts with 'then'", re.compile(r"\s*[-=]>\s*"), " then ", _RULE),
     Slip("the corner of a grid has a backslash", re.compile(r"\s*/\s*"), r" \\ ", ("header",)),
-    Slip("the output of a grid stands alone", re.compile(r"\bfor\b|\s*[:=]\s*$"), "", ("rules",)),
-    Slip("numbers stand without brackets", re.compile(r"[\[\](){}]"), " ", _NUMBERS),
-    Slip("a colon stands behind the names", re.compile(r"\s*=\s*"), ": ", ("term", "terms")),
+    Slip(
+        "write the output of a grid by itself", re.compile(r"\bfor\b|\s*[:=]\s*$"), "", ("rules",)
+    ),
+    Slip("write numbers without brackets", re.compile(r"[\[\](){}]"), " ", _NUMBERS),
+    Slip("write a colon after the names", re.compile(r"\s*=\s*"), ": ", ("term", "terms")),
 )
 """Every other notation, in the order in which a line of a rule base is put right."""
 
@@ -211,13 +213,13 @@ ADVICE = (
     ),
     Advice(
         re.compile(rf"=?\s*(?P<at>(?:~|≈|±)=?\s*{NUMBER}?)"),
-        "how near it must be stands behind within",
+        "write the tolerance after within",
         "as in  -> u = 5 within 0.1",
         ("expect",),
     ),
     Advice(
         re.compile(r"\b(?P<at>monoton\w*|smooth|bounded|symmetric\w*|antisymmetric)\b"),
-        "what is proved is said of an output and a number or an input",
+        "a property is about an output and a number or an input",
         "as in  prove u rises with e ,  prove u in -1 .. 1 ,  prove u odd",
         ("prove",),
     ),
@@ -228,8 +230,6 @@ LAST = Slip("a range is written with two points", _RANGE, r"\1 .. \2", ("input",
 """Looked for when commas have been put right."""
 
 _POINT = Slip("the decimal mark is a point", re.compile(r"(?<=\d),(?=\d)"), ".")
-_SPACE = Slip(
-    "only spaces stand between numbers and cells", re.compile(r"\s*[,;|]\s*"), "  ", _LISTS
-)
+_SPACE = Slip("separate numbers and cells by spaces only", re.compile(r"\s*[,;|]\s*"), "  ", _LISTS)
 ORDERS = ((), (_POINT,), (_SPACE,), (_POINT, _SPACE))
 """What a comma may have been meant for, as it is tried."""

@@ -104,7 +104,7 @@ def _without_unit(figure: Figure, cursor: Cursor, turns: float | None) -> Diagno
     token = cursor.peek()
     text_there = "nothing" if token is None or token.kind == "mark" else f"'{token.text}'"
     number = number_text(figure)
-    message = f"expected a unit of time behind {number}, found {text_there}"
+    message = f"expected a unit of time after {number}, found {text_there}"
     small = token.text.lower() if token is not None else ""
     unit = UNITS_ELSEWHERE.get(small) or (small if small in TIMES else None)
     if unit is not None:
@@ -126,7 +126,7 @@ def _without_unit(figure: Figure, cursor: Cursor, turns: float | None) -> Diagno
 
 def _with_unit(word: Word, figure: Figure, unit: str, span: Span) -> Diagnostic:
     """Describe a unit behind a number that has the unit of a signal."""
-    message = f"the {word} is a number in the unit of its signal, found '{unit}' behind it"
+    message = f"the {word} is a number in the unit of its signal, found '{unit}' after it"
     number = number_text(figure)
     hint = f'leave it out, or write  gain NAME = {number} "{unit}"  above and  {word} NAME'
     return Diagnostic("trailing-text", message, span, hint=hint)
@@ -272,7 +272,7 @@ def _read_option(cursor: Cursor, known: Mapping[str, OptionKind]) -> tuple[Word,
     kind = known[word]
     if kind.takes == "words":
         for keyword in kind.rest:
-            cursor.expect(keyword, f"behind {word}")
+            cursor.expect(keyword, f"after {word}")
         return word, True
     if kind.takes == "time":
         return word, read_time(cursor, f"the time of {word}", 0.5 / math.pi)
@@ -283,10 +283,10 @@ def _read_option(cursor: Cursor, known: Mapping[str, OptionKind]) -> tuple[Word,
     if kind.takes == "windup":
         if cursor.accept("hold"):
             return word, "hold"
-        cursor.expect("back", f"or 'hold' behind {word}")
+        cursor.expect("back", f"or 'hold' after {word}")
         return word, read_time(cursor, "the time to go back in")
     if kind.takes == "figure":
-        amount: Figure | Word = cursor.figure(f"a number behind {word}")
+        amount: Figure | Word = cursor.figure(f"a number after {word}")
     else:
         amount = read_number(cursor, f"the {word}")
     token = cursor.peek()
@@ -347,10 +347,10 @@ def _read_source(cursor: Cursor) -> Source | None:
         cursor.suggest("sheets")
         name = cursor.name(f"the name of the {kind}")
         return Source(kind, name, read_inputs(cursor))
-    read = str(kind)
+    phrase = str(kind)
     for word in SOURCES[kind].joined.split():
-        cursor.expect(word, f"behind {read}")
-        read += f" {word}" if word == "of" else ""
+        cursor.expect(word, f"after {phrase}")
+        phrase += f" {word}" if word == "of" else ""
     cursor.suggest("signals" if of == "signal" else "ports")
     return Source(kind, cursor.name("a signal" if of == "signal" else "a port of the plant"))
 

@@ -35,7 +35,7 @@ def as_meant(text: str, document: Document) -> tuple[Document, frozenset[int]]:
     The statements of the result are those that were meant.
     """
     lines = split_lines(text)
-    meant, best = list(lines), document
+    repaired, best = list(lines), document
     if len(document.diagnostics) > MAX_DIAGNOSTICS:
         return document, frozenset()
     diagnostics: dict[int, Diagnostic] = {}
@@ -46,19 +46,19 @@ def as_meant(text: str, document: Document) -> tuple[Document, frozenset[int]]:
             first.setdefault(diagnostic.line, diagnostic)
         more = {}
         for number in sorted(first)[:_MOST]:
-            put_right = None if number > len(lines) else _put_right(meant, number, first[number])
+            put_right = None if number > len(lines) else _put_right(repaired, number, first[number])
             if put_right is not None:
-                meant[number - 1], message = put_right
+                repaired[number - 1], message = put_right
                 more[number] = _finding(
-                    first[number], lines[number - 1], meant[number - 1], message
+                    first[number], lines[number - 1], repaired[number - 1], message
                 )
         if not more:
             break
-        again = parse_document("\n".join(meant))
+        again = parse_document("\n".join(repaired))
         if any(d.line in diagnostics or d.line in more for d in again.diagnostics):
             break  # what reads well alone does not read in its file
         best, diagnostics = again, diagnostics | more
-    advised = [_advised(each, lines) for each in best.diagnostics]
+    advised = [_advised(finding, lines) for finding in best.diagnostics]
     ordered = sorted([*advised, *diagnostics.values()], key=lambda diagnostic: diagnostic.span)
     return best._replace(diagnostics=tuple(ordered)), frozenset(diagnostics)
 

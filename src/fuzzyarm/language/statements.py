@@ -300,8 +300,12 @@ class ProveNode(NamedTuple):
                 what = "the name of an output" if arrow else "the name of an output or an input"
                 name = cursor.variable(what, role)
                 claim = cls._claim(name, cursor)
-            joined = not arrow and claim.outcome is not None and claim.outcome.relation == "in"
-            if joined and (cursor.accept(",") or (arrow := bool(cursor.accept("->", likely=True)))):
+            may_be_input = (
+                not arrow and claim.outcome is not None and claim.outcome.relation == "in"
+            )
+            if may_be_input and (
+                cursor.accept(",") or (arrow := bool(cursor.accept("->", likely=True)))
+            ):
                 assert claim.outcome is not None
                 low, high = claim.outcome.value, claim.outcome.other
                 assert high is not None

@@ -123,13 +123,13 @@ def _lexical_fault(kind: str, text: str, line: int, column: int, end: int) -> Di
             span,
             hint="put a name that starts with a digit in single quotes",
         )
-    shown = text if text.isprintable() else f"U+{ord(text):04X}"
-    hint = "a name with unusual characters stands in single quotes"
+    symbol = text if text.isprintable() else f"U+{ord(text):04X}"
+    hint = "write a name with unusual characters in single quotes"
     if text in "[]{};":
         hint = "brackets and semicolons are not part of the language"
     return Diagnostic(
         "unexpected-character",
-        f"the character '{shown}' has no meaning here",
+        f"the character '{symbol}' has no meaning here",
         span,
         hint=hint,
     )

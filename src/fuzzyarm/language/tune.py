@@ -39,7 +39,7 @@ TUNE_ITEMS: dict[str, str] = {
 PEAK_WORDS: dict[str, str] = {
     "mirrored": "opposite terms stay opposite about the middle of the range",
     "keep order": "no peak crosses its neighbour's",
-    "partition": "feet stand under the neighbours' peaks, so that memberships add up to 1",
+    "partition": "each foot is under the neighbour's peak, so that memberships add up to 1",
     "gap": "how near neighbouring peaks may come, in percent of the range",
 }
 """What stands behind the variables of ``peaks``."""
@@ -77,11 +77,11 @@ class _PeakOptions(Part):
         while more is not None:
             if more == "gap":
                 gap = cursor.figure("the smallest gap, in percent of the range")
-                cursor.expect("%", "behind the gap")
+                cursor.expect("%", "after the gap")
             else:
                 words.append("keep order" if more == "keep" else more)
                 if more == "keep":
-                    cursor.expect("order", "behind keep")
+                    cursor.expect("order", "after keep")
             if cursor.accept(",", likely=True) is None:
                 break
             more = _peak_word(cursor)
@@ -114,8 +114,8 @@ class _Scale(Part):
     def read(self, cursor: Cursor, values: Values) -> None:
         words = [word for word in ("times", "log") if cursor.accept(word)]
         if cursor.accept(","):
-            cursor.expect("per", "behind the comma")
-            cursor.expect("axis", "behind per")
+            cursor.expect("per", "after the comma")
+            cursor.expect("axis", "after per")
             words.append("per axis")
         values["words"] = tuple(words)
 

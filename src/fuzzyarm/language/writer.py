@@ -451,12 +451,12 @@ def tuning_node(tuning: Tuning) -> TuneNode:
     """Return a ``tune`` block as the writer has it."""
     items = []
     for peaks in tuning.peaks:
-        said = {
+        options = {
             "mirrored": peaks.mirrored,
             "keep order": peaks.ordered,
             "partition": peaks.partition,
         }
-        words = tuple(word for word, holds in said.items() if holds)
+        words = tuple(word for word, holds in options.items() if holds)
         # 100 times a share may end in a digit that the share does not have.
         gap = Figure(float(f"{100.0 * peaks.gap:.12g}"))
         items.append(TuneItem(Word("peaks"), tuple(map(Word, peaks.variables)), words, gap=gap))

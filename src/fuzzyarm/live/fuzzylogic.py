@@ -96,16 +96,18 @@ def _rulebase(rule: Any, name: str, findings: Findings) -> RuleBase | None:
     if len(domains) < len({id(each.domain) for each in asked_sets}) or labels[0] in domains:
         findings.error("duplicate-variable", "two domains of the rule have one name")
         return None
-    named = {id(domain): _named(domain, asked_sets, hedged=True) for domain in domains.values()}
+    sets_by_domain = {
+        id(domain): _named(domain, asked_sets, hedged=True) for domain in domains.values()
+    }
     values = _named(target, concluded)
     inputs = tuple(
-        _input(label, domain, named[id(domain)].values(), findings)
+        _input(label, domain, sets_by_domain[id(domain)].values(), findings)
         for label, domain in domains.items()
     )
     rules = []
     for sets, set_ in rule.conditions.items():
         parts = tuple(
-            Is(str(each.domain._name), *named[id(each.domain)][id(each)][:2])
+            Is(str(each.domain._name), *sets_by_domain[id(each.domain)][id(each)][:2])
             for each in sorted(sets, key=lambda each: str(each.domain._name))
         )
         conclusion = Consequent(labels[0], values[id(set_)].term)
@@ -126,14 +128,14 @@ def _named(domain: Any, used: Iterable[Any], *, hedged: bool = False) -> dict[in
     """Return by identity the sets of a domain, and those made of them on the way."""
     names_of_sets = {id(set_): _Named(str(name), (), set_) for name, set_ in domain._sets.items()}
     own_sets = list(names_of_sets.values())
-    taken = {set_.term for set_ in own_sets}
+    names = {set_.term for set_ in own_sets}
     for set_ in used:
         if set_.domain is not domain or id(set_) in names_of_sets:
             continue
         same = _under_hedges(set_, own_sets, domain) if hedged else None
         if same is None:
-            same = _Named(unique_name(str(set_.name or "derived"), taken), (), set_)
-            taken.add(same.term)
+            same = _Named(unique_name(str(set_.name or "derived"), names), (), set_)
+            names.add(same.term)
         names_of_sets[id(set_)] = same
     return names_of_sets
 
@@ -186,7 +188,7 @@ def _shape(each: Any, low: float, high: float, what: str, findings: Findings) ->
     shape = shape_of(each, low, high)
     if shape is not None:
         return shape
-    message = f"{what} is a function of its own, taken at 1001 points"
+    message = f"{what} is a user-defined function, taken at 1001 points"
     findings.loss("unsupported-shape", message, slight=True)
     xs = [low + (high - low) * i / 1000 for i in range(1001)]
     return joined(xs, [min(1.0, max(0.0, float(each(x)))) for x in xs])

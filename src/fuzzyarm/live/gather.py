@@ -287,8 +287,8 @@ def _run(script: Path, module: ModuleType, call: str | None) -> dict[str, Any] |
     ended = _ending(lambda: exec(_code(script), module.__dict__), str(script))
     if call is None or (ended and ended["kind"] == "SyntaxError"):
         return ended
-    called = _ending(lambda: _called(call, module), str(script))
-    return {**called, "called": call} if called else ended
+    outcome = _ending(lambda: _called(call, module), str(script))
+    return {**outcome, "called": call} if outcome else ended
 
 
 def _code(script: Path) -> Any:
@@ -315,21 +315,21 @@ def _called(call: str, module: ModuleType) -> None:
     """
     names = vars(module)
     if "(" in call:
-        kept = call.partition("(")[0].rpartition(".")[2]
-        names[kept] = eval(call, names)
+        label = call.partition("(")[0].rpartition(".")[2]
+        names[label] = eval(call, names)
         return
     head, *others = call.split(".")
     if head not in names:
         raise NameError(f"the script has no '{head}'")
-    value, kept = names[head], head
+    value, label = names[head], head
     for name in others:
         if isinstance(value, type):
             value = _with_ones(value)
-            names[f"{kept}_object"] = value
-        value, kept = getattr(value, name), name
+            names[f"{label}_object"] = value
+        value, label = getattr(value, name), name
     result = _with_ones(value)
     if result is not None:
-        names[kept] = result
+        names[label] = result
 
 
 def _with_ones(function: Any) -> Any:
@@ -368,18 +368,18 @@ def _as_data(error: BaseException, script: str) -> dict[str, Any]:
 def _named(module: ModuleType) -> Iterator[tuple[str, Any]]:
     """Yield names and objects: variables, what they contain, variables of functions."""
     own_modules = _own_modules(module)
-    seen: set[int] = set()
+    visited: set[int] = set()
     variables = {n: v for n, v in vars(module).items() if not n.startswith("__")}
-    yield from _in_scope(variables, own_modules, seen)
+    yield from _in_scope(variables, own_modules, visited)
     for creation in reversed(_made):
         if creation.frame.f_locals is not vars(module):
-            yield from _in_scope(dict(creation.frame.f_locals), own_modules, seen)
+            yield from _in_scope(dict(creation.frame.f_locals), own_modules, visited)
 
 
 def _own_modules(module: ModuleType) -> frozenset[str]:
     """Return the names of the modules that stand in the folder of the script."""
     home = os.path.join(os.path.dirname(os.path.realpath(str(module.__file__))), "")
-    files = {name: getattr(each, "__file__", None) for name, each in list(sys.modules.items())}
+    files = {name: getattr(loaded, "__file__", None) for name, loaded in list(sys.modules.items())}
     inside = {n for n, f in files.items() if f and os.path.realpath(f).startswith(home)}
     return frozenset({"__main__", *(n for n in inside if "site-packages" not in str(files[n]))})
 
@@ -422,8 +422,8 @@ def _systems(
     systems: dict[int, tuple[str, Any]] = {}
     simulations: dict[int, tuple[str, Any]] = {}
     left_out: dict[int, str] = {}
-    named = [(n, v) for n, v in _named(module) if not isinstance(v, type) and is_system(v)]
-    for name, value in named or [(stem, creation.system) for creation in _made]:
+    candidates = [(n, v) for n, v in _named(module) if not isinstance(v, type) and is_system(v)]
+    for name, value in candidates or [(stem, creation.system) for creation in _made]:
         system = getattr(value, "ctrl", value)
         if whole and id(value) not in _computed and id(system) not in _computed:
             left_out.setdefault(id(system), name)
@@ -432,9 +432,9 @@ def _systems(
         elif not hasattr(value, "conditions") or value.conditions:
             systems.setdefault(id(value), (name, value))
     for key, (name, simulation) in simulations.items():
-        known = systems.get(key, (name, None))[0]
+        first_name = systems.get(key, (name, None))[0]
         clips = getattr(simulation, "clip_to_bounds", True)
-        systems[key] = (known, simulation.ctrl if clips else simulation)
+        systems[key] = (first_name, simulation.ctrl if clips else simulation)
     return _with_names([*_without_parts(list(systems.values()))]), list(left_out.values())
 
 
@@ -449,16 +449,16 @@ def _without_parts(found: list[tuple[str, Any]]) -> Iterator[tuple[str, Any]]:
 
 def _with_names(found: list[tuple[str, Any]]) -> dict[str, Any]:
     """Give every system a name that can be that of a file, also where case does not count."""
-    named: dict[str, Any] = {}
+    systems: dict[str, Any] = {}
     for name, system in found:
         plain = "".join(c if c.isalnum() or c in "_-" else "_" for c in name)[:80].strip("-")
         plain = plain or "system"
-        taken = {other.casefold() for other in named}
+        folded = {other.casefold() for other in systems}
         number, unique = 2, plain
-        while unique.casefold() in taken:
+        while unique.casefold() in folded:
             unique, number = f"{plain}_{number}", number + 1
-        named[unique] = system
-    return named
+        systems[unique] = system
+    return systems
 
 
 # --- The answer ---
@@ -555,8 +555,8 @@ def main() -> None:
     sys.modules["__main__"] = module
     sys.argv = [str(script)]
     sys.path[0] = str(script.parent)
-    standing = _beside("stand_ins")
-    answers = standing.prepare(str(script.parent))
+    stand_ins = _beside("stand_ins")
+    answers = stand_ins.prepare(str(script.parent))
     sys.meta_path.insert(0, _Finder())
     record_of_text = _told_by_text(script)
 
@@ -565,7 +565,7 @@ def main() -> None:
         data = {
             "raised": None if endless else ended_by,
             "endless": endless,
-            "stand_ins": sorted(set(standing.used)),
+            "stand_ins": sorted(set(stand_ins.used)),
             "answers": answers.count,
             **record_of_text,
         }

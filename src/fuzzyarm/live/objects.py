@@ -93,12 +93,12 @@ def _pyfuzzylite_numbers(engine: Any) -> Callable[[Mapping[str, float]], dict[st
         for variable in engine.input_variables:
             variable.value = values[variable.name]
         engine.process()
-        found = {
+        outputs = {
             output_variable.name: float(output_variable.value)
             for output_variable in engine.output_variables
             if output_variable.enabled
         }
-        return {name: value for name, value in found.items() if not math.isnan(value)}
+        return {name: value for name, value in outputs.items() if not math.isnan(value)}
 
     return numbers
 
@@ -165,7 +165,7 @@ def read_object(
     if library is None:
         raise TypeError(
             f"{type(found).__module__}.{type(found).__qualname__} is not a system of "
-            f"{', '.join(each.name for each in LIBRARIES)}"
+            f"{', '.join(record.name for record in LIBRARIES)}"
         )
     options = {"points": points} if library.module == "skfuzzy" else {}
     try:

@@ -142,11 +142,11 @@ def _evaluation(system: Any) -> dict[str, Any]:
     if settings:
         return settings
     module = sys.modules[type(system).__module__]
-    used = [conclusion for _, conclusions in system.rules for _, conclusion in conclusions]
+    sets = [conclusion for _, conclusions in system.rules for _, conclusion in conclusions]
     return {
         "t_norm": module.min_t_norm,
         "s_norm": module.max_s_norm,
-        "domain": used[0].domain if used else None,
+        "domain": sets[0].domain if sets else None,
     }
 
 
@@ -181,13 +181,13 @@ def _order(system: Any) -> _Order:
         return _Order(tuple(same[0] for same in candidates))
     for order in (_as_called(system, names), names):
         # With fewer arguments than inputs the first of them are meant.
-        meant = (order or ())[: len(candidates)]
-        if len(meant) == len(candidates) and all(map(contains, candidates, meant)):
-            return _Order(meant, is_guess=True)
-    taken: list[str] = []
+        prefix = (order or ())[: len(candidates)]
+        if len(prefix) == len(candidates) and all(map(contains, candidates, prefix)):
+            return _Order(prefix, is_guess=True)
+    matches: list[str] = []
     for same in candidates:
-        taken.append(next((name for name in same if name not in taken), same[0]))
-    return _Order(tuple(taken), is_guess=True)
+        matches.append(next((name for name in same if name not in matches), same[0]))
+    return _Order(tuple(matches), is_guess=True)
 
 
 def _equal(one: Any, other: Any) -> bool:
@@ -308,17 +308,17 @@ class _Reader:
                 what = "conclusion" if conditions else "condition"
                 self.findings.error("empty-rule", f"rule {number} has no {what}")
             for uses, parts in ((self.sets, conditions), (self.results, conclusions)):
-                for variable, used in parts:
+                for variable, set_ in parts:
                     if variable not in uses:
                         message = f"rule {number} uses '{variable}', which is not declared"
                         self.findings.error("undefined-variable", message)
-                    elif not any(_same(used, other) for other in uses[variable]):
-                        uses[variable].append(used)
-        for name in [name_ for name_, used in self.sets.items() if not used]:
+                    elif not any(_same(set_, other) for other in uses[variable]):
+                        uses[variable].append(set_)
+        for name in [name_ for name_, set_ in self.sets.items() if not set_]:
             if not self._has_values:
                 self.findings.info("unused-variable", f"no rule uses '{name}'; it is left out")
                 del self.sets[name]
-        for name in [name_ for name_, used in self.results.items() if not used]:
+        for name in [name_ for name_, set_ in self.results.items() if not set_]:
             self.findings.error("no-rules", f"no rule concludes '{name}'")
         self.partly = self._left_out()
         return not self.findings.failed
@@ -375,8 +375,8 @@ class _Reader:
         if self.kind != "T1Mamdani" or not self._by_centres:
             return [rule]
         return [
-            replace(rule, consequents=(consequent,), weight=_height(used))
-            for consequent, (_, used) in zip(rule.consequents, conclusions, strict=True)
+            replace(rule, consequents=(consequent,), weight=_height(conclusion))
+            for consequent, (_, conclusion) in zip(rule.consequents, conclusions, strict=True)
         ]
 
     # --- Variables ---
@@ -386,7 +386,7 @@ class _Reader:
         for name, sets in self.sets.items():
             low, high = _range(sets)
             terms = self._terms(name, sets, low, high)
-            shapes = [each for term in terms for each in (term.shape, term.lower) if each]
+            shapes = [curve for term in terms for curve in (term.shape, term.lower) if curve]
             inside = not self._has_values and all(
                 constant_beyond(shape, low, high) for shape in shapes
             )
@@ -397,11 +397,11 @@ class _Reader:
     def _terms(
         self, variable: str, sets: Sequence[Any], low: float, high: float
     ) -> tuple[Term, ...]:
-        taken: set[str] = set()
+        names: set[str] = set()
         terms = []
         for number, set_ in enumerate(sets, 1):
-            name = unique_name(str(getattr(set_, NAME, f"set{number}")), taken)
-            taken.add(name)
+            name = unique_name(str(getattr(set_, NAME, f"set{number}")), names)
+            names.add(name)
             with reading(f"'{name}' of '{variable}'"):
                 terms.append(self._term(set_, name, variable, low, high))
         return tuple(terms)

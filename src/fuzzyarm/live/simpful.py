@@ -99,19 +99,21 @@ class _Reader:
             self.findings.error("unknown-type", message)
             return None
         rules = [self._rule(number, *rule) for number, rule in enumerate(self.system._rules, 1)]
-        read = [name_ for name_ in rules if name_ is not None]
+        readings = [name_ for name_ in rules if name_ is not None]
         if not rules:
             self.findings.error("no-rules", "the system has no rules")
-        if not read or self.findings.failed:
+        if not readings or self.findings.failed:
             return None
-        used = [part.variable for _, rule in read for part in propositions(rule.antecedent)]
-        inputs = [n for n in self.variables if n in set(used)]
-        concluded = list(dict.fromkeys(rule.consequents[0].variable for _, rule in read))
+        names = [part.variable for _, rule in readings for part in propositions(rule.antecedent)]
+        inputs = [n for n in self.variables if n in set(names)]
+        concluded = list(dict.fromkeys(rule.consequents[0].variable for _, rule in readings))
         self._note_both(inputs, concluded)
         inputs_ = tuple(self._input(variable) for variable in inputs)
         output = self._values if self.sugeno else self._sets
-        outputs = tuple(output(name_, inputs_, [rule for _, rule in read]) for name_ in concluded)
-        return RuleBase(name, inputs_, outputs, blocks_by_norms(read))
+        outputs = tuple(
+            output(name_, inputs_, [rule for _, rule in readings]) for name_ in concluded
+        )
+        return RuleBase(name, inputs_, outputs, blocks_by_norms(readings))
 
     def _note_both(self, inputs: list[str], concluded: list[str]) -> None:
         for name in concluded:
@@ -133,20 +135,23 @@ class _Reader:
     def _rule(
         self, number: int, antecedent: Any, consequent: Sequence[str]
     ) -> tuple[tuple[str, str], Rule] | None:
-        used: set[str] = set()
+        connectives: set[str] = set()
         if len(consequent) not in (2, 3):
             message = f"rule {number} concludes {len(consequent) // 2} outputs; simpful takes one"
             self.findings.error("rule-too-rich", message)
             return None
         variable, term, *weight = consequent
-        expression = self._expression(antecedent, used, number)
+        expression = self._expression(antecedent, connectives, number)
         is_known = self._known_conclusion(variable, term, number)
         if expression is None or not is_known:
             return None
-        if len(used & {"AND", "AND_p"}) > 1 or len(used & {"OR", "OR_p"}) > 1:
+        if len(connectives & {"AND", "AND_p"}) > 1 or len(connectives & {"OR", "OR_p"}) > 1:
             message = f"rule {number} mixes norms, which one rule cannot do here"
             self.findings.error("mixed-norms", message)
-        norms = ("product" if "AND_p" in used else "min", "probor" if "OR_p" in used else "max")
+        norms = (
+            "product" if "AND_p" in connectives else "min",
+            "probor" if "OR_p" in connectives else "max",
+        )
         factor = float(weight[0]) if weight else 1.0
         if self.sugeno and factor != 1.0:
             return norms, Rule(expression, (Consequent(variable, f"{term}*{written(factor)}"),))
@@ -261,7 +266,7 @@ class _Reader:
             return _polygon(each)
         if shape is None:
             message = (
-                f"'{each._term}' of '{variable}' is a function of its own, taken at 1001 points"
+                f"'{each._term}' of '{variable}' is a user-defined function, taken at 1001 points"
             )
             self.findings.loss("unsupported-shape", message, slight=True)
             xs = [low + (high - low) * i / 1000 for i in range(1001)]
@@ -271,8 +276,8 @@ class _Reader:
     # --- Values of Sugeno systems ---
 
     def _values(self, name: str, inputs: tuple[Input, ...], rules: list[Rule]) -> Output:
-        used = [c.term for rule in rules for c in rule.consequents if c.variable == name]
-        shapes = {term: self._value(term, inputs) for term in dict.fromkeys(used)}
+        term_names = [c.term for rule in rules for c in rule.consequents if c.variable == name]
+        shapes = {term: self._value(term, inputs) for term in dict.fromkeys(term_names)}
         ends = {variable.name: (variable.low, variable.high) for variable in inputs}
         low, high = range_of_values(shapes.values(), ends) or (0.0, 1.0)
         message = f"'{name}' has no universe of discourse; {low:g} to {high:g} by its values"
@@ -298,11 +303,11 @@ class _Reader:
 
 
 def _terms(shapes: Mapping[str, Shape]) -> tuple[Term, ...]:
-    taken: set[str] = set()
+    names: set[str] = set()
     terms = []
     for name, shape in shapes.items():
-        terms.append(Term(unique_name(name, taken), shape))
-        taken.add(name)
+        terms.append(Term(unique_name(name, names), shape))
+        names.add(name)
     return tuple(terms)
 
 

@@ -261,18 +261,18 @@ def _note_between(variable: Any, labels: list[str], findings: Findings) -> None:
 
 def _blocks(rules: list[Any], findings: Findings) -> tuple[RuleBlock, ...]:
     """Return a block for each run of rules with the same norms."""
-    read: list[tuple[tuple[str, str], Rule]] = []
+    readings: list[tuple[tuple[str, str], Rule]] = []
     for rule in rules:
         with reading(f"the rule '{rule.label}'"):
             _note_intermediates(rule, findings)
             norms = (_norm_name(rule.and_func), _norm_name(rule.or_func))
         if norms[0] not in _TNORMS or norms[1] not in _SNORMS:
-            message = f"the rule '{rule.label}' joins conditions by a function of its own"
+            message = f"the rule '{rule.label}' joins conditions by a user-defined function"
             findings.error("unknown-norm", message)
             continue
         with reading(f"the rule '{rule.label}'"):
-            read += [(norms, rule_read) for rule_read in _rules(rule)]
-    return blocks_by_norms(read)
+            readings += [(norms, rule_read) for rule_read in _rules(rule)]
+    return blocks_by_norms(readings)
 
 
 def _note_intermediates(rule: Any, findings: Findings) -> None:
@@ -313,10 +313,10 @@ def _expression(part: Any) -> Expression:
     first = _expression(part.term1)
     if kind == "not":
         return hedged((NOT,), first)
-    joined = And if kind == "and" else Or
+    connective = And if kind == "and" else Or
     # ``a & b & c`` is one conjunction; it is taken from the left here and there.
-    left = first.operands if isinstance(first, joined) else (first,)
-    return joined((*left, _expression(part.term2)))
+    left = first.operands if isinstance(first, connective) else (first,)
+    return connective((*left, _expression(part.term2)))
 
 
 # --- From a rule base to a control system of scikit-fuzzy ---
@@ -358,8 +358,8 @@ def _check(rulebase: RuleBase, findings: Findings) -> None:
     note_chaining(rulebase, findings, "scikit-fuzzy", own=False)
     note_threshold(rulebase, findings, "scikit-fuzzy", 0.0)
     variables: tuple[Input | Output, ...] = (*rulebase.inputs, *rulebase.outputs)
-    for each in variables:
-        _check_terms(each, findings)
+    for item in variables:
+        _check_terms(item, findings)
     for variable in rulebase.inputs:
         if variable.outside == "extend":
             message = f"'{variable.name}' is not clamped to its range, as scikit-fuzzy does"

@@ -302,11 +302,11 @@ def _plain(line: str) -> str:
 
 def _free_names(tree: ast.AST) -> list[str]:
     """Return names that are read and never bound."""
-    read: set[str] = set()
+    loads: set[str] = set()
     bound = set(dir(builtins))
     for node in ast.walk(tree):
         if isinstance(node, ast.Name):
-            (read if isinstance(node.ctx, ast.Load) else bound).add(node.id)
+            (loads if isinstance(node.ctx, ast.Load) else bound).add(node.id)
         elif isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
             bound.add(node.name)
         elif isinstance(node, ast.arg):
@@ -315,7 +315,7 @@ def _free_names(tree: ast.AST) -> list[str]:
             bound.add((node.asname or node.name).partition(".")[0])
         elif isinstance(node, ast.ExceptHandler) and node.name:
             bound.add(node.name)
-    return sorted(read - bound)
+    return sorted(loads - bound)
 
 
 _OLD_NAMES = {

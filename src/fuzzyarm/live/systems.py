@@ -337,19 +337,21 @@ def _about_script(
     if times := data.get("answers"):
         message = f"input() was answered with 1, {times} {'time' if times == 1 else 'times'}"
         findings.loss("answered-input", message, slight=True)
-    taken = bool(data["found"])
-    so_far = "; what it had made by then is taken" if taken else ""
+    has_systems = bool(data["found"])
+    so_far = "; what it had made by then is taken" if has_systems else ""
     raised = data.get("raised")
     if data.get("endless"):
         message = f"the script has not ended within {seconds:g} s{so_far}"
-        findings.loss("endless-script", message, hint="--seconds gives it more", slight=taken)
-    elif raised and not (taken and raised["kind"] == "SystemExit"):
+        findings.loss("endless-script", message, hint="--seconds gives it more", slight=has_systems)
+    elif raised and not (has_systems and raised["kind"] == "SystemExit"):
         line, column = max(1, raised["line"]), max(1, raised["column"])
         at = Span(line, column, line, column + 1) if raised["line"] else NOWHERE
         what = f"'{raised['called']}'" if raised.get("called") else "the script"
         detail = f": {raised['message']}" if raised["message"] else ""
         message = f"{what} ends with {raised['kind']}{detail}{so_far}"
-        findings.loss("failed-script", message, at, _HINTS.get(raised["kind"], ""), slight=taken)
+        findings.loss(
+            "failed-script", message, at, _HINTS.get(raised["kind"], ""), slight=has_systems
+        )
     if left_out := data.get("left_out"):
         message = (
             f"{', '.join(left_out)} had not computed anything before that and may lack rules; "

@@ -68,10 +68,10 @@ def characters(text: str, count: int, encoding: str = UTF16) -> int:
     """
     if encoding == UTF32 or text.isascii():
         return max(0, min(count, len(text)))
-    used = 0
+    width = 0
     for index, character in enumerate(text):
-        used += units(character, encoding)
-        if used > count:
+        width += units(character, encoding)
+        if width > count:
             return index
     return len(text)
 
@@ -159,7 +159,7 @@ def _name_at(reading: Reading, line: int, column: int) -> tuple[str, Span] | Non
 def _occurrences(reading: Reading, line: int, column: int) -> list[tuple[Span, bool]]:
     occurrence = occurrence_at(reading, line, column)
     every = [] if occurrence is None else references(reading, occurrence)
-    return [(each.span, each.is_definition) for each in every]
+    return [(mention.span, mention.is_definition) for mention in every]
 
 
 def _fixes(reading: Reading, finding: Diagnostic) -> list[Fix]:
@@ -341,12 +341,12 @@ class Session:
 
     def hover(self, line: int, column: int) -> Hover | None:
         """Return what stands at a position, with the last verdict on a ``prove`` line."""
-        found: Hover | None = self.kind.hover(self.reading, line, column)
+        answer: Hover | None = self.kind.hover(self.reading, line, column)
         verdict = next((candidate for candidate in self.verdicts if candidate.line == line), None)
-        if found is None or verdict is None:
-            return found
+        if answer is None or verdict is None:
+            return answer
         text = "\n\n".join(plain(words) for words in str(verdict).splitlines())
-        return Hover(f"{found.markdown}\n\n{text}", found.span)
+        return Hover(f"{answer.markdown}\n\n{text}", answer.span)
 
     def copy(self) -> Session:
         """Return a session to be checked in another thread; what is quick is read here."""

@@ -80,7 +80,7 @@ class TableText:
         """Return the edits that give the name at a position another one, or raise RenameError."""
         name_and_span = self.name_at(line, column)
         if name_and_span is None:
-            raise RenameError("there is no input or output at this position")
+            raise RenameError("no input or output at this position")
         name = new_name.strip().strip("'")
         if not name:
             raise RenameError("the new name is empty")
@@ -115,9 +115,9 @@ class TableText:
         cell = self._cell(line, column)
         if cell is not None:
             return cell
-        named = self.name_at(line, column)
-        if named is not None:
-            return Hover(self._name_words(named[0]), named[1])
+        name = self.name_at(line, column)
+        if name is not None:
+            return Hover(self._name_words(name[0]), name[1])
         for token in self._line(line)[:1]:
             if token.column <= column <= token.end and token.text in KEYWORDS:
                 return Hover(f"**{token.text}**: {KEYWORDS[token.text]}", token.span)
@@ -177,18 +177,18 @@ class TableText:
 
     def symbols(self) -> list[Symbol]:
         """Return the axes, the output and the grids."""
-        found = []
+        outline = []
         for number, tokens in enumerate(self.tokens, start=1):
             first = _first(tokens)
             if first in ("input", "output") and len(tokens) > 1:
                 whole = tokens[0].span.to(tokens[-1].span)
-                found.append(Symbol(tokens[1].text or "?", "", first, whole, tokens[1].span))
+                outline.append(Symbol(tokens[1].text or "?", "", first, whole, tokens[1].span))
             elif first == "grid":
                 end = self._end_of_grid(number)
                 whole = Span(number, 1, end, len(self.lines[end - 1]) + 1)
                 name = " ".join(self.lines[number - 1].split())
-                found.append(Symbol(name, "", "grid", whole, tokens[0].span))
-        return found
+                outline.append(Symbol(name, "", "grid", whole, tokens[0].span))
+        return outline
 
     def folds(self) -> list[Fold]:
         """Return the grids."""

@@ -106,7 +106,7 @@ def _measured(shape: Shape, low: float, high: float, width: float) -> _Profile:
         at, half = shape.parameters[0], max(0.5 * width, least)
         return _Profile(at - half, at, at, at, at, at + half, least)
     if not SHAPES[shape.kind].fuzzy:
-        raise UnlikeError(f"a term that is '{shape.kind}' has neither place nor width")
+        raise UnlikeError(f"a term that is '{shape.kind}' has neither a position nor a width")
     degree = membership_function(shape)
     span = high - low
     even = (low - span + 3.0 * span * i / (SAMPLES - 1) for i in range(SAMPLES))
@@ -118,7 +118,7 @@ def _measured(shape: Shape, low: float, high: float, width: float) -> _Profile:
     left = _flank(degree, xs[: first + 1][::-1], top)
     right = _flank(degree, xs[last:], top)
     if left is None and right is None:
-        raise UnlikeError("the term is as high everywhere: it has no place")
+        raise UnlikeError("the term has the same height everywhere: it has no position")
     begin = -math.inf if left is None else xs[first]
     end = math.inf if right is None else xs[last]
     (a, edge_a), (b, edge_b) = left or (-math.inf, -math.inf), right or (math.inf, math.inf)

@@ -105,11 +105,11 @@ def partition_faults(variable: Variable) -> list[Unlike] | None:
     """
     cores_of_terms = cores(variable)
     straight = all(
-        SHAPES[each.shape.kind].fuzzy
-        and SHAPES[each.shape.kind].straight
-        and each.shape.kind != "singleton"
-        and each.shape.height == 1.0
-        for each in variable.terms
+        SHAPES[member.shape.kind].fuzzy
+        and SHAPES[member.shape.kind].straight
+        and member.shape.kind != "singleton"
+        and member.shape.height == 1.0
+        for member in variable.terms
     )
     if cores_of_terms is None or len(cores_of_terms) < 2 or not straight:
         return None

@@ -34,12 +34,12 @@ def methods_of(rulebase: AnyRuleBase) -> dict[str, list[str]]:
     >>> methods_of(rulebase)
     {'mamdani1975': ['rules over sets'], 'zadeh1965': ['and min', 'aggregation max']}
     """
-    found: dict[str, list[str]] = {}
+    methods: dict[str, list[str]] = {}
     for sources, name in _methods(rulebase.model):
         for source in sources:
-            if name not in found.setdefault(source, []):
-                found[source].append(name)
-    return found
+            if name not in methods.setdefault(source, []):
+                methods[source].append(name)
+    return methods
 
 
 def _methods(rulebase: RuleBase) -> Iterator[tuple[tuple[str, ...], str]]:

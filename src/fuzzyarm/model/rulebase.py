@@ -43,9 +43,9 @@ class NotInModelError(FuzzyarmError, KeyError):
 
     def __init__(self, what: str, name: str, known: Sequence[str]) -> None:
         hint = near_hint(name, known)[0]
-        shown = ", ".join(known[:10]) + (", …" if len(known) > 10 else "")
+        listing = ", ".join(known[:10]) + (", …" if len(known) > 10 else "")
         message = f"no {what} is called '{name}'"
-        super().__init__(message, hint=hint or (f"there are {shown}" if known else ""))
+        super().__init__(message, hint=hint or (f"there are {listing}" if known else ""))
         self.name = name
         self.known = tuple(known)
 

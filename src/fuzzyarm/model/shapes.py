@@ -243,7 +243,7 @@ def first_above(lower: Shape, upper: Shape, low: float, high: float) -> float | 
     features = {x for shape in (lower, upper) for x in corner_points(shape)}
     one, other = membership_function(lower), membership_function(upper)
     if not (SHAPES[lower.kind].straight and SHAPES[upper.kind].straight):
-        features |= {x for each in (lower, upper) for x in bends(each) if math.isfinite(x)}
+        features |= {x for curve in (lower, upper) for x in bends(curve) if math.isfinite(x)}
         return first_sample_above(one, other, low, high, features)
     start, end = _finite(low, high, features)
     from fractions import Fraction

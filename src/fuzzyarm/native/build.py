@@ -134,13 +134,13 @@ class Compiler(NamedTuple):
             If it cannot be started, or fails; with what it says.
         """
         try:
-            done = subprocess.run(
+            process = subprocess.run(
                 [*self.words, *words], capture_output=True, text=True, check=False
             )
         except OSError as error:
             raise BuildError(f"{self.words[0]} could not be started: {error}") from None
-        if done.returncode:
-            raise BuildError(f"{shlex.join(self.words)} failed:\n{done.stderr.strip()}")
+        if process.returncode:
+            raise BuildError(f"{shlex.join(self.words)} failed:\n{process.stderr.strip()}")
 
 
 def find_compiler() -> Compiler:
@@ -154,8 +154,8 @@ def find_compiler() -> Compiler:
         If there is none.
     """
     machine, system = _own_machine(), _own_system()
-    named = shlex.split(os.environ.get("CC", ""))
-    for words in (named, ["cc"], ["gcc"], ["clang"]):
+    preferred = shlex.split(os.environ.get("CC", ""))
+    for words in (preferred, ["cc"], ["gcc"], ["clang"]):
         if words and shutil.which(words[0]):
             return Compiler(tuple(words), machine, system)
     try:

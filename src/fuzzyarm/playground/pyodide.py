@@ -102,21 +102,21 @@ def _fetched(room: Path) -> Path:
     if npm is None:
         raise PyodideError(
             "Pyodide is fetched by npm, which is not installed",
-            hint="--pyodide FOLDER takes a copy that there is",
+            hint="--pyodide FOLDER uses an existing copy",
         )
     words = [npm, "pack", f"pyodide@{VERSION}", "--silent", "--pack-destination", str(room)]
     try:
-        done = subprocess.run(
+        process = subprocess.run(
             words, cwd=room, capture_output=True, text=True, check=False, timeout=PATIENCE
         )
     except (OSError, subprocess.TimeoutExpired) as error:
         raise PyodideError(f"npm could not fetch Pyodide: {error}") from None
     archives = sorted(room.glob("*.tgz"))
-    if done.returncode or not archives:
-        said = (done.stderr or done.stdout).strip().splitlines()
+    if process.returncode or not archives:
+        messages = (process.stderr or process.stdout).strip().splitlines()
         raise PyodideError(
-            f"npm could not fetch Pyodide {VERSION}{': ' + said[-1] if said else ''}",
-            hint="--pyodide FOLDER takes a copy that there is",
+            f"npm could not fetch Pyodide {VERSION}{': ' + messages[-1] if messages else ''}",
+            hint="--pyodide FOLDER uses an existing copy",
         )
     with tarfile.open(archives[0]) as archive:
         for name in (*FILES, "package.json"):

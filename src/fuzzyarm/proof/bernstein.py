@@ -143,11 +143,11 @@ def halving(dimension: int, degree: int, first: int, second: int, *, exact: bool
     number = {index: i for i, index in enumerate(indices)}
     rows = [[Fraction(0)] * len(indices) for _ in indices]
     for row, index in enumerate(indices):
-        moved = index[second]
-        for k in range(moved + 1):
+        order = index[second]
+        for k in range(order + 1):
             source = list(index)
-            source[second], source[first] = moved - k, index[first] + k
-            rows[row][number[tuple(source)]] += Fraction(comb(moved, k), 2**moved)
+            source[second], source[first] = order - k, index[first] + k
+            rows[row][number[tuple(source)]] += Fraction(comb(order, k), 2**order)
     return (rationals() if exact else FLOATS).array(rows)
 
 
@@ -400,7 +400,7 @@ def maximise(
         With `left` empty unless the search was given up.
     """
     best, corner, owner = least, None, -1
-    seen, open_ = quotients.count, quotients
+    count, open_ = quotients.count, quotients
     given_up: Quotients = quotients.take(np.zeros(0, dtype=int))
     try:
         while open_.count:
@@ -409,7 +409,7 @@ def maximise(
                 best, corner = attained[0], attained[2]
                 owner = int(open_.owner[attained[1]])
                 if decide:
-                    return Extremum(best, best, corner, owner, seen, given_up)
+                    return Extremum(best, best, corner, owner, count, given_up)
             open_, too_small = _worth_halving(open_, best, tolerance, smallest, stop)
             given_up = given_up.joined(too_small)
             if stop.tell is not None and open_.count and best is not None:
@@ -418,7 +418,7 @@ def maximise(
                 break
             if open_.count:
                 open_ = open_.halved(stop)
-                seen += open_.count
+                count += open_.count
     except TimeOverError:
         pass
     given_up = given_up.joined(open_)
@@ -426,7 +426,7 @@ def maximise(
     if given_up.count:
         crude = given_up.bound()
         bound = crude if bound is None or crude > float(bound) else bound
-    return Extremum(best, bound, corner, owner, seen, given_up)
+    return Extremum(best, bound, corner, owner, count, given_up)
 
 
 def _worth_halving(

@@ -186,10 +186,10 @@ class Boxes:
             If it is still open when the search stops.
         """
         low, high = self._first([[] for _ in self.names])
-        seen = 0
+        count = 0
         while len(low):
-            seen += len(low)
-            if seen > self.most:
+            count += len(low)
+            if count > self.most:
                 raise UnprovableError("whether some rule fires everywhere is open: too many boxes")
             judged = []
             for start in range(0, len(low), self.chunk):
@@ -261,10 +261,10 @@ class Boxes:
         """Return the supremum over the box; with `least` only whether it is above that."""
         low, high = self._first(positions)
         best, where = -math.inf if least is None else least, {}
-        done, seen = best, 0
+        closed_top, count = best, 0
         tops = np.full(len(low), math.inf)  # what is not reached in time keeps that of its parent
         while len(low):
-            seen += len(low)
+            count += len(low)
             for start in range(0, len(low), self.chunk):
                 if self.stop.now:
                     break
@@ -282,18 +282,22 @@ class Boxes:
             limit = best + gap
             open_ = ~(tops <= limit)
             if (~open_).any():
-                done = max(done, float(tops[~open_].max()))
+                closed_top = max(closed_top, float(tops[~open_].max()))
             low, high, tops = low[open_], high[open_], tops[open_]
             if len(low):
                 self.stop.say(len(low), float(tops.max()) - best)
-            if self.stop.now or seen > self.most or (len(low) and self._is_fine(low, high)):
+            if self.stop.now or count > self.most or (len(low) and self._is_fine(low, high)):
                 return _Found(
-                    max(done, float(tops.max(initial=done))), best, where, seen, not len(low)
+                    max(closed_top, float(tops.max(initial=closed_top))),
+                    best,
+                    where,
+                    count,
+                    not len(low),
                 )
             if len(low):
                 low, high = self._halved(low, high)
                 tops = np.concatenate([tops, tops])
-        return _Found(max(done, best), best, where, seen, complete=True)
+        return _Found(max(closed_top, best), best, where, count, complete=True)
 
     def _first(self, positions: Sequence[Sequence[float]]) -> tuple[Array, Array]:
         """Return the box cut at corners of terms (where they are few) and where asked for."""

@@ -218,15 +218,15 @@ def routines_for(
 
     direct = infers(model, how)
     reports: tuple[CompileReport, ...] = ()
-    chosen: RuleBase | list[LookupTable]
+    sources: RuleBase | list[LookupTable]
     if not isinstance(model, RuleBase):
-        chosen = [model]
+        sources = [model]
     elif direct:
-        chosen = model
+        sources = model
     else:
         names = (how.output,) if how.output else tuple(output.name for output in model.outputs)
         reports = tuple(compiled(model, name, how, progress) for name in names or (None,))
-        chosen = [report.table for report in reports]
+        sources = [report.table for report in reports]
     # A C compiler has a double; Python has one kind of float.
     suffix = Path(path).suffix.lower()
     default = {**_FOR_PLCS, ".py": "float64"}.get(suffix, "mixed")
@@ -238,7 +238,7 @@ def routines_for(
         if fidelity.mode == (how.mode or report.table.default_mode)
     }
     routines = routines_of(
-        chosen,
+        sources,
         output=how.output if direct else None,
         mode=how.mode,
         q=how.q,

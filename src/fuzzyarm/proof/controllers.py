@@ -183,10 +183,10 @@ class _Trial:
             address = self.site.find(self.lines.text.model, "drive", (self.name, port))
         except SourceError:
             return None, None
-        found = self.site.interface.inputs[address]
-        limits = Interval(found.low, found.high)
+        input_port = self.site.interface.inputs[address]
+        limits = Interval(input_port.low, input_port.high)
         finite = limits.low > -math.inf or limits.high < math.inf
-        return (limits if finite else None), read_unit(found.unit)
+        return (limits if finite else None), read_unit(input_port.unit)
 
     @staticmethod
     def _limited(drives: Sequence[tuple[Drive, Law]], farthest: float) -> Law:
@@ -215,9 +215,9 @@ class _Trial:
         return tuple(
             DriveGain(
                 name, gain.low, gain.high, around.low, around.high,
-                unit_text(each) if each is not None else "",
+                unit_text(unit_of_port) if unit_of_port is not None else "",
             )
-            for name, ((gain, around), each) in by_port.items()
+            for name, ((gain, around), unit_of_port) in by_port.items()
             if name in intervals or largest(around) > 0.0
         )  # fmt: skip
 

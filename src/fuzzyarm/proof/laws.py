@@ -324,9 +324,9 @@ def _table_slope(
     here = float(table.lookup(*rest))
     values = [0.0] if not axis.levels[0] < x < axis.levels[-1] else []
     for level in _beside(axis.levels, x):
-        moved = [*rest]
-        moved[number] = level
-        values.append((float(table.lookup(*moved)) - here) / (level - x))
+        point = [*rest]
+        point[number] = level
+        values.append((float(table.lookup(*point)) - here) / (level - x))
     return Interval(min(values), max(values))
 
 
@@ -350,9 +350,9 @@ def _table_sector(
     ratios = [slope.low, slope.high]
     for x in finite:
         for side in (x, math.nextafter(x, math.inf)) if mode != "linear" else (x,):
-            moved = [*rest]
-            moved[number] = side
-            ratios.append(float(table.lookup(*moved)) / x)
+            point = [*rest]
+            point[number] = side
+            ratios.append(float(table.lookup(*point)) / x)
     if len(finite) < len(ends):
         ratios.append(0.0)
     return Interval(min(ratios), max(ratios))

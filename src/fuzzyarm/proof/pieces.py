@@ -515,21 +515,21 @@ class Pieces:
 
     def _refine(self, which: Array, undecided_on: Callable[[Array], list[Array]]) -> Array:
         """Cut pieces until none of the differences has both signs on one; return them all."""
-        done: list[Array] = []
+        parts: list[Array] = []
         while which.size:
             self.stop.check(self.count)
             differences = undecided_on(which)
             cuts = np.full(len(which), -1)
             for number, gap in enumerate(differences):
                 cuts = np.where((cuts < 0) & self._is_mixed(gap), number, cuts)
-            done.append(which[cuts < 0])
+            parts.append(which[cuts < 0])
             following = [
-                self._split(which[chosen], differences[number][chosen])
+                self._split(which[selection], differences[number][selection])
                 for number in range(len(differences))
-                if (chosen := np.flatnonzero(cuts == number)).size
+                if (selection := np.flatnonzero(cuts == number)).size
             ]
             which = np.concatenate(following) if following else np.zeros(0, dtype=int)
-        return np.concatenate(done) if done else np.zeros(0, dtype=int)
+        return np.concatenate(parts) if parts else np.zeros(0, dtype=int)
 
     def _is_mixed(self, gap: Array) -> Array:
         low, high = least_of_rows(gap), greatest_of_rows(gap)

@@ -209,8 +209,8 @@ class Prover:
     def no_rule(self) -> float | None:
         """The number that stands where there is no value; None where it is no number."""
         no_rule = self.output.no_rule
-        stated = isinstance(no_rule, int | float) and not math.isnan(no_rule)
-        return float(no_rule) if stated else None
+        is_number = isinstance(no_rule, int | float) and not math.isnan(no_rule)
+        return float(no_rule) if is_number else None
 
     def slope(self, region: Mapping[str, tuple[float, float]], name: str) -> Bounds:
         """Return bounds of the slope along an input, wherever the output has one."""
@@ -369,14 +369,16 @@ class Prover:
             for sign in ((-1, 1) if both else (1,))
         }
         open_ = [search.left.owner for search in searched.values()]
-        left = np.concatenate([*open_, np.flatnonzero(doubtful)])
+        undecided = np.concatenate([*open_, np.flatnonzero(doubtful)])
         if any(search.reached is None for search in searched.values()):
-            if self.exact or not left.size:
+            if self.exact or not undecided.size:
                 raise NothingFiresError(f"no rule fires anywhere for '{self.output.name}'")
             rational = self.in_rationals()
             return rational.bounds_of(question, shifted=shifted, both=both, share=share)
         # What floats leave open is cut once in rationals, for both ends.
-        exact = self._again(question, surface, left) if left.size and not self.exact else None
+        exact = (
+            self._again(question, surface, undecided) if undecided.size and not self.exact else None
+        )
         pieces, complete, ends = 0, True, []
         for sign, search in searched.items():
             pieces = max(pieces, search.pieces)
@@ -417,9 +419,9 @@ class Prover:
 
     def _searched_again(self, exact: tuple[Surface, Quotients], sign: int, least: Any) -> Extremum:
         number, quotients = rationals().number, exact[1]
-        chosen = quotients if sign == 1 else quotients.negated()
+        oriented = quotients if sign == 1 else quotients.negated()
         floor = number(Fraction(float(least)))
-        return maximise(chosen, number(Fraction(self.gap)), self.stop, least=floor)
+        return maximise(oriented, number(Fraction(self.gap)), self.stop, least=floor)
 
     def at_most(
         self,
@@ -431,7 +433,7 @@ class Prover:
         shifted: bool = False,
     ) -> Claim:
         """Tell whether a quotient (or minus the quotient) is at most a bound everywhere."""
-        seen = 0
+        count = 0
         cells: Array | None = None
         for arithmetic in (rationals(),) if self.exact else (FLOATS, rationals()):
             try:
@@ -442,22 +444,22 @@ class Prover:
             centre = as_fraction(surface.centre) if shifted else Fraction(0)
             limit = bound + centre if negated else bound - centre
             doubtful = self._doubtful(question, surface)
-            chosen = (quotients.negated() if negated else quotients).without(doubtful)
+            oriented = (quotients.negated() if negated else quotients).without(doubtful)
             margin = 0.0 if arithmetic.exact else 1e3 * WIDENED * self.range
             least = arithmetic.number(limit) + arithmetic.number(Fraction(margin))
             start = arithmetic.number(limit)
             smallest = SMALLEST if arithmetic.exact else 1 / 16
             extremum = maximise(
-                chosen, start - start, self.stop,
+                oriented, start - start, self.stop,
                 least=start, decide=arithmetic.exact, smallest=smallest,
             )  # fmt: skip
-            seen += extremum.pieces
+            count += extremum.pieces
             fails = extremum.owner >= 0 and extremum.reached > least
             if arithmetic.exact and strict and not fails:
-                touching = chosen.touches(start)
+                touching = oriented.touches(start)
                 if touching is not None:
                     at = self.named(surface.pieces.position(*touching))
-                    return Claim(False, at, seen, True)
+                    return Claim(False, at, count, True)
             if fails:
                 corner = extremum.corner
                 assert corner is not None
@@ -465,18 +467,18 @@ class Prover:
                     inside = surface.pieces.corners[extremum.owner].sum(axis=0) / (corner.size + 1)
                     corner = corner + (inside - corner) / 2**14
                 at = self.named(surface.pieces.position(extremum.owner, corner))
-                return Claim(False, at, seen, arithmetic.exact)
-            left = np.concatenate([extremum.left.owner, np.flatnonzero(doubtful)])
-            if not left.size and extremum.owner < 0:
-                return Claim(True, {}, seen, arithmetic.exact)
+                return Claim(False, at, count, arithmetic.exact)
+            undecided = np.concatenate([extremum.left.owner, np.flatnonzero(doubtful)])
+            if not undecided.size and extremum.owner < 0:
+                return Claim(True, {}, count, arithmetic.exact)
             if self.stop.now or arithmetic.exact:
                 break
-            owners = left
+            owners = undecided
             if extremum.owner >= 0:  # above the bound by less than floats can tell
-                above = chosen.excess(start, self.stop) > 0
-                owners = np.concatenate([owners, chosen.owner[above]])
+                above = oriented.excess(start, self.stop) > 0
+                owners = np.concatenate([owners, oriented.owner[above]])
             cells = np.unique(surface.pieces.flat_cells[owners])
-        return Claim(None, {}, seen, False)
+        return Claim(None, {}, count, False)
 
     @staticmethod
     def _doubtful(question: Question, surface: Surface) -> Array:
@@ -519,12 +521,12 @@ class Prover:
         what = Cut(question.box, positions, question.mirrored, question.form)
         try:
             pieces = cut(self.model, what, arithmetic, cells, self.stop)
-            made = Surface(self.model, pieces)
+            new_surface = Surface(self.model, pieces)
         except TooManyPiecesError as error:
             raise UnprovableError(str(error)) from None
         if cells is None:
-            self._surfaces[key] = made
-        return made
+            self._surfaces[key] = new_surface
+        return new_surface
 
     def _table_question(
         self, table: LookupTable, mode: str, box: tuple[tuple[Fraction, Fraction], ...]

@@ -211,7 +211,7 @@ class _Reading:
             if columns[index]
         )
         multiplies = any(_has_product(rule.antecedent) for rule in rules)
-        count = 1 + max(column for found in columns for column in found)
+        count = 1 + max(column for rule_columns in columns for column in rule_columns)
         if multiplies:
             self._demand_products(rules, adds=adds)
         form, values, areas = self._consequents(count)
@@ -280,8 +280,8 @@ class _Reading:
         if any(not _is_plain_product(rule.antecedent) for rule in rules):
             raise NotStraightError("products of memberships beside other norms")
         if self.output.discrete and not adds:
-            taken = [column for rule in rules for column in rule.columns]
-            if len(set(taken)) < len(taken):
+            columns = [column for rule in rules for column in rule.columns]
+            if len(set(columns)) < len(columns):
                 raise NotStraightError("the maximum of products of memberships")
         if not self.output.discrete and self._is_clipped():
             raise NotStraightError("sets that are clipped at products of memberships")

@@ -637,11 +637,11 @@ class TableValues:
         table: TableHeader, mode: str, names: Sequence[str]
     ) -> tuple[list[Fraction], ...]:
         """Return where each input has to be cut."""
-        found: dict[str, list[Fraction]] = {}
+        levels: dict[str, list[Fraction]] = {}
         for axis in table.axes:
             ends = axis.levels if mode == "linear" else axis.thresholds(mode)
-            found[axis.name] = [Fraction(x) for x in ends]
-        return tuple(found[name] for name in names)
+            levels[axis.name] = [Fraction(x) for x in ends]
+        return tuple(levels[name] for name in names)
 
     def at(self, cell: Array, shares: Array) -> Array:
         """Return the values of the table at the lattice of pieces."""

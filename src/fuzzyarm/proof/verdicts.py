@@ -312,11 +312,11 @@ class _Case:
             return no_rule
         bounds = prover.value(self.region)
         for sign, limit in ((-1, low), (1, high)):
-            said, bounds = self._side(bounds, sign, limit, strict=strict)
-            if said == UNDECIDED:
+            result, bounds = self._side(bounds, sign, limit, strict=strict)
+            if result == UNDECIDED:
                 return self._said(UNDECIDED, bounds)
-            if isinstance(said, tuple):
-                return self._said(REFUTED, bounds, evidence=said, reason=self.remark)
+            if isinstance(result, tuple):
+                return self._said(REFUTED, bounds, evidence=result, reason=self.remark)
         return self._said(PROVED, bounds)
 
     def _side(
@@ -459,7 +459,7 @@ class _Case:
 
     def _points(self, points: list[Mapping[str, Any]]) -> tuple[str, ...]:
         """Return points as evidence, where inference has the values of exact arithmetic."""
-        found = []
+        pairs = []
         for at in points:
             near = {name: float(x) for name, x in at.items()}
             value, exact = self._inferred(near), self.prover.exactly(near)
@@ -467,18 +467,18 @@ class _Case:
                 return ()
             if abs(Fraction(value) - exact) > Fraction(LIKE_EXPECT * self.prover.range):
                 return ()
-            found.append((near, value))
-        return tuple(self._expect(near, value) for near, value in found)
+            pairs.append((near, value))
+        return tuple(self._expect(near, value) for near, value in pairs)
 
     def _expect(self, at: Mapping[str, float], value: float) -> str:
         from fuzzyarm.language.tokens import name_text
 
         self._note(at)
         inputs = ", ".join(f"{name_text(name)} = {number_text(x)}" for name, x in at.items())
-        shown = float(f"{value:.12g}")
-        if abs(shown - value) > 0.1 * LIKE_EXPECT * self.prover.range:
-            shown = value
-        return f"expect {inputs} -> {name_text(self.claim.output)} = {number_text(shown)}"
+        rounded = float(f"{value:.12g}")
+        if abs(rounded - value) > 0.1 * LIKE_EXPECT * self.prover.range:
+            rounded = value
+        return f"expect {inputs} -> {name_text(self.claim.output)} = {number_text(rounded)}"
 
     # ── slopes ───────────────────────────────────────────────────────────────────────
 
@@ -551,14 +551,14 @@ class _Case:
         for sign, limit, bound in ((-1, claim.low, bounds.low), (1, claim.high, bounds.high)):
             if sign * (limit - bound) >= 0:
                 continue
-            found = prover.slope_at_most(
+            outcome = prover.slope_at_most(
                 self.region, claim.input, Fraction(sign * limit), negated=sign < 0
             )
-            facts = {"pieces": bounds.pieces + found.pieces}
-            if found.holds is None:
+            facts = {"pieces": bounds.pieces + outcome.pieces}
+            if outcome.holds is None:
                 return self._said(UNDECIDED, bounds, **facts)
-            if not found.holds:
-                pair = self._steep_pair(found.at, sign, limit)
+            if not outcome.holds:
+                pair = self._steep_pair(outcome.at, sign, limit)
                 if pair is None:
                     reason = "a limit of slopes is beyond, but no pair of floats shows it"
                     return self._said(UNDECIDED, bounds, reason=reason, **facts)

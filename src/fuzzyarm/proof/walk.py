@@ -399,10 +399,10 @@ class Walk:
             size = largest(rest)
             small = size <= LIKE_EXPECT * prover.range
             return (NOTHING, size) if small else ("it is not 0 at rest", 0.0)
-        found = self._weights(moving, given)
-        if isinstance(found, str):
-            return found, 0.0
-        weights, by = found
+        result = self._weights(moving, given)
+        if isinstance(result, str):
+            return result, 0.0
+        weights, by = result
         try:
             sector = self.case.sector(prover, weights, region)
         except FuzzyarmError as error:
@@ -428,14 +428,14 @@ class Walk:
             along = given[moving[0]].along
             return along if isinstance(along, str) else ({moving[0]: Fraction(1)}, along)
         weights: dict[str, Fraction] = {}
-        left = dict(self.asked.form)
+        remaining = dict(self.asked.form)
         for name in moving:
             linear = {s: w for s, w in (given[name].linear or {}).items() if s in self.asked.form}
-            if len(linear) != 1 or next(iter(linear)) not in left:
+            if len(linear) != 1 or next(iter(linear)) not in remaining:
                 return f"'{name}' is not a multiple of one source"
             ((source, weight),) = linear.items()
-            weights[name] = Fraction(left.pop(source)) / Fraction(weight)
-        if left:
+            weights[name] = Fraction(remaining.pop(source)) / Fraction(weight)
+        if remaining:
             return "it depends on a part of the sum only"
         # In small numbers: the weight of the first input is 1, and its own goes into the gain.
         base = weights[moving[0]]
@@ -505,8 +505,8 @@ def _simple(ratio: Fraction) -> Fraction:
 
 def source_name(of: Source, *, whole: bool = False) -> str:
     """Return a source as it is called in what is said of it, with all its options or its weight."""
-    shown = [(word, value) for word, value in of.options if whole or word == "weight"]
-    words = "".join(f", {word} {_setting_words(of, word, value)}" for word, value in shown)
+    settings = [(word, value) for word, value in of.options if whole or word == "weight"]
+    words = "".join(f", {word} {_setting_words(of, word, value)}" for word, value in settings)
     return f"{of.kind}{of.record.joined} {of.name}{words}"
 
 

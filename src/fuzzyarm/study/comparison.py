@@ -160,11 +160,11 @@ def compare(
         return
     home = plant or Arm()
     ways = compared_trajectories(home) if trajectories is None else trajectories
-    named = iter(
+    catalogue = iter(
         find_controllers([controller for controller in controllers if isinstance(controller, str)])
     )
     for controller in controllers:
-        controller_ = controller if isinstance(controller, Controller) else next(named)
+        controller_ = controller if isinstance(controller, Controller) else next(catalogue)
         runs = [
             watched_run(
                 controller_,
@@ -209,12 +209,12 @@ def _compared_by(asked: CompareRequest) -> Iterator[Compared]:
 
 def compared_along(asked: CompareRequest, plant: Plant) -> Sequence[Trajectory]:
     """Return those that a plant has controllers compared along, with other angles and times."""
-    given: dict[str, Any] = {}
+    arguments: dict[str, Any] = {}
     if asked.angles is not None:
-        given["angles"] = asked.angles
+        arguments["angles"] = asked.angles
     if asked.segment is not None:
-        given["segment"] = asked.segment
-    return compared_trajectories(plant, **given)
+        arguments["segment"] = asked.segment
+    return compared_trajectories(plant, **arguments)
 
 
 @dataclass(frozen=True)

@@ -199,15 +199,15 @@ def draw_overview(results: Sequence[Reproduced], beyond: Sequence[Beyond] = ()) 
     """
     from matplotlib.figure import Figure
 
-    chosen = [result for result in results if result.variant == "as-printed"]
-    height = 1.9 + 0.24 * (len(chosen) + len(beyond))
+    rows = [result for result in results if result.variant == "as-printed"]
+    height = 1.9 + 0.24 * (len(rows) + len(beyond))
     figure = Figure(figsize=(13.0, height), layout="constrained")
     panels: Any = figure.subplots(1, 4, sharey=True, squeeze=False)[0]
-    first, second = chosen[0].published.trajectories
+    first, second = rows[0].published.trajectories
     for column, (panel, place) in enumerate(zip(panels, RMS_PLACES, strict=True)):
-        for height, result in enumerate(chosen):
+        for height, result in enumerate(rows):
             _mark(panel, -height, result, place)
-        for line, comparison in enumerate(beyond, len(chosen)):
+        for line, comparison in enumerate(beyond, len(rows)):
             panel.axhline(-line, color="0.94", linewidth=0.7, zorder=0)
             panel.plot(comparison.figures[place], -line, "D", color=OWN_COLOUR, markersize=5.5)
             panel.plot(comparison.rms_path[column], -line, "D", color=OWN_COLOUR, **_FROM_PATH)
@@ -219,8 +219,8 @@ def draw_overview(results: Sequence[Reproduced], beyond: Sequence[Beyond] = ()) 
         panel.set_axisbelow(True)
         panel.spines[["top", "right", "left"]].set_visible(False)
         panel.tick_params(axis="y", length=0)
-    names = [result.published.row for result in chosen]
-    colours = [FAMILIES[chapter_of(result.published)][1] for result in chosen]
+    names = [result.published.row for result in rows]
+    colours = [FAMILIES[chapter_of(result.published)][1] for result in rows]
     names += [comparison.name for comparison in beyond]
     colours += [OWN_COLOUR] * len(beyond)
     panels[0].set_yticks([-height for height in range(len(names))])
@@ -228,7 +228,7 @@ def draw_overview(results: Sequence[Reproduced], beyond: Sequence[Beyond] = ()) 
     panels[0].set_ylim(-len(names) + 0.4, 0.6)
     for label, colour in zip(panels[0].get_yticklabels(), colours, strict=True):
         label.set_color(colour)
-    _key(figure, chosen, beyond)
+    _key(figure, rows, beyond)
     return figure
 
 
@@ -312,12 +312,12 @@ def draw_cost(compared: Sequence[Compared], costs: Sequence[Cost], title: str = 
 
 
 def _draw_points(panel: Axes, compared: Sequence[Compared], values: Sequence[float]) -> None:
-    for each, value in zip(compared, values, strict=True):
-        chapter = chapter_of_controller(each.name)
+    for controller, value in zip(compared, values, strict=True):
+        chapter = chapter_of_controller(controller.name)
         colour = _colour_of(chapter)
-        ends = [each.path_error, each.error]
+        ends = [controller.path_error, controller.error]
         panel.plot([value, value], ends, color=colour, linewidth=0.8, alpha=0.6)
-        panel.plot(value, each.path_error, MARKS[chapter], color=colour, markersize=5.0)
+        panel.plot(value, controller.path_error, MARKS[chapter], color=colour, markersize=5.0)
     panel.set_xscale("log")
     panel.set_yscale("log")
     panel.yaxis.set_major_formatter("{x:g}")
@@ -336,18 +336,18 @@ def _draw_points(panel: Axes, compared: Sequence[Compared], values: Sequence[flo
     ]
     spots = [(x * scale[0], y * scale[1]) for x, y in points]
     offsets = place_labels(spots, [comparison.name for comparison in compared])
-    for each, value, (right, up) in zip(compared, values, offsets, strict=True):
-        to_the_left = right < -0.5 * _width(each.name)
+    for controller, value, (right, up) in zip(compared, values, offsets, strict=True):
+        to_the_left = right < -0.5 * _width(controller.name)
         panel.annotate(
-            each.name,
-            (value, each.path_error),
+            controller.name,
+            (value, controller.path_error),
             # Widths are estimates: a label to the left ends where it is to end.
             xytext=(-BESIDE if to_the_left else right, up),
             textcoords="offset points",
             fontsize=LETTERS,
             ha="right" if to_the_left else "left",
             va="center",
-            color=_colour_of(chapter_of_controller(each.name)),
+            color=_colour_of(chapter_of_controller(controller.name)),
         )
 
 
@@ -374,7 +374,7 @@ def place_labels(
         One for each.
     """
     # Rectangles that are taken: left, bottom, right, top. The marks first, then labels in turn.
-    taken = [(x - 4.0, y - 4.0, x + 4.0, y + 4.0) for x, y in spots]
+    boxes = [(x - 4.0, y - 4.0, x + 4.0, y + 4.0) for x, y in spots]
     positions = []
     for (x, y), label in zip(spots, labels, strict=True):
         width, height = _width(label), 1.15 * LETTERS
@@ -392,12 +392,12 @@ def place_labels(
             return sum(
                 max(0.0, min(left + at[2], other[2]) - max(left, other[0]))
                 * max(0.0, min(bottom + at[3], other[3]) - max(bottom, other[1]))
-                for other in taken
+                for other in boxes
             )
 
         best = min(sides, key=covered)
         left, bottom = x + best[0], y + best[1] - 0.5 * height
-        taken.append((left, bottom, left + width, bottom + height))
+        boxes.append((left, bottom, left + width, bottom + height))
         positions.append(best)
     return positions
 

@@ -164,10 +164,10 @@ def _figures(
     row: PublishedRow, unknowns: Sequence[Unknown], values: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     controller = row_controller(row)
-    wanted = {name: list(gain.value) for name, gain in controller.gains.items()}
+    gains = {name: list(gain.value) for name, gain in controller.gains.items()}
     changed: dict[str, Sequence[float]] = {}
     for unknown, value in zip(unknowns, values, strict=True):
-        numbers = wanted[unknown.gain]
+        numbers = gains[unknown.gain]
         for index in range(len(numbers)):
             if unknown.joint in {None, index}:
                 numbers[index] = float(value)

@@ -170,8 +170,8 @@ def find_rows(names: list[str]) -> list[PublishedRow]:
         if not hits:
             import difflib
 
-            known = dict.fromkeys(alias for row in rows for alias in sorted(_names(row)))
-            raise UnknownRowError(name, difflib.get_close_matches(name.lower(), known, n=3))
+            aliases = dict.fromkeys(alias for row in rows for alias in sorted(_names(row)))
+            raise UnknownRowError(name, difflib.get_close_matches(name.lower(), aliases, n=3))
         identifiers |= hits
     return [row for row in rows if row.identifier in identifiers]
 

@@ -330,7 +330,7 @@ def variants(row: PublishedRow) -> tuple[Variant, ...]:
         Of the study's tables.
     """
     arithmetic = Arithmetic()
-    printed, described = (
+    printed_law, described = (
         [
             (part.law.kernel, block.numbers.tobytes(), block.memory.tobytes())
             for part in row_controller(row, variant).parts()
@@ -339,7 +339,7 @@ def variants(row: PublishedRow) -> tuple[Variant, ...]:
         ]
         for variant in ("as-printed", "as-described")
     )
-    return ("as-printed",) if printed == described else ("as-described", "as-printed")
+    return ("as-printed",) if printed_law == described else ("as-described", "as-printed")
 
 
 def row_controller(row: PublishedRow, variant: str = "as-printed") -> Controller:

@@ -238,7 +238,7 @@ def even_levels(variable: Input, count: int) -> tuple[float, ...]:
     if not 2 <= count <= MAX_LEVELS:
         raise TableError(f"an input has 2 to {MAX_LEVELS:,} levels, not {count:,}")
     if not (math.isfinite(variable.low) and math.isfinite(variable.high)):
-        raise TableError(f"input '{variable.name}' is unbounded and so needs levels of its own")
+        raise TableError(f"input '{variable.name}' is unbounded and so needs its own levels")
     return evenly(variable.low, variable.high, count)
 
 
@@ -293,7 +293,7 @@ def evaluate(
         point = ", ".join(f"{name} = {number_text(float(x))}" for name, x in coordinates)
         raise TableError(
             f"output '{output}' has no value at {point}",
-            hint="a table needs one in every cell: say in the file what it is where no rule fires",
+            hint="a table needs one in every cell: state in the file the value if no rule fires",
         )
     return values
 

@@ -114,17 +114,17 @@ def measure_fidelity(
         One for each mode.
     """
     rulebase = rulebase.model
-    chosen = tuple(dict.fromkeys(modes or (table.default_mode, "linear")))
-    tallies = {mode: _Tally() for mode in chosen}
+    mode_names = tuple(dict.fromkeys(modes or (table.default_mode, "linear")))
+    tallies = {mode: _Tally() for mode in mode_names}
     part = part_for(rulebase, [table.output])
-    drawn = _drawn_points(table.axes, _even_points(part))
-    if drawn is not None:
-        truth = evaluate(rulebase, table.output, table.names, drawn)
-        for mode in chosen:
-            difference = np.abs(table.lookup(*drawn, mode=mode) - truth)
-            tallies[mode].add_drawn(difference, drawn)
-        size = (drawn[0].size,)
-        return tuple(tallies[mode].result(mode, table.names, size) for mode in chosen)
+    sample = _drawn_points(table.axes, _even_points(part))
+    if sample is not None:
+        truth = evaluate(rulebase, table.output, table.names, sample)
+        for mode in mode_names:
+            difference = np.abs(table.lookup(*sample, mode=mode) - truth)
+            tallies[mode].add_drawn(difference, sample)
+        size = (sample[0].size,)
+        return tuple(tallies[mode].result(mode, table.names, size) for mode in mode_names)
     most = points_within(part, 5 * _SECONDS, least=_FEW_POINTS, most=_MOST_POINTS)
     points, weights = _dense_grid(table.axes, _even_points(part), most)
     rows = max(1, _SLAB // math.prod(x.size for x in points[1:]))
@@ -135,11 +135,11 @@ def measure_fidelity(
             weight = weight * share
         mesh = np.ix_(*slab)
         truth = evaluate(rulebase, table.output, table.names, mesh)
-        for mode in chosen:
+        for mode in mode_names:
             difference = np.abs(table.lookup(*mesh, mode=mode) - truth)
             tallies[mode].add(difference, weight, slab)
     sizes = tuple(x.size for x in points)
-    return tuple(tallies[mode].result(mode, table.names, sizes) for mode in chosen)
+    return tuple(tallies[mode].result(mode, table.names, sizes) for mode in mode_names)
 
 
 def _even_points(rulebase: RuleBase) -> int:
@@ -563,7 +563,9 @@ def compile_with_report(
     if proof is not None:
         if progress is not None:
             progress("proving the worst difference")
-        fidelities = tuple(replace(each, proved=proof(table, each.mode)) for each in fidelities)
+        fidelities = tuple(
+            replace(measure, proved=proof(table, measure.mode)) for measure in fidelities
+        )
     provenance = dict(table.provenance)
     if tolerance is not None:
         provenance["sampled"] = f"at the fewest even levels within {tolerance:g} (linear)"

@@ -200,7 +200,7 @@ def _grids(
     pages = len(head.axes[:-2])
     split = [(n, _plain_cells(n, line, diagnostics)) for n, line in rows]
     if not split:
-        diagnostics.append(Diagnostic("missing-grid", "there are no values", Span(1, 1, 1, 2)))
+        diagnostics.append(Diagnostic("missing-grid", "no values", Span(1, 1, 1, 2)))
         return None
     first, corner = split[0]
     names = [spelled(name) for name in head.names[:pages]]

@@ -34,7 +34,7 @@ def read_levels(text: str) -> Levels | dict[str, Levels]:
     """
     parts = [part for part in re.split(r"[,;]", text) if part.strip()]
     if not parts:
-        raise TableError("levels says nothing")
+        raise TableError("levels is empty")
     if len(parts) == 1 and not _NAMED.match(parts[0]):
         return _levels_of_one(parts[0])
     levels: dict[str, Levels] = {}

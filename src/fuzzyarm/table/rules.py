@@ -88,11 +88,11 @@ def rules_of_table(table: LookupTable, name: str = "", *, terms: int = TERMS) ->
     block = RuleBlock(
         tuple(
             Rule(
-                _conjunction(inputs, chosen),
+                _conjunction(inputs, labels),
                 (Consequent(output.name, _nearest(values, target)),),
                 in_grid=True,
             )
-            for chosen, target in zip(
+            for labels, target in zip(
                 product(*(variable.terms for variable in inputs)),
                 table.values.ravel().tolist(),
                 strict=True,

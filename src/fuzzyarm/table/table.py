@@ -103,27 +103,27 @@ class LookupTable(TableHeader):
         """
         if named or len(inputs) != len(self.axes):
             inputs = self._in_order(inputs, named)
-        chosen = self.default_mode if mode is None else mode_named(mode)
+        lookup_mode = self.default_mode if mode is None else mode_named(mode)
         for x in inputs:
             if not isinstance(x, (float, int)):
                 break
         else:
-            return self._at_point(inputs, chosen)  # type: ignore[arg-type]
+            return self._at_point(inputs, lookup_mode)  # type: ignore[arg-type]
         from fuzzyarm.inference.labelled import gathered
 
         values_by_name, labels = gathered(None, dict(zip(self.names, inputs, strict=True)), ())
         if labels is not None:
-            values = self.lookup(*values_by_name.values(), mode=chosen)
+            values = self.lookup(*values_by_name.values(), mode=lookup_mode)
             return labels.on({self.output: values})[self.output]
         arrays = [np.asarray(x, dtype=np.float64) for x in inputs]
         if all(array.ndim == 0 for array in arrays):
-            return self._at_point(tuple(array.item() for array in arrays), chosen)
-        return look_up_arrays(self.axes, self.values, arrays, chosen)
+            return self._at_point(tuple(array.item() for array in arrays), lookup_mode)
+        return look_up_arrays(self.axes, self.values, arrays, lookup_mode)
 
     def cell(self, *inputs: float, mode: str | None = None) -> tuple[int, ...]:
         """Return the index of the cell that `inputs` fall into, by bins or nearest level."""
-        chosen = self.default_mode if mode is None else mode_named(mode)
-        return tuple(axis.cell(x, chosen) for axis, x in zip(self.axes, inputs, strict=True))
+        lookup_mode = self.default_mode if mode is None else mode_named(mode)
+        return tuple(axis.cell(x, lookup_mode) for axis, x in zip(self.axes, inputs, strict=True))
 
     def with_values(
         self, values: ArrayLike, provenance: Mapping[str, str] | None = None

@@ -313,11 +313,11 @@ class _Block:
             return
         span = names[0].span.to(names[-1].span)
         names_there = [token.text for token in names]
-        read = " \\ ".join(names_there)
+        corner = " \\ ".join(names_there)
         if names_there == wanted[::-1]:
             self._report(
                 "transposed-labels",
-                f"the corner '{read}' contradicts the index order "
+                f"the corner '{corner}' contradicts the index order "
                 f"(row {wanted[0]}, column {wanted[1]})",
                 span,
                 hint="is the table transposed? change the index order or the corner, not both",
@@ -325,7 +325,7 @@ class _Block:
             return
         self._report(
             "wrong-corner",
-            f"the grid is headed '{read}', the index order asks for '{spell}'",
+            f"the grid is headed '{corner}', the index order asks for '{spell}'",
             span,
         )
 

@@ -263,8 +263,8 @@ def _excerpt(span: Span, lines: list[str]) -> list[str]:
         offset = max(0, min(start - 20, len(line) - _WIDEST))
         end = min(end, offset + _WIDEST)
     before = printable(line[offset:start])
-    marked = printable(line[start:end])
-    shown = printable(line[offset : offset + _WIDEST])
-    caret = " " * display_width(before) + "^" * max(1, display_width(marked))
+    mark = printable(line[start:end])
+    excerpt = printable(line[offset : offset + _WIDEST])
+    caret = " " * display_width(before) + "^" * max(1, display_width(mark))
     number = f"{span.line:>6}"
-    return [f"{number} | {shown}", f"{'':>6} | {caret}"]
+    return [f"{number} | {excerpt}", f"{'':>6} | {caret}"]

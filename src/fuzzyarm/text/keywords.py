@@ -56,15 +56,15 @@ def demand_keywords(
     positional : tuple of str, optional
         Names of the arguments before them.
     """
-    known = (*positional, *kind.__annotations__)
+    accepted = (*positional, *kind.__annotations__)
     for name in keywords:
         if name not in kind.__annotations__:
             new = RENAMED.get(name)
-            if new in known:
+            if new in accepted:
                 raise ArgumentError(
                     f"{call}() has no argument '{name}'", argument=name, hint=f"it is now '{new}'"
                 )
-            raise unknown_argument(f"{call}()", name, known)
+            raise unknown_argument(f"{call}()", name, accepted)
 
 
 def unknown_argument(call: str, name: str, known: tuple[str, ...]) -> ArgumentError:

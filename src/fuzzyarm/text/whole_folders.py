@@ -126,5 +126,5 @@ def _changed(path: Path, digest: str) -> bool:
 
 def _named(names: list[str]) -> str:
     rest = len(names) - _MOST
-    shown = ", ".join(names[:_MOST])
-    return f"{shown} and {rest} more" if rest > 0 else shown
+    listing = ", ".join(names[:_MOST])
+    return f"{listing} and {rest} more" if rest > 0 else listing

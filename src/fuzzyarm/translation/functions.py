@@ -577,9 +577,9 @@ def _module(node: ast.Call) -> Any:
 
 def _loaded(target: ast.expr) -> ast.expr:
     """Return what is assigned to as something that is read."""
-    read = ast.parse(ast.unparse(target), mode="eval").body
-    assert isinstance(read, ast.expr)
-    return read
+    expression = ast.parse(ast.unparse(target), mode="eval").body
+    assert isinstance(expression, ast.expr)
+    return expression
 
 
 def _used_by(
@@ -588,7 +588,11 @@ def _used_by(
     """Return the bindings that a function knows, or one that it calls: others change nothing."""
     if not bindings or not is_kernel(function):
         return ()
-    names = {name for used in reached(function, bindings) for name in used.__code__.co_names}
+    names = {
+        name
+        for function_used in reached(function, bindings)
+        for name in function_used.__code__.co_names
+    }
     return tuple((name, bindings[name]) for name in sorted(names & bindings.keys()))
 
 
@@ -596,12 +600,12 @@ def reached(
     function: Callable[..., Any], bindings: Mapping[str, Callable[..., Any]]
 ) -> Iterator[Callable[..., Any]]:
     """Iterate over a kernel and all that it calls, each once."""
-    waiting, seen = [function], {function}
+    waiting, visited = [function], {function}
     while waiting:
         current: Any = waiting.pop()
         yield current
         for name in current.__code__.co_names:
             other = bindings.get(name, current.__globals__.get(name))
-            if is_kernel(other) and other is not call and other not in seen:
-                seen.add(other)
+            if is_kernel(other) and other is not call and other not in visited:
+                visited.add(other)
                 waiting.append(other)

@@ -149,13 +149,13 @@ POINTERS = {Array.REALS: "double", Array.WHOLES: "int64_t", Array.SHORTS: "int32
 def _c_call(address: str, arrays: Sequence[Value]) -> str:
     kinds = ", ".join(f"{POINTERS[Array(array.type)]} *, int64_t" for array in arrays)
     passed = ", ".join(f"{array.text}.at, {array.text}.length" for array in arrays)
-    called = f"((void (*)({kinds}))code_at({address}))({passed})"
+    call = f"((void (*)({kinds}))code_at({address}))({passed})"
     if len(arrays) == 1 or {array.type for array in arrays} != {Array.REALS}:
-        return called
+        return call
     # At an odd address stands a program of operations; machine code never begins there.
     listed = ", ".join(array.text for array in arrays)
     walked = f"run_program({address}, (const reals[]){{{listed}}}, {len(arrays)})"
-    return f"{address} & 1 ? {walked} : {called}"
+    return f"{address} & 1 ? {walked} : {call}"
 
 
 C99 = Target(

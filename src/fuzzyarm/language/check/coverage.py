@@ -130,29 +130,29 @@ def _combinations(output: Output, subject: Subject) -> Iterator[Diagnostic]:
     plain = [plain_propositions(rule) for rule in rules]
     if not rules or not all(plain):
         return  # hedges and alternatives are judged by no-rule-fires, with numbers
-    used = {p.variable for parts in plain for p in parts}
-    variables = [v for v in subject.rulebase.inputs if v.name in used]
-    if len(used) != len(variables):
+    variable_names = {p.variable for parts in plain for p in parts}
+    variables = [v for v in subject.rulebase.inputs if v.name in variable_names]
+    if len(variable_names) != len(variables):
         return
     cells = {v.name: [Cell(0.0, {(term.name, ()): 1.0}) for term in v.terms] for v in variables}
     search = Search([Need(_wanted(parts)) for parts in plain], cells, subject.on_step)
-    named: list[Cells] = []
+    examples: list[Cells] = []
     complete = True
     try:
-        named += islice(search.uncovered(), _MOST_NAMED + 1)
+        examples += islice(search.uncovered(), _MOST_NAMED + 1)
     except GaveUpError:
         complete = False
-    if named:
+    if examples:
         order = {v.name: i for i, v in enumerate(variables)}
-        shown = "; ".join(
+        listing = "; ".join(
             " and ".join(
                 f"{name} is {next(iter(combination[name].degrees))[0]}"
                 for name in sorted(combination, key=order.__getitem__)
             )
-            for combination in named[:_MOST_NAMED]
+            for combination in examples[:_MOST_NAMED]
         )
-        more = " and more" if len(named) > _MOST_NAMED else "" if complete else " and maybe more"
-        message = f"no rule for '{output.name}' covers {shown}{more}"
+        more = " and more" if len(examples) > _MOST_NAMED else "" if complete else " and maybe more"
+        message = f"no rule for '{output.name}' covers {listing}{more}"
         yield Diagnostic("missing-rule", message, rules[0].span)
     elif not complete:
         yield _undecided(f"every combination of terms has a rule for '{output.name}'", output)
@@ -189,14 +189,14 @@ def points_without_rule(subject: Subject) -> Iterator[Diagnostic]:
         if evidence is None:
             continue
         point = ", ".join(f"{name} = {value:g}" for name, value in evidence.items())
-        stated = output.no_rule != "error"
+        has_answer = output.no_rule != "error"
         yield Diagnostic(
             "no-rule-fires",
             f"no rule for '{output.name}' fires at {point}",
             output.span,
             # Where the file says what happens then, the author has thought of it.
-            severity=Severity.INFO if stated else Severity.WARNING,
-            hint="" if stated else "add a rule, or say what happens then: inference no-rule …",
+            severity=Severity.INFO if has_answer else Severity.WARNING,
+            hint="" if has_answer else "add a rule, or say what happens then: inference no-rule …",
         )
 
 
@@ -207,18 +207,18 @@ def silent_point(output: Output, subject: Subject) -> dict[str, float] | None:
     """
     inputs = {v.name: v for v in subject.rulebase.inputs}
     rules = [(block, rule) for block, rule in subject.rules_for(output) if rule.weight > 0.0]
-    used = {p.variable for _, rule in rules for p in propositions(rule.antecedent)}
-    if not rules or not used <= inputs.keys():
+    names = {p.variable for _, rule in rules for p in propositions(rule.antecedent)}
+    if not rules or not names <= inputs.keys():
         return None  # unused, or a chained output decides: its range is not known here
     needs = [need for block, rule in rules for need in _needs(block, rule)]
-    literals: dict[str, set[Literal]] = {name: set() for name in used}
+    literals: dict[str, set[Literal]] = {name: set() for name in names}
     by_degree: set[str] = set()
     for need in needs:
         for name, literals_here in need.literals.items():
             literals[name] |= literals_here
         by_degree |= need.literals.keys() if need.fires else set()
     cells = {}
-    for name in used:
+    for name in names:
         points = _holding(subject.probes(inputs[name]), literals[name], name in by_degree)
         # What fires by its degree may do so in a cell and not in a smaller one.
         cells[name] = distinct(points) if name in by_degree else smallest(points)

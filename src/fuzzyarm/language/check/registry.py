@@ -59,13 +59,14 @@ CHECKS: dict[str, Check] = {
         Check(
             "contradictory-rules",
             Severity.ERROR,
-            "Two rules of a block have the same antecedent and say different things of one output.",
+            "Two rules of a block have the same antecedent and different consequents for an "
+            "output.",
             conflicting_rules,
         ),
         Check(
             "failed-expectation",
             Severity.ERROR,
-            "An `expect` line does not hold; the message has the value that came out.",
+            "An `expect` line does not hold; the message has the actual value.",
         ),
         Check(
             "refuted-property",
@@ -95,13 +96,13 @@ CHECKS: dict[str, Check] = {
         Check(
             "unknown-port",
             Severity.ERROR,
-            "A controller asks for a port that its plant does not have. Only a warning where the "
-            "plant is not given but known by its axes.",
+            "A controller uses a port that its plant does not have. Only a warning if the plant "
+            "was found by its axes.",
         ),
         Check(
             "duplicate-rule",
             Severity.WARNING,
-            "A rule is said twice.",
+            "A rule is repeated.",
             conflicting_rules,
         ),
         Check(
@@ -114,49 +115,48 @@ CHECKS: dict[str, Check] = {
         Check(
             "no-rule-fires",
             Severity.WARNING,
-            "There is an input (it is given) at which no rule of an output fires. Only an info "
-            "where `no-rule` says what happens then.",
+            "At some point, given in the message, no rule of an output fires. Only an info if "
+            "`no-rule` says what happens then.",
             points_without_rule,
         ),
         Check(
             "coverage-gap",
             Severity.WARNING,
-            "No term of an input covers a stretch of its range.",
+            "No term of an input covers part of its range.",
             coverage_gaps,
         ),
         Check(
             "core-outside-range",
             Severity.WARNING,
-            "A term is fullest, or a singleton lies, outside the range of its variable, where no "
-            "value can be.",
+            "The core of a term, or a singleton, lies outside the range of its variable.",
             cores_outside,
         ),
         Check(
             "formula-degrees",
             Severity.WARNING,
-            "The formula of a set has no value at some positions, where its degree counts as 0, or "
-            "leaves 0 .. 1.",
+            "The formula of a set has no value at some positions, where its degree is taken as 0, "
+            "or leaves 0 .. 1.",
             formula_degrees,
         ),
         Check(
             "crossed-terms",
             Severity.WARNING,
-            "The terms of a variable are listed in the order of their peaks, but for one that has "
+            "The terms of a variable are listed in the order of their peaks, except one that has "
             "crossed its neighbour.",
             crossed_terms,
         ),
         Check(
             "broken-partition",
             Severity.WARNING,
-            "The memberships of a variable add up to 1 but between a few neighbours, or its `tune` "
-            "line says `partition` and they do not.",
+            "The memberships of a variable add up to 1 except between a few neighbours, or its "
+            "`tune` line says `partition` and they do not.",
             uneven_terms,
         ),
         Check(
             "uneven-mirror",
             Severity.WARNING,
-            "The terms of a variable are mirror images about the middle of the range but for one "
-            "pair, or its `tune` line says `mirrored` and they are not.",
+            "The terms of a variable are mirror images about the middle of the range except "
+            "for one pair, or its `tune` line says `mirrored` and they are not.",
             uneven_terms,
         ),
         Check(
@@ -189,14 +189,14 @@ CHECKS: dict[str, Check] = {
             "broken-antisymmetry",
             Severity.WARNING,
             "A grid over inputs about 0 is antisymmetric (opposite inputs give opposite outputs) "
-            "but for a few cells; so are grids under `when` together.",
+            "except for a few cells; the same applies to grids under `when` together.",
             broken_symmetries,
         ),
         Check(
             "broken-symmetry",
             Severity.WARNING,
-            "A grid over inputs about 0 is symmetric (opposite inputs give equal outputs) but for "
-            "a few cells; so are grids under `when` together.",
+            "A grid over inputs about 0 is symmetric (opposite inputs give equal outputs) except "
+            "for a few cells; the same applies to grids under `when` together.",
             broken_symmetries,
         ),
         Check(
@@ -222,36 +222,36 @@ CHECKS: dict[str, Check] = {
         Check(
             "windup",
             Severity.WARNING,
-            "An integral goes on growing while its drive is at a limit.",
+            "An integral keeps growing while its drive is at a limit.",
         ),
         Check(
             "windup-gain",
             Severity.WARNING,
-            "An anti-windup goes back by the excess of a drive, and between integral and drive "
-            "stands more than constant gains.",
+            "An anti-windup goes back by the excess of a drive, but there is more than constant "
+            "gains between integral and drive.",
         ),
         Check(
             "no-limits",
             Severity.WARNING,
-            "The anti-windup of an integral does nothing, as its drive has no limits. Only an info "
-            "where a drive without limits can pass those of the actuator.",
+            "The anti-windup of an integral has no effect, because its drive has no limits. Only "
+            "an info if a drive without limits can exceed those of the actuator.",
         ),
         Check(
             "limits-add-up",
             Severity.WARNING,
-            "Several drives of one port have limits each, and together pass them.",
+            "Several drives of one port each have limits, and together exceed them.",
         ),
         Check(
             "always-cleared",
             Severity.WARNING,
-            "A sum that is cleared at each set point is cleared in every period, as no line says "
-            "how long a set point lasts.",
+            "A sum that is cleared at each set point is cleared in every period, because no line "
+            "says how long a set point lasts.",
         ),
         Check(
             "range-mismatch",
             Severity.WARNING,
             "A signal is far wider than the universe of the rule base or table that it goes into, "
-            "so that everything saturates, or uses less than a tenth of it.",
+            "so that it saturates, or uses less than a tenth of it.",
         ),
         Check(
             "wide-limits",
@@ -266,9 +266,9 @@ CHECKS: dict[str, Check] = {
         Check(
             "unlike-units",
             Severity.WARNING,
-            "The unit of a gain and that of what it scales are of one kind and do not cancel, as "
-            "rad and deg; a width is not in the unit of its signal; or a drive or an input of "
-            "rules is of another dimension.",
+            "The unit of a gain and that of its signal are different units of one quantity and do "
+            "not cancel, such as rad and deg; a width is not in the unit of its signal; or a drive "
+            "or an input of rules has another dimension.",
         ),
         Check(
             "unknown-allow",
@@ -292,8 +292,8 @@ CHECKS: dict[str, Check] = {
         Check(
             "undecided",
             Severity.INFO,
-            "A search for `missing-rule` or `no-rule-fires` had too many combinations before it "
-            "and found nothing until it gave up.",
+            "A search for `missing-rule` or `no-rule-fires` had too many combinations and "
+            "found nothing before it gave up.",
         ),
         Check(
             "useless-allow",
@@ -365,10 +365,10 @@ def _severity(finding: Diagnostic) -> Severity:
 
 def _without_allowed(findings: list[Diagnostic], document: Document) -> Iterator[Diagnostic]:
     """Yield what no ``# allow`` comment silences, and what is wrong with the comments."""
-    used: set[tuple[int, str]] = set()
+    silenced: set[tuple[int, str]] = set()
     for finding in findings:
         if finding.name in document.allowed.get(finding.line, ()):
-            used.add((finding.line, finding.name))
+            silenced.add((finding.line, finding.name))
         else:
             yield finding
     for line, allowed in document.allowed.items():
@@ -378,6 +378,6 @@ def _without_allowed(findings: list[Diagnostic], document: Document) -> Iterator
                 hint, _ = near_hint(name, CHECKS)
                 message = f"no check is called '{name}'"
                 yield Diagnostic("unknown-allow", message, span, Severity.WARNING, hint=hint)
-            elif (line, name) not in used:
+            elif (line, name) not in silenced:
                 message = f"there is no {name} on this line to allow"
                 yield Diagnostic("useless-allow", message, span, Severity.INFO)

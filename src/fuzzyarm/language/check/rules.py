@@ -50,9 +50,9 @@ def _conflict(rule: Rule, consequent: Consequent, other: Rule, earlier: Conseque
     related = Related(f"the other rule, on line {line}", other.span)
     if rule is other:
         message = f"says {text} twice" if same else f"says both {before} and {text}"
-        span, related = consequent.span, Related("said first here", earlier.span)
+        span, related = consequent.span, Related("first stated here", earlier.span)
     elif same:
-        message = f"already stands on line {line}"
+        message = f"is already on line {line}"
     else:
         message = f"says {text}, but line {line} says {earlier.term}"
     name = "duplicate-rule" if same else "contradictory-rules"
@@ -81,10 +81,10 @@ _MOST_PAIRS = 10_000
 
 def shared_conclusions(subject: Subject) -> Iterator[Diagnostic]:
     """Yield ``shared-conclusion`` where the larger of two strengths is taken without a word."""
-    stated = _with_aggregation(subject)
+    explicit = _with_aggregation(subject)
     for output in subject.rulebase.outputs:
         weighted = _weighs(output) and output.aggregation == "max"
-        if not weighted or not subject.document.statements or stated & {None, output.name}:
+        if not weighted or not subject.document.statements or explicit & {None, output.name}:
             continue
         fold = next(_pairs_that_fold(output, subject), None)
         if fold is None:

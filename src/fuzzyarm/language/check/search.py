@@ -156,7 +156,7 @@ def smallest(cells: Sequence[Cell]) -> list[Cell]:
     first: dict[frozenset[Literal], Cell] = {}
     for cell in cells:
         first.setdefault(frozenset(cell.degrees), cell)
-    found: list[Cell] = []
+    smallest_cells: list[Cell] = []
     by_literal: dict[Literal, list[frozenset[Literal]]] = {}
     for literals in sorted(first, key=len):
         if not literals:
@@ -166,5 +166,5 @@ def smallest(cells: Sequence[Cell]) -> list[Cell]:
         ):
             continue
         by_literal.setdefault(next(iter(literals)), []).append(literals)
-        found.append(first[literals])
-    return sorted(found, key=lambda cell: cell.x)
+        smallest_cells.append(first[literals])
+    return sorted(smallest_cells, key=lambda cell: cell.x)

@@ -88,15 +88,19 @@ class Subject:
         with the terms of the ones, and with those of the others.
         """
         concluded = {(c.variable, c.term) for rule in self.rules for c in rule.consequents}
-        found: list[Input | Output] = list(self.rulebase.inputs)
+        groups: list[Input | Output] = list(self.rulebase.inputs)
         for output in self.rulebase.outputs:
-            read = tuple(t for t in output.terms if (output.name, t.name) in self.read_terms)
-            if not read or any((output.name, term.name) in concluded for term in read):
-                found.append(output)
+            antecedent_terms = tuple(
+                t for t in output.terms if (output.name, t.name) in self.read_terms
+            )
+            if not antecedent_terms or any(
+                (output.name, term.name) in concluded for term in antecedent_terms
+            ):
+                groups.append(output)
             else:
-                others = tuple(term for term in output.terms if term not in read)
-                found += [replace(output, terms=others), replace(output, terms=read)]
-        return found
+                others = tuple(term for term in output.terms if term not in antecedent_terms)
+                groups += [replace(output, terms=others), replace(output, terms=antecedent_terms)]
+        return groups
 
     def probes(self, variable: Input) -> list[Cell]:
         """Return :func:`probe` of an input, worked out once."""
@@ -123,10 +127,10 @@ class Subject:
         if name not in self._middles:
             variable = self.rulebase.variable(name)
             values = {t.name: centre(t.shape, variable.low, variable.high) for t in variable.terms}
-            known = [(middle, term) for term, middle in values.items() if middle is not None]
-            known.sort(key=lambda each: each[0])
-            complete = len(known) == len(values)
-            self._middles[name] = {term: x for x, term in known} if complete else None
+            pairs = [(middle, term) for term, middle in values.items() if middle is not None]
+            pairs.sort(key=lambda each: each[0])
+            complete = len(pairs) == len(values)
+            self._middles[name] = {term: x for x, term in pairs} if complete else None
         return self._middles[name]
 
     def ranks(self, name: str) -> dict[str, int] | None:

@@ -70,13 +70,13 @@ def _type_2(output: Output, subject: Subject) -> Iterator[Diagnostic]:
     """Report interval type-2 terms that meet a defuzzifier of type 1."""
     if output.defuzzifier.record.type2:
         return
-    read = (
+    antecedent_terms = (
         (part.variable, part.term)
         for _, rule in subject.rules_for(output)
         for part in propositions(rule.antecedent)
     )
     concluded = ((output.name, term.name) for term in output.terms)
-    for name, term in (*concluded, *read):
+    for name, term in (*concluded, *antecedent_terms):
         if subject.rulebase.variable(name).term(term).lower is not None:
             yield Diagnostic(
                 "defuzzifier-does-not-fit",
@@ -377,13 +377,13 @@ def short_reaches(subject: Subject) -> Iterator[Diagnostic]:
         record = output.defuzzifier.record
         if record.figure != "centroid" or record.type2 or not order:
             continue
-        used = {
+        consequent_terms = {
             consequent.term
             for _, rule in subject.rules_for(output)
             for consequent in rule.consequents
             if consequent.variable == output.name
         }
-        ranked = [output.term(name) for name in order if name in used]
+        ranked = [output.term(name) for name in order if name in consequent_terms]
         if not ranked or any(not SHAPES[term.shape.kind].fuzzy for term in ranked):
             continue
         low, high = (_centre_of_area(term, output) for term in (ranked[0], ranked[-1]))
@@ -417,19 +417,19 @@ def _centre_of_area(term: Term, output: Output) -> float:
 def unused_names(subject: Subject) -> Iterator[Diagnostic]:
     """Yield ``unused-variable`` and, for variables that are used, ``unused-term``."""
     rulebase = subject.rulebase
-    used = _used_terms(rulebase)
+    terms_in_rules = _used_terms(rulebase)
     in_values = _used_in_values(rulebase)
     shared = _shared_spans(subject)
     reported: set[Span] = set()
     for variable in (*rulebase.inputs, *rulebase.outputs):
-        terms = used.get(variable.name, set())
+        terms = terms_in_rules.get(variable.name, set())
         if not terms and variable.name not in in_values:
             yield Diagnostic("unused-variable", f"no rule uses '{variable.name}'", variable.span)
             continue
         for term in variable.terms:
             # A name in a shared `terms` line is unused only if no variable uses it.
             owners = shared.get(term.span, (variable.name,))
-            if any(term.name in used.get(owner, ()) for owner in owners) or not terms:
+            if any(term.name in terms_in_rules.get(owner, ()) for owner in owners) or not terms:
                 continue
             if term.span not in reported:
                 reported.add(term.span)
@@ -441,13 +441,13 @@ def _unused_term(variable: Variable, name: str, span: Span) -> Diagnostic:
 
 
 def _used_terms(rulebase: RuleBase) -> dict[str, set[str]]:
-    used: dict[str, set[str]] = {}
+    terms: dict[str, set[str]] = {}
     for rule in rulebase.rules:
         for proposition in propositions(rule.antecedent):
-            used.setdefault(proposition.variable, set()).add(proposition.term)
+            terms.setdefault(proposition.variable, set()).add(proposition.term)
         for consequent in rule.consequents:
-            used.setdefault(consequent.variable, set()).add(consequent.term)
-    return used
+            terms.setdefault(consequent.variable, set()).add(consequent.term)
+    return terms
 
 
 def _used_in_values(rulebase: RuleBase) -> set[str]:

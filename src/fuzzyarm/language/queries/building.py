@@ -98,14 +98,16 @@ def add_variable(
 
 def _line_of_new(reading: Reading, role: str) -> tuple[int, list[str]]:
     """Return behind which line a variable is declared, and the blank line in between."""
-    declared = [(n, start, end) for n, start, end in reading.extents if isinstance(n, VariableNode)]
-    same = [end for node, _, end in declared if node.role == role]
+    declarations = [
+        (n, start, end) for n, start, end in reading.extents if isinstance(n, VariableNode)
+    ]
+    same = [end for node, _, end in declarations if node.role == role]
     if same:
         return same[-1], []
-    if declared and role == "output":
-        return declared[-1][2], []
-    if declared:  # the first input, in front of the outputs
-        return declared[0][1] - 1, []
+    if declarations and role == "output":
+        return declarations[-1][2], []
+    if declarations:  # the first input, in front of the outputs
+        return declarations[0][1] - 1, []
     line = last_line(reading, Heading) or max(len(reading.raw_lines), 1)
     return line, [""] if reading.raw_line(line).strip() else []
 
@@ -124,15 +126,15 @@ def remove_variable(reading: Reading, variable: str) -> list[Edit]:
     """
     declaration_of(reading, variable)
     ends = last_lines(reading)
-    gone: list[tuple[int, int]] = []
+    ranges: list[tuple[int, int]] = []
     edits: list[Edit] = []
     for node in nodes_of(reading):
         if not _names(node, variable):
             continue
         lines, changes = _without(node, variable)
-        gone += lines or ([] if changes else [(node.span.line, ends[node.span.line])])
+        ranges += lines or ([] if changes else [(node.span.line, ends[node.span.line])])
         edits += changes
-    return [*without_line_ranges(reading, gone), *edits]
+    return [*without_line_ranges(reading, ranges), *edits]
 
 
 def _names(node: StatementNode, variable: str) -> bool:

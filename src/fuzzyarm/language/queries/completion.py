@@ -71,7 +71,11 @@ class Candidate:
 
 def _words(words: Iterable[str], kind: str = "keyword") -> list[Candidate]:
     """Return words as candidates; those of a registry with what their records say."""
-    docs = {each.name: each.doc for each in words.values()} if isinstance(words, Registry) else {}
+    docs = (
+        {record.name: record.doc for record in words.values()}
+        if isinstance(words, Registry)
+        else {}
+    )
     return [Candidate(word, kind, word, docs.get(word, "")) for word in words]
 
 
@@ -263,8 +267,8 @@ class _AskingCursor(Cursor):
         )
 
     def _suggest_settings(self, of: str) -> list[Candidate]:
-        used = {token.text for token in self.tokens}
-        return _words(s.word for s in SETTINGS.values() if s.word not in used and of in ("", s.of))
+        words = {token.text for token in self.tokens}
+        return _words(s.word for s in SETTINGS.values() if s.word not in words and of in ("", s.of))
 
     def _suggest_targets(self, role: str) -> list[Candidate]:
         return self._variables(role, ":")
@@ -342,8 +346,8 @@ class _AskingCursor(Cursor):
         if grid.row is None:
             output = self.variable_called(grid.output)
             self._last([c for c in self._variables("output") if output and c.label == output.name])
-        used = [row.label for row in grid.rows]
-        self._last(_terms(self.variable_called(grid.row), without=used))
+        labels = [row.label for row in grid.rows]
+        self._last(_terms(self.variable_called(grid.row), without=labels))
 
     def _suggest_cells(self, grid: GridNode, count: int = 0) -> NoReturn:
         if count >= len(grid.columns):
@@ -446,9 +450,9 @@ def _offered(
         return [Candidate(r.word, "keyword", r.word, r.doc) for r in STATEMENTS.values()]
     if not indented or _starts_statement(tokens):
         # The line starts a statement, though its word may be misspelt.
-        meant = nearest(tokens[0].text, STATEMENTS)
-        if meant is not None:
-            return _asked(STATEMENTS[meant].row.read, tokens, reading.model)
+        keyword = nearest(tokens[0].text, STATEMENTS)
+        if keyword is not None:
+            return _asked(STATEMENTS[keyword].row.read, tokens, reading.model)
     above: list[tuple[Token, ...]] = []
     for number in range(line - 1, 0, -1):
         earlier = reading.tokens_of(number)
@@ -459,8 +463,8 @@ def _offered(
             record = STATEMENTS[earlier[0].text]
             if record.takes_lines:
                 return _below(reading, record.word, above, tokens, line)
-            joined = [token for part in above for token in part]
-            return _asked(record.row.read, (*joined, *tokens), reading.model)
+            context = [token for part in above for token in part]
+            return _asked(record.row.read, (*context, *tokens), reading.model)
     return []
 
 
@@ -469,8 +473,8 @@ def _in_controller(
 ) -> list[Candidate]:
     records = statements_below("controller")
     if not tokens:
-        wanted = ("zoom", "learn", "drive") if indented else tuple(records)
-        return [Candidate(word, "keyword", word, records[word].doc) for word in wanted]
+        keywords = ("zoom", "learn", "drive") if indented else tuple(records)
+        return [Candidate(word, "keyword", word, records[word].doc) for word in keywords]
     names: dict[Kind, dict[str, str]] = {}
     for (kind, name), words in facts.items():
         if kind in OF_PLANTS:

@@ -115,7 +115,7 @@ def _cells(diagnostic: Diagnostic, lines: Sequence[str], grids: Sequence[GridNod
     span = diagnostic.span
     start = len(lines[span.line - 1][: span.column - 1].rstrip()) + 1
     surplus = Span(span.line, start, span.end_line, span.end_column)
-    return [Fix("remove what is too much", (Edit(surplus, ""),))]
+    return [Fix("remove the excess", (Edit(surplus, ""),))]
 
 
 def _missing_rows(diagnostic: Diagnostic, grids: Sequence[GridNode]) -> list[Fix]:

@@ -128,8 +128,8 @@ def remove_grid(reading: Reading, line: int) -> list[Edit]:
         If none does.
     """
     _grid(reading, line)
-    gone = without_line_ranges(reading, [(line, last_lines(reading)[line])])
-    return demand_sound(reading, gone)
+    remaining_text = without_line_ranges(reading, [(line, last_lines(reading)[line])])
+    return demand_sound(reading, remaining_text)
 
 
 def _grid(reading: Reading, line: int) -> GridNode:

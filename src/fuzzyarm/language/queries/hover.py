@@ -212,9 +212,9 @@ def _term_markdown(variable: Variable, name: str) -> str:
     if shape.height == 1.0 or term.lower is not None:  # with two shapes it is among the numbers
         height = ""
     text = f"{code(name_text(name))} of {code(name_text(variable.name))}: {code(numbers + height)}"
-    named = parameter_names(shape.kind)
-    if named and len(named) == len(shape.parameters):
-        pairs = zip(named, shape.parameters, strict=True)
+    names = parameter_names(shape.kind)
+    if names and len(names) == len(shape.parameters):
+        pairs = zip(names, shape.parameters, strict=True)
         text += "  \n" + ", ".join(f"{key.replace('_', ' ')} {x:.6g}" for key, x in pairs)
     drawing = picture(shape, variable)
     if drawing and term.lower is not None:

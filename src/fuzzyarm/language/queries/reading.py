@@ -32,10 +32,10 @@ def _find_occurrences(document: Document, lines: Sequence[Line]) -> tuple[Occurr
     """
     nodes = [statement.node for statement in document.statements]
     occurrences = [mention for node in nodes for mention in mentions(node)]
-    declared = {o.name for o in occurrences if o.kind is Kind.VARIABLE and o.is_definition}
+    variable_names = {o.name for o in occurrences if o.kind is Kind.VARIABLE and o.is_definition}
     for node in nodes:
         if isinstance(node, Broken):
-            occurrences += _of_broken(node, lines, declared)
+            occurrences += _of_broken(node, lines, variable_names)
     return tuple(sorted(occurrences, key=lambda o: o.span))
 
 

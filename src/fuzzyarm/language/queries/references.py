@@ -74,13 +74,13 @@ def rename(reading: Reading, line: int, column: int, new_name: str) -> list[Edit
     """
     occurrence = occurrence_at(reading, line, column)
     if occurrence is None:
-        raise RenameError("there is no variable, term or block at this position")
+        raise RenameError("no variable, term or block at this position")
     name = _bare(new_name)
     if not name.strip():
         raise RenameError("the new name is empty")
     occurrences = family(reading, occurrence)
     _refuse_taken(reading, occurrence, occurrences, name)
-    return [Edit(each.span, _written(each, name, reading)) for each in occurrences]
+    return [Edit(mention.span, _written(mention, name, reading)) for mention in occurrences]
 
 
 def _bare(name: str) -> str:
@@ -94,7 +94,7 @@ def _refuse_taken(
 ) -> None:
     if name == occurrence.name:
         return
-    owners = {owner for each in occurrences for owner in each.owners}
+    owners = {owner for mention in occurrences for owner in mention.owners}
     for other in reading.occurrences:
         if other.kind is not occurrence.kind or other.name != name or not other.is_definition:
             continue

@@ -107,14 +107,14 @@ def set_kind(reading: Reading, variable: str, term: str, kind: str) -> list[Edit
     """
     declaration_of(reading, variable)
     model = reading.model.variable(variable)
-    found = model.term(term) if any(term_.name == term for term_ in model.terms) else None
-    if found is None:
+    existing = model.term(term) if any(term_.name == term for term_ in model.terms) else None
+    if existing is None:
         raise ReshapeError(f"the text declares no term '{term}' of '{variable}'")
     low, high = model.low, model.high
     if not math.isfinite(high - low):
         raise ReshapeError(f"'{variable}' has no range to measure its terms by", hint="give it one")
     width = (high - low) / (len(model.terms) + 1)
-    sides = [found.shape] if found.lower is None else [found.shape, found.lower]
+    sides = [existing.shape] if existing.lower is None else [existing.shape, existing.lower]
     try:
         shapes = [alike(side, kind, low, high, width) for side in sides]
     except UnlikeError as error:
@@ -218,10 +218,13 @@ def add_term(reading: Reading, variable: str, term: str, shape: Shape) -> list[E
     if line_number:
         return [lines_behind(reading, last_lines(reading)[line_number], words)]
     # Its first term: behind those of others, or below the variables.
-    termed, declared = last_line(reading, TermNode, EvenTermsNode), last_line(reading, VariableNode)
-    if termed > declared:
+    termed, declaration_line = (
+        last_line(reading, TermNode, EvenTermsNode),
+        last_line(reading, VariableNode),
+    )
+    if termed > declaration_line:
         return [lines_behind(reading, termed, words)]
-    return [lines_behind(reading, declared, ["", *words])]
+    return [lines_behind(reading, declaration_line, ["", *words])]
 
 
 def remove_term(reading: Reading, variable: str, term: str) -> list[Edit]:
@@ -244,17 +247,19 @@ def remove_term(reading: Reading, variable: str, term: str) -> list[Edit]:
         raise ReshapeError(f"the text declares no term '{term}' of '{variable}'")
     if family is not None:
         edits += _without_family(reading, family, variable, term)
-    gone = {node.span.line for node in nodes}
-    edits += [without_lines(reading, line, last_lines(reading)[line]) for line in sorted(gone)]
+    line_numbers = {node.span.line for node in nodes}
+    edits += [
+        without_lines(reading, line, last_lines(reading)[line]) for line in sorted(line_numbers)
+    ]
     for node in nodes_of(reading):
         if isinstance(node, RuleNode) and names_term(node, variable, term):
-            gone.add(node.span.line)
+            line_numbers.add(node.span.line)
             edits.append(without_statement(reading, node))
         elif isinstance(node, GridNode):
             edits += _without_parts(reading, node, variable, term)
         elif not isinstance(node, TermNode | EvenTermsNode) and names_term(node, variable, term):
             raise ReshapeError(
-                f"'{variable} is {term}' stands on line {node.span.line}: change that first"
+                f"'{variable} is {term}' is used on line {node.span.line}: change that first"
             )
     return edits
 

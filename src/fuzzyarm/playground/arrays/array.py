@@ -39,8 +39,8 @@ class Things(list[Any]):
 
     def __getitem__(self, index: Any) -> Any:
         """Return one, or a stretch."""
-        found = super().__getitem__(index)
-        return Things(found) if isinstance(index, slice) else found
+        item = super().__getitem__(index)
+        return Things(item) if isinstance(index, slice) else item
 
     def tolist(self) -> list[Any]:
         """Return a list."""
@@ -248,9 +248,9 @@ class ndarray:
 
     def __getitem__(self, key: Any) -> Any:
         """Return an element, a view, or a copy of what a list of indices chooses."""
-        view, chosen = _viewed(self, key)
-        if chosen is not None:
-            shape, places = _gathered(view, chosen)
+        view, indices = _viewed(self, key)
+        if indices is not None:
+            shape, places = _gathered(view, indices)
             memory = view._memory
             return made([memory[place] for place in places], view.dtype, shape)
         if not view.shape and not (isinstance(key, tuple) and Ellipsis in map(_plain, key)):
@@ -259,20 +259,20 @@ class ndarray:
 
     def __setitem__(self, key: Any, value: Any) -> None:
         """Write an element, or many."""
-        view, chosen = _viewed(self, key)
-        if chosen is not None:
-            shape, places = _gathered(view, chosen)
+        view, indices = _viewed(self, key)
+        if indices is not None:
+            shape, places = _gathered(view, indices)
         else:
             shape, places = view.shape, []
         if not isinstance(value, ndarray | list | tuple) and not hasattr(value, "__array__"):
             values: Iterable[Any] = repeat(_cast(value, view.dtype))
         else:
-            given = array_of(value)
-            while given.ndim > len(shape) and given.shape[0] == 1:
-                given = given.reshape(given.shape[1:])
-            values = elements(broadcast_to(given, shape).astype(view.dtype))
+            source = array_of(value)
+            while source.ndim > len(shape) and source.shape[0] == 1:
+                source = source.reshape(source.shape[1:])
+            values = elements(broadcast_to(source, shape).astype(view.dtype))
         memory = view._memory
-        if chosen is None and view._is_even:
+        if indices is None and view._is_even:
             size = view.size
             full = list(values) if not isinstance(values, repeat) else [next(values)] * size
             memory[view._start : view._start + size] = _memory(full, view.dtype)
@@ -409,7 +409,7 @@ def kind_of(value: Any) -> DType:  # noqa: PLR0911
     if isinstance(value, float):
         return FLOAT
     if isinstance(value, Sequence) and not isinstance(value, str):
-        kinds = [kind_of(each) for each in value]
+        kinds = [kind_of(element) for element in value]
         kind = kinds[0] if kinds else FLOAT
         for other in kinds[1:]:
             if other is not kind:
@@ -435,18 +435,18 @@ def array_of(value: Any, kind: Any = None) -> ndarray:  # noqa: C901
     if not isinstance(value, Sequence):
         own = kind_of(value) if to is None else to
         return made([_cast(value, own)], own, ())
-    if not any(isinstance(each, Sequence | ndarray) for each in value):
+    if not any(isinstance(element, Sequence | ndarray) for element in value):
         own = kind_of(value) if to is None else to
         if own.kind == "i":
-            value = [int(each) for each in value]
+            value = [int(element) for element in value]
         return made(value, own)
-    rows = [array_of(each, to) for each in value]
+    rows = [array_of(element, to) for element in value]
     if len({row.shape for row in rows}) != 1:
         raise ValueError("setting an array element with a sequence: the rows differ in length")
     own = rows[0].dtype
     for row in rows[1:]:
         own = promoted(own, row.dtype)
-    flat = [each for row in rows for each in elements(row.astype(own, copy=False))]
+    flat = [element for row in rows for element in elements(row.astype(own, copy=False))]
     return made(flat, own, (len(rows), *rows[0].shape))
 
 
@@ -456,47 +456,47 @@ def array_of(value: Any, kind: Any = None) -> ndarray:  # noqa: C901
 def _viewed(of: ndarray, key: Any) -> tuple[ndarray, dict[int, ndarray] | None]:
     """Return the view of the plain indices, and arrays of indices by its axis."""
     keys = list(key) if isinstance(key, tuple) else [key]
-    keys = [_index_of(each) for each in keys]
-    used = sum(_axes_of(each) for each in keys)
-    places = [k for k, each in enumerate(keys) if isinstance(each, EllipsisType)]
-    rest = [slice(None)] * (of.ndim - used)
+    keys = [_index_of(key_part) for key_part in keys]
+    axis_count = sum(_axes_of(key_part) for key_part in keys)
+    places = [k for k, key_part in enumerate(keys) if isinstance(key_part, EllipsisType)]
+    rest = [slice(None)] * (of.ndim - axis_count)
     if places:
         keys[places[0] : places[0] + 1] = rest
     else:
         keys += rest
-    if used > of.ndim:
+    if axis_count > of.ndim:
         raise IndexError(f"too many indices for array: array is {of.ndim}-dimensional")
     start, shape, steps, axis = of._start, list[int](), list[int](), 0
-    chosen: dict[int, ndarray] = {}
-    for each in keys:
-        if each is None:
+    indices: dict[int, ndarray] = {}
+    for key_part in keys:
+        if key_part is None:
             shape.append(1)
             steps.append(0)
             continue
-        if isinstance(each, ndarray) and each.dtype is BOOL:
-            for inner in _true_places(each):
-                chosen[len(shape)] = inner
+        if isinstance(key_part, ndarray) and key_part.dtype is BOOL:
+            for inner in _true_places(key_part):
+                indices[len(shape)] = inner
                 shape.append(of.shape[axis])
                 steps.append(of._step[axis])
                 axis += 1
             continue
         size, step = of.shape[axis], of._step[axis]
         axis += 1
-        if isinstance(each, slice):
-            first, last, by = each.indices(size)
+        if isinstance(key_part, slice):
+            first, last, by = key_part.indices(size)
             start += first * step
             shape.append(len(range(first, last, by)))
             steps.append(step * by)
-        elif isinstance(each, ndarray):
-            chosen[len(shape)] = each
+        elif isinstance(key_part, ndarray):
+            indices[len(shape)] = key_part
             shape.append(size)
             steps.append(step)
         else:
-            if not -size <= each < size:
-                raise IndexError(f"index {each} is out of bounds for axis with size {size}")
-            start += (each % size) * step
+            if not -size <= key_part < size:
+                raise IndexError(f"index {key_part} is out of bounds for axis with size {size}")
+            start += (key_part % size) * step
     view = ndarray(of._memory, of.dtype, tuple(shape), tuple(steps), start)
-    return view, chosen or None
+    return view, indices or None
 
 
 def _axes_of(key: Any) -> int:
@@ -520,19 +520,19 @@ def _index_of(key: Any) -> Any:
 def _true_places(mask: ndarray) -> list[ndarray]:
     """Return the indices, an array for each axis, at which a mask is true."""
     spots = [
-        spot for spot, held in zip(product(*map(range, mask.shape)), elements(mask), strict=True)
-        if held
+        spot for spot, is_true in zip(product(*map(range, mask.shape)), elements(mask), strict=True)
+        if is_true
     ]  # fmt: skip
     return [made([spot[axis] for spot in spots], WHOLE) for axis in range(mask.ndim)]
 
 
 def _gathered(view: ndarray, chosen: dict[int, ndarray]) -> tuple[Shape, list[int]]:
     """Return the shape and the places of what arrays of indices choose of a view."""
-    common = broadcast_shapes(*(each.shape for each in chosen.values()))
+    common = broadcast_shapes(*(index_array.shape for index_array in chosen.values()))
     spots = [0] * math.prod(common)
-    for axis, each in chosen.items():
+    for axis, index_array in chosen.items():
         size, step = view.shape[axis], view._step[axis]
-        for k, index in enumerate(elements(broadcast_to(each, common))):
+        for k, index in enumerate(elements(broadcast_to(index_array, common))):
             if not -size <= index < size:
                 raise IndexError(f"index {index} is out of bounds for axis {axis} with size {size}")
             spots[k] += (index % size) * step
@@ -578,14 +578,14 @@ def broadcast_shapes(*shapes: Shape | int) -> Shape:
 
 def broadcast_to(value: Any, shape: Any) -> ndarray:
     """Return a view in which axes of one element are repeated."""
-    given = array_of(value)
+    source = array_of(value)
     shape = (shape,) if isinstance(shape, int) else tuple(map(int, shape))
-    more = len(shape) - given.ndim
-    if more < 0 or broadcast_shapes(given.shape, shape) != shape:
-        raise ValueError(f"cannot broadcast shape {given.shape} to shape {shape}")
-    sizes, steps = (1,) * more + given.shape, (0,) * more + given._step
-    own = tuple(0 if size == 1 else step for size, step in zip(sizes, steps, strict=True))
-    return ndarray(given._memory, given.dtype, shape, own, given._start)
+    more = len(shape) - source.ndim
+    if more < 0 or broadcast_shapes(source.shape, shape) != shape:
+        raise ValueError(f"cannot broadcast shape {source.shape} to shape {shape}")
+    sizes, steps = (1,) * more + source.shape, (0,) * more + source._step
+    strides = tuple(0 if size == 1 else step for size, step in zip(sizes, steps, strict=True))
+    return ndarray(source._memory, source.dtype, shape, strides, source._start)
 
 
 def operate(
@@ -608,16 +608,19 @@ def operate(
     -------
     ndarray, or a number where all are numbers
     """
-    arrays = [array_of(each) if isinstance(each, ndarray | Sequence) else each for each in given]
-    shapes = [each.shape for each in arrays if isinstance(each, ndarray)]
+    arrays = [
+        array_of(operand) if isinstance(operand, ndarray | Sequence) else operand
+        for operand in given
+    ]
+    shapes = [operand.shape for operand in arrays if isinstance(operand, ndarray)]
     kind = kind or _kind_together(arrays)
     if not shapes:
         return one(act(*arrays), kind)
     common = shapes[0] if all(shape == shapes[0] for shape in shapes) else broadcast_shapes(*shapes)
     columns = [
-        elements(each if each.shape == common else broadcast_to(each, common))
-        if isinstance(each, ndarray) else repeat(each)
-        for each in arrays
+        elements(operand if operand.shape == common else broadcast_to(operand, common))
+        if isinstance(operand, ndarray) else repeat(operand)
+        for operand in arrays
     ]  # fmt: skip
     values = list(map(act, *columns))
     if out is not None:
@@ -629,17 +632,17 @@ def operate(
 
 def _kind_together(arrays: Sequence[Any]) -> DType:
     """Return the kind of a result: a number of Python is as wide as the arrays beside it."""
-    held = [each.dtype for each in arrays if isinstance(each, ndarray)]
-    if not held:
+    dtypes = [operand.dtype for operand in arrays if isinstance(operand, ndarray)]
+    if not dtypes:
         return kind_of(list(arrays))
-    kind = held[0]
-    for other in held[1:]:
+    kind = dtypes[0]
+    for other in dtypes[1:]:
         kind = promoted(kind, other)
-    for each in arrays:
-        if not isinstance(each, ndarray):
-            own = kind_of(each)
-            if own.kind == "f" and kind.kind != "f":
-                kind = own
-            elif own.kind == "i" and kind is BOOL:
+    for operand in arrays:
+        if not isinstance(operand, ndarray):
+            number_kind = kind_of(operand)
+            if number_kind.kind == "f" and kind.kind != "f":
+                kind = number_kind
+            elif number_kind.kind == "i" and kind is BOOL:
                 kind = WHOLE
     return kind

@@ -79,8 +79,8 @@ def array(value: Any, dtype: Any = None, **_order: Any) -> ndarray:
 
 def ascontiguousarray(value: Any, dtype: Any = None) -> ndarray:
     """Return an array whose elements lie one behind the other."""
-    given = array_of(value, dtype)
-    return given if given.flags.c_contiguous else given.copy()
+    source = array_of(value, dtype)
+    return source if source.flags.c_contiguous else source.copy()
 
 
 def _shape(shape: Any) -> tuple[int, ...]:
@@ -116,8 +116,8 @@ def ones(shape: Any, dtype: Any = float) -> ndarray:
 
 def zeros_like(like: Any, dtype: Any = None) -> ndarray:
     """Return zeros in the shape of an array."""
-    given = array_of(like)
-    return zeros(given.shape, dtype or given.dtype)
+    source = array_of(like)
+    return zeros(source.shape, dtype or source.dtype)
 
 
 empty_like = zeros_like
@@ -125,20 +125,20 @@ empty_like = zeros_like
 
 def ones_like(like: Any, dtype: Any = None) -> ndarray:
     """Return ones in the shape of an array."""
-    given = array_of(like)
-    return full(given.shape, 1, dtype or given.dtype)
+    source = array_of(like)
+    return full(source.shape, 1, dtype or source.dtype)
 
 
 def full_like(like: Any, value: Any, dtype: Any = None) -> ndarray:
     """Return one value in the shape of an array."""
-    given = array_of(like)
-    return full(given.shape, value, dtype or given.dtype)
+    source = array_of(like)
+    return full(source.shape, value, dtype or source.dtype)
 
 
 def arange(*ends: Any, dtype: Any = None) -> ndarray:
     """Return evenly spaced numbers, without the end."""
     start, stop, step = (0, *ends, 1) if len(ends) == 1 else (*ends, 1)[:3]
-    if builtins.all(isinstance(each, int) for each in (start, stop, step)):
+    if builtins.all(isinstance(number, int) for number in (start, stop, step)):
         values: list[Any] = list(range(start, stop, step))
     else:
         values = [
@@ -169,9 +169,9 @@ def fromiter(values: Iterable[Any], dtype: Any, count: int = -1) -> ndarray:
 
 def diag(values: Any) -> ndarray:
     """Return a matrix with these numbers on its diagonal."""
-    given = array_of(values)
-    result = zeros((given.size, given.size), given.dtype)
-    for k, value in enumerate(elements(given)):
+    source = array_of(values)
+    result = zeros((source.size, source.size), source.dtype)
+    for k, value in enumerate(elements(source)):
         result[k, k] = value
     return result
 
@@ -182,7 +182,7 @@ def meshgrid(*axes: Any, indexing: str = "xy") -> list[ndarray]:
     if indexing == "xy" and len(rows) > 1:
         a, b = meshgrid(rows[1], rows[0], indexing="ij")
         return [b, a]
-    return [each.copy() for each in broadcast_arrays(*ix_(*rows))]
+    return [axis_array.copy() for axis_array in broadcast_arrays(*ix_(*rows))]
 
 
 def ix_(*axes: Any) -> tuple[ndarray, ...]:
@@ -259,17 +259,19 @@ class ufunc:
         """Apply it to all elements; with `where` only to those, in `out`."""
         kind = self._kind if named.get("dtype") is None else _dtype(named["dtype"])
         if kind is None and self._floats:
-            kinds = [array_of(each).dtype for each in given if not isinstance(each, int | float)]
+            kinds = [
+                array_of(operand).dtype for operand in given if not isinstance(operand, int | float)
+            ]
             together = reduce(promoted, kinds) if kinds else FLOAT
             kind = together if together.kind == "f" else FLOAT
         if where is not None and where is not True:
             mask = broadcast_to(where, out.shape)
-            kept = elements(out)
-            found = operate(self._act, given, kind)
-            found = elements(broadcast_to(found, out.shape))
-            held = elements(mask)
+            before = elements(out)
+            results = operate(self._act, given, kind)
+            results = elements(broadcast_to(results, out.shape))
+            flags = elements(mask)
             out[...] = made(
-                [new if yes else old for new, old, yes in zip(found, kept, held, strict=True)],
+                [new if yes else old for new, old, yes in zip(results, before, flags, strict=True)],
                 out.dtype, out.shape,
             )  # fmt: skip
             return out
@@ -363,10 +365,10 @@ def where(condition: Any, *values: Any) -> Any:
     """Choose between two values element by element; of a condition alone, where it is true."""
     if not values:
         return nonzero(condition)
-    kinds = [each for each in values if isinstance(each, ndarray)]
-    kind = reduce(promoted, (each.dtype for each in kinds)) if kinds else None
+    kinds = [branch for branch in values if isinstance(branch, ndarray)]
+    kind = reduce(promoted, (branch.dtype for branch in kinds)) if kinds else None
     if kind is None or (
-        kind.kind != "f" and builtins.any(isinstance(each, float) for each in values)
+        kind.kind != "f" and builtins.any(isinstance(branch, float) for branch in values)
     ):
         kind = reduce(promoted, map(kind_of, values)) if not kinds else FLOAT
     return operate(lambda yes, a, b: a if yes else b, (condition, *values), kind)
@@ -436,8 +438,8 @@ def _reduced(
         return one(act([*begin, *elements(of)]), kind)
     if isinstance(axis, tuple):
         result = of
-        for each in sorted((a % of.ndim for a in axis), reverse=True):
-            result = _reduced(result, each, act, kind, initial=initial)
+        for axis_number in sorted((a % of.ndim for a in axis), reverse=True):
+            result = _reduced(result, axis_number, act, kind, initial=initial)
         return result
     axis %= of.ndim
     last = moveaxis(of, axis, -1)
@@ -637,8 +639,8 @@ def unique(given: Any, **named: Any) -> Any:
 
 def isin(given: Any, among: Any) -> ndarray:
     """Whether each element is one of others."""
-    known = set(elements(array_of(among)))
-    return array_of(operate(lambda x: x in known, (array_of(given),), BOOL))
+    members = set(elements(array_of(among)))
+    return array_of(operate(lambda x: x in members, (array_of(given),), BOOL))
 
 
 def searchsorted(points: Any, values: Any, side: str = "left") -> Any:
@@ -673,8 +675,8 @@ def argwhere(given: Any) -> ndarray:
     of = array_of(given)
     spots = [
         spot
-        for spot, held in zip(product(*map(range, of.shape)), elements(of), strict=True)
-        if held
+        for spot, is_true in zip(product(*map(range, of.shape)), elements(of), strict=True)
+        if is_true
     ]
     return made([index for spot in spots for index in spot], WHOLE, (len(spots), of.ndim))
 
@@ -713,7 +715,7 @@ def take_along_axis(given: Any, indices: Any, axis: int) -> ndarray:
     of, at = array_of(given), array_of(indices)
     axis %= of.ndim
     shape = list(broadcast_shapes(*(
-        tuple(1 if k == axis else n for k, n in enumerate(each.shape)) for each in (of, at)
+        tuple(1 if k == axis else n for k, n in enumerate(operand.shape)) for operand in (of, at)
     )))  # fmt: skip
     shape[axis] = at.shape[axis]
     grid = [
@@ -804,9 +806,9 @@ def atleast_2d(given: Any) -> ndarray:
 
 def broadcast_arrays(*given: Any) -> tuple[ndarray, ...]:
     """Return all in the shape that they make together."""
-    arrays = [array_of(each) for each in given]
-    common = broadcast_shapes(*(each.shape for each in arrays))
-    return tuple(broadcast_to(each, common) for each in arrays)
+    arrays = [array_of(item) for item in given]
+    common = broadcast_shapes(*(item.shape for item in arrays))
+    return tuple(broadcast_to(item, common) for item in arrays)
 
 
 def repeat(given: Any, times: Any, axis: int | None = None) -> ndarray:
@@ -827,17 +829,19 @@ def concatenate(parts: Any, axis: int = 0, dtype: Any = None) -> ndarray:
     """Put arrays one behind the other."""
     arrays = [array_of(part, dtype) for part in parts]
     kind = reduce(
-        promoted, (each.dtype for each in arrays if each.size or len(arrays) == 1), arrays[0].dtype
+        promoted,
+        (piece.dtype for piece in arrays if piece.size or len(arrays) == 1),
+        arrays[0].dtype,
     )
     axis %= arrays[0].ndim
     whole = list(arrays[0].shape)
     whole[axis] = 0
-    for each in arrays:
-        whole[axis] += each.shape[axis]
+    for piece in arrays:
+        whole[axis] += piece.shape[axis]
     if axis == 0:
-        flat = [x for each in arrays for x in elements(each.astype(kind, copy=False))]
+        flat = [x for piece in arrays for x in elements(piece.astype(kind, copy=False))]
         return made(flat, kind, tuple(whole))
-    turned = concatenate([moveaxis(each, axis, 0) for each in arrays])
+    turned = concatenate([moveaxis(piece, axis, 0) for piece in arrays])
     return ascontiguousarray(moveaxis(turned, 0, axis))
 
 
@@ -845,7 +849,7 @@ def stack(parts: Any, axis: int = 0) -> ndarray:
     """Put arrays beside each other along a new axis."""
     arrays = [array_of(part) for part in parts]
     at = axis % (arrays[0].ndim + 1)
-    return concatenate([expand_dims(each, at) for each in arrays], at)
+    return concatenate([expand_dims(piece, at) for piece in arrays], at)
 
 
 def vstack(parts: Any) -> ndarray:
@@ -875,7 +879,7 @@ def copyto(to: ndarray, value: Any, where: Any = True) -> None:
     if where is True:
         to[...] = value
         return
-    mask, values = (elements(broadcast_to(each, to.shape)) for each in (where, value))
+    mask, values = (elements(broadcast_to(operand, to.shape)) for operand in (where, value))
     pairs = zip(mask, values, elements(to), strict=True)
     to[...] = made([new if yes else old for yes, new, old in pairs], to.dtype, to.shape)
 
@@ -925,7 +929,7 @@ class nditer:
 
     def __init__(self, arrays: Sequence[ndarray], **_flags: Any) -> None:
         *inputs, self._to = broadcast_arrays(*arrays)
-        self._columns = [ascontiguousarray(each).ravel() for each in inputs]
+        self._columns = [ascontiguousarray(column).ravel() for column in inputs]
         self._out = ascontiguousarray(self._to).ravel()
 
     def __enter__(self) -> nditer:
