@@ -246,7 +246,7 @@ def load_rules(path: str, option: str) -> RuleBase:
     Raises
     ------
     WordError
-        If it is a table, or a controller without rules of its own.
+        If it is a table, or a controller without its own rules.
     """
     model = load_sheet(path)
     if not isinstance(model, RuleBase):

@@ -54,7 +54,7 @@ class Lines:
 
     @property
     def text(self) -> str:
-        """The lines, without a line end behind the last."""
+        """The lines, without a line end after the last."""
         return "\n".join(self._lines)
 
     @property
@@ -122,7 +122,7 @@ class Lines:
             and (stretch.line != span.line or stretch.end_column > span.column)
             and (stretch.line != span.end_line or stretch.column < span.end_column)
         ]
-        if not candidates:  # something is missing behind the last
+        if not candidates:  # something is missing after the last
             before = [
                 argument
                 for stretch, argument in self._stretches

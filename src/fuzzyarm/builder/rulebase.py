@@ -161,7 +161,7 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
 
     @classmethod
     def from_text(cls, text: str) -> RuleBaseBuilder:
-        """Return a builder that goes on behind a text.
+        """Return a builder that goes on after a text.
 
         Parameters
         ----------
@@ -180,7 +180,7 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
 
     @classmethod
     def of(cls, rulebase: AnyRuleBase) -> RuleBaseBuilder:
-        """Return a builder that goes on behind a rule base, which itself does not change.
+        """Return a builder that goes on after a rule base, which itself does not change.
 
         Parameters
         ----------
@@ -546,7 +546,7 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
         self._add(lines.raw(text, "text"))
 
     def add(self, text: str) -> None:
-        """Add statements as they stand in a file, with their comments.
+        """Add statements as written in a file, with their comments.
 
         Parameters
         ----------

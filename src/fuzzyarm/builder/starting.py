@@ -43,7 +43,7 @@ class Wish:
 
     @property
     def written(self) -> str:
-        """The name as it stands in a file."""
+        """The name as written in a file."""
         return name_text(self.name)
 
     @property

@@ -25,7 +25,7 @@ ZERO, ONE = Fraction(0), Fraction(1)
 
 INFINITY, NO_VALUE = "infinity", "a division by 0"
 VALUELESS = (INFINITY, NO_VALUE)
-"""Variables of what is no number: it may stand in a comparison, or in a branch not taken."""
+"""Variables of what is not a number: it may stand in a comparison, or in a branch not taken."""
 
 
 class NotAffineError(LoopProofError):

@@ -38,7 +38,7 @@ class Zonotopes:
         return x if isinstance(x, Forms) else Forms.at(np.full(self.batch, x))
 
     def fresh(self, x: Forms) -> Forms:
-        """Return forms whose rest is a symbol of its own."""
+        """Return forms whose rest is its own symbol."""
         if not x.rest.any():
             return x
         self.count += 1

@@ -125,7 +125,7 @@ def prove(
     thing : RuleBase, ControllerText, str, path-like or ProveRequest
         Which; of a file its path. A request alone says all that ``fuzzyarm prove`` does.
     statement : str, Property or LoopClaim, optional
-        As behind ``prove`` in a file: ``"u rises with e"`` of a rule base, ``"stable on motor"``
+        As after ``prove`` in a file: ``"u rises with e"`` of a rule base, ``"stable on motor"``
         of a controller. Without one, of a path, everything that its file states.
     **keywords
         ``budget`` and ``tell``; of a rule base ``tolerance`` and ``exact``; of a controller

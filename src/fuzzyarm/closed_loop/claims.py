@@ -32,7 +32,7 @@ def read_claim(text: str, plant: str = "", argument: str = "") -> LoopClaim:
     Parameters
     ----------
     text : str
-        As behind ``prove`` in the file of a controller.
+        As after ``prove`` in the file of a controller.
     plant : str, optional
         Its name, where the text leaves ``on PLANT`` out: ``stable``, ``from position in
         -0.3 .. 0.3: position in -1 .. 1``, ``position in -1 .. 1``.
@@ -74,7 +74,7 @@ def _hint(text: str) -> str:
 
 
 def claim_text(claim: LoopClaim) -> str:
-    """Return a claim as it stands behind ``prove``.
+    """Return a claim as it stands after ``prove``.
 
     Parameters
     ----------

@@ -5,7 +5,7 @@ expression of f.
 
 1. A box X̂ that no solution leaves during the step: one with X₀ + [0, h] f(X̂) inside (Picard).
 2. The Taylor coefficients over X̂ as intervals. The last of them, xₖ₊₁ hᵏ⁺¹, is what a solution
-   differs from its Taylor polynomial (Lagrange), each state at a time of its own within the step.
+   differs from its Taylor polynomial (Lagrange), each state at its own time within the step.
 3. The Taylor coefficients of the solutions from X₀ as forms, so that what two states owe to one
    symbol stays together:  x(h) = x₀ + x₁ h + … + xₖ hᵏ + xₖ₊₁ hᵏ⁺¹.
 

@@ -40,7 +40,7 @@ class Choice:
         By state of the plant, how far it may be from rest; empty for a plant that is affine.
     along : bool
         Whether a rule base is a gain times the sum of its inputs that its linear law has, or a sum
-        of slopes of its own along each input.
+        of its own slopes along each input.
     """
 
     share: Fraction = ONE

@@ -42,7 +42,7 @@ class Candidate:
     multipliers : tuple of Fraction
         τ of each block.
     size : float
-        The logarithm of the volume of the region, but for a constant.
+        The logarithm of the volume of the region, except for a constant.
     """
 
     p: Matrix

@@ -336,7 +336,7 @@ def _bands(
 def _moves(dimension: int, degree: int) -> list[tuple[Any, Any]]:
     """Return, pass by pass, which coefficients change as vertex 1 moves towards 0, and by which.
 
-    With the new vertex (1-s) v₀ + s v₁ in the place of v₁: c_γ ← (1-s) c_{γ - e₁ + e₀} + s c_γ, for
+    With the new vertex (1-s) v₀ + s v₁ instead of v₁: c_γ ← (1-s) c_{γ - e₁ + e₀} + s c_γ, for
     all γ₁ ≥ r, for r = 1 … n (de Casteljau).
     """
     indices = lattice(dimension, degree)

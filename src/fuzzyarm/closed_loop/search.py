@@ -45,7 +45,7 @@ class Proposal:
     p, multipliers, rate
         See :mod:`fuzzyarm.closed_loop.checker`.
     size : float
-        The logarithm of the volume of the region, but for a constant.
+        The logarithm of the volume of the region, except for a constant.
     """
 
     choice: Choice

@@ -98,8 +98,8 @@ class Tube:
         output : str
             A port of the plant.
         begin, end : float
-            s, both included. A time that is a whole number of control periods but for its rounding
-            counts as that.
+            s, both included. A time that is a whole number of control periods except for rounding
+            is taken as that number.
 
         Raises
         ------

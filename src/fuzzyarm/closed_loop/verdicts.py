@@ -1,7 +1,7 @@
 """Verdicts on claims about a loop: proved with a certificate, refuted by a run, or undecided.
 
 A search (floats, :mod:`fuzzyarm.closed_loop.search`) proposes certificates; *proved* is said only
-of one that :func:`verified` accepts, which derives the loop by a way of its own.
+of one that :func:`verified` accepts, which derives the loop independently.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ class LoopVerdict(Shown):
     Attributes
     ----------
     statement : str
-        The claim, as it stands behind ``prove``.
+        The claim, as it stands after ``prove``.
     verdict : str
         ``proved``, ``refuted`` or ``undecided``.
     region : dict of str to (float, float)

@@ -87,13 +87,13 @@ def verified(
         "uncertain": loop.words,
     }
     if claim.output:
-        # Without starts of its own a claim is of all starts in the region, as the verdict says.
+        # Without its own starts a claim is of all starts in the region, as the verdict says.
         against = _outside(problem, loop, certificate, level if claim.start else Fraction(1))
     return against, facts, loop
 
 
 def _at_most(loop: CheckedLoop, p: Sequence[Sequence[Fraction]], z: Sequence[Fraction]) -> Fraction:
-    """Return V at most, where the rest is known but for its doubt."""
+    """Return V at most, where the rest is known except for its doubt."""
     doubt = [loop.doubt[name] for name in loop.names]
     total = _value(p, z)
     if any(doubt):

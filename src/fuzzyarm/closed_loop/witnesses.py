@@ -73,7 +73,7 @@ def _starts(
     names = problem.states
     try:
         quadratic, linear, constant = start_quadric(problem, loop, certificate.p, range(len(names)))
-    except LoopProofError:  # it has a start of its own
+    except LoopProofError:  # it has its own start
         return
     centre = -0.5 * np.linalg.solve(quadratic, linear)
     level = -(constant + 0.5 * float(linear @ centre))

@@ -2,7 +2,7 @@ r"""Affine forms over arrays: sets of states as zonotopes, with every rounding c
 
 A form is ``c + Σ aᵢ εᵢ ± r``: a centre, a part of each **symbol** εᵢ in [-1, 1], and a **rest** of
 which nothing more is known. Several forms over the same symbols are a zonotope: what one symbol
-does to all of them it does together. So sums and multiples of forms are exact but for rounding,
+does to all of them it does together. So sums and multiples of forms are exact except for rounding,
 and of a product or a function only what is not linear goes into the rest,
 
     x y     with   Σᵢ Σₗ aᵢ bₗ εᵢ εₗ   bounded, where εᵢ² lies in [0, 1];

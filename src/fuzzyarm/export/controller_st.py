@@ -1,4 +1,4 @@
-"""A controller as a function block of Structured Text, behind the blocks that it calls."""
+"""A controller as a function block of Structured Text, after the blocks that it calls."""
 
 from __future__ import annotations
 

@@ -492,7 +492,7 @@ def fmi_source(
     settable: int,
     period: float,
 ) -> str:
-    """Return the C of a unit, to be put behind the controller's own.
+    """Return the C of a unit, to be put after the controller's own.
 
     Parameters
     ----------

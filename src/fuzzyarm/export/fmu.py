@@ -268,7 +268,7 @@ _CAUSALITY = {
 
 
 def _words_of(variable: Variable, program: ControllerProgram) -> dict[str, str]:
-    """Return the attributes that both versions share, but for the start."""
+    """Return the attributes that both versions share, except for the start."""
     gains = {gain.name: gain.unit for gain in program.text.model.gains}
     variability = {"gain": "tunable", "reference": "discrete", "measured": "discrete"}
     words = {

@@ -248,7 +248,7 @@ def _object(name: str, parts: dict[str, str]) -> str:
 
 
 def _is_set(name: str) -> bool:
-    """Whether a kind has a row of its own; those known by their corners share that of `points`."""
+    """Whether a kind has its own row; those known by their corners share that of `points`."""
     kind = SHAPES[name]
     return kind.fuzzy and (kind.function is not None or name == "points")
 

@@ -1,7 +1,7 @@
 """A program as the statements of a C function, and what they cost.
 
 Each part that has a name becomes a variable. Straight terms stay conditional expressions;
-what needs a part of its own twice is written with more variables and ``if``, so that
+what needs its own part twice is written with more variables and ``if``, so that
 nothing is computed twice or in vain.
 """
 

@@ -241,7 +241,7 @@ def routine_function(routine: Routine, name: str, module: PythonModule) -> tuple
 def module_text(
     words: Sequence[str], module: PythonModule, parts: Sequence[str], test: Sequence[str]
 ) -> str:
-    """Return the text of a module: the words of its head, its parts, its test behind a remark."""
+    """Return the text of a module: the words of its head, its parts, its test after a remark."""
     remark, *lines = test
     body = ["def self_test():", f"    # {remark}", *(f"    {line}" for line in lines),
             "    return 0", ""]  # fmt: skip

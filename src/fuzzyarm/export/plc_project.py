@@ -1,7 +1,7 @@
 """A project for a PLC: the units of its Structured Text, and the program that tests them.
 
 Formats that import Structured Text want its declarations apart from its statements. They all begin
-here, with the text of a ``.st`` read back, so that none of them has a printer of its own.
+here, with the text of a ``.st`` read back, so that none of them has its own printer.
 """
 
 from __future__ import annotations
@@ -103,7 +103,7 @@ class Unit:
 
 @dataclass(frozen=True)
 class Project:
-    """All units, each behind those that it calls; the program that tests is the last one.
+    """All units, each after those that it calls; the program that tests is the last one.
 
     `blocks` are the names of the blocks that a program calls.
     """

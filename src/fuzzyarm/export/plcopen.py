@@ -116,7 +116,7 @@ def _of(name: str) -> str:
 
 
 def _indent(root: Xml.Element) -> None:
-    """Put elements on lines of their own, but for texts, which stay as they are."""
+    """Put elements on their own lines, except for texts, which stay as they are."""
     texts = {element: element.text for element in root.iter(f"{{{_TEXT}}}p")}
     Xml.indent(root)
     for element, text in texts.items():

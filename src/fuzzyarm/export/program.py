@@ -88,7 +88,7 @@ _LONGEST = 16
 
 @dataclass(frozen=True, eq=False)
 class Call:
-    """A part of a program that C computes by a function of its own."""
+    """A part of a program that C computes by its own function."""
 
     wanted: str  # the name of the function, if it is free
     body: Node  # what it computes, of the symbol ``h``
@@ -218,7 +218,7 @@ class _Builder:
         return Program(parameters, result, tuple(self.variables), self.calls, self.holds)
 
     def fresh(self, value: Node, wanted: str, remark: str = "") -> Node:
-        """Give a part a variable of its own, unless it has one or needs none."""
+        """Give a part its own variable, unless it has one or needs none."""
         if not isinstance(value, Constant | Symbol) and value not in self.named:
             self.named.add(value)
             self.variables.append(Assign(self.names.new(wanted), value, remark))

@@ -36,7 +36,7 @@ class CWriter:
 
     prefix: str  # begins every name that the file defines
     storage: str = ""  # ``static inline`` for a header on its own, empty for a ``.c`` file
-    in_flash: str = ""  # a macro before the type of what stays in flash, with a blank behind it
+    in_flash: str = ""  # a macro before the type of what stays in flash, with a blank after it
     names: Names = field(default_factory=Names)
     constants: list[str] = field(default_factory=list)
     helpers: list[str] = field(default_factory=list)

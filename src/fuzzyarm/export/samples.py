@@ -63,7 +63,7 @@ class SampleSums:
 
     def over_arrays(self, values: Mapping[str, Array], real: type) -> dict[str, Array]:
         """Return the sums by name over arrays that broadcast, in the order of the loop."""
-        # The samples have an axis of their own before those of the points.
+        # The samples have their own axis before those of the points.
         ones = (1,) * max(map(np.ndim, values.values()))
         columns: dict[str, Array] = {
             name: np.array(column, real).reshape(-1, *ones) for name, column in self.columns.items()

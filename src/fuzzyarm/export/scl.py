@@ -194,7 +194,7 @@ class _Block:
         return f"{name}({', '.join(f'{parameter} := {text}' for parameter, text in pairs)})"
 
     def _named(self, tokens: Sequence[tuple[str, str]]) -> str:
-        """Return an argument behind its name."""
+        """Return an argument after its name."""
         words = [token for token in tokens if token[0] != "space"]
         (_, name), (_, sign), *_ = words
         assert sign == ":="

@@ -2,7 +2,7 @@
 
 What an instruction computes is read from the kernel itself (:mod:`fuzzyarm.export.reading`);
 here its cells get names, and what is more than arithmetic (asking a rule base, looking up,
-learning) becomes a step of its own. C and Structured Text print the steps; run in Python
+learning) becomes its own step. C and Structured Text print the steps; run in Python
 (:mod:`fuzzyarm.export.replica`) they are the model of the exported program, to the bit and in
 its precision.
 """
@@ -418,7 +418,7 @@ class _Walk:
         self.stored.append((index, as_node(value), False))
 
     def rounded(self, value: Any) -> Any:
-        """Give a value that is rounded a variable of its own."""
+        """Give a value that is rounded its own variable."""
         if not self.made.single or self.made.precision.wide is np.float32:
             return value
         name = self._local()

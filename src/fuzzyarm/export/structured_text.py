@@ -311,7 +311,7 @@ class RulesBlock:
         self.taken: set[str] = set()  # variables that hold parts of expressions
 
     def text(self) -> str:
-        """Return the block, behind the functions that it calls."""
+        """Return the block, after the functions that it calls."""
         statements = self._statements()
         constants = ["VAR CONSTANT", *self.constants, "END_VAR"] if self.constants else []
         variables = [f"    {name} : {kind};" for name, kind in self.variables.items()]

@@ -45,7 +45,7 @@ _AT_ONCE = 4_096
 
 
 class Listed:
-    """Numbers functions in the order in which they are met, behind the kernel's own norms.
+    """Numbers functions in the order in which they are met, after the kernel's own norms.
 
     Attributes
     ----------

@@ -191,7 +191,7 @@ class _InC(Translation):
     # ── small helpers, written where they are used ───────────────────────────────────
 
     def finish(self) -> None:
-        """Write the functions into the file, behind the helpers that they use."""
+        """Write the functions into the file, after the helpers that they use."""
         text = "\n".join(
             _by_the_rules(_without_unused(definition)) for definition in self._finished
         )

@@ -43,7 +43,7 @@ class WalkText:
     Attributes
     ----------
     functions : list of str
-        Lines of the functions, each behind those that it calls.
+        Lines of the functions, each after those that it calls.
     tables : dict of str to (str, list of str)
         Of the three arrays: type of an element, and literals; none for the room.
     call : str
@@ -211,7 +211,7 @@ class _STFunction(_Function):
     # --- Statements ---
 
     def statement(self, node: ast.stmt) -> list[str]:
-        """Return the lines of a statement, behind the calls that its values need."""
+        """Return the lines of a statement, after the calls that its values need."""
         outer, self.before = self.before, []
         lines = super().statement(node)
         lines, self.before = [*self.before, *lines], outer

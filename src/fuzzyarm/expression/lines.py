@@ -56,7 +56,7 @@ class Lines(NamedTuple):
     heights : tuple of float
         The degrees there.
     between : tuple of Line
-        In front of the first edge, between two of them, behind the last.
+        In front of the first edge, between two of them, after the last.
     """
 
     edges: tuple[float, ...]
@@ -90,7 +90,7 @@ class Lines(NamedTuple):
     def _sloping_ends(self) -> tuple[int, int]:
         """Return the first and the last line that say something of their own.
 
-        A line that leaves its foot says by itself that nothing is left behind it.
+        A line that leaves its foot says by itself that nothing is left after it.
         """
         first, last = 0, len(self.between) - 1
         if last > 1:

@@ -54,7 +54,7 @@ class Operation(NamedTuple):
         The function of NumPy, or empty where `scalar` tells it (``where``).
     python, c, st, js : str
         Source text with ``{0}`` and so on for the arguments. Empty where a language has
-        none; in JavaScript it is then that of C. In C a name behind ``@`` takes the suffix
+        none; in JavaScript it is then that of C. In C a name after ``@`` takes the suffix
         ``f`` in single precision.
     binds : int
         How tightly the text holds its parts together; 9 for a call.
@@ -90,7 +90,7 @@ class Operation(NamedTuple):
 
     @property
     def of_library(self) -> bool:
-        """Whether its last bit is the C library's, of which NumPy has functions of its own."""
+        """Whether its last bit is the C library's, of which NumPy has its own functions."""
         return self.sort == "functions" and not self.exact and self.name not in _CORRECTLY_ROUNDED
 
 

@@ -238,7 +238,7 @@ class Language(NamedTuple):
     declare_only : str
         A statement that makes a variable without a value; empty where there is none.
     choose : tuple of str
-        Lines before the branches, between and behind them; the first has a hole
+        Lines before the branches, between and after them; the first has a hole
         ``condition``.
     remark : str
         What follows a statement with a remark.

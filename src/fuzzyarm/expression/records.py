@@ -74,7 +74,7 @@ class Kind:
         What other programs call it: ``fll``, ``fcl``, ``fis`` (fuzzylite in each of these
         formats), ``jfl`` (jFuzzyLogic's FCL), ``matlab``, ``octave``, ``skfuzzy``, ``fml``. Several
         words stand with commas between, the one that is written first. A shape may name the
-        order of its numbers behind the word, where it is another one: ``"gaussmf deviation
+        order of its numbers after the word, where it is another one: ``"gaussmf deviation
         mean"``; a hedge of a FIS is the fraction of a term's index. A program that is not
         named does not know the kind.
     own : bool

@@ -4,7 +4,7 @@
 period to period, its update as one expression, its unit and its range. The reader, completion and
 help, the kernel, ranges, proofs, describing functions, diagrams, C and Structured Text read that
 record, and nothing else says what a source is. The list is closed: each of them has a textbook
-structure behind it.
+structure after it.
 
 The arguments of an update are found by their names:
 
@@ -67,7 +67,7 @@ def unseen(state: X) -> X:
 
 
 class OptionKind(NamedTuple):
-    """A record: a word behind a comma, what follows it, and what it means.
+    """A record: a word after a comma, what follows it, and what it means.
 
     Attributes
     ----------
@@ -78,7 +78,7 @@ class OptionKind(NamedTuple):
     doc : str
         One line.
     rest : tuple of str
-        Words that stand behind it.
+        Words that stand after it.
     needed : bool
         Whether the source means nothing without it.
     positive : bool
@@ -107,7 +107,7 @@ class State(NamedTuple):
     Attributes
     ----------
     name : str
-        An argument of the update; in exported programs it stands behind the name of the signal.
+        An argument of the update; in exported programs it stands after the name of the signal.
     next : callable
         Of ``value`` (what the update gives) and of arguments of the update, by their names.
     start : float or str
@@ -163,7 +163,7 @@ class SourceKind(Kind):
         What it is taken of: a ``port`` of the plant, a ``signal``, the ``error`` of a port;
         ``call``: a rule base or a table, with its inputs in parentheses.
     options : dict of str to OptionKind
-        What may stand behind a comma.
+        What may stand after a comma.
     ports : tuple of str
         Which values of its port it reads: ``reference``, ``measured`` or both.
     states : tuple of State

@@ -225,7 +225,7 @@ class Draft:
         self._index.setdefault(term.name, term)
 
     def put(self, index: int, term: Term) -> None:
-        """Put a term in the place of one with the same name."""
+        """Put a term, which replaces one with the same name."""
         self.terms[index] = term
         self._index[term.name] = term
 

@@ -171,7 +171,7 @@ class _Reader:
             raise FaultError(message, cursor.word)
 
     def _between_blocks(self) -> None:
-        """Leave out what stands behind a function block, up to the next one."""
+        """Leave out what stands after a function block, up to the next one."""
         first = self.cursor.word
         if self.cursor.ended or self.cursor.key() == "FUNCTION_BLOCK":
             return
@@ -223,7 +223,7 @@ class _Reader:
     # --- Variables ---
 
     def _declarations(self, *, is_output: bool) -> None:
-        """Read from behind VAR_INPUT or VAR_OUTPUT to behind END_VAR."""
+        """Read from after VAR_INPUT or VAR_OUTPUT to after END_VAR."""
         cursor = self.cursor
         last: Draft | None = None
         while not self._is_over("END_VAR"):
@@ -240,7 +240,7 @@ class _Reader:
             cursor.skip(";")
 
     def _fuzzify(self, *, is_output: bool) -> None:
-        """Read from behind FUZZIFY or DEFUZZIFY to behind its end."""
+        """Read from after FUZZIFY or DEFUZZIFY to after its end."""
         cursor = self.cursor
         end = "END_DEFUZZIFY" if is_output else "END_FUZZIFY"
         draft = self._variable(is_output=is_output)
@@ -313,7 +313,7 @@ class _Reader:
                 raise FaultError(f"';' is expected before '{word.text[:40]}'", word)
 
     def _note_range(self, draft: Draft) -> None:
-        """Say that jFuzzyLogic knows the range of an input behind its declaration only."""
+        """Say that jFuzzyLogic knows the range of an input after its declaration only."""
         if draft.is_output or self.dialect.producer != "jfuzzylogic":
             return
         message = f"{self.dialect.program} refuses a RANGE inside FUZZIFY; it is read all the same"
@@ -361,7 +361,7 @@ class _Reader:
     # --- Rule blocks ---
 
     def _rule_block(self) -> BlockText:
-        """Read from behind RULEBLOCK to behind END_RULEBLOCK."""
+        """Read from after RULEBLOCK to after END_RULEBLOCK."""
         cursor = self.cursor
         end_of_title = _END_OF_TITLE | _BLOCK_SETTINGS
         block = BlockText(cursor.title(end_of_title, setting=True))

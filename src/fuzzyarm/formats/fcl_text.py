@@ -166,7 +166,7 @@ class Cursor:
         self.skip(":", ":=", "=")
 
     def to_next_statement(self) -> None:
-        """Skip to behind the next semicolon or before the next statement."""
+        """Skip to after the next semicolon or before the next statement."""
         while not self.ended:
             if self.key() in KEYWORDS and self.key() not in ("AND", "OR"):
                 return

@@ -129,7 +129,7 @@ class Word:
         return [self.part(*match.span()) for match in pattern.finditer(self.text)]
 
     def around(self, sign: str) -> tuple[Word, Word] | None:
-        """Return what stands before and behind a sign, without space; None if it is not there."""
+        """Return what stands before and after a sign, without space; None if it is not there."""
         before, sign_, after = self.text.partition(sign)
         if not sign_:
             return None

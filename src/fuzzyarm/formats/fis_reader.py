@@ -192,7 +192,7 @@ class _Reader(SystemReader):
                 self.findings.ignored_key(key, _KEYS)
 
     def _has_known_type(self) -> bool:
-        """Refuse an unknown type of system, before its parts bring findings of their own."""
+        """Refuse an unknown type of system, before its parts bring their own findings."""
         word = self.settings.get("type")
         name = self.text_of("type").lower()
         if word is None or not name or name in _TYPES:

@@ -38,9 +38,9 @@ _OF_A_RULE = re.compile(r"[-+\d.eE\s,():]+")
 
 
 class _Comments:
-    """Cuts the comments of lines, one after the other, but for a rule that is glued to one.
+    """Cuts the comments of lines, one after the other, except for a rule that is glued to one.
 
-    jfuzzylite writes the first rule of a block right behind its comment, ``# RuleBlock 1`` and
+    jfuzzylite writes the first rule of a block right after its comment, ``# RuleBlock 1`` and
     ``2 1, 3 (1.0) : 1`` as ``# RuleBlock 12 1, 3 (1.0) : 1``; the blocks are counted from 1.
     """
 
@@ -278,7 +278,7 @@ _VERY_VERY = (0.4, (Hedge("very"), Hedge("very")))
 
 
 def fractions(dialect: Dialect) -> dict[float, tuple[Hedge, ...]]:
-    """Return the hedges that fractions of an index stand for, but for powers."""
+    """Return the hedges that fractions of an index stand for, except for powers."""
     key = "fis" if dialect.producer == "fuzzylite" else "octave"
     pairs = words(HEDGES, key).items()
     return {float(word): (Hedge(name),) for word, name in pairs} | dict([_VERY_VERY])

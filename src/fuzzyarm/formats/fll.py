@@ -34,7 +34,7 @@ from fuzzyarm.text.diagnostic import MAX_TERMS
 
 _PLAIN_WORD = re.compile(r"\S+")
 _WORD = re.compile(r"[(),]|[^\s(),]+")
-"""Words of a rule: parentheses and commas are words of their own."""
+"""Words of a rule: parentheses and commas are their own words."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -414,7 +414,7 @@ class _Writer(SystemWriter):
         ]
 
     def _kind(self, output: Output) -> str:
-        """Return what stands behind the method: what becomes of values, or the samples of sets."""
+        """Return the part after the method: what becomes of values, or the samples of sets."""
         record = output.defuzzifier.record
         if record.weighs:
             return "Tsukamoto" if record.inverts else "TakagiSugeno"

@@ -1,7 +1,7 @@
 """FML, the Fuzzy Markup Language of IEEE 1855: written.
 
 A variable is one of terms, of values (``tskVariable``) or of Tsukamoto's; each of the three has
-rule bases of its own, so that a rule with conclusions of two kinds stands in two of them. What
+rule its own bases, so that a rule with conclusions of two kinds stands in two of them. What
 :mod:`fuzzyarm.formats.fml` reads of the text is the model again.
 """
 

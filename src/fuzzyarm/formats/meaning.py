@@ -192,7 +192,7 @@ class _Activations:
         rules of its own block conclude, all of them before the first that uses it.
 
         A block of the model has one threshold, of the strength under the hedges: rules whose
-        hedges make another one of it stand in a block of their own behind the others.
+        hedges make another one of it stand in a block of their own after the others.
         """
         by_threshold: dict[float, list[Rule]] = {block.threshold: []}
         self._own = _finished_in(block.rules) - later

@@ -481,7 +481,7 @@ def _settled(
 
 
 def _rounded(number: float, near: float = 0.0) -> float:
-    """Return the number of few digits that `number` is but for rounding, or itself."""
+    """Return the number of few digits that `number` is except for rounding, or itself."""
     if abs(number) <= near:
         return 0.0
     near = max(near, 1e-11 * abs(number))

@@ -24,7 +24,7 @@ MAX_CONCLUSIONS = 200
 
 
 _ENDS = frozenset({"and", "or", "then", "with", ")", ","})
-"""What may stand behind a proposition."""
+"""What may stand after a proposition."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,7 +126,7 @@ class _Parser:
 
     def _chain(self, keys: tuple[str, ...], operand: Callable[[], Expression]) -> Expression:
         left = operand()
-        chained = False  # what stood in parentheses stays a node of its own
+        chained = False  # what stood in parentheses stays its own node
         while self.key() in keys:
             kind = Or if self.key() == "or" else And
             self.at += 1
@@ -181,7 +181,7 @@ class _Parser:
         self.expect("is")
         hedges, term = self._hedges_and_term(draft, variable)
         if self.dialect.producer == "scikit-fuzzy":
-            if hedges == (NOT,):  # beside another hedge it makes a term of its own
+            if hedges == (NOT,):  # beside another hedge it makes its own term
                 message = f"{self.dialect.program} fails at a conclusion with NOT alone"
                 hint = "name the term that is meant"
                 self.findings.error("hedged-conclusion", message, variable, hint)

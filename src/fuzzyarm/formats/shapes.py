@@ -29,9 +29,9 @@ def spelled_shape(
     findings: Findings,
     dialect: Dialect,
 ) -> Shape | None:
-    """Return the shape of a word and the numbers behind it, in the order of the program.
+    """Return the shape of a word and the numbers after it, in the order of the program.
 
-    To a program with heights, one number more is the height, but for fuzzylite's
+    To a program with heights, one number more is the height, except for fuzzylite's
     ``Constant``, which has none. See :func:`make_shape` for the others.
     """
     kind, word, order = spelling

@@ -2,7 +2,7 @@
 
 A reader of a format knows its text: it finds the words of variables, terms, norms, methods and
 rules, and hands them to a :class:`SystemReader` with their places. What they mean is the same
-for all formats but for what the :class:`~fuzzyarm.formats.dialects.Dialect` says.
+for all formats except for what the :class:`~fuzzyarm.formats.dialects.Dialect` says.
 """
 
 from __future__ import annotations

@@ -93,7 +93,7 @@ class SystemWriter:
         raise NotImplementedError
 
     def foot(self) -> list[str]:
-        """Return the lines behind the rules."""
+        """Return the lines after the rules."""
         return []
 
     # --- The frame ---
@@ -348,7 +348,7 @@ def likeliest(attempts: list[Exported]) -> Exported:
 
 
 def _lost(attempt: Exported, slight: tuple[str, ...]) -> tuple[int, int]:
-    """Return the numbers of errors, and of warnings but for some."""
+    """Return the numbers of errors, and of warnings except for some."""
     # fuzzylite's threshold moves less than the coarser samples of another program.
     warned = [d for d in attempt.diagnostics if d.severity is Severity.WARNING]
     return len(attempt.errors), sum(d.name not in slight for d in warned)

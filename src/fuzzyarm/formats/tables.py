@@ -17,7 +17,7 @@ _FEWEST = 4
 """Rules that make a table worth its lines."""
 
 _ANY_ORDER = frozenset({"min", "product"})
-"""Conjunctions of three and more degrees that, but for rounding, do not depend on their order."""
+"""Conjunctions of three and more degrees whose order only matters for rounding."""
 
 _Order = dict[tuple[str, str], int]  # (variable, term) → index of the term
 _Key = tuple[frozenset[str], tuple[str, ...]]  # inputs and outputs of a rule

@@ -3,7 +3,7 @@
 A connection leads from an output of one rule base to an input of another, or joins two inputs that
 have the same value. In the rule base that comes of it, a connected output has the terms of the
 inputs it leads to beside its own, so that later blocks read its value; each rule base keeps its
-norms in blocks of its own, in the order in which they can be computed.
+norms in its own blocks, in the order in which they can be computed.
 """
 
 from __future__ import annotations
@@ -154,7 +154,7 @@ def _is_known(connection: Connection, parts: Mapping[str, RuleBase], findings: F
 def _order(
     parts: Mapping[str, RuleBase], connections: Sequence[Connection], findings: Findings
 ) -> list[str]:
-    """Return the rule bases, each behind those that it reads; report what makes that impossible."""
+    """Return the rule bases, each after those that it reads; report what makes that impossible."""
     waits: dict[str, set[str]] = {key: set() for key in parts}
     sources: dict[tuple[str, str], tuple[str, str]] = {}
     for source, target in connections:

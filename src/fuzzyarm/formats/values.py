@@ -60,7 +60,7 @@ def _drawn(formula: Formula, draft: Draft) -> Shape | None:
 
 
 def values_as_sets(draft: Draft, implication: str | None, at: Word, findings: Findings) -> None:
-    """Put sets in the place of an output's values, as fuzzylite has them; report the others.
+    """Put sets instead of an output's values, as fuzzylite has them; report the others.
 
     Parameters
     ----------

@@ -151,7 +151,7 @@ def as_sentences(
 def _as_sentence(rule: Rule, block: RuleBlock, dialect: Dialect, findings: Findings) -> Sentence:
     """Put the hedges around a whole antecedent before the first conclusion, where that can be.
 
-    A hedge around a parenthesis has no other place; it then makes a threshold of its own.
+    A hedge around a parenthesis has no other place; it then makes its own threshold.
     """
     antecedent, weight = rule.antecedent, rule.weight
     hedges = hedges_of_conclusion(rule, block, dialect)
@@ -213,7 +213,7 @@ def written_sentences(
 class _SentenceWriter:
     """Writes the rules of one block.
 
-    fuzzylite has hedges behind *is* and nowhere else; jFuzzyLogic has *not* alone, before a
+    fuzzylite has hedges after *is* and nowhere else; jFuzzyLogic has *not* alone, before a
     proposition or a parenthesis, and writes key words in capitals.
     """
 

@@ -100,7 +100,7 @@ class SetPointNode(NamedTuple):
     span: Span = NOWHERE
 
 
-# --- Parts of their own ---
+# --- Special parts ---
 
 
 class _Body(Part):

@@ -213,7 +213,7 @@ def _formula(node: ShapeNode, scope: Scope) -> Shape | None:
 
 
 def _elaborate_lower(node: ShapeNode, upper: Shape, draft: Draft, scope: Scope) -> Shape | None:
-    """Return what stands behind ``over``, the lower of two; None after a report."""
+    """Return the part after ``over``, the lower of two; None after a report."""
     lower = _elaborate_shape(node, draft, scope)
     if lower is None:
         return None

@@ -93,7 +93,7 @@ def statements_below(heading: str) -> Records:
 
 
 def _signals() -> StatementKind:
-    """Return the statement without a word of its own, which stands below ``axis``."""
+    """Return the statement without its own word, which stands below ``axis``."""
     from fuzzyarm.language.controllers import CONTROLLER_STATEMENTS, SIGNAL
 
     return CONTROLLER_STATEMENTS[SIGNAL]
@@ -284,7 +284,7 @@ class ParseMemory:
             diagnostics += entry[2]
             self._lines.append(entry)
             if len(diagnostics) > MAX_DIAGNOSTICS:
-                break  # this is not a rule base; reading all of it would take for ever
+                break  # this is not a rule base; reading all of it would take forever
         return self.lines
 
     def read(self, group: _Group) -> tuple[StatementNode, Found]:

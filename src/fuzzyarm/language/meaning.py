@@ -125,7 +125,7 @@ def judge_statement(node: StatementNode, scope: Scope) -> None:
     """Add one statement to `scope`, below those that it has, and report what is wrong with it.
 
     For a rule base that is written statement by statement: what :func:`elaborate` would say of
-    it at this point, but for what only the whole can tell.
+    it at this point, except for what only the whole can tell.
     """
     if isinstance(node, VariableNode):
         declare_variable(node, scope)

@@ -56,7 +56,7 @@ class Printed:
         self._tight = True
 
     def add(self, text: str, tight: str = "") -> None:
-        """Add a word, behind a blank unless it is `tight` ``before``, or ``both``."""
+        """Add a word, after a blank unless it is `tight` ``before``, or ``both``."""
         if not text:
             return
         blank = not self._tight and tight not in ("before", "both")
@@ -95,7 +95,7 @@ class Part:
         """Print it."""
 
     def sketch(self, line: Printed) -> None:
-        """Show what stands for it in a table of the syntax."""
+        """Return its notation in a table of the syntax."""
 
     def mentions(self, node: Any) -> Iterator[Occurrence]:
         """Yield the names in it."""
@@ -146,7 +146,7 @@ class Mark(Part):
         line.add(self.text, _TIGHT.get(self.text, ""))
 
     def sketch(self, line: Printed) -> None:
-        """Show what stands for it."""
+        """Return its notation."""
         line.add(self.text, _TIGHT.get(self.text, ""))
 
     def words(self) -> Iterator[tuple[str, str]]:
@@ -171,7 +171,7 @@ class Flag(Part):
             line.add(self.text)
 
     def sketch(self, line: Printed) -> None:
-        """Show what stands for it."""
+        """Return its notation."""
         line.add(f"[{self.text}]")
 
     def fields(self) -> Iterator[tuple[str, Any]]:
@@ -192,7 +192,7 @@ class Column(Part):
 
 
 class Break(Part):
-    """Where a line longer than `width` goes on in a line of its own."""
+    """Where a line longer than `width` goes on in its own line."""
 
     def __init__(self, width: int, margin: str) -> None:
         self.width, self.margin = width, margin
@@ -245,7 +245,7 @@ class Name(Part):
         line.add(name_text(getattr(node, self.field)))
 
     def sketch(self, line: Printed) -> None:
-        """Show what stands for it."""
+        """Return its notation."""
         line.add(self.label)
 
     def mentions(self, node: Any) -> Iterator[Occurrence]:
@@ -301,7 +301,7 @@ class Number(Part):
             line.add(number_text(number))
 
     def sketch(self, line: Printed) -> None:
-        """Show what stands for it."""
+        """Return its notation."""
         line.add(self.label)
 
     def fields(self) -> Iterator[tuple[str, Any]]:
@@ -329,7 +329,7 @@ class Interval(Part):
         line.add(f"{number_text(low)} .. {number_text(high)}")
 
     def sketch(self, line: Printed) -> None:
-        """Show what stands for it."""
+        """Return its notation."""
         line.add(self.label)
 
     def fields(self) -> Iterator[tuple[str, Any]]:
@@ -357,7 +357,7 @@ class Text(Part):
             line.add(quote(text, '"'))
 
     def sketch(self, line: Printed) -> None:
-        """Show what stands for it."""
+        """Return its notation."""
         line.add(self.label)
 
     def fields(self) -> Iterator[tuple[str, Any]]:
@@ -414,7 +414,7 @@ class Phrase(Part):
             line.add(self._show(value), self.tight)
 
     def sketch(self, line: Printed) -> None:
-        """Show what stands for it."""
+        """Return its notation."""
         line.add(self.label, self.tight)
 
     def mentions(self, node: Any) -> Iterator[Occurrence]:
@@ -438,7 +438,7 @@ class Phrase(Part):
 
 
 class Several(Part):
-    """One or more of something, with a mark between; not where `stop` stands behind the mark."""
+    """One or more of something, with a mark between; not where `stop` stands after the mark."""
 
     def __init__(
         self, part: Any, between: tuple[str, ...] = (",",), stop: str = "", label: str = ""
@@ -470,7 +470,7 @@ class Several(Part):
             self.part.show(_Holder(node, self.part.field, item), line)
 
     def sketch(self, line: Printed) -> None:
-        """Show what stands for it."""
+        """Return its notation."""
         if self.label:
             line.add(self.label)
         else:
@@ -549,7 +549,7 @@ class Maybe(_Together):
             self.read_rest(cursor, values)
 
     def read_rest(self, cursor: Cursor, values: Values) -> None:
-        """Read what stands behind the first mark."""
+        """Read the part after the first mark."""
         if self.flag:
             values[self.flag] = True
         for part in self.parts[1:]:
@@ -566,7 +566,7 @@ class Maybe(_Together):
             super().show(node, line)
 
     def sketch(self, line: Printed) -> None:
-        """Show what stands for it."""
+        """Return its notation."""
         inner = Printed()
         super().sketch(inner)
         tight = _TIGHT.get(self.first, "")
@@ -585,7 +585,7 @@ class Maybe(_Together):
 
 
 class Options(Part):
-    """Options behind commas, in any order; each begins with its word."""
+    """Options after commas, in any order; each begins with its word."""
 
     def __init__(self, *options: Maybe) -> None:
         self.options = options
@@ -611,7 +611,7 @@ class Options(Part):
                 option.show(node, line)
 
     def sketch(self, line: Printed) -> None:
-        """Show what stands for it."""
+        """Return its notation."""
         for option in self.options:
             inner = Printed()
             _Together.sketch(option, inner)
@@ -634,7 +634,7 @@ class Options(Part):
 
 
 class Forgiving(_Together):
-    """Parts behind the name that a statement declares: where they are at fault, it is known.
+    """Parts after the name that a statement declares: where they are at fault, it is known.
 
     They are then as if they were not there; with `finish` the line ends with them.
     """

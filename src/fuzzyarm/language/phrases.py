@@ -183,7 +183,7 @@ class PropositionNode(NamedTuple):
 
 
 _FOLLOW = ("and", "or", "then", "with")
-"""Words that may stand behind a proposition."""
+"""Words that may stand after a proposition."""
 
 
 def _unknown_hedge(word: Word) -> Fault:
@@ -278,7 +278,7 @@ class LinearPart(NamedTuple):
 
     @classmethod
     def read(cls, cursor: Cursor, sign: float) -> LinearPart:
-        """Read a summand behind a plus or minus."""
+        """Read a summand after a plus or minus."""
         start = cursor.span
         while not cursor.at_figure and cursor.accept("-"):
             sign = -sign
@@ -301,7 +301,7 @@ class ShapeNode(NamedTuple):
     """A shape with its numbers, maybe over another: the two of an interval type-2 term.
 
     `figures` are the numbers in order (for ``points`` the pairs laid flat), `parts` the
-    summands of ``linear``, `formula` the text of ``formula``, `lower` what stands behind
+    summands of ``linear``, `formula` the text of ``formula``, `lower` what stands after
     ``over``.
     """
 

@@ -33,7 +33,7 @@ __all__ = [
 
 
 class Inside(Part):
-    """A node of its own, which has a row."""
+    """A separate node, which has a row."""
 
     def __init__(self, field: str, row: Row) -> None:
         self.field, self.row = field, row
@@ -48,7 +48,7 @@ class Inside(Part):
             part.show(getattr(node, self.field), line)
 
     def sketch(self, line: Printed) -> None:
-        """Show what stands for it."""
+        """Return its notation."""
         for part in self.row.parts:
             part.sketch(line)
 
@@ -67,7 +67,7 @@ class Inside(Part):
 
 
 class Lines(Part):
-    """The lines below the statement, each a node of its own; one that is at fault is left out."""
+    """The lines below the statement, each a separate node; one that is at fault is left out."""
 
     def __init__(self, field: str, row: Row) -> None:
         self.field, self.row = field, row
@@ -282,7 +282,7 @@ def text_of(node: Any) -> str:
 
 
 def sentence(node: Any) -> str:
-    """Return what stands behind the first word of a node, on one line."""
+    """Return the part after the first word of a node, on one line."""
     lines = text_of(node).split("\n")
     return " ".join(line.strip() for line in lines).split(" ", 1)[1]
 

@@ -48,7 +48,7 @@ class CellNode(NamedTuple):
             weight = cursor.figure("the weight of the rule")
             return cls(term, weight, start.to(weight.span))
         except Fault as fault:
-            # One bad cell must not hide the mistakes behind it: note it and go on.
+            # One bad cell must not hide the mistakes after it: note it and go on.
             cursor.forgiven.append(fault.diagnostic)
             if not cursor.at_end and fault.diagnostic.span == cursor.span:
                 cursor.take()

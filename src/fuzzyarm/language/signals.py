@@ -52,7 +52,7 @@ __all__ = [
 ]
 
 Body = tuple[Source | None, tuple[Product, ...]]
-"""What stands behind the ``=`` of a signal."""
+"""What stands after the ``=`` of a signal."""
 
 
 def of_signal(word: str) -> Occurrence:
@@ -125,7 +125,7 @@ def _without_unit(figure: Figure, cursor: Cursor, turns: float | None) -> Diagno
 
 
 def _with_unit(word: Word, figure: Figure, unit: str, span: Span) -> Diagnostic:
-    """Describe a unit behind a number that has the unit of a signal."""
+    """Describe a unit after a number that has the unit of a signal."""
     message = f"the {word} is a number in the unit of its signal, found '{unit}' after it"
     number = number_text(figure)
     hint = f'leave it out, or write  gain NAME = {number} "{unit}"  above and  {word} NAME'
@@ -195,7 +195,7 @@ def read_sum(cursor: Cursor) -> tuple[Product, ...]:
 
 
 def _read_factors(cursor: Cursor, *first: Factor) -> tuple[Factor, ...]:
-    """Read what stands behind ``*`` and ``/``."""
+    """Read the part after ``*`` and ``/``."""
     factors = list(first)
     while cursor.next_is("*") or cursor.next_is("/"):
         divides = cursor.take().text == "/"
@@ -232,7 +232,7 @@ def names_in_sum(products: tuple[Product, ...]) -> Iterator[Occurrence]:
 
 
 def read_inputs(cursor: Cursor) -> tuple[Word, ...]:
-    """Read ``(S, …)`` behind the name of a rule base or a table."""
+    """Read ``(S, …)`` after the name of a rule base or a table."""
     cursor.expect("(", "before the inputs")
     inputs = read_signals(cursor)
     cursor.expect(")", "after the inputs")
@@ -258,7 +258,7 @@ Given = tuple[tuple[Word, Setting], ...]
 
 
 def read_options(cursor: Cursor, known: Mapping[str, OptionKind]) -> Given:
-    """Read the options of a source, each behind a comma."""
+    """Read the options of a source, each after a comma."""
     options = []
     while cursor.accept(","):
         if not known:
@@ -296,7 +296,7 @@ def _read_option(cursor: Cursor, known: Mapping[str, OptionKind]) -> tuple[Word,
 
 
 def options_text(options: Iterable[tuple[str, Setting]], known: Mapping[str, OptionKind]) -> str:
-    """Return options as they are written, each behind its comma."""
+    """Return options as they are written, each after its comma."""
     return "".join(f", {_option_text(word, value, known[word])}" for word, value in options)
 
 

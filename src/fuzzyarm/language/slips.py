@@ -138,7 +138,7 @@ def _put_right(lines: Sequence[str], number: int, first: Diagnostic) -> tuple[st
 
 
 def _surroundings(lines: Sequence[str], number: int) -> tuple[list[str], str, list[str]]:
-    """Return the lines before that a line is read with, what it is itself, and those behind."""
+    """Return the lines before that a line is read with, what it is itself, and those after."""
     start = number
     while start > max(1, number - _FARTHEST) and _keyword(lines[start - 1]) is None:
         start -= 1

@@ -218,7 +218,7 @@ class OutcomeNode(NamedTuple):
 
     @classmethod
     def read_behind(cls, name: Word, cursor: Cursor, others: Sequence[str] = ()) -> OutcomeNode:
-        """Read what stands behind the name of the output; `others` could stand there too."""
+        """Read the part after the name of the output; `others` could stand there too."""
         for relation in RELATIONS:
             if cursor.accept(relation, likely=True):
                 break
@@ -378,7 +378,7 @@ class Broken(NamedTuple):
     span: Span = NOWHERE
 
 
-# --- Parts of their own ---
+# --- Special parts ---
 
 
 class _Target(Part):

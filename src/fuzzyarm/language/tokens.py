@@ -171,13 +171,13 @@ def is_reserved(word: str) -> bool:
 
 
 def name_text(name: str) -> str:
-    """Return a name as it stands in a file, in single quotes where it must."""
+    """Return a name as written in a file, in single quotes where it must."""
     plain = is_plain_name(name) and name not in STARTERS and not is_reserved(name)
     return name if plain else quote(name, "'")
 
 
 class Trivia(NamedTuple):
-    """What surrounds a line: the comments and blank lines before it, the comment behind it.
+    """What surrounds a line: the comments and blank lines before it, the comment after it.
 
     `before` holds comment lines with their ``#``; an empty string is a blank line.
     """
@@ -230,7 +230,7 @@ class Cursor:
 
     @property
     def span(self) -> Span:
-        """Where the next token stands; just behind the last one where there is none."""
+        """Where the next token stands; just after the last one where there is none."""
         if not self.at_end:
             return self.tokens[self.position].span
         last = self.tokens[-1]
@@ -280,7 +280,7 @@ class Cursor:
     def forgive(self, fault: Fault) -> None:
         """Keep the diagnostic of `fault` and skip the rest of the line.
 
-        For faults behind the name that a statement declares: the name is known all the same,
+        For faults after the name that a statement declares: the name is known all the same,
         so its uses are not reported as mistakes too.
         """
         self.forgiven.append(fault.diagnostic)
@@ -306,7 +306,7 @@ class Cursor:
         return Word(token.text, token.span)
 
     def _fail_at_digit(self, what: str) -> None:
-        """Raise a fault if what comes next would be a name but for its first digit."""
+        """Raise a fault if what comes next would be a name except for its first digit."""
         token, behind = self.peek(), self.peek(1)
         if token is None or behind is None or token.kind != "number" or token.end != behind.column:
             return
@@ -325,7 +325,7 @@ class Cursor:
     def variable(self, what: str, role: str = "", follow: str = "") -> Word:
         """Take the name of a variable: an ``input``, an ``output`` or either.
 
-        `follow` is what an editor writes behind it.
+        `follow` is what an editor writes after it.
         """
         return self.name(what)
 

@@ -42,7 +42,7 @@ PEAK_WORDS: dict[str, str] = {
     "partition": "each foot is under the neighbour's peak, so that memberships add up to 1",
     "gap": "how near neighbouring peaks may come, in percent of the range",
 }
-"""What stands behind the variables of ``peaks``."""
+"""What stands after the variables of ``peaks``."""
 
 _CHOICES = ("mirrored", "keep", "partition", "gap")
 _LISTED = "mirrored, keep order, partition or gap"
@@ -68,7 +68,7 @@ class TuneItem(NamedTuple):
 
 
 class _PeakOptions(Part):
-    """Options behind the variables of ``peaks``, in any order, with commas between."""
+    """Options after the variables of ``peaks``, in any order, with commas between."""
 
     def read(self, cursor: Cursor, values: Values) -> None:
         words: list[str] = []
@@ -109,7 +109,7 @@ def _peak_word(cursor: Cursor) -> str | None:
 
 
 class _Scale(Part):
-    """``times``, ``log`` and ``, per axis`` behind the range of a gain."""
+    """``times``, ``log`` and ``, per axis`` after the range of a gain."""
 
     def read(self, cursor: Cursor, values: Values) -> None:
         words = [word for word in ("times", "log") if cursor.accept(word)]

@@ -2,7 +2,7 @@
 
 A module for each library reads its objects by their attributes and asks them for their numbers;
 :mod:`fuzzyarm.live.objects` knows all of them, :mod:`fuzzyarm.live.gather` runs a script in a
-process of its own. Nothing of a library is imported here, and nothing but the top names this
+its own process. Nothing of a library is imported here, and nothing but the top names this
 package.
 """
 

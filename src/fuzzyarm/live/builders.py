@@ -102,12 +102,12 @@ def _builder(name: str, parts: dict[str, Any], building: set[str]) -> Builder | 
         return Builder(owner, _required(parts[name]))
     constructor = f"{owner}.__init__"
     if owner and (constructor in building or _required(parts.get(constructor))):
-        return None  # an object has built one already, or asks for arguments of its own
+        return None  # an object has built one already, or asks for its own arguments
     return Builder(name, _required(parts[name]))
 
 
 def _required(function: ast.FunctionDef | ast.AsyncFunctionDef | None) -> tuple[str, ...]:
-    """Return the parameters without a default, but for that of the object itself."""
+    """Return the parameters without a default, except for that of the object itself."""
     if function is None:
         return ()
     arguments = function.args

@@ -1,4 +1,4 @@
-"""Run a script in a process of its own and gather the fuzzy systems that it makes.
+"""Run a script in a separate process and gather the fuzzy systems that it makes.
 
 This file is started by its path (see :mod:`fuzzyarm.live`), maybe by another Python than the one
 that has fuzzyarm: the script may need libraries that do not go with ours. Until the script has

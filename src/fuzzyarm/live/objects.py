@@ -234,7 +234,7 @@ def measured(
     rulebase : RuleBase
         What it was read as.
     deadline : float
-        On the monotonic clock: no further point is taken behind it.
+        On the monotonic clock: no further point is taken after it.
     """
     if not all(math.isfinite(v.low) and math.isfinite(v.high) for v in rulebase.inputs):
         return []

@@ -167,7 +167,7 @@ def _linear_at_points(
 
 
 def _agree(one: float, other: float, terms: Sequence[float] = ()) -> bool:
-    """Whether two numbers are the same but for the rounding of the terms of their sum."""
+    """Whether two numbers are the same except for the rounding of the terms of their sum."""
     return abs(one - other) <= 1e-9 * (1.0 + abs(one) + sum(map(abs, terms)))
 
 
@@ -194,7 +194,7 @@ def _compare(
 
 
 def _plain(number: float) -> float:
-    """Return the number of twelve digits that a number is but for rounding."""
+    """Return the number of twelve digits that a number is except for rounding."""
     return float(f"{number:.12g}")
 
 

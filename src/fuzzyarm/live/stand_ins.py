@@ -1,4 +1,4 @@
-"""Stand-ins for what a script asks for and nobody gives: modules, windows, answers.
+"""Stand-ins for what a script needs and does not get: modules, windows, answers.
 
 A module that is not installed, or that would open a window, serve a port or talk to a device,
 becomes an object that swallows everything. Loaded by its path (see :mod:`fuzzyarm.live.gather`),
@@ -132,7 +132,7 @@ class _Swallows:
 
 
 class StandIn(_Swallows):
-    """What a module that nobody has would give."""
+    """What a missing module would give."""
 
     def __init__(self, name: str) -> None:
         object.__setattr__(self, "_stand_in", name)
@@ -154,7 +154,7 @@ class Swallower:
 
 
 class _Module(_Swallows, ModuleType):
-    """A module that nobody has."""
+    """A missing module."""
 
     def __init__(self, name: str) -> None:
         super().__init__(name)

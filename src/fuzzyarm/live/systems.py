@@ -261,7 +261,7 @@ def read_script(
     lossy: bool = False,
     strict: bool = False,
 ) -> tuple[tuple[System, ...], tuple[Diagnostic, ...]]:
-    """Run a script in a process of its own and return the fuzzy systems that it makes.
+    """Run a script in a separate process and return the fuzzy systems that it makes.
 
     The script is run as ``python SCRIPT`` does it, in its own folder, without a terminal, windows,
     servers or devices: a stand-in that does nothing takes the place of their modules, and of those

@@ -183,7 +183,7 @@ class FuzzyarmServer(LanguageServer):
 
     # ── diagnostics ──────────────────────────────────────────────────────────────────
     #
-    # A check runs in a thread of its own, on a copy, and questions are answered beside it. The
+    # A check runs in its own thread, on a copy, and questions are answered beside it. The
     # next key stroke ends it: its findings would be about an old text.
 
     def _schedule(self, uri: str, *, pause: bool = True) -> None:

@@ -1,4 +1,4 @@
-"""A shape of another kind in the place of one: the same middle, and one half at the same points.
+"""A shape of another kind instead of one: the same middle, and one half at the same points.
 
 A shape is measured, whatever its kind: where it is highest, where its flanks cross one half, and
 how steep they are there. From that each kind has its own numbers. What a kind cannot have is lost:

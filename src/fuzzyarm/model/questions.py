@@ -167,7 +167,7 @@ class Questions(Shown, OfKind):
         return text
 
 
-# --- What RuleBase was before RuleBaseBuilder had a name of its own ---
+# --- What RuleBase was before RuleBaseBuilder had its own name ---
 
 
 def new_or_begun(cls: type, *arguments: Any, **named: Any) -> Any:

@@ -516,7 +516,7 @@ class GainTuning:
     log : bool
         Whether they move in steps of the logarithm; multiples always do.
     per_axis : bool
-        Whether each axis gets a value of its own.
+        Whether each axis gets its own value.
     """
 
     names: tuple[str, ...]
@@ -670,7 +670,7 @@ def propositions(expression: Expression) -> Iterator[Is]:
 def last_conclusions(rulebase: RuleBase) -> dict[str, int]:
     """Return for each output the index of the last block that concludes it.
 
-    Only behind that block is the output complete: rules that read it earlier are a fault to the
+    Only after that block is the output complete: rules that read it earlier are a fault to the
     language, a circle to inference, and to other programs they take its last value.
     """
     return {

@@ -198,7 +198,7 @@ def corner_points(shape: Shape) -> tuple[float, ...]:
 def centre(shape: Shape, low: float, high: float) -> float | None:
     """Return the middle of a fuzzy shape within `low` … `high`; None for values.
 
-    For a shape without a middle of its own (ramps, sigmoids, …) it is the middle of the
+    For a shape without its own middle (ramps, sigmoids, …) it is the middle of the
     stretch where the membership is largest.
     """
     kind = SHAPES[shape.kind]

@@ -1,6 +1,6 @@
 """What compiling for another platform takes beside its compiler: headers and names of Python.
 
-The headers of the stable ABI are the same everywhere but for ``pyconfig.h``, which says what the
+The headers of the stable ABI are the same everywhere except for ``pyconfig.h``, which says what the
 platform of an installation has. Windows looks for every symbol in a named library when a module is
 linked: its import library is made of the names that the headers declare.
 """

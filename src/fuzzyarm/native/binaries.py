@@ -150,7 +150,7 @@ def _mach_o(data: bytes) -> Binary:
 def _load_commands(data: bytes) -> Iterator[tuple[int, int]]:
     """Iterate over the commands of a Mach-O file: which, and where."""
     (count,) = struct.unpack_from("<I", data, 16)
-    start = 32  # behind the header of 64 bits
+    start = 32  # after the header of 64 bits
     for _ in range(count):
         command, size = struct.unpack_from("<II", data, start)
         yield command, start
@@ -181,7 +181,7 @@ def _pe(data: bytes) -> Binary:
                 return int(address - begin + place)
         raise ValueError("an import lies in no section")
 
-    # Of 64 bits the directories begin 112 bytes behind the optional header.
+    # Of 64 bits the directories begin 112 bytes after the optional header.
     (imports,) = struct.unpack_from("<I", data, head + 24 + 112 + 8 * _IMPORTS)
     needs = []
     at = offset(imports)

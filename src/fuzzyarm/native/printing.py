@@ -31,7 +31,7 @@ UNITS: dict[str, tuple[str, ...]] = {
         "--param=max-completely-peel-times=32",
     ),
 }
-"""Files of a level, with flags of their own; see :attr:`Root.over_rows`."""
+"""Files of a level, with their own flags; see :attr:`Root.over_rows`."""
 
 
 def kernels_in_c(kernels: Iterable[Root]) -> dict[str, str]:

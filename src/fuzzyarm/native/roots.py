@@ -141,7 +141,7 @@ def _loops() -> Iterator[Root]:
     """Iterate over the loops: around any laws and plants, and with what they call compiled in.
 
     A plant that makes its drives itself is called more often than others in a control period, so
-    it has loops of its own.
+    it has its own loops.
     """
     plants = (kind.variants()[0] for kind in PLANTS.values())
     every = [dynamics_of(plant, Arithmetic(), address=lambda *_, **__: 0) for plant in plants]

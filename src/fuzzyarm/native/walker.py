@@ -90,4 +90,4 @@ def _cases() -> str:
 
 
 WALKER = _FRAME.format(cases=_cases(), head=HEAD, instruction=INSTRUCTION)
-"""Definitions in C, behind those of :class:`fuzzyarm.translation.targets.C99`."""
+"""Definitions in C, after those of :class:`fuzzyarm.translation.targets.C99`."""

@@ -352,7 +352,7 @@ def _cut_off(law: Law, limits: Interval, farthest: float) -> Law:
 
 
 def _notable(gains: Gains) -> Gains:
-    """Return gains without those that cancelled but for their rounding."""
+    """Return gains without those that cancelled except for their rounding."""
     most = max((largest(gain) for gain in gains.values()), default=0.0)
     return {name: gain for name, gain in gains.items() if largest(gain) > 1e-15 * most}
 

@@ -204,7 +204,7 @@ PARTS = 256
 
 
 def curved(root: Node, law: Law, *, asked: bool) -> Law:
-    """Return a law behind a curve, an expression over ``x``."""
+    """Return a law applied after a curve, an expression over ``x``."""
     at, rest = outward(_values(root, law.at)), _values(root, law.rest)
     if any(isinstance(node, Apply) and node.operation in JUMPS for node in postorder(root)):
         return replace(unknown(at, "a source may jump"), rest=rest)
@@ -383,6 +383,6 @@ def snapped(at: Interval, universe: Interval) -> Interval:
 
 
 def inside(at: Interval, universe: Interval) -> bool:
-    """Tell whether an interval is in another, but for rounding."""
+    """Tell whether an interval is in another, except for rounding."""
     slack = 1e-9 * (universe.high - universe.low)
     return universe.low - slack <= at.low and at.high <= universe.high + slack

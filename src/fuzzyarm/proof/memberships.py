@@ -66,7 +66,7 @@ def hedged(hedges: Sequence[Hedge], degree: Interval) -> Interval:
 class Degrees:
     """Bounds of memberships over stretches, each found once.
 
-    The stretches of `others`, which stand behind those of `names`, differ from box to box: they
+    The stretches of `others`, which stand after those of `names`, differ from box to box: they
     are not remembered.
     """
 

@@ -59,7 +59,7 @@ class TooManyPiecesError(FuzzyarmError, ValueError):
 
 
 class Cell(NamedTuple):
-    """A stretch of one input; of no width where a term has a value of its own at one point."""
+    """A stretch of one input; of no width where a term has its own value at one point."""
 
     left: Fraction
     right: Fraction
@@ -76,7 +76,7 @@ class Cut(NamedTuple):
         Further cuts of each input.
     mirrored : bool
         Whether the heights at the opposite point (each input with the other sign) are wanted
-        too: columns behind the others.
+        too: columns after the others.
     form : tuple of Fraction
         Weights of a sum of the inputs; pieces are cut where it is 0.
     """
@@ -99,7 +99,7 @@ class Grid:
         For each input.
     ends : list of (Array, Array)
         For each proposition: its membership at the left and the right ends of the cells of
-        its input, from within. The mirrored propositions stand behind the others.
+        its input, from within. The mirrored propositions stand after the others.
     inputs : list of int
         The input of each proposition.
     jumps : list of bool

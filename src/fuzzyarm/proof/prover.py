@@ -207,7 +207,7 @@ class Prover:
 
     @property
     def no_rule(self) -> float | None:
-        """The number that stands where there is no value; None where it is no number."""
+        """The number that stands where there is no value; None where it is not a number."""
         no_rule = self.output.no_rule
         is_number = isinstance(no_rule, int | float) and not math.isnan(no_rule)
         return float(no_rule) if is_number else None

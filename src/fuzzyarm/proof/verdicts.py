@@ -46,7 +46,7 @@ class Verdict(Shown):
     Attributes
     ----------
     statement : str
-        The statement, as it stands behind ``prove``.
+        The statement, as it stands after ``prove``.
     verdict : str
         ``proved``, ``refuted`` or ``undecided``.
     bound : tuple of float, float or None
@@ -141,7 +141,7 @@ def read_property(rulebase: RuleBase, text: str) -> Property:
 
 
 def property_text(claim: Property, rulebase: RuleBase) -> str:
-    """Return a statement as it stands behind ``prove``.
+    """Return a statement as it stands after ``prove``.
 
     Parameters
     ----------
@@ -170,7 +170,7 @@ def prove(
     rulebase : RuleBase
         The model.
     statement : str or Property
-        As behind ``prove`` in a file: ``"u rises with e"``.
+        As after ``prove`` in a file: ``"u rises with e"``.
     tolerance : float, optional
         How far a bound may be from what is attained, in units of what is bounded; 1e-8 of
         the range of the output by default.
@@ -450,7 +450,7 @@ class _Case:
         return ()
 
     def _rounded(self, at: Mapping[str, float], digits: int | None) -> dict[str, float]:
-        """Return a point to some digits behind the decimal point, inside the box."""
+        """Return a point to some digits after the decimal point, inside the box."""
         ends = self.prover.box(self.region)
         return {
             name: x if digits is None else min(max(round(x, digits), float(low)), float(high))

@@ -141,7 +141,7 @@ def _unknown_suffix(path: Path) -> TableError:
 # --- Tables as `.csv`: the `.lut` header in comment lines, then one rectangle of cells ---
 #
 # With two inputs the first line is `e \ ce` and the column levels, and each further line a
-# row level and its values; page inputs stand in columns of their own before the row level.
+# row level and its values; page inputs stand in their own columns before the row level.
 
 
 def _write_csv(table: PlainTable) -> str:

@@ -59,7 +59,7 @@ def clamp(x: Any, low: Any, high: Any) -> Any:
 
 @kernel
 def share_of_way(x: Any, lower: Any, upper: Any) -> Any:
-    """Return how much of the way from the lower neighbour to the upper one lies behind x."""
+    """Return how much of the way from the lower neighbour to the upper one lies after x."""
     return (x - lower) / (upper - lower)
 
 
@@ -107,7 +107,7 @@ class Grid:
     strides: tuple[int, ...]  # cells from one index of an input to the next one
     # For each input the thresholds, or all levels where it interpolates.
     points: tuple[Any, ...]
-    inner: tuple[Any, ...]  # the levels but for the outer ones
+    inner: tuple[Any, ...]  # the levels except for the outer ones
     offsets: tuple[int, ...]  # where it interpolates, see :func:`corner_offsets`
     values: Any  # flat, the last input fastest
     arithmetic: Arithmetic  # of points and values
@@ -161,7 +161,7 @@ def strides_of(shape: Sequence[int]) -> tuple[int, ...]:
 
 
 def corner_offsets(shape: Sequence[int]) -> tuple[int, ...]:
-    """Return where the corners of a cell lie behind its lowest one, the last input fastest.
+    """Return where the corners of a cell lie after its lowest one, the last input fastest.
 
     An input with one level has no neighbour: it does not add corners.
     """
@@ -325,7 +325,7 @@ _MOST_STEPS = 6
 class Finder(NamedTuple):
     """How numbers find their index among the points of one axis."""
 
-    points: _Array  # increasing, with infinities behind the last one
+    points: _Array  # increasing, with infinities after the last one
     start: _Cells  # for each bucket, how many points lie in lower buckets
     edge: _Array  # for each bucket, the first point that does not lie in a lower bucket
     # The bucket of x is (x - low) × inverse, rounded down.

@@ -182,7 +182,7 @@ def _nearest(values: list[tuple[str, float]], wanted: float) -> str:
 
 def _conjunction(inputs: tuple[Input, ...], chosen: tuple[Term, ...]) -> Expression:
     parts = tuple(Is(v.name, term.name) for v, term in zip(inputs, chosen, strict=True))
-    # Row and column first, the inputs of the page behind them: so a grid is written.
+    # Row and column first, the inputs of the page after them: so a grid is written.
     parts = (*parts[-2:], *parts[:-2])
     return parts[0] if len(parts) == 1 else And(parts)
 

@@ -38,7 +38,7 @@ def function(name: str) -> Any:
     Raises
     ------
     LookupError
-        If nobody has registered it.
+        If nothing has registered it.
     """
     if name not in _HOMES:
         raise LookupError(f"no module above has registered '{name}'")

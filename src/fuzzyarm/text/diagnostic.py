@@ -186,7 +186,7 @@ MIN_WIDTH = 1e-100
 """Smallest width of a range, and smallest spread of a shape."""
 
 MAX_DIAGNOSTICS = 1_000
-"""Most findings that one run reports; behind them reading stops."""
+"""Most findings that one run reports; after them reading stops."""
 
 
 # --- Show a diagnostic to a person: position, source line, caret, hint. Plain text ---

@@ -48,7 +48,7 @@ class NotTranslatedError(NotImplementedError):
 
 
 class Translation:
-    """Functions in one language, each behind those that it calls.
+    """Functions in one language, each after those that it calls.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ class Translation:
         types : sequence of Type
             Of its arguments.
         bindings : mapping of str to callable, optional
-            Functions in the place of those that kernels know under these names.
+            Functions instead of those that kernels know under these names.
         """
         bound = _used_by(function, dict(bindings))
         key = (function, tuple(types), bound)
@@ -122,7 +122,7 @@ class Translation:
         return self._tuples[type_.parts]
 
     def text(self) -> str:
-        """Return all functions; what calls stands behind what is called."""
+        """Return all functions; what calls stands after what is called."""
         return "\n".join(function.text for function in self._finished)
 
 

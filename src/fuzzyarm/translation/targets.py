@@ -61,7 +61,7 @@ class Target:
     part, uniform_part : str
         A part of a tuple by its index; of a uniform one the index may be computed.
     element, length, stretch, wholes : str
-        Of an array: an element, its length, a stretch of it (whose end may lie behind the end of
+        Of an array: an element, its length, a stretch of it (whose end may lie after the end of
         the array), and the whole numbers in its memory.
     call : callable
         From an address and arrays to the call of what stands there.

@@ -20,7 +20,7 @@ class Scalar(Enum):
 
 
 class Array(Enum):
-    """An array of one axis, by its elements; constants are reals that nobody writes."""
+    """An array of one axis, by its elements; constants are reals that nothing writes."""
 
     REALS = "reals"
     CONSTANTS = "constants"

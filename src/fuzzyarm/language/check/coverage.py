@@ -63,7 +63,7 @@ def _gaps(variable: Input, probes: list[Cell]) -> Iterator[Diagnostic]:
         start = i
         while i + 1 < len(probes) and not probes[i + 1].degrees:
             i += 1
-        # A gap begins at a corner: at a bare one, or just behind a covered one.
+        # A gap begins at a corner: at a bare one, or just after a covered one.
         low, high = probes[start].x, probes[i].x
         low = low if low in turns else probes[start - 1].x
         high = high if high in turns else probes[i + 1].x

@@ -153,7 +153,7 @@ def _overlap(parts: tuple[Is, ...], subject: Subject) -> bool:
     )
 
 
-# --- Grids that are antisymmetric (or symmetric) but for a few cells ---
+# --- Grids that are antisymmetric (or symmetric) except for a few cells ---
 
 ALMOST = 0.75
 """So large a part of the pairs must mirror for the others to look like slips."""

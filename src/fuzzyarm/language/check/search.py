@@ -4,7 +4,7 @@ A rule needs literals of some variables to hold; a cell of a variable is a set o
 hold together. To find cells, one for each variable, that leave every rule without something
 it needs is satisfiability: hard in the worst case, but linear in the rules where they are a full
 table, and a matter of a few steps where they are not. So the search counts its steps, and gives
-up behind a budget in proportion to the rules.
+up after a budget in proportion to the rules.
 """
 
 from __future__ import annotations

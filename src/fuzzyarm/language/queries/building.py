@@ -97,7 +97,7 @@ def add_variable(
 
 
 def _line_of_new(reading: Reading, role: str) -> tuple[int, list[str]]:
-    """Return behind which line a variable is declared, and the blank line in between."""
+    """Return after which line a variable is declared, and the blank line in between."""
     declarations = [
         (n, start, end) for n, start, end in reading.extents if isinstance(n, VariableNode)
     ]
@@ -222,9 +222,9 @@ def set_setting(reading: Reading, key: str, value: str, target: str = "") -> lis
     reading : Reading
         The text.
     key, value : str
-        As they stand behind ``inference``: ``and``, ``product``.
+        As they stand after ``inference``: ``and``, ``product``.
     target : str, optional
-        A variable that has a line of its own; by default what counts for all.
+        A variable that has its own line; by default what counts for all.
 
     Raises
     ------
@@ -287,7 +287,7 @@ def add_rule(
     reading : Reading
         The text.
     antecedent, consequents : sequence of (str, str)
-        Behind ``if`` and behind ``then``.
+        After ``if`` and ``then``.
     join : str, optional
         ``and`` or ``or``, between the propositions of the antecedent.
 

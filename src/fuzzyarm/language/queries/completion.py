@@ -370,7 +370,7 @@ def _asked(
     *about: Any,
     names: Mapping[Kind, Mapping[str, str]] = MappingProxyType({}),
 ) -> list[Candidate]:
-    """Return what `read` asks for behind `tokens`."""
+    """Return what `read` asks for after `tokens`."""
     cursor = _AskingCursor(tokens, model, names)
     try:
         read(cursor, *about)
@@ -417,7 +417,7 @@ def complete(reading: Reading, line: int, column: int, facts: Facts = NOTHING) -
     if any(d.name == "unterminated-string" and text[d.column - 1] == '"' for d in diagnostics):
         return []
     match = _PARTIAL.search(text)
-    # A letter behind a digit belongs to no name: `1e` is on its way to a number.
+    # A letter after a digit belongs to no name: `1e` is on its way to a number.
     start = match.start() + 1 if match else column
     if text[: start - 1][-1:].isdigit():
         return []

@@ -61,14 +61,14 @@ def last_line(reading: Reading, *kinds: type) -> int:
 
 
 def line_of_rules(reading: Reading) -> int:
-    """Return the line behind which rules are added: the last rules, or what rules need."""
+    """Return the line after which rules are added: the last rules, or what rules need."""
     line = last_line(reading, RuleNode, GridNode, BlockNode)
     need = (Heading, VariableNode, TermNode, EvenTermsNode, InferenceNode)
     return line or last_line(reading, *need) or max(1, len(reading.raw_lines))
 
 
 def lines_behind(reading: Reading, line: int, added: Sequence[str]) -> Edit:
-    """Return the edit that puts lines behind another one."""
+    """Return the edit that puts lines after another one."""
     end = len(reading.raw_line(line)) + 1
     return Edit(Span(line, end, line, end), "".join(f"\n{words}" for words in added))
 
@@ -88,7 +88,7 @@ def without_statement(reading: Reading, node: StatementNode) -> Edit:
 
 
 def without_line_ranges(reading: Reading, ranges: Iterable[tuple[int, int]]) -> list[Edit]:
-    """Remove stretches of lines, and a blank line behind where one in front stays."""
+    """Remove stretches of lines, and a blank line after where one in front stays."""
     merged: list[tuple[int, int]] = []
     for start, end in sorted(ranges):
         first, last = start, end
@@ -112,7 +112,7 @@ def without_word(reading: Reading, span: Span) -> Edit:
 
 
 def aligned_word(text: str, span: Span, new: str) -> Edit:
-    """Put a word in the place of another; blanks behind it give way, or are added."""
+    """Replace a word by another; blanks after it give way, or are added."""
     end = span.end_column
     longer = len(new) - (end - span.column)
     rest = text[end - 1 :]

@@ -28,7 +28,7 @@ def _find_occurrences(document: Document, lines: Sequence[Line]) -> tuple[Occurr
     """Return every occurrence of every name, in the order of the text.
 
     Of statements that could not be read, those that are certain: declared variables, and
-    the words behind their ``is``.
+    the words after their ``is``.
     """
     nodes = [statement.node for statement in document.statements]
     occurrences = [mention for node in nodes for mention in mentions(node)]
@@ -63,7 +63,7 @@ def _is_name(token: Token) -> bool:
 
 
 def asked_variable(tokens: Sequence[Token]) -> str | None:
-    """Return the variable of which a term comes behind ``is`` and hedges; None where none does."""
+    """Return the variable of which a term comes after ``is`` and hedges; None where none does."""
     index = len(tokens) - 1
     while index >= 0 and tokens[index].kind == "name" and tokens[index].text in HEDGES.words:
         index -= 1
@@ -122,7 +122,7 @@ class Reading:
         return self.lines[line - 1].tokens if 1 <= line <= len(self.lines) else ()
 
     def token_at(self, line: int, column: int) -> Token | None:
-        """Return the token that a cursor touches, the one behind it before the one in front."""
+        """Return the token that a cursor touches, the one after it before the one in front."""
         touched = [t for t in self.tokens_of(line) if t.column <= column <= t.end]
         return touched[-1] if touched else None
 

@@ -59,7 +59,7 @@ def set_shapes(reading: Reading, shapes: Sequence[Reshaped | tuple[str, str, Sha
     """Return the edits that give terms other shapes; comments stay.
 
     A term that is declared by itself gets other numbers in its line. One of an evenly spaced
-    family gets a line of its own below that of the family, which it then overrides.
+    family gets its own line below that of the family, which it then overrides.
 
     Parameters
     ----------
@@ -171,7 +171,7 @@ def _family_of(reading: Reading, variable: str, term: str) -> EvenTermsNode | No
 
 
 def _line_behind_family(reading: Reading, variable: str, term: str) -> int:
-    """Return the line behind which a term of a family is overridden: others may be already."""
+    """Return the line after which a term of a family is overridden: others may be already."""
     node = _family_of(reading, variable, term)
     if node is None:
         raise ReshapeError(f"the text declares no term '{term}' of '{variable}'")
@@ -184,7 +184,7 @@ def _line_behind_family(reading: Reading, variable: str, term: str) -> int:
 
 
 def add_term(reading: Reading, variable: str, term: str, shape: Shape) -> list[Edit]:
-    """Return the edit that declares another term: a line behind the terms of its variable.
+    """Return the edit that declares another term: a line after the terms of its variable.
 
     Parameters
     ----------
@@ -217,7 +217,7 @@ def add_term(reading: Reading, variable: str, term: str, shape: Shape) -> list[E
     words = [_term_text(reading, variable, term, shape)]
     if line_number:
         return [lines_behind(reading, last_lines(reading)[line_number], words)]
-    # Its first term: behind those of others, or below the variables.
+    # Its first term: after those of others, or below the variables.
     termed, declaration_line = (
         last_line(reading, TermNode, EvenTermsNode),
         last_line(reading, VariableNode),
@@ -265,7 +265,7 @@ def remove_term(reading: Reading, variable: str, term: str) -> list[Edit]:
 
 
 def _without_family(reading: Reading, node: EvenTermsNode, variable: str, term: str) -> list[Edit]:
-    """Take a variable out of a family; the other terms get lines of their own."""
+    """Take a variable out of a family; the other terms get their own lines."""
     names = {term_node.name for term_node in _terms(reading, variable)}
     lines = [
         _term_text(reading, variable, word, reading.model.variable(variable).term(word).shape)
@@ -396,7 +396,7 @@ def set_rule(reading: Reading, line: int | None, sentence: str) -> list[Edit]:
     reading : Reading
         The text.
     line : int or None
-        Where the rule begins that is changed, from 1; None for a new one, which is put behind
+        Where the rule begins that is changed, from 1; None for a new one, which is put after
         the last rule.
     sentence : str
         ``if … then …``, maybe ``with`` a weight; empty to remove the rule.
@@ -434,7 +434,7 @@ def _understood(reading: Reading, edits: list[Edit], line: int) -> list[Edit]:
 
 
 def add_tuning(reading: Reading, tuning: Tuning) -> list[Edit]:
-    """Return the edit that writes a ``tune`` block behind what a rule base has.
+    """Return the edit that writes a ``tune`` block after what a rule base has.
 
     Parameters
     ----------

@@ -35,7 +35,7 @@ Shape = tuple[int, ...]
 
 
 class Things(list[Any]):
-    """Elements that are anything, in the place of memory."""
+    """Elements that are anything, instead of memory."""
 
     def __getitem__(self, index: Any) -> Any:
         """Return one, or a stretch."""
@@ -62,7 +62,7 @@ def _memory(values: Sequence[Any], kind: DType) -> Any:
 
 
 def _steps(shape: Shape) -> Shape:
-    """Return the steps of a shape whose elements lie one behind the other."""
+    """Return the steps of a shape whose elements are contiguous."""
     steps, step = [], 1
     for size in reversed(shape):
         steps.append(step)
@@ -144,7 +144,7 @@ class ndarray:
 
     @property
     def _is_even(self) -> bool:
-        """Whether the elements lie one behind the other."""
+        """Whether the elements are contiguous."""
         pairs = zip(self.shape, self._step, _steps(self.shape), strict=True)
         return all(size == 1 or step == even for size, step, even in pairs) or self.size == 0
 
@@ -283,7 +283,7 @@ class ndarray:
     # --- Shape ---
 
     def reshape(self, *shape: Any) -> ndarray:
-        """Return the elements in another shape; a view where they lie one behind the other."""
+        """Return the elements in another shape; a view where they are contiguous."""
         sizes = tuple(map(int, shape[0] if isinstance(shape[0], Sequence) else shape))
         if -1 in sizes:
             rest = math.prod(size for size in sizes if size != -1)

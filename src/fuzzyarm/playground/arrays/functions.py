@@ -78,7 +78,7 @@ def array(value: Any, dtype: Any = None, **_order: Any) -> ndarray:
 
 
 def ascontiguousarray(value: Any, dtype: Any = None) -> ndarray:
-    """Return an array whose elements lie one behind the other."""
+    """Return an array whose elements are contiguous."""
     source = array_of(value, dtype)
     return source if source.flags.c_contiguous else source.copy()
 
@@ -186,7 +186,7 @@ def meshgrid(*axes: Any, indexing: str = "xy") -> list[ndarray]:
 
 
 def ix_(*axes: Any) -> tuple[ndarray, ...]:
-    """Return each axis in a dimension of its own."""
+    """Return each axis in its own dimension."""
     rows = [array_of(axis) for axis in axes]
     return tuple(
         row.reshape((1,) * k + (row.size,) + (1,) * (len(rows) - k - 1))
@@ -414,7 +414,7 @@ def interp(at: Any, x: Any, y: Any) -> Any:
 def _along(
     of: ndarray, axis: int, act: Callable[[list[Any]], list[Any]], kind: DType | None = None
 ) -> ndarray:
-    """Put a row of results in the place of each row along an axis."""
+    """Replace each row along an axis by a row of results."""
     axis %= of.ndim
     last = moveaxis(of, axis, -1)
     size = last.shape[-1]
@@ -430,7 +430,7 @@ def _reduced(
     given: Any, axis: Any, act: Callable[[list[Any]], Any], kind: DType | None = None,
     *, initial: Any = None, keepdims: bool = False,
 ) -> Any:  # fmt: skip
-    """Put one result in the place of each row along an axis, or of all elements."""
+    """Replace each row along an axis, or all elements, by one result."""
     of = array_of(given)
     kind = kind or of.dtype
     begin = [] if initial is None else [initial]
@@ -826,7 +826,7 @@ def repeat(given: Any, times: Any, axis: int | None = None) -> ndarray:
 
 
 def concatenate(parts: Any, axis: int = 0, dtype: Any = None) -> ndarray:
-    """Put arrays one behind the other."""
+    """Put arrays one after the other."""
     arrays = [array_of(part, dtype) for part in parts]
     kind = reduce(
         promoted,
@@ -870,7 +870,7 @@ def column_stack(parts: Any) -> ndarray:
 
 
 def append(given: Any, more: Any) -> ndarray:
-    """Put more elements behind those that there are."""
+    """Put more elements after those that there are."""
     return concatenate([ravel(given), ravel(more)])
 
 

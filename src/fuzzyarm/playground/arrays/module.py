@@ -54,7 +54,7 @@ def stand_in() -> tuple[ModuleType, ModuleType]:
 
 
 def install() -> bool:
-    """Put this package in the place of NumPy, if there is none; return whether it was."""
+    """Use this package instead of NumPy, if there is none; return whether it was."""
     if "numpy" in sys.modules or importlib.util.find_spec("numpy") is not None:
         return False
     module, typing = stand_in()
