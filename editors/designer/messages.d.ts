@@ -640,6 +640,45 @@ declare namespace Messages {
     negatable?: boolean;
   }
 
+  /** An axis as a page draws it; both ends are there. */
+  interface AxisData {
+    words: string;
+    low: number;
+    high: number;
+    logarithmic: boolean;
+  }
+
+  interface PartData {
+    is?: string;
+    x?: Array<number | null>;
+    y?: Array<number | null>;
+    low?: Array<number | null>;
+    high?: Array<number | null>;
+    tone?: string;
+    width?: number;
+    dash?: string;
+    label?: string;
+    steps?: boolean;
+    opacity?: number;
+    sign?: string;
+    size?: number;
+    edge?: number;
+    at?: number | null;
+    upright?: boolean;
+    values?: Array<number | null>;
+    value?: AxisData;
+    downward?: boolean;
+    signed?: boolean;
+  }
+
+  /** A panel as a page draws it. */
+  interface PanelData {
+    title: string;
+    across: AxisData;
+    up: AxisData;
+    parts: Array<PartData>;
+  }
+
   interface Commands {
     "hello": Nothing;
     "open": Open;
@@ -728,5 +767,6 @@ declare namespace Messages {
     | Answer
     | JobNews
     | Failed
-    | FormField;
+    | FormField
+    | PanelData;
 }

@@ -1,16 +1,18 @@
 """Pictures as data: what stands in one, in the coordinates of what it shows.
 
 A picture is made once and drawn by whoever shows it: :mod:`fuzzyarm.show` in a terminal,
-:mod:`fuzzyarm.show.figures` with matplotlib, the page of the designer by :func:`part_data`.
+:mod:`fuzzyarm.show.figures` with matplotlib, the page of the designer by :func:`part_data` and
+:func:`panel_data`.
 Nothing here knows how wide a screen is, and nothing imports numpy; the numbers of a part may be
 arrays.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any, TypeAlias, TypedDict, TypeVar, cast
 
 from fuzzyarm.text.jsonable import jsonable
 
@@ -317,6 +319,8 @@ class Cells:
         What they are, and between what colours are spread at least.
     downward : bool
         Whether the first row stands at the top, as in a file.
+    signed : bool
+        Whether they are differences, whose colours part at zero.
     """
 
     x: Numbers
@@ -324,6 +328,7 @@ class Cells:
     values: Any
     value: Axis
     downward: bool = False
+    signed: bool = False
 
 
 _Kind = TypeVar("_Kind")
@@ -465,6 +470,123 @@ def part_data(part: Part) -> dict[str, Any] | None:
     if isinstance(part, Words):
         return {"is": "words", **at, "text": part.text}
     return {"is": "mark", **at, "sign": part.sign, "colour": part.tone}
+
+
+# --- Panels as JSON ---
+
+
+class AxisData(TypedDict):
+    """An axis as a page draws it; both ends are there."""
+
+    words: str
+    low: float
+    high: float
+    logarithmic: bool
+
+
+PartData = TypedDict(
+    "PartData",
+    {
+        "is": str,
+        "x": list[float | None],
+        "y": list[float | None],
+        "low": list[float | None],
+        "high": list[float | None],
+        "tone": str,
+        "width": float,
+        "dash": str,
+        "label": str,
+        "steps": bool,
+        "opacity": float,
+        "sign": str,
+        "size": float,
+        "edge": float,
+        "at": float | None,
+        "upright": bool,
+        "values": list[float | None],
+        "value": AxisData,
+        "downward": bool,
+        "signed": bool,
+    },
+    total=False,
+)
+"""A part of a panel as a page draws it: what there is of it depends on what it ``is``.
+
+Numbers that are not finite are null. A tone is one of `TONES`, ``series`` and an index of
+`COLOURS`, or ``#rrggbb``.
+"""
+
+
+class PanelData(TypedDict):
+    """A panel as a page draws it."""
+
+    title: str
+    across: AxisData
+    up: AxisData
+    parts: list[PartData]
+
+
+def panel_data(panel: Panel) -> PanelData:
+    """Return a panel fit for JSON: its parts, and its axes with both ends."""
+    along = [_reach_of(part) for part in panel.parts]
+    return {
+        "title": panel.title,
+        "across": _axis_data(panel.across, [x for xs, _ in along for x in xs]),
+        "up": _axis_data(panel.up, [y for _, ys in along for y in ys]),
+        "parts": list(map(_chart_part_data, panel.parts)),
+    }
+
+
+def _reach_of(part: ChartPart) -> tuple[list[float], list[float]]:
+    """Return what a part takes along both axes: all its numbers."""
+    if isinstance(part, Level):
+        return ([part.at], []) if part.upright else ([], [part.at])
+    if isinstance(part, Band):
+        return _flat(part.x), [*_flat(part.low), *_flat(part.high)]
+    return _flat(part.x), _flat(part.y)
+
+
+def _axis_data(axis: Axis, along: Iterable[float]) -> AxisData:
+    """Return an axis with the ends that it says, or those of what lies along it."""
+    usable = [x for x in along if math.isfinite(x) and (x > 0.0 or not axis.logarithmic)]
+    low = min(usable, default=0.1 if axis.logarithmic else 0.0) if axis.low is None else axis.low
+    high = max(usable, default=1.0) if axis.high is None else axis.high
+    if not low < high:
+        low, high = (0.5 * low, 2.0 * high) if axis.logarithmic else (low - 1.0, high + 1.0)
+    return {"words": axis.words, "low": low, "high": high, "logarithmic": axis.logarithmic}
+
+
+def _chart_part_data(part: ChartPart) -> PartData:
+    if isinstance(part, Cells):
+        values = _flat(part.values)
+        return cast(PartData, {
+            "is": "cells", "x": _shorts(part.x), "y": _shorts(part.y), "values": _shorts(values),
+            "value": _axis_data(part.value, values), "downward": part.downward,
+            "signed": part.signed,
+        })  # fmt: skip
+    words = {field.name: getattr(part, field.name) for field in fields(part)}
+    data = {
+        name: value if isinstance(value, str | bool | int) else
+        short(value, DIGITS) if isinstance(value, float) else _shorts(value)
+        for name, value in words.items()
+    }  # fmt: skip
+    tone = words["tone"]
+    data["tone"] = f"series{COLOURS.index(tone)}" if tone in COLOURS else tone
+    return cast(PartData, {"is": type(part).__name__.lower(), **data})
+
+
+DIGITS = 9
+"""Of the numbers of a panel."""
+
+
+def _flat(values: Any) -> list[float]:
+    """Return numbers in a row, whatever holds them."""
+    flat = values.ravel().tolist() if hasattr(values, "ravel") else values
+    return [float(value) for value in flat]
+
+
+def _shorts(values: Any) -> list[float | None]:
+    return [short(value, DIGITS) for value in _flat(values)]
 
 
 def short(value: float, digits: int = 6) -> float | None:

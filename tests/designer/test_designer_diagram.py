@@ -82,8 +82,9 @@ def test_what_is_looked_up_is_told_with_its_values(tmp_path):
     ]  # fmt: skip
     first = news["sheets"][0]
     assert (first["kind"], first["count"], first["x"], first["y"]) == ("rules", 49, "ce", "e")
-    assert len(first["z"]) == len(first["xs"]) * len(first["ys"])
-    assert first["z"][0] == pytest.approx(-first["z"][-1])
+    cells = first["panel"]["parts"][0]
+    assert len(cells["values"]) == len(cells["x"]) * len(cells["y"])
+    assert cells["values"][0] == pytest.approx(-cells["values"][-1])
 
 
 def test_a_shipped_rule_base_can_be_copied_beside_its_controller(tmp_path):

@@ -388,10 +388,11 @@ def test_every_cell_is_proved_and_no_point_of_it_is_worse(folder):
     assert found["worst"]["direct"] == infer(model, at)["u"]
     assert found["worst"]["table"] == table.lookup(**at, mode="linear")
     small = found["map"]
+    cells = small["panel"]["parts"][0]
     k = 7 * 121 + 30
-    point = {"ce": small["xs"][30], "e": small["ys"][7]}
+    point = {"ce": cells["x"][30], "e": cells["y"][7]}
     there = table.lookup(**point, mode="linear") - infer(model, point)["u"]
-    assert small["z"][k] == pytest.approx(there, abs=1e-12)
+    assert cells["values"][k] == pytest.approx(there, abs=1e-8)
 
 
 def test_cells_of_one_input_are_proved_too():
@@ -430,8 +431,10 @@ def test_two_files_are_compared_where_both_have_values(folder):
     assert found["changes"]["parts"] == [
         ["rules", [["changed", "if e is ZE and ce is NB: u is NB -> u is NM"]]],
     ]  # fmt: skip
-    before, after = np.array(found["before"]), np.array(found["after"])
-    assert found["worst"]["difference"] == np.abs(after - before).max()
+    surfaces = [np.array(panel["parts"][0]["values"]) for panel in found["both"]]
+    apart = found["difference"]["parts"][0]["values"]
+    assert apart == pytest.approx(surfaces[1] - surfaces[0], abs=1e-8)
+    assert found["worst"]["difference"] == pytest.approx(max(map(abs, apart)), abs=1e-8)
     at = found["largest"]["at"]
     one, two = (infer(fuzzyarm.load(folder / name), at)["u"] for name in ("pd7.frb", "changed.frb"))
     assert found["largest"]["difference"] == pytest.approx(abs(two - one), abs=1e-12)

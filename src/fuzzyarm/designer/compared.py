@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,10 +15,12 @@ from fuzzyarm.designer.exports import ExportRefusedError, model_of
 from fuzzyarm.designer.requests import Axes, CompareWork
 from fuzzyarm.lsp.session import Session
 from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.picture import Axis, panel_data
 from fuzzyarm.show.diff import compare_rulebases, table_change_words, table_summary
+from fuzzyarm.show.drawing import number_words
+from fuzzyarm.show.plane import plane_panel
 from fuzzyarm.show.response import with_gaps
 from fuzzyarm.table import LookupTable, compare_tables
-from fuzzyarm.text.jsonable import jsonable
 
 if TYPE_CHECKING:
     from fuzzyarm.designer.jobs import Job
@@ -58,12 +61,14 @@ def compare(session: Session, asked: CompareWork, job: Job) -> None:
     if not names:
         raise ExportRefusedError("the two files have no input of the same name")
     ranges = {**second.ranges, **first.ranges, **_overlap(first, second, names)}
+    output = output or f"{outputs_of(one)[0]}, {outputs_of(two)[0]}"
+    files = Path(session.path).name, asked.other
     job.tell({
         "outputs": shared,
-        "output": output or f"{outputs_of(one)[0]}, {outputs_of(two)[0]}",
+        "output": output,
         "names": list(ranges),
         "shared": names,
-        **_slice(first, second, names, ranges, asked.axes),
+        **_slice((first, second), files, output, names, ranges, asked.axes),
     })  # fmt: skip
     job.tell({"changes": _changes(one, two)})
     job.progress("looking for the largest difference")
@@ -116,13 +121,14 @@ def _overlap(first: Surface, second: Surface, names: list[str]) -> dict[str, tup
 
 
 def _slice(
-    first: Surface,
-    second: Surface,
+    surfaces: tuple[Surface, Surface],
+    files: tuple[str, str],
+    output: str,
     names: list[str],
     ranges: Mapping[str, tuple[float, float]],
     axes: Axes,
 ) -> dict[str, Any]:
-    """Return both surfaces over two of the inputs that both have; the others are held."""
+    """Return pictures over two of the inputs that both have; the others are held."""
     x = axes.x if axes.x in names else names[0]
     rest = [name for name in names if name != x]
     y = axes.y if axes.y in rest else rest[0] if rest else ""
@@ -137,18 +143,42 @@ def _slice(
     at[x] = xs[None, :]
     if y:
         at[y] = ys[:, None]
-    values = [np.broadcast_to(surface.at(at), (ys.size, xs.size)) for surface in (first, second)]
+    values = [np.broadcast_to(surface.at(at), (ys.size, xs.size)) for surface in surfaces]
     where = _where(np.abs(values[1] - values[0]), {y or "": ys, x: xs})
     return {
         "x": x,
         "y": y,
         "held": held,
-        "xs": xs.tolist(),
-        "ys": ys.tolist(),
-        "before": jsonable(values[0].ravel()),
-        "after": jsonable(values[1].ravel()),
         "worst": where,
+        **_pictures(files, output, {x: xs, **({y: ys} if y else {})}, values, where),
     }
+
+
+def _pictures(
+    files: tuple[str, str],
+    output: str,
+    points: Mapping[str, Array],
+    values: list[Array],
+    where: dict[str, Any] | None,
+) -> dict[str, Any]:
+    """Return the surfaces of two files as panels, and their difference as another."""
+    at = where["at"] if where else {}
+    known = [x for surface in values for x in surface.ravel().tolist() if math.isfinite(x)]
+    low, high = min(known, default=0.0), max(known, default=1.0)
+    ends = f"{number_words(low, 4)} … {number_words(high, 4)}"
+    axis = Axis(output, "", *((low, high) if low < high else (low - 1.0, high + 1.0)))
+    difference = values[1] - values[0]
+    most = where["difference"] if where else 0.0
+    title = f"{files[1]} − {files[0]}, at most {number_words(most, 4)}"
+    if len(points) == 1:
+        both = [plane_panel(points, dict(zip(files, values, strict=True)), axis, at=at)]
+    else:
+        both = [
+            plane_panel(points, {"": surface}, axis, title=f"{file}: {output}, {ends}")
+            for file, surface in zip(files, values, strict=True)
+        ]
+    apart = plane_panel(points, {"": difference}, Axis(output), title=title, at=at, signed=True)
+    return {"both": list(map(panel_data, both)), "difference": panel_data(apart)}
 
 
 def _where(difference: Array, points: Mapping[str, Array]) -> dict[str, Any] | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,10 +14,12 @@ from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language.queries import Reading
 from fuzzyarm.lsp.session import UTF16, Session, to_position
 from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.picture import Axis, panel_data
 from fuzzyarm.show.diagram import block_diagram
+from fuzzyarm.show.drawing import number_words
 from fuzzyarm.show.placement import ROUND, Pen, PlacedBlock, place
+from fuzzyarm.show.plane import plane_panel
 from fuzzyarm.text.diagnostic import NOWHERE
-from fuzzyarm.text.jsonable import jsonable
 from fuzzyarm.text.names import printable
 
 if TYPE_CHECKING:
@@ -158,5 +161,9 @@ def _plane(sheet: RuleBase | LookupTable, output: str, surface_of: Any) -> dict[
     if y:
         at[y] = ys[:, None]
     values = np.broadcast_to(surface.at(at), (ys.size, xs.size))
-    z = jsonable(values.ravel())
-    return {"x": x, "y": y, "xs": xs.tolist(), "ys": ys.tolist(), "z": z}
+    finite = [value for value in values.ravel().tolist() if math.isfinite(value)]
+    low, high = min(finite, default=0.0), max(finite, default=0.0)
+    title = f"{output}: {number_words(low, 4)} … {number_words(high, 4)}"
+    points = {x: xs, **({y: ys} if y else {})}
+    panel = plane_panel(points, {"": values}, Axis(output), title=title)
+    return {"x": x, "y": y, "panel": panel_data(panel)}

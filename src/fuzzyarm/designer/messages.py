@@ -10,6 +10,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, Literal, NotRequired, TypedDict
 
+from fuzzyarm.picture import PanelData
+
 __all__ = ["HEARD", "Diagram", "Finding", "Scene"]
 
 
@@ -363,6 +365,7 @@ HEARD = (
     JobNews,
     Failed,
     FormField,
+    PanelData,
 )
 """All messages that a page hears."""
 

@@ -18,11 +18,13 @@ from fuzzyarm.language import write
 from fuzzyarm.lsp.session import Session
 from fuzzyarm.lsp.tables import TableText
 from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.picture import Axis, panel_data
 from fuzzyarm.proof.arithmetic import Stop
 from fuzzyarm.proof.bounds import UnprovableError
 from fuzzyarm.proof.compiled import compiled
 from fuzzyarm.proof.tables import cell_errors, table_proof
 from fuzzyarm.show.compiled import fidelity_line, report_lines
+from fuzzyarm.show.plane import plane_panel
 from fuzzyarm.table import Fidelity, LookupTable, measure_fidelity
 from fuzzyarm.table.compiler import evaluate
 from fuzzyarm.text.names import printable
@@ -225,9 +227,15 @@ def error_map(table: LookupTable, rulebase: RuleBase, mode: str, axes: Axes) -> 
         "y": y if x != y else "",
         "names": names,
         "held": {name: value for name, value in held.items() if name not in (x, y)},
-        "xs": xs.tolist(),
-        "ys": ys.tolist() if x != y else [0.0],
-        "z": np.atleast_2d(difference).ravel().tolist(),
+        "panel": panel_data(
+            plane_panel(
+                {x: xs, y: ys},
+                {"": difference},
+                Axis(table.output),
+                signed=True,
+                grid={name: table.axis(name).levels for name in (x, y)},
+            )
+        ),
         "mode": mode,
         "output": table.output,
         "levels": {name: list(table.axis(name).levels) for name in (x, y)},

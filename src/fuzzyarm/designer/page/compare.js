@@ -1,7 +1,7 @@
 // Two files compared: their surfaces over the same inputs, their difference, and what it means.
 
 import { choice, clean, el, eachFrame, pane, shortNumber } from "./draw.js";
-import { drawLines, drawPlane, rangeOfValues } from "./plane.js";
+import { drawPanel } from "./panel.js";
 import { S } from "./strings.js";
 
 /**
@@ -26,7 +26,7 @@ class ComparePane {
     const { section, bar, body } = pane("compare", S.compare);
     this.section = section;
     this.bar = bar;
-    this.canvases = [0, 1, 2].map(() => el("canvas", { role: "img" }));
+    this.canvases = [0, 1].map(() => el("canvas", { role: "img" }));
     this.state = el("p", { class: "note", role: "status", textContent: S.chooseOther });
     this.changes = el("div", { class: "differing" });
     this.pictures = el("div", { class: "three", hidden: true }, ...this.canvases);
@@ -172,42 +172,12 @@ class ComparePane {
 
   draw = () => {
     if (!this.found || this.store.view !== "compare") return;
-    const both = this.wanted.view === "both";
-    const [first, second, third] = this.canvases;
-    const { xs, ys, x, y, before, after, output } = this.found;
-    const range = rangeOfValues([before, after]);
-    const [low, high] = range;
-    const flat = !y;
-    const ends = `${shortNumber(low)} … ${shortNumber(high)}`;
-    first.hidden = !both;
-    second.hidden = !both || flat;
-    third.hidden = both;
-    const words = { low, high, x, y: y || output };
-    const title = (file) => `${file}: ${output}, ${ends}`;
-    if (both && flat) {
-      drawLines(first, {
-        ...words,
-        title: S.twoLines(this.hand.file(), this.found.other),
-        xs,
-        lines: [before, after],
-        worst: this.found.worst?.at[x],
-      });
-    } else if (both) {
-      drawPlane(first, { ...words, title: title(this.hand.file()), xs, ys, z: before });
-      drawPlane(second, { ...words, title: title(this.found.other), xs, ys, z: after });
-    } else this.difference(third, words);
-    for (const each of this.canvases)
-      each.setAttribute("aria-label", S.compareLabel(this.hand.file(), this.found.other, this.state.textContent));
-  };
-
-  difference = (canvas, words) => {
-    const { xs, ys, x, y, before, after, worst } = this.found;
-    const z = before.map((value, i) => (value === null || after[i] === null ? null : after[i] - value));
-    const [low, high] = rangeOfValues([z], true);
-    const title = S.differenceOf(this.found.other, this.hand.file(), shortNumber(high));
-    const place = worst && (y ? [worst.at[x], worst.at[y]] : worst.at[x]);
-    if (y) drawPlane(canvas, { ...words, title, xs, ys, z, low, high, signed: true, worst: place });
-    else drawLines(canvas, { ...words, title, xs, lines: [z], low, high, worst: place });
+    const panels = this.wanted.view === "both" ? this.found.both : [this.found.difference];
+    this.canvases.forEach((canvas, i) => {
+      canvas.hidden = i >= panels.length;
+      canvas.setAttribute("aria-label", S.compareLabel(this.hand.file(), this.found.other, this.state.textContent));
+      if (!canvas.hidden) drawPanel(canvas, panels[i]);
+    });
   };
 }
 

@@ -1,7 +1,7 @@
 // A controller as a block diagram, and the rule bases and tables that it looks up.
 
-import { clean, el, eachFrame, pane, shortNumber, svg } from "./draw.js";
-import { drawLines, drawPlane, rangeOfValues } from "./plane.js";
+import { clean, el, eachFrame, pane, svg } from "./draw.js";
+import { drawPanel } from "./panel.js";
 import { S } from "./strings.js";
 
 const ROOM = 14; // around the picture
@@ -86,15 +86,10 @@ function sheetCard(sheet, hand, names) {
       el("span", { class: "space" }),
       ...open,
     ),
-    sheet.z ? canvas : el("p", { class: "note", textContent: sheet.why }),
+    sheet.panel ? canvas : el("p", { class: "note", textContent: sheet.why }),
   );
   const draw = () => {
-    if (!sheet.z) return;
-    const [low, high] = rangeOfValues([sheet.z]);
-    const { x, y, xs, ys, z, output } = sheet;
-    const title = `${clean(output)}: ${shortNumber(low)} … ${shortNumber(high)}`;
-    if (y) drawPlane(canvas, { title, xs, ys, z, low, high, x, y });
-    else drawLines(canvas, { title, xs, lines: [z], low, high, x, y: output });
+    if (sheet.panel) drawPanel(canvas, sheet.panel);
   };
   return { card, draw };
 }

@@ -174,8 +174,6 @@ export const S = {
   largest: (size, where, points) => `Over all inputs: ${size} at ${where} (of ${points} points).`,
   oneSided: (count) => `At ${count} points only one of them has a value.`,
   nothingShared: "There is no point at which both have a value.",
-  differenceOf: (after, before, size) => `${after} − ${before}, ±${size}`,
-  twoLines: (before, after) => `${before} (line), ${after} (dashes)`,
   compareLabel: (before, after, words) => `${before} compared with ${after}. ${words}`,
   changed: { rules: "Rules", terms: "Terms", settings: "Settings", cells: "Cells" },
   marks: { changed: ["~", "changed"], added: ["+", "added"], removed: ["−", "removed"], more: ["…", "more"] },

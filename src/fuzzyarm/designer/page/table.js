@@ -1,7 +1,7 @@
 // Tables: the cells of one as a grid, and how far a table is from direct inference.
 
 import { choice, clean, el, eachFrame, heat, pane, shortNumber } from "./draw.js";
-import { drawCells, drawLines, drawPlane, rangeOfValues } from "./plane.js";
+import { drawPanel, levelAt, markAt } from "./panel.js";
 import { S } from "./strings.js";
 
 /** Whether a file, by its name, is a table. */
@@ -351,7 +351,6 @@ class ErrorPane {
   draw = () => {
     if (!this.found || this.store.view !== "table") return;
     const { map } = this.found;
-    const [across, up] = [map.levels[map.x], map.levels[map.y || map.x]];
     const place = this.found.worst && this.inSlice(map, this.found.worst.at);
     const title = S.errorTitle(
       map.output,
@@ -360,33 +359,26 @@ class ErrorPane {
         .map(([n, x]) => `${n} = ${shortNumber(x)}`)
         .join(", "),
     );
-    if (this.shown === "proved" && this.found.cells.length) {
-      const cells = this.found.cells.map(this.cellOf(map));
-      const high = Math.max(...cells.map(([, , value]) => value)) || 1;
-      drawCells(this.canvas, {
-        title: `${title}: ${S.provedCells} (≤ ${shortNumber(high, 6)})`,
-        across,
-        up: map.y ? up : [0, 1],
-        cells,
-        high,
-        x: map.x,
-        y: map.y,
-        worst: map.y ? place : null,
-      });
-    } else {
-      const [low, high] = rangeOfValues([map.z], true);
-      const words = {
-        title: `${title}: ${S.signed}, ±${shortNumber(high)}`,
-        low,
-        high,
-        x: map.x,
-        y: map.y || map.output,
-      };
-      if (map.y) drawPlane(this.canvas, { ...words, ...map, y: map.y, signed: true, grid: [across, up], worst: place });
-      else drawLines(this.canvas, { ...words, xs: map.xs, lines: [map.z], worst: this.found.worst?.at[map.x] ?? null });
-    }
+    const isProved = this.shown === "proved" && this.found.cells.length > 0;
+    const panel = isProved ? this.provedPanel(map) : map.panel;
+    const high = Math.max(Math.abs(panel.parts[0].value?.high ?? panel.up.high));
+    const words = isProved ? `${S.provedCells} (≤ ${shortNumber(high, 6)})` : `${S.signed}, ±${shortNumber(high)}`;
+    const worst = place ? [map.y ? markAt(place) : levelAt(place[0])] : [];
+    drawPanel(this.canvas, { ...panel, title: `${title}: ${words}`, parts: [...panel.parts, ...worst] });
     this.canvas.setAttribute("aria-label", `${title}. ${this.worst.textContent}`);
   };
+
+  /** The cells whose error has been proved so far: they come one by one. */
+  provedPanel(map) {
+    const [x, y] = [map.levels[map.x], map.y ? map.levels[map.y] : [0, 1]];
+    const values = Array((x.length - 1) * (y.length - 1)).fill(null);
+    for (const [i, j, value] of this.found.cells.map(this.cellOf(map))) values[j * (x.length - 1) + i] = value;
+    const high = Math.max(...values) || 1;
+    const value = { words: "", low: -high, high, logarithmic: false };
+    const across = { words: map.x, low: x[0], high: x.at(-1), logarithmic: false };
+    const up = { words: map.y, low: y[0], high: y.at(-1), logarithmic: false };
+    return { title: "", across, up, parts: [{ is: "cells", x, y, values, value, signed: true }] };
+  }
 }
 
 export const TABLE = {

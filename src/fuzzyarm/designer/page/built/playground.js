@@ -11,6 +11,17 @@
     }
     return found;
   }
+  function decades(low, high) {
+    const wide = high / low > 200;
+    const found = [];
+    for (let power = Math.floor(Math.log10(low)); power <= Math.ceil(Math.log10(high)); power++) {
+      for (const digit of wide ? [1] : [1, 2, 5]) {
+        const v = digit * 10 ** power;
+        if (v >= low * 0.9 && v <= high * 1.1) found.push(v);
+      }
+    }
+    return found.length > 1 ? found : ticks(low, high, 3);
+  }
   function valueRange(ends, limits) {
     const all = [...ends, ...limits].filter(Number.isFinite);
     if (!all.length) return [-1, 1];
@@ -66,9 +77,9 @@
       if (chosen) next.setSelectionRange(...chosen);
     };
   }
-  function pane(kind, title) {
+  function pane(kind, title2) {
     const id2 = `title-${kind}`;
-    const bar = el("div", { class: "bar" }, el("h2", { id: id2, textContent: title }));
+    const bar = el("div", { class: "bar" }, el("h2", { id: id2, textContent: title2 }));
     const body = el("div", { class: "body" });
     const section = el("section", { class: `pane ${kind}`, "aria-labelledby": id2, tabIndex: -1 }, bar, body);
     return { section, bar, body };
@@ -169,26 +180,186 @@
     g.restore();
   }
 
-  // plane.js
-  var box = (width, height) => ({ left: 46, top: 26, wide: width - 60, tall: height - 64 });
-  function begin(canvas, title) {
+  // geometry/panel.js
+  function scaleOf({ low, high, logarithmic = false }, from, to3) {
+    const measure = logarithmic ? Math.log10 : (value) => value;
+    const [a, b] = [measure(low), measure(high)];
+    return (value) => from + (to3 - from) * (measure(value) - a) / (b - a);
+  }
+  function ticksOf({ low, high, logarithmic = false }, wanted) {
+    const found = logarithmic ? decades(low, high) : ticks(low, high, wanted);
+    return found.filter(
+      (value) => value >= low * (1 - 1e-9 * Math.sign(low)) && value <= high * (1 + 1e-9 * Math.sign(high))
+    );
+  }
+  function edgesOf(places, count) {
+    if (places.length === count + 1) return places;
+    if (count === 1) return [places[0] - 0.5, places[0] + 0.5];
+    const middles = places.slice(1).map((place, i) => (places[i] + place) / 2);
+    return [2 * places[0] - middles[0], ...middles, 2 * places[count - 1] - middles[count - 2]];
+  }
+  function strokesOf(x2, y, steps = false) {
+    const strokes = [];
+    let stroke = null;
+    for (let i = 0; i < x2.length; i++) {
+      if (x2[i] === null || y[i] === null) {
+        stroke = null;
+        continue;
+      }
+      if (!stroke) strokes.push(stroke = []);
+      else if (steps) stroke.push([x2[i], stroke.at(-1)[1]]);
+      stroke.push([x2[i], y[i]]);
+    }
+    return strokes;
+  }
+  function shareOf(value, axis) {
+    return Math.min(1, Math.max(0, scaleOf(axis, 0, 1)(value)));
+  }
+
+  // panel.js
+  var ROOM = { left: 52, right: 12, top: 10, title: 16, bottom: 36 };
+  var DASHES = { "-": [], "--": [6, 4], "-.": [8, 3, 2, 3], ":": [2, 3] };
+  var SMOOTH = 40;
+  var POINT = 1.3;
+  var numbersOf = (colour) => colour.match(/\d+/g).slice(0, 3).map(Number);
+  var HEATS = Array.from({ length: 256 }, (_2, i) => numbersOf(heat(i / 255)[0]));
+  var markAt = ([x2, y]) => ({ is: "dots", x: [x2], y: [y], sign: "+", size: 6, tone: "mark" });
+  var levelAt = (at2) => ({ is: "level", at: at2, upright: true, tone: "ink", width: 0.8, dash: "-" });
+  function drawPanel(canvas, panel) {
     const [width, height] = [canvas.clientWidth, canvas.clientHeight];
-    if (!width || !height) return null;
-    const { g } = context(canvas, width, height);
-    const inside = box(width, height);
-    heading(g, title, inside);
-    return { g, inside };
+    if (width && height) paintPanel(context(canvas, width, height), panel, tonesOf(canvas));
   }
-  function placed({ left, top, wide, tall }, [a, b], [c, d]) {
-    return (u, v) => [left + wide * (u - a) / (b - a), top + tall - tall * (v - c) / (d - c)];
+  function tonesOf(canvas) {
+    const probe = canvas.ownerDocument.createElement("i");
+    canvas.after(probe);
+    const known = /* @__PURE__ */ new Map();
+    const find = (tone) => {
+      if (tone.startsWith("#")) return tone;
+      if (!tone.startsWith("series")) return colourOf(`--run-${tone}`) || colourOf("--ink");
+      probe.style.color = hue(Number(tone.slice(6)));
+      return getComputedStyle(probe).color;
+    };
+    const colours = (tone) => known.get(tone) ?? known.set(tone, find(tone)).get(tone);
+    return Object.assign(colours, { done: () => probe.remove() });
   }
-  function heading(g, title, { left, wide }) {
+  function paintPanel({ g, width, height }, panel, tone) {
+    const top = ROOM.top + (panel.title ? ROOM.title : 0);
+    const inside = { left: ROOM.left, top, right: width - ROOM.right, bottom: height - ROOM.bottom };
+    const toX = scaleOf(panel.across, inside.left, inside.right);
+    const toY = scaleOf(panel.up, inside.bottom, inside.top);
+    const paper = { g, inside, panel, toX, toY, tone };
+    const isPlane = panel.parts.some((part) => part.is === "cells");
+    title(paper);
+    axes(paper, !isPlane);
+    g.save();
+    g.beginPath();
+    g.rect(inside.left - 1, inside.top - 1, inside.right - inside.left + 2, inside.bottom - inside.top + 2);
+    g.clip();
+    for (const part of panel.parts) {
+      g.globalAlpha = part.opacity ?? 1;
+      PARTS[part.is](paper, part);
+      g.globalAlpha = 1;
+    }
+    g.restore();
+    legend(paper);
+    tone.done();
+  }
+  function title({ g, inside, panel }) {
     g.fillStyle = colourOf("--ink");
     g.font = "600 12px system-ui, sans-serif";
     g.textAlign = "left";
-    g.fillText(clean(title), left, 15, wide);
+    g.fillText(clean(panel.title), inside.left, 15, inside.right - inside.left);
   }
-  function mark(g, x2, y) {
+  function axes({ g, inside, panel, toX, toY }, ruled) {
+    const { left, right, top, bottom } = inside;
+    g.font = "11px system-ui, sans-serif";
+    g.fillStyle = colourOf("--soft");
+    g.strokeStyle = colourOf("--line");
+    g.lineWidth = 1;
+    g.textAlign = "right";
+    for (const value of ticksOf(panel.up, Math.max(2, (bottom - top) / 40))) {
+      const y = Math.round(toY(value)) + 0.5;
+      if (ruled) g.strokeRect(left, y, right - left, 0);
+      g.fillText(shortNumber(value), left - 5, y + 4);
+    }
+    g.textAlign = "center";
+    for (const value of ticksOf(panel.across, Math.max(2, (right - left) / 70))) {
+      g.fillText(shortNumber(value), toX(value), bottom + 14);
+    }
+    g.font = "600 12px system-ui, sans-serif";
+    g.fillText(clean(panel.across.words), (left + right) / 2, bottom + 30, right - left);
+    g.save();
+    g.translate(11, (top + bottom) / 2);
+    g.rotate(-Math.PI / 2);
+    g.fillText(clean(panel.up.words), 0, 0, bottom - top);
+    g.restore();
+  }
+  var PARTS = {
+    line({ g, toX, toY, tone }, { x: x2, y, steps, width, dash, tone: colour }) {
+      g.strokeStyle = tone(colour);
+      g.lineWidth = POINT * width;
+      g.setLineDash(DASHES[dash] ?? []);
+      g.beginPath();
+      for (const stroke of strokesOf(x2, y, steps)) trace(g, stroke, toX, toY);
+      g.stroke();
+      g.setLineDash([]);
+    },
+    area({ g, toX, toY, tone }, { x: x2, y, tone: colour }) {
+      g.fillStyle = tone(colour);
+      g.beginPath();
+      for (const stroke of strokesOf(x2, y)) trace(g, stroke, toX, toY);
+      g.fill();
+    },
+    band(paper, { x: x2, low, high, ...part }) {
+      const around = { x: [...x2, ...x2.toReversed()], y: [...high, ...low.toReversed()] };
+      PARTS.area(
+        paper,
+        /** @type {any} */
+        { ...part, ...around }
+      );
+    },
+    level({ g, inside, toX, toY, tone }, { at: at2, upright, width, dash, tone: colour }) {
+      g.strokeStyle = tone(colour);
+      g.lineWidth = POINT * width;
+      g.setLineDash(DASHES[dash] ?? []);
+      g.beginPath();
+      g.moveTo(upright ? toX(at2) : inside.left, upright ? inside.top : toY(at2));
+      g.lineTo(upright ? toX(at2) : inside.right, upright ? inside.bottom : toY(at2));
+      g.stroke();
+      g.setLineDash([]);
+    },
+    dots({ g, toX, toY, tone }, { x: x2, y, sign, size, tone: colour }) {
+      g.fillStyle = g.strokeStyle = tone(colour);
+      g.lineWidth = 1.2;
+      const draw = SIGNS[sign] ?? SIGNS["."];
+      x2.forEach((each, i) => each !== null && y[i] !== null && draw(g, toX(each), toY(y[i]), 0.5 * POINT * size));
+    },
+    cells(paper, part) {
+      const columns = part.x.length;
+      if (columns > SMOOTH && part.y.length * columns === part.values.length) samples(paper, part);
+      else cells(paper, part);
+    }
+  };
+  var SIGNS = {
+    ".": (g, x2, y, r) => g.fillRect(x2 - 0.6 * r, y - 0.6 * r, 1.2 * r, 1.2 * r),
+    o(g, x2, y, r) {
+      g.beginPath();
+      g.arc(x2, y, r, 0, 2 * Math.PI);
+      g.fill();
+    },
+    x: diagonal,
+    X: diagonal,
+    "+": (g, x2, y) => cross(g, x2, y)
+  };
+  function diagonal(g, x2, y, r) {
+    g.beginPath();
+    g.moveTo(x2 - r, y - r);
+    g.lineTo(x2 + r, y + r);
+    g.moveTo(x2 - r, y + r);
+    g.lineTo(x2 + r, y - r);
+    g.stroke();
+  }
+  function cross(g, x2, y) {
     for (const [width, colour] of [
       [4.5, "#ffffff"],
       [2, "#000000"]
@@ -204,126 +375,66 @@
       g.stroke();
     }
   }
-  function rangeOfValues(lists, aboutZero = false) {
-    let [low, high] = [Infinity, -Infinity];
-    for (const values of lists) {
-      for (const value of values) {
-        if (value === null) continue;
-        if (value < low) low = value;
-        if (value > high) high = value;
-      }
-    }
-    if (!(low <= high)) return [0, 1];
-    if (aboutZero) {
-      const far = Math.max(Math.abs(low), Math.abs(high)) || 1;
-      return [-far, far];
-    }
-    return low < high ? [low, high] : [low - 1, high + 1];
+  function trace(g, stroke, toX, toY) {
+    stroke.forEach(([x2, y], i) => i ? g.lineTo(toX(x2), toY(y)) : g.moveTo(toX(x2), toY(y)));
   }
-  var parts = (colour) => colour.match(/\d+/g).slice(0, 3).map(Number);
-  var HEATS = Array.from({ length: 256 }, (_2, i) => parts(heat(i / 255)[0]));
-  function drawPlane(canvas, { title, xs: xs2, ys: ys2, z: z2, low, high, signed, x: x2, y, grid, worst }) {
-    const begun = begin(canvas, title);
-    if (!begun) return;
-    const { g, inside } = begun;
-    const { left, top, wide, tall } = inside;
-    const [across, up2] = [
-      [xs2[0], xs2[xs2.length - 1]],
-      [ys2[0], ys2[ys2.length - 1]]
-    ];
-    const colours = new ImageData(xs2.length, ys2.length);
-    const shades = signed ? HEATS : SHADES;
-    for (let j2 = 0; j2 < ys2.length; j2++) {
-      for (let i = 0; i < xs2.length; i++) {
-        const value = z2[j2 * xs2.length + i];
-        if (value === null) continue;
-        const shade = shades[Math.max(0, Math.min(255, Math.round(255 * (value - low) / (high - low))))];
-        colours.data.set([...shade, 255], 4 * ((ys2.length - 1 - j2) * xs2.length + i));
-      }
-    }
-    const small = new OffscreenCanvas(xs2.length, ys2.length);
+  var shadeOf = (value, { value: axis, signed }) => (signed ? HEATS : SHADES)[Math.round(255 * shareOf(value, axis))];
+  function samples({ g, toX, toY }, part) {
+    const { x: x2, y, values } = part;
+    const [wide, tall] = [x2.length, y.length];
+    const colours = new ImageData(wide, tall);
+    values.forEach((value, k) => {
+      const row = tall - 1 - Math.floor(k / wide);
+      if (value !== null) colours.data.set([...shadeOf(value, part), 255], 4 * (row * wide + k % wide));
+    });
+    const small = new OffscreenCanvas(wide, tall);
     small.getContext("2d").putImageData(colours, 0, 0);
-    g.drawImage(small, 0.5, 0.5, xs2.length - 1, ys2.length - 1, left, top, wide, tall);
-    const at2 = placed(inside, across, up2);
-    if (grid) rulings(g, grid, at2, inside);
-    drawAxes(g, inside, across, up2, x2, y);
-    if (worst) mark(g, ...at2(...worst));
+    const [left, right, bottom, top] = [toX(x2[0]), toX(x2.at(-1)), toY(y[0]), toY(y.at(-1))];
+    g.drawImage(small, 0.5, 0.5, wide - 1, tall - 1, left, top, right - left, bottom - top);
   }
-  function rulings(g, [across, up2], at2, { left, top, wide, tall }) {
-    if (across.length > 80 || up2.length > 80) return;
-    g.strokeStyle = "rgb(90 90 90 / 0.35)";
-    g.lineWidth = 1;
-    g.beginPath();
-    for (const u of across) {
-      const [px] = at2(u, up2[0]);
-      g.moveTo(px, top);
-      g.lineTo(px, top + tall);
-    }
-    for (const v of up2) {
-      const [, py] = at2(across[0], v);
-      g.moveTo(left, py);
-      g.lineTo(left + wide, py);
-    }
-    g.stroke();
-  }
-  function drawCells(canvas, { title, across, up: up2, cells, high, x: x2, y, worst }) {
-    const begun = begin(canvas, title);
-    if (!begun) return;
-    const { g, inside } = begun;
-    const [a, b] = [across[0], across[across.length - 1]];
-    const [c, d] = [up2[0], up2[up2.length - 1]];
-    const at2 = placed(inside, [a, b], [c, d]);
+  function cells({ g, toX, toY }, part) {
+    const { x: x2, y, values } = part;
+    const isEdged = values.length === (x2.length - 1) * (y.length - 1);
+    const [columns, rows] = isEdged ? [x2.length - 1, y.length - 1] : [x2.length, y.length];
+    const [across, up2] = [edgesOf(x2, columns), edgesOf(y, rows)];
     g.font = "11px system-ui, sans-serif";
-    for (const [i, j2, value] of cells) {
-      const [x0, y1] = at2(across[i], up2[j2]);
-      const [x1, y0] = at2(across[i + 1], up2[j2 + 1]);
-      const [colour, ink] = heat(0.5 + 0.5 * value / high);
-      g.fillStyle = colour;
+    g.textAlign = "center";
+    values.forEach((value, k) => {
+      if (value === null) return;
+      const [i, j2] = [k % columns, Math.floor(k / columns)];
+      const [x0, x1, y0, y1] = [toX(across[i]), toX(across[i + 1]), toY(up2[j2 + 1]), toY(up2[j2])];
+      const shade = shadeOf(value, part);
+      g.fillStyle = `rgb(${shade.join(" ")})`;
       g.fillRect(x0, y0, x1 - x0 - 0.5, y1 - y0 - 0.5);
       const said2 = shortNumber(value, 2);
-      if (x1 - x0 > 8 * said2.length && y1 - y0 > 13) {
-        g.fillStyle = ink;
-        g.textAlign = "center";
-        g.fillText(said2, (x0 + x1) / 2, (y0 + y1) / 2 + 4);
-      }
-    }
-    drawAxes(g, inside, [a, b], [c, d], x2, y);
-    if (worst) mark(g, ...at2(...worst));
-  }
-  var STYLES = [
-    ["--accent", []],
-    ["--lit", [6, 4]]
-  ];
-  function drawLines(canvas, { title, xs: xs2, lines, low, high, x: x2, y, worst }) {
-    const begun = begin(canvas, title);
-    if (!begun) return;
-    const { g, inside } = begun;
-    const { top, tall } = inside;
-    const [a, b] = [xs2[0], xs2[xs2.length - 1]];
-    drawAxes(g, inside, [a, b], [low, high], x2, y);
-    const at2 = placed(inside, [a, b], [low, high]);
-    lines.forEach((values, k) => {
-      const [colour, dashes] = STYLES[k % STYLES.length];
-      g.strokeStyle = colourOf(colour);
-      g.lineWidth = 2;
-      g.setLineDash(dashes);
-      g.beginPath();
-      let down = false;
-      values.forEach((value, i) => {
-        if (value !== null) {
-          if (down) g.lineTo(...at2(xs2[i], value));
-          else g.moveTo(...at2(xs2[i], value));
-        }
-        down = value !== null;
-      });
-      g.stroke();
+      if (x1 - x0 < 8 * said2.length || y1 - y0 < 13) return;
+      g.fillStyle = inkOn(shade);
+      g.fillText(said2, (x0 + x1) / 2, (y0 + y1) / 2 + 4);
     });
-    g.setLineDash([]);
-    if (worst !== null && worst !== void 0) {
-      const [px] = at2(worst, low);
-      g.strokeStyle = colourOf("--ink");
-      g.strokeRect(px, top, 0, tall);
-    }
+  }
+  var inkOn = ([r, g, b]) => 0.2126 * r ** 2.2 + 0.7152 * g ** 2.2 + 0.0722 * b ** 2.2 < 0.18 * 255 ** 2.2 ? "#fff" : "#000";
+  function legend({ g, inside, panel, tone }) {
+    const named2 = panel.parts.filter((part) => part.label);
+    g.font = "11px system-ui, sans-serif";
+    g.textAlign = "right";
+    const widest = Math.max(0, ...named2.map((part) => g.measureText(clean(part.label)).width));
+    g.fillStyle = colourOf("--pane");
+    g.globalAlpha = 0.8;
+    if (named2.length) g.fillRect(inside.right - 38 - widest, inside.top, 38 + widest, 15 * named2.length + 2);
+    g.globalAlpha = 1;
+    named2.forEach((part, row) => {
+      const y = inside.top + 8 + 15 * row;
+      g.strokeStyle = g.fillStyle = tone(part.tone);
+      g.lineWidth = 2;
+      g.setLineDash(DASHES[part.dash] ?? []);
+      g.beginPath();
+      g.moveTo(inside.right - 26, y);
+      g.lineTo(inside.right - 4, y);
+      g.stroke();
+      g.setLineDash([]);
+      g.fillStyle = colourOf("--ink");
+      g.fillText(clean(part.label), inside.right - 32, y + 4);
+    });
   }
 
   // strings.js
@@ -470,7 +581,7 @@
     everyOutput: "every output",
     tables: "Table",
     cells: "Cells",
-    tableOf: (output, cells, mode) => `${cells} cells of ${output}, looked up by ${mode}`,
+    tableOf: (output, cells2, mode) => `${cells2} cells of ${output}, looked up by ${mode}`,
     axisLevels: (name, count, low, high, bins) => `${name}: ${count} levels ${low} \u2026 ${high}${bins ? ", bins" : ""}`,
     thinned: "not every level is shown",
     tableError: "Table against direct inference",
@@ -493,8 +604,6 @@
     largest: (size, where, points) => `Over all inputs: ${size} at ${where} (of ${points} points).`,
     oneSided: (count) => `At ${count} points only one of them has a value.`,
     nothingShared: "There is no point at which both have a value.",
-    differenceOf: (after, before, size) => `${after} \u2212 ${before}, \xB1${size}`,
-    twoLines: (before, after) => `${before} (line), ${after} (dashes)`,
     compareLabel: (before, after, words2) => `${before} compared with ${after}. ${words2}`,
     changed: { rules: "Rules", terms: "Terms", settings: "Settings", cells: "Cells" },
     marks: { changed: ["~", "changed"], added: ["+", "added"], removed: ["\u2212", "removed"], more: ["\u2026", "more"] },
@@ -658,7 +767,7 @@
     thenWord: "then",
     noRulesYet: "There are no rules yet.",
     missing: { "no-inputs": "an input", "no-outputs": "an output", "no-rules": "rules" },
-    notYet: (parts2) => `Nothing to draw yet: the rule base needs ${parts2.join(", ")}.`,
+    notYet: (parts) => `Nothing to draw yet: the rule base needs ${parts.join(", ")}.`,
     remove: "Remove",
     range: "Range \u2026",
     rangeHint: "Its range; evenly spaced terms follow",
@@ -798,11 +907,11 @@
     tableSaved: (name) => `${name} is written, with where it comes from.`,
     learnsItself: "This text has a table that learns.",
     learnsNot: "This text has no table that learns; shipped controllers that do can be chosen.",
-    learning: (news, begin2) => {
+    learning: (news, begin) => {
       const what = news.mode === "run" ? "" : news.mode === "pause" ? ", waiting" : ", stopped";
       const table = news.tables.map((each) => each.visited).join(" and ");
       const lost = news.diverged === null ? "" : ` Diverged at ${news.diverged.toFixed(3)} s.`;
-      return `${begin2.title} on ${begin2.along}: pass ${news.pass} of ${news.limit}${what}; RMS error ${news.words}; ${table} cells visited.${lost}`;
+      return `${begin.title} on ${begin.along}: pass ${news.pass} of ${news.limit}${what}; RMS error ${news.words}; ${table} cells visited.${lost}`;
     },
     moment: (news) => `pass ${news.pass}${news.complete ? "" : `, ${news.time.toFixed(2)} s`}`,
     table: "What is learned",
@@ -814,7 +923,7 @@
     noTraining: "Nothing has been learned yet.",
     tableLabel: (axis, table, count) => `Table of ${axis}: ${table.visited} of ${count} cells visited, ${table.changed} changed, values from ${Math.min(...table.values)} to ${Math.max(...table.values)}. Arrow keys read the cells; those that were never visited are hatched.`,
     visitsLabel: (axis, most) => `How often each cell of ${axis} was used, ${most} times at most. Arrow keys read the cells.`,
-    errorsLabel: (errors, begin2, news) => errors.length ? `RMS error after ${errors.length} passes: ${news.words}; at first ${errors[0].map((x2) => x2.toPrecision(3)).join(" and ")}.` : "No pass is over yet.",
+    errorsLabel: (errors, begin, news) => errors.length ? `RMS error after ${errors.length} passes: ${news.words}; at first ${errors[0].map((x2) => x2.toPrecision(3)).join(" and ")}.` : "No pass is over yet.",
     cell: (place, value, visits) => visits ? `${place}: ${value}, used ${visits} ${visits === 1 ? "time" : "times"}` : `${place}: ${value}, never used`,
     tune: "Tune",
     cost: "Cost",
@@ -824,10 +933,10 @@
     stopAndKeep: "Stop, keep the best",
     stopping: "Stopping; the best so far is judged \u2026",
     insertTune: "Write it into the text",
-    whatMoves: ({ says, parameters, why, loop, plants, samples }) => {
+    whatMoves: ({ says, parameters, why, loop, plants, samples: samples2 }) => {
       if (why) return `${why[0].toUpperCase()}${why.slice(1)}.`;
       const names = parameters.length > 6 ? `${parameters.length} numbers` : parameters.join(", ");
-      const where = loop && !plants.some((each) => each.fits) ? " No plant here has its axes; names can be joined to ports." : !loop && !samples.length ? " A rule base alone is fitted to samples: there is no .csv file in this folder." : "";
+      const where = loop && !plants.some((each) => each.fits) ? " No plant here has its axes; names can be joined to ports." : !loop && !samples2.length ? " A rule base alone is fitted to samples: there is no .csv file in this folder." : "";
       return `${says ? `What may move, as the text says: ${names}.` : `The text has no tune block and no gain with a range, so all peaks move that can: ${names}.`}${where}`;
     },
     searching: (phase, count, best, evals) => phase === "linear" ? `The linear PD is tuned on the same: ${count} trials.` : `${count} of ${evals} trials; the best costs ${best === null ? "nothing known" : best.toPrecision(4)}.`,
@@ -900,9 +1009,9 @@
   };
 
   // diagram.js
-  var ROOM = 14;
+  var ROOM2 = 14;
   var TIP = 7;
-  var SIGNS = { "+": "+", "-": "\u2212", "*": "\xD7", "/": "\xF7" };
+  var SIGNS2 = { "+": "+", "-": "\u2212", "*": "\xD7", "/": "\xF7" };
   var GREATEST = 1.25;
   function outline({ kind, round, x: x2, y, width, height }) {
     const [right, bottom] = [x2 + width, y + height];
@@ -919,7 +1028,7 @@
     const picture = svg(
       "svg",
       {
-        viewBox: `${-ROOM} ${-ROOM} ${width + 2 * ROOM} ${height + 2 * ROOM}`,
+        viewBox: `${-ROOM2} ${-ROOM2} ${width + 2 * ROOM2} ${height + 2 * ROOM2}`,
         role: "group",
         "aria-label": S.diagramLabel(diagram.name, blocks.length),
         class: "wires"
@@ -930,7 +1039,7 @@
       ...words2.map(word),
       ...blocks.map((block) => blockPicture(block, goTo))
     );
-    picture.style.width = `${Math.round(GREATEST * (width + 2 * ROOM))}px`;
+    picture.style.width = `${Math.round(GREATEST * (width + 2 * ROOM2))}px`;
     return picture;
   }
   function blockPicture(block, goTo) {
@@ -950,7 +1059,7 @@
       svg("title", {}, said2),
       svg("path", { d: outline(block) }),
       ...lines.map(([text, style], i) => svg("text", { x: middle, y: top + 16 * i + 12, class: style }, text)),
-      ...pins.map(([sign, , at_]) => svg("text", { x: x2 + width / 2, y: at_ + 5, class: "sign" }, SIGNS[sign] ?? sign))
+      ...pins.map(([sign, , at_]) => svg("text", { x: x2 + width / 2, y: at_ + 5, class: "sign" }, SIGNS2[sign] ?? sign))
     );
   }
   function sheetCard(sheet, hand, names) {
@@ -968,15 +1077,10 @@
         el("span", { class: "space" }),
         ...open2
       ),
-      sheet.z ? canvas : el("p", { class: "note", textContent: sheet.why })
+      sheet.panel ? canvas : el("p", { class: "note", textContent: sheet.why })
     );
     const draw = () => {
-      if (!sheet.z) return;
-      const [low, high] = rangeOfValues([sheet.z]);
-      const { x: x2, y, xs: xs2, ys: ys2, z: z2, output } = sheet;
-      const title = `${clean(output)}: ${shortNumber(low)} \u2026 ${shortNumber(high)}`;
-      if (y) drawPlane(canvas, { title, xs: xs2, ys: ys2, z: z2, low, high, x: x2, y });
-      else drawLines(canvas, { title, xs: xs2, lines: [z2], low, high, x: x2, y: output });
+      if (sheet.panel) drawPanel(canvas, sheet.panel);
     };
     return { card, draw };
   }
@@ -1074,19 +1178,19 @@
     setTimeout(() => field.select());
     return await opened(question, enter, el("label", {}, question), field, row) === "ok" ? field.value : null;
   }
-  async function choose(title, texts) {
-    const choices = el("div", { class: "choices", role: "group", "aria-label": title });
+  async function choose(title2, texts) {
+    const choices = el("div", { class: "choices", role: "group", "aria-label": title2 });
     texts.forEach((text, i) => choices.append(el("button", { value: String(i), textContent: text, type: "submit" })));
     const row = el("div", { class: "row" }, el("button", { value: "", textContent: S.cancel, type: "submit" }));
-    const found = await opened(title, el("strong", {}, title), choices, row);
+    const found = await opened(title2, el("strong", {}, title2), choices, row);
     return found === "" ? null : Number(found);
   }
-  async function tellAll(title, lines) {
+  async function tellAll(title2, lines) {
     const list = el("ul", { class: "choices" }, ...lines.map((line) => el("li", { textContent: line })));
     const row = el("div", { class: "row" }, el("button", { value: "", textContent: S.close, type: "submit" }));
-    await opened(title, el("strong", {}, title), list, row);
+    await opened(title2, el("strong", {}, title2), list, row);
   }
-  function fill(title, fields, button, act, note = "") {
+  function fill(title2, fields, button, act, note = "") {
     const wrong = el("p", { class: "error", role: "alert" });
     const controls = fields.map(
       ({ name, value, options, hint }) => options ? el(
@@ -1103,13 +1207,13 @@
     const form = el(
       "form",
       {},
-      el("strong", {}, title),
+      el("strong", {}, title2),
       ...note ? [el("p", { textContent: note })] : [],
       ...labels,
       wrong,
       el("div", { class: "row" }, stop, go3)
     );
-    const dialog = el("dialog", { "aria-label": title }, form);
+    const dialog = el("dialog", { "aria-label": title2 }, form);
     const refocus = keepFocus(document.body);
     let done = null;
     const dim = () => fields.forEach(({ when = {} }, i) => {
@@ -1222,9 +1326,9 @@
         groups.get(group).append(this.row(field));
       }
     }
-    fold(title) {
+    fold(title2) {
       const inside = el("div", { class: "fields" });
-      const words2 = title.charAt(0).toUpperCase() + title.slice(1);
+      const words2 = title2.charAt(0).toUpperCase() + title2.slice(1);
       this.folded.append(el("details", { class: "experiment" }, el("summary", { textContent: words2 }), inside));
       return inside;
     }
@@ -1461,11 +1565,11 @@
   }
 
   // starts.js
-  function invitation({ starts, foreign, trouble }, { begin: begin2, convert, choose: choose2 }) {
+  function invitation({ starts, foreign, trouble }, { begin, convert, choose: choose2 }) {
     const cards = Object.entries(starts).map(
       ([kind, words2]) => el(
         "button",
-        { disabled: Boolean(trouble), onclick: () => begin2(kind) },
+        { disabled: Boolean(trouble), onclick: () => begin(kind) },
         el("strong", { textContent: S.startTitles[kind] ?? kind }),
         el("span", { textContent: words2 })
       )
@@ -1545,7 +1649,7 @@
       this.body.replaceChildren(this.words(table), this.grid(table));
     };
     words = (table) => {
-      const axes = table.axes.map(
+      const axes2 = table.axes.map(
         (axis) => S.axisLevels(
           axis.name,
           axis.levels.length,
@@ -1560,7 +1664,7 @@
         textContent: [
           S.tableOf(table.output, table.cells, table.mode),
           table.description,
-          ...axes,
+          ...axes2,
           thin ? S.thinned : "",
           ...table.says.filter(([key]) => key === "source" || key.startsWith("error")).map(([key, value]) => `${key}: ${value}`)
         ].filter(Boolean).join(" \xB7 ")
@@ -1722,10 +1826,10 @@
         )
       );
       if (names.length > 2) {
-        const axes = names.map((n66) => [n66, n66]);
+        const axes2 = names.map((n66) => [n66, n66]);
         this.bar.append(
-          choice(S.horizontal, axes, this.found.map.x, set("x")),
-          choice(S.vertical, axes, this.found.map.y, set("y"))
+          choice(S.horizontal, axes2, this.found.map.x, set("x")),
+          choice(S.vertical, axes2, this.found.map.y, set("y"))
         );
       }
       this.bar.append(
@@ -1803,40 +1907,31 @@
     draw = () => {
       if (!this.found || this.store.view !== "table") return;
       const { map } = this.found;
-      const [across, up2] = [map.levels[map.x], map.levels[map.y || map.x]];
       const place = this.found.worst && this.inSlice(map, this.found.worst.at);
-      const title = S.errorTitle(
+      const title2 = S.errorTitle(
         map.output,
         map.mode,
         Object.entries(map.held).map(([n66, x2]) => `${n66} = ${shortNumber(x2)}`).join(", ")
       );
-      if (this.shown === "proved" && this.found.cells.length) {
-        const cells = this.found.cells.map(this.cellOf(map));
-        const high = Math.max(...cells.map(([, , value]) => value)) || 1;
-        drawCells(this.canvas, {
-          title: `${title}: ${S.provedCells} (\u2264 ${shortNumber(high, 6)})`,
-          across,
-          up: map.y ? up2 : [0, 1],
-          cells,
-          high,
-          x: map.x,
-          y: map.y,
-          worst: map.y ? place : null
-        });
-      } else {
-        const [low, high] = rangeOfValues([map.z], true);
-        const words2 = {
-          title: `${title}: ${S.signed}, \xB1${shortNumber(high)}`,
-          low,
-          high,
-          x: map.x,
-          y: map.y || map.output
-        };
-        if (map.y) drawPlane(this.canvas, { ...words2, ...map, y: map.y, signed: true, grid: [across, up2], worst: place });
-        else drawLines(this.canvas, { ...words2, xs: map.xs, lines: [map.z], worst: this.found.worst?.at[map.x] ?? null });
-      }
-      this.canvas.setAttribute("aria-label", `${title}. ${this.worst.textContent}`);
+      const isProved = this.shown === "proved" && this.found.cells.length > 0;
+      const panel = isProved ? this.provedPanel(map) : map.panel;
+      const high = Math.max(Math.abs(panel.parts[0].value?.high ?? panel.up.high));
+      const words2 = isProved ? `${S.provedCells} (\u2264 ${shortNumber(high, 6)})` : `${S.signed}, \xB1${shortNumber(high)}`;
+      const worst = place ? [map.y ? markAt(place) : levelAt(place[0])] : [];
+      drawPanel(this.canvas, { ...panel, title: `${title2}: ${words2}`, parts: [...panel.parts, ...worst] });
+      this.canvas.setAttribute("aria-label", `${title2}. ${this.worst.textContent}`);
     };
+    /** The cells whose error has been proved so far: they come one by one. */
+    provedPanel(map) {
+      const [x2, y] = [map.levels[map.x], map.y ? map.levels[map.y] : [0, 1]];
+      const values = Array((x2.length - 1) * (y.length - 1)).fill(null);
+      for (const [i, j2, value2] of this.found.cells.map(this.cellOf(map))) values[j2 * (x2.length - 1) + i] = value2;
+      const high = Math.max(...values) || 1;
+      const value = { words: "", low: -high, high, logarithmic: false };
+      const across = { words: map.x, low: x2[0], high: x2.at(-1), logarithmic: false };
+      const up2 = { words: map.y, low: y[0], high: y.at(-1), logarithmic: false };
+      return { title: "", across, up: up2, parts: [{ is: "cells", x: x2, y, values, value, signed: true }] };
+    }
   };
   var TABLE = {
     name: "table",
@@ -2320,7 +2415,7 @@ ${shape.side ?? 0}`;
   var HEAD = 20;
   var DETAILS = 52;
   var [LEAST, MOST] = [60, 240];
-  var SMOOTH = 161;
+  var SMOOTH2 = 161;
   var LEAST_HEIGHT = 0.05;
   var DIAMOND = 5.5;
   var plotHeight = (room, count) => Math.round(Math.min(MOST, Math.max(LEAST, (room - DETAILS) / Math.max(1, count) - HEAD)));
@@ -2388,10 +2483,10 @@ ${shape.side ?? 0}`;
       watch.observe(this.body);
       watch.observe(this.all);
     }
-    option = (text, title, checked) => {
-      const box2 = el("input", { type: "checkbox", checked });
-      this.bar.append(el("label", { class: "small", title }, box2, text));
-      return box2;
+    option = (text, title2, checked) => {
+      const box = el("input", { type: "checkbox", checked });
+      this.bar.append(el("label", { class: "small", title: title2 }, box, text));
+      return box;
     };
     adding = (words2, role) => el("button", { textContent: words2, title: S.addRole[role], onclick: () => addVariable(this.hand, role) });
     each = () => [...this.store.scene.inputs, ...this.store.scene.outputs];
@@ -2471,14 +2566,14 @@ ${term.name}`;
     drawOne = (variable, v) => {
       const plot = this.plots.get(variable.name);
       const at2 = this.scale(variable);
-      const parts2 = [];
-      parts2.push(svg("line", { class: "axis", x1: LEFT, x2: at2.width - RIGHT, y1: at2.y(0), y2: at2.y(0) }));
+      const parts = [];
+      parts.push(svg("line", { class: "axis", x1: LEFT, x2: at2.width - RIGHT, y1: at2.y(0), y2: at2.y(0) }));
       for (const tick of ticks(at2.low, at2.high, at2.width / 80)) {
-        parts2.push(svg("text", { x: at2.x(tick), y: this.tall - 4, "text-anchor": "middle" }, shortNumber(tick)));
+        parts.push(svg("text", { x: at2.x(tick), y: this.tall - 4, "text-anchor": "middle" }, shortNumber(tick)));
       }
       if (v < this.store.scene.inputs.length) {
         const x2 = at2.x(this.store.point[v]);
-        parts2.push(svg("line", { class: "at", x1: x2, x2, y1: TOP, y2: at2.y(0) }));
+        parts.push(svg("line", { class: "at", x1: x2, x2, y1: TOP, y2: at2.y(0) }));
       }
       const handles = [];
       variable.terms.forEach((term, t) => {
@@ -2489,22 +2584,22 @@ ${term.name}`;
         const lines = sidesOf(term).map((shape) => this.curve(variable, shape, at2));
         if (lines.length > 1) {
           const d = `${this.path(lines[0], at2)}${this.path([...lines[1]].reverse(), at2).replace("M", "L")}Z`;
-          parts2.push(svg("path", { d, class: "footprint", style: `fill: ${hue(t)}` }));
+          parts.push(svg("path", { d, class: "footprint", style: `fill: ${hue(t)}` }));
         }
         lines.forEach((points, side) => {
-          parts2.push(svg("path", { d: this.path(points, at2), style, class: side ? `${own} lower` : own }));
+          parts.push(svg("path", { d: this.path(points, at2), style, class: side ? `${own} lower` : own }));
         });
         handles.push(...this.handlesOf(variable, term, t, at2, isChosen));
       });
       plot.setAttribute("width", at2.width);
       plot.setAttribute("height", this.tall);
-      plot.replaceChildren(...parts2, ...handles);
+      plot.replaceChildren(...parts, ...handles);
     };
     curve = (variable, shape, at2) => {
       const now = this.store.now(variable, shape);
       const corners = shape.straight ? cornersOf(shape, now.parameters, now.height) : null;
       if (!corners) {
-        const xs2 = Float64Array.from({ length: SMOOTH }, (_2, i) => at2.low + (at2.high - at2.low) * i / (SMOOTH - 1));
+        const xs2 = Float64Array.from({ length: SMOOTH2 }, (_2, i) => at2.low + (at2.high - at2.low) * i / (SMOOTH2 - 1));
         const ys2 = this.store.degrees(variable, shape, xs2, now);
         return Array.from(xs2, (x2, i) => [x2, ys2[i]]);
       }
@@ -2606,15 +2701,15 @@ ${index}`,
         return;
       }
       const { variable, term } = one;
-      const parts2 = [el("strong", { textContent: `${variable.name} ${term.name}` })];
+      const parts = [el("strong", { textContent: `${variable.name} ${term.name}` })];
       for (const shape of sidesOf(term)) {
-        if (this.change && !shape.side && this.canChange(term)) parts2.push(this.kindOf(variable, term));
-        else parts2.push(el("span", { textContent: shape.side ? `${S.overShape} ${shape.kind}` : shape.kind }));
-        if (term.kind !== "formula" && term.kind !== "linear") parts2.push(...this.fieldsOf(variable, term, shape));
+        if (this.change && !shape.side && this.canChange(term)) parts.push(this.kindOf(variable, term));
+        else parts.push(el("span", { textContent: shape.side ? `${S.overShape} ${shape.kind}` : shape.kind }));
+        if (term.kind !== "formula" && term.kind !== "linear") parts.push(...this.fieldsOf(variable, term, shape));
       }
       if (this.change) {
         const button = (text, act) => el("button", { textContent: text, onclick: act });
-        parts2.push(
+        parts.push(
           el("span", { class: "space" }),
           button(S.rename, () => this.rename(variable, term)),
           button(S.remove, () => this.change("term", { variable: variable.name, term: term.name }))
@@ -2623,7 +2718,7 @@ ${index}`,
       const onKind = document.activeElement?.closest(".details .kind");
       const typed = document.activeElement?.closest(".details input");
       this.rebuilding = true;
-      this.details.replaceChildren(...parts2);
+      this.details.replaceChildren(...parts);
       this.rebuilding = false;
       this.fill();
       if (onKind) this.details.querySelector(".kind")?.focus();
@@ -2726,8 +2821,8 @@ ${name}`;
       const at2 = this.scale(variable);
       const plot = this.plots.get(variable.name);
       const place = (each) => {
-        const box2 = plot.getBoundingClientRect();
-        return { x: at2.back(each.clientX - box2.left), degree: at2.degree(each.clientY - box2.top) };
+        const box = plot.getBoundingClientRect();
+        return { x: at2.back(each.clientX - box.left), degree: at2.degree(each.clientY - box.top) };
       };
       this.begin(variable);
       const start2 = place(event);
@@ -2883,7 +2978,7 @@ ${name}`;
       const [start2, end] = rangeOf(variable);
       const corners = [cornersOf(upper, high.parameters), cornersOf(lower, low.parameters)];
       const bends = corners.flatMap((found) => (found ?? []).filter((_2, i) => i % 2 === 0));
-      const even = Array.from({ length: SMOOTH }, (_2, i) => start2 + (end - start2) * i / (SMOOTH - 1));
+      const even = Array.from({ length: SMOOTH2 }, (_2, i) => start2 + (end - start2) * i / (SMOOTH2 - 1));
       const xs2 = Float64Array.from([...even, ...bends.filter((x2) => x2 >= start2 && x2 <= end)]);
       const above = this.store.degrees(variable, upper, xs2, high);
       return this.store.degrees(variable, lower, xs2, low).every((y, i) => y <= above[i] + 1e-12);
@@ -2936,16 +3031,16 @@ ${name}`;
         )
       )
     );
-    const parts2 = S.help.filter(({ view }) => !view || views.includes(view)).map(
-      ({ title, words: words2, rows }) => el(
+    const parts = S.help.filter(({ view }) => !view || views.includes(view)).map(
+      ({ title: title2, words: words2, rows }) => el(
         "section",
         {},
-        el("h3", { textContent: title }),
+        el("h3", { textContent: title2 }),
         ...words2.map((line) => el("p", { textContent: line })),
         ...rows.length ? [keys(rows)] : []
       )
     );
-    const body = el("div", { class: "parts", tabIndex: 0, role: "group", "aria-label": S.helpTitle }, ...parts2);
+    const body = el("div", { class: "parts", tabIndex: 0, role: "group", "aria-label": S.helpTitle }, ...parts);
     const dialog = el(
       "dialog",
       { class: "help", "aria-label": S.helpTitle },
@@ -3183,8 +3278,8 @@ ${name}`;
       this.shown = [];
       const seen = this.body.scrollTop;
       this.body.replaceChildren(...outputs.length ? [this.methods.element] : []);
-      const cells = grids.reduce((sum, grid) => sum + grid.rows.length * grid.columns.length, 0);
-      grids.forEach((grid, k) => this.body.append(this.table(grid, outputs, this.setCell && cells <= MOST_CELLS, k)));
+      const cells2 = grids.reduce((sum, grid) => sum + grid.rows.length * grid.columns.length, 0);
+      grids.forEach((grid, k) => this.body.append(this.table(grid, outputs, this.setCell && cells2 <= MOST_CELLS, k)));
       const sentences = rules.map((rule, number) => (
         /** @type {const} */
         [rule, number]
@@ -3385,10 +3480,10 @@ ${name}`;
     /** Buttons of a grid: another row or column, and its removal. */
     tools = (grid, k) => {
       if (!this.attempt) return [];
-      const adding = (words2, title, row) => el("button", {
+      const adding = (words2, title2, row) => el("button", {
         class: "small",
         textContent: words2,
-        title,
+        title: title2,
         "data-key": `add ${k} ${row}`,
         onclick: () => addHead(this.hand, this.store.scene, {
           line: grid.line,
@@ -3509,9 +3604,9 @@ ${name}`;
       const style = getComputedStyle(grid);
       const sizes = sizesOf(vertical ? style.gridTemplateColumns : style.gridTemplateRows);
       const gap = parseFloat(vertical ? style.columnGap : style.rowGap) || 0;
-      const box2 = grid.getBoundingClientRect();
+      const box = grid.getBoundingClientRect();
       const pad = parseFloat(vertical ? style.paddingLeft : style.paddingTop) || 0;
-      const start2 = (vertical ? box2.left : box2.top) + pad + sizes.slice(0, at2 - 1).reduce((sum, size) => sum + size + gap, 0);
+      const start2 = (vertical ? box.left : box.top) + pad + sizes.slice(0, at2 - 1).reduce((sum, size) => sum + size + gap, 0);
       return [start2, sizes[at2 - 1], sizes[at2], sizes[at2 + 1]];
     }
     handle.addEventListener("pointerdown", (event) => {
@@ -3779,14 +3874,14 @@ ${name}`;
       this.others.replaceChildren(...this.sliders.map(({ label }) => label));
       this.redraw();
     };
-    pick = (axes) => {
+    pick = (axes2) => {
       const { x: x2, y } = this.store.axes;
-      if (axes.x === y) axes.y = x2;
-      else if (axes.y === x2) axes.x = y;
-      this.store.setAxes(axes);
+      if (axes2.x === y) axes2.y = x2;
+      else if (axes2.y === x2) axes2.x = y;
+      this.store.setAxes(axes2);
     };
     draw = () => {
-      const { scene, axes } = this.store;
+      const { scene, axes: axes2 } = this.store;
       if (!scene || !this.size.width) return;
       if (scene.missing.length) {
         this.nothing(
@@ -3796,8 +3891,8 @@ ${name}`;
         );
         return;
       }
-      const [x2, y] = [scene.inputs[axes.x], scene.inputs[axes.y]];
-      const output = scene.outputs[axes.output];
+      const [x2, y] = [scene.inputs[axes2.x], scene.inputs[axes2.y]];
+      const output = scene.outputs[axes2.output];
       for (const { i, range, said: said2 } of this.sliders) {
         range.value = this.store.point[i];
         said2.textContent = shortNumber(this.store.point[i]);
@@ -4328,14 +4423,14 @@ ${name}`;
       return made;
     };
     // --- pictures, 100 wide and 1 high ---
-    picture = (label, kind, ...parts2) => {
-      const title = svg("title", {}, label);
+    picture = (label, kind, ...parts) => {
+      const title2 = svg("title", {}, label);
       return svg(
         "svg",
         { viewBox: "0 -1.04 100 1.1", preserveAspectRatio: "none", role: "img", "aria-label": label, class: kind },
-        title,
+        title2,
         svg("line", { class: "base", x1: 0, x2: 100, y1: 0, y2: 0 }),
-        ...parts2
+        ...parts
       );
     };
     mark = (variable, value) => {
@@ -4343,7 +4438,7 @@ ${name}`;
       return svg("line", { x1: x2, x2, y1: -1.04, y2: 0 });
     };
     premise = (variable, i, rule) => {
-      const parts2 = [];
+      const parts = [];
       const words2 = [];
       for (const [input, name, hedges] of rule.parts) {
         const term = variable.terms.find((each) => input === i && each.name === name);
@@ -4352,7 +4447,7 @@ ${name}`;
           const y = this.store.degrees(variable, shape, this.samples(variable));
           const at2 = this.store.degrees(variable, shape, Float64Array.of(this.store.point[i]))[0];
           const side = shape.side ?? 0;
-          parts2.push(
+          parts.push(
             this.filled(
               y.map((v) => Math.min(v, at2)),
               side
@@ -4363,8 +4458,8 @@ ${name}`;
         });
         words2.push(`${hedges} ${name}: ${degrees.length > 1 ? S.between(degrees[1], degrees[0]) : degrees[0]}`.trim());
       }
-      if (!parts2.length) return el("span");
-      return this.picture(`${variable.name} ${words2.join(", ")}`, "", ...parts2, this.mark(variable, this.store.point[i]));
+      if (!parts.length) return el("span");
+      return this.picture(`${variable.name} ${words2.join(", ")}`, "", ...parts, this.mark(variable, this.store.point[i]));
     };
     /** Degrees of a consequent at the samples, as it is now. */
     setOf = (output, member) => {
@@ -4375,7 +4470,7 @@ ${name}`;
       return this.store.curves.degrees(member.curve.address, numbers, this.samples(output));
     };
     conclusion = (output, o, rule, found, number) => {
-      const parts2 = [];
+      const parts = [];
       const words2 = [];
       const sides = [
         [rule.concludes, found.strengths],
@@ -4387,23 +4482,23 @@ ${name}`;
           if (k !== o) continue;
           if (!side) words2.push(member.words);
           if (member.curve === null) {
-            if (member.value !== null) parts2.push(this.stem(output, member.value, strengths[number]));
+            if (member.value !== null) parts.push(this.stem(output, member.value, strengths[number]));
             continue;
           }
           const y = this.setOf(output, member);
           const cut = new Float64Array(SAMPLES);
           this.store.curves.cut(member.implication, 2, strengths[number], y, cut);
-          parts2.push(this.filled(cut, side), this.outline(y, side));
+          parts.push(this.filled(cut, side), this.outline(y, side));
         }
       });
-      return words2.length ? this.picture(`${output.name} ${words2.join(", ")}`, "", ...parts2) : el("span");
+      return words2.length ? this.picture(`${output.name} ${words2.join(", ")}`, "", ...parts) : el("span");
     };
     stem = (output, value, height) => {
       const x2 = this.share(output, value);
       return svg("line", { x1: x2, x2, y1: -height, y2: 0 });
     };
     whole = (output, o, found) => {
-      const parts2 = [];
+      const parts = [];
       for (const side of output.twoSided ? [0, 1] : [0]) {
         const aggregate = new Float64Array(SAMPLES);
         output.members.forEach((member, index) => {
@@ -4411,22 +4506,22 @@ ${name}`;
           if (!(height > 0) || member.side !== side) return;
           if (member.curve !== null) {
             this.store.curves.cut(member.implication, output.aggregation, height, this.setOf(output, member), aggregate);
-          } else if (member.value !== null) parts2.push(this.stem(output, member.value, height));
+          } else if (member.value !== null) parts.push(this.stem(output, member.value, height));
         });
-        if (aggregate.some((v) => v > 0)) parts2.unshift(this.filled(aggregate, side));
+        if (aggregate.some((v) => v > 0)) parts.unshift(this.filled(aggregate, side));
       }
       const value = found.outputs[o];
       let said2 = Number.isFinite(value) ? shortNumber(value, 6) : S.noValue;
       const ends = output.interval ? found.ends?.[o] : null;
       if (ends?.every(Number.isFinite)) {
         const [left, right] = ends.map((end) => this.share(output, end));
-        parts2.push(
+        parts.push(
           svg("rect", { class: "interval", x: left, width: Math.max(0.2, right - left), y: -1.04, height: 1.04 })
         );
         said2 += ` ${S.interval(...ends.map((x2) => shortNumber(x2, 6)))}`;
       }
-      if (Number.isFinite(value)) parts2.push(this.mark(output, value));
-      return this.picture(`${S.aggregate}: ${output.name} = ${said2}`, "whole", ...parts2);
+      if (Number.isFinite(value)) parts.push(this.mark(output, value));
+      return this.picture(`${S.aggregate}: ${output.name} = ${said2}`, "whole", ...parts);
     };
   };
 
@@ -4454,9 +4549,9 @@ ${name}`;
       this.store = store2;
       this.shownViews = shownViews;
       this.note = el("p", { class: "note" });
-      this.views = this.shownViews.map(({ name, title, drawn, panes, splits = [] }) => {
+      this.views = this.shownViews.map(({ name, title: title2, drawn, panes, splits = [] }) => {
         const made = [...panes.map((make) => make(this.store, hand)), ...splits.map(splitter)];
-        const panel = this.shownViews.length > 1 ? { role: "tabpanel", "aria-label": title } : {};
+        const panel = this.shownViews.length > 1 ? { role: "tabpanel", "aria-label": title2 } : {};
         return el(
           "div",
           { class: `pictures view-${name}${drawn ? " drawn" : ""}`, id: `view-${name}`, hidden: true, ...panel },
@@ -4480,7 +4575,7 @@ ${name}`;
       );
       this.shown = 0;
       this.tabs = this.shownViews.map(
-        ({ name, title }, i) => el("button", { role: "tab", textContent: title, "aria-controls": `view-${name}`, onclick: () => this.turn(i) })
+        ({ name, title: title2 }, i) => el("button", { role: "tab", textContent: title2, "aria-controls": `view-${name}`, onclick: () => this.turn(i) })
       );
       if (this.tabs.length > 1) header.lastChild.before(el("div", { role: "tablist", class: "tabs" }, ...this.tabs));
       this.root = el("div", { class: "desk" }, header, main);
@@ -6529,8 +6624,8 @@ ${name}`;
     plotOf = (panel, p) => {
       const isLast = p === this.panels.length - 1;
       const head = el("div", { class: "plot-head" }, el("span", { textContent: panelTitle(panel) }));
-      const box2 = el("div", { class: "plot" }, head);
-      this.host.append(box2);
+      const box = el("div", { class: "plot" }, head);
+      this.host.append(box);
       const limits = panel.lines.flatMap(({ low, high }) => [low, high]).filter((limit) => Number.isFinite(limit));
       const plot = new He(
         {
@@ -6546,12 +6641,12 @@ ${name}`;
           hooks: { draw: [(drawn) => drawLimits(drawn, limits)] }
         },
         [[]],
-        box2
+        box
       );
       const destroy = plot.destroy;
       plot.destroy = () => {
         destroy();
-        box2.remove();
+        box.remove();
       };
       return plot;
     };
@@ -6592,7 +6687,7 @@ ${name}`;
       return ink;
     };
   };
-  var panelTitle = ({ title, unit }) => unit && unit !== "1" ? `${title}, ${unit}` : title;
+  var panelTitle = ({ title: title2, unit }) => unit && unit !== "1" ? `${title2}, ${unit}` : title2;
   function panelsOf({ tracked, drives }) {
     const count = tracked.length;
     const numbered = tracked.map((port, i) => ({ ...port, i }));
@@ -6786,7 +6881,7 @@ ${name}`;
         this.words(g, S.runNotYet, width / 2, height / 2);
         return;
       }
-      for (const part of this.drawing?.parts ?? []) PARTS[part.is](g, part, at2, this.colour);
+      for (const part of this.drawing?.parts ?? []) PARTS2[part.is](g, part, at2, this.colour);
       if (!this.drawing) this.words(g, S.runNoPicture, width / 2, height / 2 - 24);
       const [x2, y] = this.pull();
       if (x2 || y)
@@ -6807,14 +6902,14 @@ ${name}`;
       g.textAlign = "start";
     };
     place = (event) => {
-      const box2 = this.canvas.getBoundingClientRect();
+      const box = this.canvas.getBoundingClientRect();
       return [
-        (event.clientX - box2.left - this.scale.ox) / this.scale.size,
-        (this.scale.oy - (event.clientY - box2.top)) / this.scale.size
+        (event.clientX - box.left - this.scale.ox) / this.scale.size,
+        (this.scale.oy - (event.clientY - box.top)) / this.scale.size
       ];
     };
   };
-  var PARTS = {
+  var PARTS2 = {
     line(g, { points, colour, width }, at2, tint) {
       path(g, points, at2);
       g.strokeStyle = tint(colour);
@@ -7572,8 +7667,8 @@ ${name}`;
       this.point[index] = Math.min(high, Math.max(low, value));
       this.emit("point");
     }
-    setAxes(axes) {
-      Object.assign(this.axes, axes);
+    setAxes(axes2) {
+      Object.assign(this.axes, axes2);
       this.emit("axes");
     }
     // --- terms ---
@@ -7619,20 +7714,20 @@ ${name}`;
     }
     patch(variable, shape, now) {
       const engine = this.held.engine;
-      for (const mark2 of engine.data.marks) {
-        if (!shape.marks.includes(mark2.term)) continue;
-        if (mark2.sort === "curve") {
+      for (const mark of engine.data.marks) {
+        if (!shape.marks.includes(mark.term)) continue;
+        if (mark.sort === "curve") {
           const numbers = this.numbersOf(shape, now);
-          if (numbers.length === mark2.room) engine.patch(mark2.floats, numbers);
-        } else if (mark2.sort === "value") engine.patch(mark2.floats, [now.parameters[0]]);
-        else if (mark2.sort === "samples") {
+          if (numbers.length === mark.room) engine.patch(mark.floats, numbers);
+        } else if (mark.sort === "value") engine.patch(mark.floats, [now.parameters[0]]);
+        else if (mark.sort === "samples") {
           const output = this.scene.outputs.findIndex((each) => each.name === variable.name);
-          engine.patch(mark2.floats, this.degrees(variable, shape, engine.positions(output), now));
+          engine.patch(mark.floats, this.degrees(variable, shape, engine.positions(output), now));
         } else {
           const corners = cornersOf(shape, now.parameters, now.height);
           const pieces = piecesOf(corners, ...rangeOf(variable));
-          engine.patch(mark2.floats, pieces.slice(0, 4 * mark2.room));
-          engine.patchWhole(mark2.row, Math.min(mark2.room, pieces.length / 4));
+          engine.patch(mark.floats, pieces.slice(0, 4 * mark.room));
+          engine.patchWhole(mark.row, Math.min(mark.room, pieces.length / 4));
         }
       }
     }
@@ -7756,12 +7851,12 @@ ${name}`;
         return;
       }
       asked = key;
-      const { scene, point, axes } = store2;
+      const { scene, point, axes: axes2 } = store2;
       const surface = store2.surfaceKey();
       const isKnown = store2.far?.key === surface && !store2.running;
-      const ends = [axes.x, axes.y].map((i) => rangeOf(scene.inputs[i]));
+      const ends = [axes2.x, axes2.y].map((i) => rangeOf(scene.inputs[i]));
       const across = isKnown ? 2 : ACROSS;
-      work = start2("surface", { ...axes, point, ends, across, fired: !store2.running }, (news) => {
+      work = start2("surface", { ...axes2, point, ends, across, fired: !store2.running }, (news) => {
         if (store2.scene !== scene) {
           if (news.end) again();
           return;
@@ -7775,7 +7870,7 @@ ${name}`;
             ([low, high]) => Float64Array.from({ length: across }, (_2, k) => low + (high - low) * k / (across - 1))
           );
           const z2 = Float64Array.from(news.z, (value) => value ?? NaN);
-          store2.far = { key: surface, xs: xs2, ys: ys2, z: z2, rows: axes.x === axes.y ? 1 : across, isFar: true };
+          store2.far = { key: surface, xs: xs2, ys: ys2, z: z2, rows: axes2.x === axes2.y ? 1 : across, isFar: true };
           store2.emit("told");
         }
         if (news.end === "failed") {
@@ -18692,8 +18787,8 @@ ${name}`;
   var WAIT2 = 15;
   var [TRIES, BETWEEN] = [300, 20];
   function explained(markdown) {
-    const parts2 = markdown.split(/^```\w*\n([\s\S]*?)\n```$/m);
-    return parts2.flatMap((part, i) => i % 2 ? [el("pre", { textContent: part })] : words(part.trim()));
+    const parts = markdown.split(/^```\w*\n([\s\S]*?)\n```$/m);
+    return parts.flatMap((part, i) => i % 2 ? [el("pre", { textContent: part })] : words(part.trim()));
   }
   function words(text) {
     const found = [];
@@ -18828,7 +18923,7 @@ ${name}`;
         numbers: async (variable) => (await this.question("numbers", { variable })).numbers ?? null
       };
     }
-    quick = (text, title, act) => el("button", { textContent: text, title, onclick: act });
+    quick = (text, title2, act) => el("button", { textContent: text, title: title2, onclick: act });
     // --- positions: line and unit from 0 on the wire, offsets in the editor ---
     offset = ([line, unit]) => {
       const doc = this.view.state.doc;
@@ -19618,7 +19713,7 @@ ${each.hint}` : each.message
     return typeof Worker === "function" ? "" : P2.noWorker;
   }
   function pythonLine(start2, texts, tell) {
-    const parts2 = start2.python;
+    const parts = start2.python;
     return ({ opened: opened2, heard, closed }) => {
       const worker = new Worker("python.js", { type: "module" });
       let isOpen = false;
@@ -19641,7 +19736,7 @@ ${each.hint}` : each.message
           keepOffline();
         }
       };
-      worker.postMessage({ begin: { files: texts(), parts: parts2 } });
+      worker.postMessage({ begin: { files: texts(), parts } });
       return { send: (said2) => worker.postMessage({ said: said2 }), isOpen: () => isOpen, drop: () => fail(P2.notLoaded) };
     };
   }

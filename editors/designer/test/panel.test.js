@@ -1,0 +1,61 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+
+import { edgesOf, scaleOf, shareOf, strokesOf, ticksOf } from "../../../src/fuzzyarm/designer/page/geometry/panel.js";
+
+test("a scale takes the ends of its axis to those of the plot, also where ratios are equal lengths", () => {
+  for (const logarithmic of [false, true]) {
+    const at = scaleOf({ low: 0.1, high: 100, logarithmic }, 300, 10);
+    assert.equal(at(0.1), 300);
+    assert.ok(Math.abs(at(100) - 10) < 1e-9);
+    assert.ok(at(1) > at(2) && at(2) > at(50)); // up is towards smaller pixels
+  }
+  const at = scaleOf({ low: 0.01, high: 100, logarithmic: true }, 0, 4);
+  assert.deepEqual(
+    [0.1, 1, 10].map((value) => Math.round(at(value))),
+    [1, 2, 3],
+  );
+});
+
+test("ticks lie within their axis", () => {
+  for (const axis of [
+    { low: -3.7, high: 12.2 },
+    { low: 0.02, high: 900, logarithmic: true },
+    { low: -6, high: -2 },
+    { low: 0, high: 1 },
+  ]) {
+    const found = ticksOf(axis, 5);
+    assert.ok(found.length >= 2, JSON.stringify(axis));
+    for (const value of found) assert.ok(value >= axis.low - 1e-9 && value <= axis.high + 1e-9, `${value}`);
+  }
+});
+
+test("cells meet in the middle between their places; edges are taken as they are", () => {
+  assert.deepEqual(edgesOf([0, 1, 3], 3), [-0.5, 0.5, 2, 4]);
+  assert.deepEqual(edgesOf([0, 1, 3], 2), [0, 1, 3]);
+  assert.deepEqual(edgesOf([5], 1), [4.5, 5.5]);
+});
+
+test("a stroke ends where a value is missing, and steps are level", () => {
+  assert.deepEqual(strokesOf([1, 2, 3, 4], [5, 6, null, 8]), [
+    [
+      [1, 5],
+      [2, 6],
+    ],
+    [[4, 8]],
+  ]);
+  assert.deepEqual(strokesOf([1, 2], [5, 6], true), [
+    [
+      [1, 5],
+      [2, 5],
+      [2, 6],
+    ],
+  ]);
+});
+
+test("the share of a value is between 0 and 1", () => {
+  assert.deepEqual(
+    [-9, -1, 0, 1, 9].map((value) => shareOf(value, { low: -1, high: 1 })),
+    [0, 0, 0.5, 1, 1],
+  );
+});

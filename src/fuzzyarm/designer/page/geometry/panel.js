@@ -1,0 +1,77 @@
+// Where the parts of a panel lie: the arithmetic of the page's renderer of pictures (panel.js). No drawing, no elements.
+
+import { decades, ticks } from "./chart.js";
+
+/** @typedef {{ low: number, high: number, logarithmic?: boolean, words?: string }} Axis */
+
+/**
+ * The scale of an axis, from a value to a pixel.
+ *
+ * @param {Axis} axis
+ * @param {number} from the pixel of its low end
+ * @param {number} to that of its high end
+ */
+export function scaleOf({ low, high, logarithmic = false }, from, to) {
+  const measure = logarithmic ? Math.log10 : (value) => value;
+  const [a, b] = [measure(low), measure(high)];
+  return (value) => from + ((to - from) * (measure(value) - a)) / (b - a);
+}
+
+/**
+ * Round numbers along an axis, about so many.
+ *
+ * @param {Axis} axis
+ * @param {number} wanted
+ */
+export function ticksOf({ low, high, logarithmic = false }, wanted) {
+  const found = logarithmic ? decades(low, high) : ticks(low, high, wanted);
+  return found.filter(
+    (value) => value >= low * (1 - 1e-9 * Math.sign(low)) && value <= high * (1 + 1e-9 * Math.sign(high)),
+  );
+}
+
+/**
+ * The edges of cells that stand at places: the middles between them; places that are one more than the cells are edges.
+ *
+ * @param {number[]} places
+ * @param {number} count of cells
+ */
+export function edgesOf(places, count) {
+  if (places.length === count + 1) return places;
+  if (count === 1) return [places[0] - 0.5, places[0] + 0.5];
+  const middles = places.slice(1).map((place, i) => (places[i] + place) / 2);
+  return [2 * places[0] - middles[0], ...middles, 2 * places[count - 1] - middles[count - 2]];
+}
+
+/**
+ * Strokes through points: a gap where one is missing; with steps level from each to the next.
+ *
+ * @param {Array<number | null>} x
+ * @param {Array<number | null>} y
+ * @param {boolean} steps
+ * @returns {Array<Array<[number, number]>>}
+ */
+export function strokesOf(x, y, steps = false) {
+  const strokes = [];
+  let stroke = null;
+  for (let i = 0; i < x.length; i++) {
+    if (x[i] === null || y[i] === null) {
+      stroke = null;
+      continue;
+    }
+    if (!stroke) strokes.push((stroke = []));
+    else if (steps) stroke.push([x[i], stroke.at(-1)[1]]);
+    stroke.push([x[i], y[i]]);
+  }
+  return strokes;
+}
+
+/**
+ * Where a value lies between the ends of its axis, 0 to 1.
+ *
+ * @param {number} value
+ * @param {Axis} axis
+ */
+export function shareOf(value, axis) {
+  return Math.min(1, Math.max(0, scaleOf(axis, 0, 1)(value)));
+}
