@@ -279,6 +279,11 @@ declare namespace Messages {
     form?: Record<string, boolean | number | "inf" | "-inf" | string | Array<string> | null>;
   }
 
+  /** Something to be proved; see `fuzzyarm.designer.forms.PROVE`. */
+  interface ProveWork {
+    form?: Record<string, boolean | number | "inf" | "-inf" | string | Array<string> | null>;
+  }
+
   /** A run. */
   interface RunWork {
     form?: Record<string, boolean | number | "inf" | "-inf" | string | Array<string> | null>;
@@ -743,6 +748,8 @@ declare namespace Messages {
     "tunable": Nothing;
     "tune": TuneWork;
     "sheets": Nothing;
+    "provable": Nothing;
+    "prove": ProveWork;
     "run": RunWork;
     "plants": PlantsWork;
   }

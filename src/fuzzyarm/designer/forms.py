@@ -21,10 +21,23 @@ from fuzzyarm.requests.experiment import ExperimentRequest
 from fuzzyarm.requests.fields import AnyRequest
 from fuzzyarm.requests.learn import LearnRequest
 from fuzzyarm.requests.making import ExportRequest
+from fuzzyarm.requests.prove import ProveRequest
 from fuzzyarm.requests.schema import form_fields
 from fuzzyarm.requests.tune import TuneRequest
 
-__all__ = ["FORMS", "LEARN", "PICTURES", "RUN", "SOURCES", "TUNE", "Form", "export_form", "judged"]
+__all__ = [
+    "FORMS",
+    "LEARN",
+    "PICTURES",
+    "PROVE",
+    "PROVE_LOOP",
+    "RUN",
+    "SOURCES",
+    "TUNE",
+    "Form",
+    "export_form",
+    "judged",
+]
 
 SIGNALS = ("reference", "disturb")
 """Fields whose words may name a file."""
@@ -108,6 +121,13 @@ TUNE = Form(
     AROUND,
 )  # fmt: skip
 
+PROVE = Form(
+    ProveRequest,
+    ("range", "slope", "output", "tolerance", "budget", "exact"),
+)
+PROVE_LOOP = Form(ProveRequest, ("claim", "plant", "stable", "continuous", "budget"))
+"""Of a rule base, and of a controller in its loop."""
+
 SOURCES = (".h", ".c", ".st", ".xml")
 WRITTEN_TABLES = (".lut", ".csv", ".tex")
 PICTURES = (".png", ".svg")
@@ -134,7 +154,13 @@ def export_form(suffix: str, kind: str) -> Form[ExportRequest]:
     return Form(ExportRequest, output if suffix in PICTURES else ())
 
 
-FORMS: Mapping[str, Form[Any]] = {"run": RUN, "learn": LEARN, "tune": TUNE}
+FORMS: Mapping[str, Form[Any]] = {
+    "run": RUN,
+    "learn": LEARN,
+    "tune": TUNE,
+    "prove": PROVE,
+    "prove-loop": PROVE_LOOP,
+}
 """By the work that they ask for."""
 
 

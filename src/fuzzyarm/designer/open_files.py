@@ -58,6 +58,8 @@ WORKS: dict[str, Work] = {
     "table-error": _later("tables", "table_error"),
     "tunable": _later("tuning", "tunable"),
     "tune": _later("tuning", "tune"),
+    "provable": _later("proving", "provable"),
+    "prove": _later("proving", "prove"),
     "sheets": _later("diagram", "sheets"),
 }
 """Long work that a page may start → what does it; `OpenFiles` adds what needs its plants."""

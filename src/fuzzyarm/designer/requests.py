@@ -512,6 +512,13 @@ class TuneWork:
     form: FormValues = field(default_factory=dict)
 
 
+@dataclass(frozen=True)
+class ProveWork:
+    """Something to be proved; see `fuzzyarm.designer.forms.PROVE`."""
+
+    form: FormValues = field(default_factory=dict)
+
+
 WORKS: Mapping[str, type] = {
     "compare": CompareWork,
     "export": ExportWork,
@@ -522,6 +529,8 @@ WORKS: Mapping[str, type] = {
     "tunable": Nothing,
     "tune": TuneWork,
     "sheets": Nothing,
+    "provable": Nothing,
+    "prove": ProveWork,
     "run": RunWork,
     "plants": PlantsWork,
 }

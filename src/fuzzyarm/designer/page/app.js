@@ -5,13 +5,14 @@ import { diagramPane } from "./diagram.js";
 import { FILES } from "./files.js";
 import { DESIGN } from "./frame.js";
 import { LEARN } from "./learn.js";
+import { PROVE } from "./prove.js";
 import { RUN } from "./run.js";
 import { TABLE } from "./table.js";
 import { TUNE } from "./tune.js";
 import { expose, openWindow } from "./window.js";
 
 const DRAWN = { ...DESIGN, panes: [...DESIGN.panes, diagramPane] };
-const VIEWS = [DRAWN, RUN, TABLE, LEARN, TUNE, COMPARE, FILES];
+const VIEWS = [DRAWN, RUN, TABLE, LEARN, TUNE, PROVE, COMPARE, FILES];
 
 const start = JSON.parse(document.getElementById("start").textContent);
 expose(openWindow(start, VIEWS));

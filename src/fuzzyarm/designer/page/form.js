@@ -74,7 +74,7 @@ export class Form {
     if (kind === "check") return el("input", { type: "checkbox", checked: shown });
     if (kind === "choice") {
       const select = el("select");
-      refill(select, choicesOf(field, S), shown);
+      refill(select, choicesOf(field, { usual: S.usual, yes: S.yes, no: S.no }), shown);
       return select;
     }
     const plain = { value: shown, spellcheck: false, autocomplete: "off" };

@@ -7,6 +7,8 @@ import { edgesOf, scaleOf, shareOf, strokesOf, ticksOf } from "./geometry/panel.
 /** @typedef {Messages.PanelData} PanelData */
 
 const ROOM = { left: 52, right: 12, top: 10, title: 16, bottom: 36 };
+const ROW = 15; // of labels
+const LABELS = "11px system-ui, sans-serif";
 const DASHES = { "-": [], "--": [6, 4], "-.": [8, 3, 2, 3], ":": [2, 3] };
 const SMOOTH = 40; // so many samples along an axis are a surface, not cells to be read
 const POINT = 1.3; // pixels of a point of print
@@ -47,11 +49,13 @@ function tonesOf(canvas) {
 }
 
 function paintPanel({ g, width, height }, panel, tone) {
-  const top = ROOM.top + (panel.title ? ROOM.title : 0);
+  const labels = legendOf(g, panel, width);
+  const rows = labels.length ? labels.at(-1).row + 1 : 0;
+  const top = ROOM.top + (panel.title ? ROOM.title : 0) + ROW * rows;
   const inside = { left: ROOM.left, top, right: width - ROOM.right, bottom: height - ROOM.bottom };
   const toX = scaleOf(panel.across, inside.left, inside.right);
   const toY = scaleOf(panel.up, inside.bottom, inside.top);
-  const paper = { g, inside, panel, toX, toY, tone };
+  const paper = { g, inside, panel, labels, toX, toY, tone };
   const isPlane = panel.parts.some((part) => part.is === "cells");
   title(paper);
   axes(paper, !isPlane);
@@ -232,27 +236,40 @@ function cells({ g, toX, toY }, part) {
 const inkOn = ([r, g, b]) =>
   0.2126 * r ** 2.2 + 0.7152 * g ** 2.2 + 0.0722 * b ** 2.2 < 0.18 * 255 ** 2.2 ? "#fff" : "#000";
 
+/**
+ * Where the labels stand: in rows between title and plot.
+ *
+ * @returns {Array<{ part: any, x: number, row: number }>}
+ */
+function legendOf(g, panel, width) {
+  g.font = LABELS;
+  let [x, row] = [ROOM.left, 0];
+  return panel.parts
+    .filter((part) => part.label)
+    .map((part) => {
+      const wide = 34 + g.measureText(clean(part.label)).width + 10;
+      if (x > ROOM.left && x + wide > width - ROOM.right) [x, row] = [ROOM.left, row + 1];
+      const place = { part, x, row };
+      x += wide;
+      return place;
+    });
+}
+
 /** What the labels say. */
-function legend({ g, inside, panel, tone }) {
-  const named = panel.parts.filter((part) => part.label);
-  g.font = "11px system-ui, sans-serif";
-  g.textAlign = "right";
-  const widest = Math.max(0, ...named.map((part) => g.measureText(clean(part.label)).width));
-  g.fillStyle = colourOf("--pane");
-  g.globalAlpha = 0.8;
-  if (named.length) g.fillRect(inside.right - 38 - widest, inside.top, 38 + widest, 15 * named.length + 2);
-  g.globalAlpha = 1;
-  named.forEach((part, row) => {
-    const y = inside.top + 8 + 15 * row;
-    g.strokeStyle = g.fillStyle = tone(part.tone);
-    g.lineWidth = 2;
-    g.setLineDash(DASHES[part.dash] ?? []);
+function legend({ g, labels, panel, tone }) {
+  g.font = LABELS;
+  g.textAlign = "left";
+  for (const { part, x, row } of labels) {
+    const y = ROOM.top + (panel.title ? ROOM.title : 0) + ROW * row + 4;
+    g.strokeStyle = tone(part.tone);
+    g.lineWidth = part.is === "dots" ? 4 : 2;
+    g.setLineDash(part.is === "dots" ? [3, 5] : (DASHES[part.dash] ?? []));
     g.beginPath();
-    g.moveTo(inside.right - 26, y);
-    g.lineTo(inside.right - 4, y);
+    g.moveTo(x, y);
+    g.lineTo(x + 24, y);
     g.stroke();
     g.setLineDash([]);
     g.fillStyle = colourOf("--ink");
-    g.fillText(clean(part.label), inside.right - 32, y + 4);
-  });
+    g.fillText(clean(part.label), x + 30, y + 4);
+  }
 }

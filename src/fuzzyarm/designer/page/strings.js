@@ -522,6 +522,11 @@ export const S = {
       : "No pass is over yet.",
   cell: (place, value, visits) =>
     visits ? `${place}: ${value}, used ${visits} ${visits === 1 ? "time" : "times"}` : `${place}: ${value}, never used`,
+  prove: "Prove",
+  proveIt: "Prove",
+  proveLines: (count) =>
+    count === 1 ? "The text has one `prove` line." : `The text has ${count || "no"} \`prove\` lines.`,
+  proveEnds: { done: "All is judged.", stopped: "Stopped." },
   tune: "Tune",
   cost: "Cost",
   needsConnect: (name) => `${name} (other axes)`,

@@ -218,6 +218,8 @@
 
   // panel.js
   var ROOM = { left: 52, right: 12, top: 10, title: 16, bottom: 36 };
+  var ROW = 15;
+  var LABELS = "11px system-ui, sans-serif";
   var DASHES = { "-": [], "--": [6, 4], "-.": [8, 3, 2, 3], ":": [2, 3] };
   var SMOOTH = 40;
   var POINT = 1.3;
@@ -243,11 +245,13 @@
     return Object.assign(colours, { done: () => probe.remove() });
   }
   function paintPanel({ g, width, height }, panel, tone) {
-    const top = ROOM.top + (panel.title ? ROOM.title : 0);
+    const labels = legendOf(g, panel, width);
+    const rows = labels.length ? labels.at(-1).row + 1 : 0;
+    const top = ROOM.top + (panel.title ? ROOM.title : 0) + ROW * rows;
     const inside = { left: ROOM.left, top, right: width - ROOM.right, bottom: height - ROOM.bottom };
     const toX = scaleOf(panel.across, inside.left, inside.right);
     const toY = scaleOf(panel.up, inside.bottom, inside.top);
-    const paper = { g, inside, panel, toX, toY, tone };
+    const paper = { g, inside, panel, labels, toX, toY, tone };
     const isPlane = panel.parts.some((part) => part.is === "cells");
     title(paper);
     axes(paper, !isPlane);
@@ -413,28 +417,33 @@
     });
   }
   var inkOn = ([r, g, b]) => 0.2126 * r ** 2.2 + 0.7152 * g ** 2.2 + 0.0722 * b ** 2.2 < 0.18 * 255 ** 2.2 ? "#fff" : "#000";
-  function legend({ g, inside, panel, tone }) {
-    const named2 = panel.parts.filter((part) => part.label);
-    g.font = "11px system-ui, sans-serif";
-    g.textAlign = "right";
-    const widest = Math.max(0, ...named2.map((part) => g.measureText(clean(part.label)).width));
-    g.fillStyle = colourOf("--pane");
-    g.globalAlpha = 0.8;
-    if (named2.length) g.fillRect(inside.right - 38 - widest, inside.top, 38 + widest, 15 * named2.length + 2);
-    g.globalAlpha = 1;
-    named2.forEach((part, row) => {
-      const y = inside.top + 8 + 15 * row;
-      g.strokeStyle = g.fillStyle = tone(part.tone);
-      g.lineWidth = 2;
-      g.setLineDash(DASHES[part.dash] ?? []);
+  function legendOf(g, panel, width) {
+    g.font = LABELS;
+    let [x2, row] = [ROOM.left, 0];
+    return panel.parts.filter((part) => part.label).map((part) => {
+      const wide = 34 + g.measureText(clean(part.label)).width + 10;
+      if (x2 > ROOM.left && x2 + wide > width - ROOM.right) [x2, row] = [ROOM.left, row + 1];
+      const place = { part, x: x2, row };
+      x2 += wide;
+      return place;
+    });
+  }
+  function legend({ g, labels, panel, tone }) {
+    g.font = LABELS;
+    g.textAlign = "left";
+    for (const { part, x: x2, row } of labels) {
+      const y = ROOM.top + (panel.title ? ROOM.title : 0) + ROW * row + 4;
+      g.strokeStyle = tone(part.tone);
+      g.lineWidth = part.is === "dots" ? 4 : 2;
+      g.setLineDash(part.is === "dots" ? [3, 5] : DASHES[part.dash] ?? []);
       g.beginPath();
-      g.moveTo(inside.right - 26, y);
-      g.lineTo(inside.right - 4, y);
+      g.moveTo(x2, y);
+      g.lineTo(x2 + 24, y);
       g.stroke();
       g.setLineDash([]);
       g.fillStyle = colourOf("--ink");
-      g.fillText(clean(part.label), inside.right - 32, y + 4);
-    });
+      g.fillText(clean(part.label), x2 + 30, y + 4);
+    }
   }
 
   // strings.js
@@ -925,6 +934,10 @@
     visitsLabel: (axis, most) => `How often each cell of ${axis} was used, ${most} times at most. Arrow keys read the cells.`,
     errorsLabel: (errors, begin, news) => errors.length ? `RMS error after ${errors.length} passes: ${news.words}; at first ${errors[0].map((x2) => x2.toPrecision(3)).join(" and ")}.` : "No pass is over yet.",
     cell: (place, value, visits) => visits ? `${place}: ${value}, used ${visits} ${visits === 1 ? "time" : "times"}` : `${place}: ${value}, never used`,
+    prove: "Prove",
+    proveIt: "Prove",
+    proveLines: (count) => count === 1 ? "The text has one `prove` line." : `The text has ${count || "no"} \`prove\` lines.`,
+    proveEnds: { done: "All is judged.", stopped: "Stopped." },
     tune: "Tune",
     cost: "Cost",
     needsConnect: (name) => `${name} (other axes)`,
@@ -1349,7 +1362,7 @@
       if (kind === "check") return el("input", { type: "checkbox", checked: shown });
       if (kind === "choice") {
         const select = el("select");
-        refill(select, choicesOf(field, S), shown);
+        refill(select, choicesOf(field, { usual: S.usual, yes: S.yes, no: S.no }), shown);
         return select;
       }
       const plain = { value: shown, spellcheck: false, autocomplete: "off" };
@@ -4241,7 +4254,7 @@ ${name}`;
 
   // viewer.js
   var SAMPLES = 121;
-  var ROW = 27;
+  var ROW2 = 27;
   var SPARE = 2;
   function viewerPane(store2) {
     return new ViewerPane(store2).section;
@@ -4397,11 +4410,11 @@ ${name}`;
         numbers = numbers.filter((number) => found.strengths[number] > 0);
         numbers.sort((a, b) => found.strengths[b] - found.strengths[a]);
       }
-      const first = Math.max(0, Math.floor(this.rows.scrollTop / ROW) - SPARE);
-      const last = Math.min(numbers.length, first + Math.ceil((this.rows.clientHeight || 200) / ROW) + 2 * SPARE);
+      const first = Math.max(0, Math.floor(this.rows.scrollTop / ROW2) - SPARE);
+      const last = Math.min(numbers.length, first + Math.ceil((this.rows.clientHeight || 200) / ROW2) + 2 * SPARE);
       const room = (count) => {
         const made = el("div");
-        made.style.height = `${count * ROW}px`;
+        made.style.height = `${count * ROW2}px`;
         return made;
       };
       this.rows.replaceChildren(

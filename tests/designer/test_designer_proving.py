@@ -1,0 +1,86 @@
+"""The view Prove without a browser: verdicts are those of the command, with pictures of loops."""
+
+import shutil
+
+import pytest
+from test_designer_learning import Page
+
+from fuzzyarm.cli import main
+from fuzzyarm.shipped_files import shipped
+
+LINES = "\nprove u in -6 .. 6\nprove u rises with e\n"
+
+
+@pytest.fixture
+def page(tmp_path):
+    for name in ("pd7.frb", "servo.frb", "thesis-6.1.lut", "roompi.frb", "heater.frb"):
+        shutil.copy(shipped(name), tmp_path)
+    (tmp_path / "lines.frb").write_text(shipped("pd7.frb").read_text() + LINES)
+    return Page(tmp_path)
+
+
+def verdicts(heard):
+    return [news for news in heard if "verdict" in news]
+
+
+def test_the_lines_of_a_text_are_judged_as_by_the_command(page, monkeypatch, capsys):
+    monkeypatch.chdir(page.folder)
+    heard = verdicts(page.do("prove", "lines.frb"))
+    assert [news["verdict"] for news in heard] == ["proved", "refuted"]
+    assert main(["prove", "lines.frb"]) == 1
+    printed = capsys.readouterr().out
+    for news in heard:
+        for line in news["lines"][:-1]:  # the last one has the time
+            assert line.partition(": ")[2] or line in printed
+            assert line.removeprefix("line ").strip() in printed
+
+
+def test_a_range_and_slopes_are_bounded(page, monkeypatch, capsys):
+    monkeypatch.chdir(page.folder)
+    (news,) = verdicts(page.do("prove", "pd7.frb", range=True))
+    assert main(["prove", "pd7.frb", "--range"]) == 0
+    assert news["lines"][0] in capsys.readouterr().out
+    heard = verdicts(page.do("prove", "pd7.frb", slope=True))
+    assert [news["lines"][0].partition(" in ")[0] for news in heard] == [
+        "slope of u along e",
+        "slope of u along ce",
+    ]
+
+
+def test_what_may_be_asked_is_told(page):
+    rules, loop = (page.do("provable", name)[0] for name in ("lines.frb", "servo.frb"))
+    assert (rules["loop"], rules["lines"], rules["outputs"]) == (False, 2, ["u"])
+    assert (loop["loop"], loop["lines"]) == (True, 0)
+    assert "motor" in loop["plants"]
+    assert {field["name"] for field in loop["form"]} >= {"claim", "plant", "budget"}
+
+
+@pytest.mark.parametrize(
+    ("file", "asked", "words", "field"),
+    [
+        ("pd7.frb", {}, "has no `prove` lines", ""),
+        ("servo.frb", {}, "has no `prove` lines", ""),
+        ("lines.frb", {"output": "x", "range": True}, "no output is called 'x'", "output"),
+        ("lines.frb", {"tolerance": "-1"}, "tolerance must be above 0, not -1", "tolerance"),
+        ("servo.frb", {"claim": "stable upon motor"}, "", "claim"),
+        ("servo.frb", {"claim": "stable", "plant": "own.py"}, "no plant 'own.py'", "plant"),
+        ("thesis-6.1.lut", {}, "proves nothing", ""),
+    ],
+)
+def test_what_cannot_be_proved_is_said_at_its_field(page, file, asked, words, field):
+    last = page.do("prove", file, **asked)[-1]
+    assert (last["end"], last["field"]) == ("failed", field), last
+    assert words in last["message"]
+
+
+def test_a_table_is_sent_to_its_view(page):
+    assert "the view Table" in page.message("provable", "thesis-6.1.lut")
+
+
+@pytest.mark.slow
+def test_a_region_is_proved_and_drawn(page):
+    (news,) = verdicts(page.do("prove", "servo.frb", claim="stable on motor"))
+    assert news["verdict"] == "proved"
+    assert news["panels"][0]["across"]["words"] == "position, rad"
+    kinds = {part["is"] for panel in news["panels"] for part in panel["parts"]}
+    assert kinds >= {"dots", "area", "line"}
