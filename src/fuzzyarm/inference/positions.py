@@ -7,7 +7,21 @@ function of its own, to which :func:`.kernel.point_by_point` is bound, and which
 have as well (:mod:`fuzzyarm.export.walk`).
 
 A value that is one of several positions is the answer itself: the row TOTAL then has something
-above 0, and the row MOMENT has the value.
+above 0, and the row MOMENT has the value. (0, 0) says that no rule fired; the caller puts what
+holds then in its place. Nothing here makes a NaN of its own: strengths are from 0 to 1, and what
+divides is above 0 where it is asked. A formula or an inverse that has no value gives one, and it
+passes through to the output, where :func:`.kernel.settled` finds it.
+
+What a function at a point reads:
+
+==========  ==================================================================================
+``k``       the block as whole numbers: which groups may fire here (from ``k[GROUPS]`` on), and
+            where the consequent of each is described
+``f``       its floats: positions and weights of samples, degrees, pieces of sets; positions in
+            the unit of the output, degrees without one
+``room``    the rows: that of a group has the strength with which its set is asserted, at ``point``
+``heap``    room for the numbers of one point; each section says what it keeps there
+==========  ==================================================================================
 """
 
 from __future__ import annotations
@@ -72,6 +86,8 @@ whether it rises (1) or falls (-1) between them; 0 for a straight piece."""
 
 
 # ── a choice among positions with heights ────────────────────────────────────────────
+#
+# Positions rise. Heights are strengths, samples of the aggregate, or their shares of its integral.
 
 
 @kernel
@@ -95,6 +111,9 @@ def half_of(positions: Any, heights: Any, count: int) -> tuple[float, float]:
         total += heights[i]
     if not total > 0.0:
         return 0.0, 0.0
+    # A running sum that is half of the total but for rounding is half of it: where heights of zero
+    # follow, all positions from there to the next height divide the area equally, and the middle
+    # between the first and the last of them is taken.
     low, high = (0.5 - SAME_HALF) * total, (0.5 + SAME_HALF) * total
     running = 0.0
     first = -1
@@ -115,6 +134,8 @@ def nearest_half_of(positions: Any, heights: Any, count: int) -> tuple[float, fl
         total += heights[i]
     if not total > 0.0:
         return 0.0, 0.0
+    # Two walks over the same sums, for how near one comes is known at the end of the first. The
+    # sums are formed anew, in the same order: they have the same bits.
     nearest = 1.0
     running = 0.0
     for i in range(count):
@@ -138,6 +159,7 @@ def greatest_of(
     greatest = 0.0
     for i in range(count):
         greatest = max(greatest, heights[i])
+    # Heights of one plateau differ in their last bits where rules reach them by other ways.
     enough = greatest * (1.0 - SAME)
     if not enough > 0.0:
         return 0.0, 0.0
@@ -192,6 +214,15 @@ def position_of_samples(k: Any, f: Any, room: Any, heap: Any, point: int) -> tup
 
 
 # ── joined samples ───────────────────────────────────────────────────────────────────
+#
+# The union of the cut sets, joined by straight lines from sample to sample and where a set is cut
+# off flat between two samples. From (x, y) to (b, z) a trapezoid has
+#
+#     area    (b - x) (y + z) / 2
+#     moment  (b - x) (x (2 y + z) + b (y + 2 z)) / 6   about 0
+#
+# In the heap stand four rows, each two longer than there are groups: shares of the way to the next
+# sample, degrees of a set there, its cut, heights of the union.
 
 
 @kernel
@@ -246,7 +277,7 @@ def far_along(width: float, y: float, z: float, area: float) -> float:
     """Return how far a line from y to z has to be followed for an area under it."""
     if area <= 0.0:
         return 0.0
-    slope = (z - y) / width
+    slope = (z - y) / width  # a stretch of area has a width
     # The root of y t + slope t² / 2 = area, in the form that takes no difference of near numbers.
     root = math.sqrt(max(0.0, y * y + 2.0 * slope * area))
     return min(width, 2.0 * area / (y + root))
@@ -310,6 +341,10 @@ def heights_between(
 
 
 # ── exact maxima ─────────────────────────────────────────────────────────────────────
+#
+# Two walks over the groups: the first finds how high the union reaches, the second the intervals
+# of all sets that reach as high. They are kept sorted by insertion: they are few, and the union of
+# sorted intervals is found in one walk.
 
 
 HEAP = 2
@@ -357,6 +392,9 @@ def reached(k: Any, f: Any, heap: Any, consequent: int, strength: float) -> floa
 @kernel
 def level_of(k: Any, f: Any, consequent: int, strength: float, height: float) -> float:
     """Return the degree from which on a cut set is at its height."""
+    # Where the strength cuts the set off, it is at its height from the level on at which the
+    # implication clips it: the strength itself under min, for others the greatest of some lines
+    # offset + factor strength. Where it does not, only its top is.
     top: float = f[k[consequent + TOP_AT]]
     level = top
     clips = k[consequent + FLAT] != 0 and height == strength and strength < top
@@ -425,7 +463,7 @@ def passed_by_curve(k: Any, f: Any, heap: Any, consequent: int, piece: int, leve
     numbers = f[begin : begin + k[consequent + NUMBERS]]
     for _ in range(BISECTIONS):
         middle = 0.5 * (a + b)
-        if not a < middle < b:
+        if not a < middle < b:  # neighbours among the floats: as near as it gets
             break
         heap[0] = middle
         call(k[consequent + FUNCTION], heap[0:1], numbers, heap[1:2])
@@ -441,6 +479,8 @@ def value_of_intervals(k: Any, f: Any, heap: Any, count: int) -> float:
     """Return what is made of sorted intervals; the mean is that of points if all are points."""
     first: float = heap[HEAP]
     last: float = heap[HEAP + 1]
+    # Sets may share a stretch, which counts once: of each interval only what lies beyond `reach`,
+    # where the intervals before it end.
     reach = first
     length = moment = 0.0
     for i in range(count):
@@ -460,6 +500,10 @@ def value_of_intervals(k: Any, f: Any, heap: Any, count: int) -> float:
 
 
 # ── values that are found ────────────────────────────────────────────────────────────
+#
+# Each consequent has a value: a number, a linear or another function of the inputs, or (Tsukamoto)
+# the position at which its set has the degree with which the rule fires. Point by point and not row
+# by row, for how a value is found differs from group to group and may be a search.
 
 
 @kernel
@@ -546,7 +590,7 @@ def found_value(
     elif sort == INVERSE:
         begin = k[consequent + NUMBERS_AT]
         numbers = f[begin : begin + k[consequent + NUMBERS]]
-        heap[0] = min(1.0, strength / value)
+        heap[0] = min(1.0, strength / value)  # the number of its own is the height of the set
         call(k[consequent + FUNCTION], heap[0:1], numbers, heap[1:2])
         value = heap[1]
         if not abs(value) < math.inf:  # an end that the set only tends to

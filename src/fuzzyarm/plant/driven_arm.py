@@ -222,6 +222,12 @@ class Arm(Plant):
 # u: both torques, both voltages; driving leaves in u[0], u[1] the torques that act. p: see below.
 # clock: time, control period, steps in it of the finer integrator, whether floats are single, and
 # what is to be done.
+#
+# Angles are in rad from the horizontal, velocities in rad/s, torques in N m at the joints, voltages
+# in V at the motors (before the gears), currents in A. A period goes: MEASURE, the controller,
+# ACTUATE (what is asked for becomes torques), loads on u[0] and u[1], ADVANCE. No NaN is made here:
+# the mass matrix can be inverted in every pose. A torque that is not a number passes the limits and
+# makes the state one, at which the loop ends the run.
 
 POWERED, LIMITS, MOTOR = PLANT_SIZE, PLANT_SIZE + 2, PLANT_SIZE + 4
 """Behind the constants of the arm: which motors are driven, the torque limits, and inductance and
@@ -261,6 +267,8 @@ def measure_arm(
     x: list[float], y: list[float], u: list[float], p: list[float], clock: list[float]
 ) -> None:
     """Give positions, velocities and the pose."""
+    # The pose is part of what is measured: laws, model and equations of motion share its four
+    # values, which cost more than all the rest of a period of the arm.
     for i in range(4):
         y[i] = x[i]
     y[4], y[5], y[6], y[7] = pose_of((x[0], x[1]))
@@ -279,6 +287,8 @@ def drive_arm(
     x: list[float], y: list[float], u: list[float], p: list[float], clock: list[float]
 ) -> None:
     """Make the torque of each joint of the torque asked for and that of its motor."""
+    # What was asked for is kept: where a period is divided, the motors' part follows the velocity
+    # from step to step, and loads, which come behind this, are told by their difference from MADE.
     x[ASKED], x[ASKED + 1] = u[0], u[1]
     u[0], u[1] = torques_of_motors(x, u, p, clock)
     x[MADE], x[MADE + 1] = u[0], u[1]
@@ -287,6 +297,7 @@ def drive_arm(
 @kernel
 def torques_of_motors(x: list[float], u: list[float], p: list[float], clock: list[float]) -> Pair:
     """Return what acts on the joints: the torques asked for, and those of driven motors."""
+    # τ = k N (V - k ω N)/R for each motor that is driven by a voltage (equation 3.3.3 without L).
     # Every sum is rounded to the precision of the run: the study's programs stored floats.
     single = clock[3] != 0.0
     first, second = x[ASKED], x[ASKED + 1]
@@ -311,6 +322,8 @@ def drive_armatures(
     x: list[float], y: list[float], u: list[float], p: list[float], clock: list[float]
 ) -> None:
     """Make the torque of each joint with motors that have inductance or a supply that ends."""
+    # The supply bounds the sum of all that is asked of a motor, so a torque is turned into the
+    # voltage that would make it, and both motors are driven by voltages from here on.
     x[ASKED], x[ASKED + 1] = u[0], u[1]
     u[2] = armature_voltage(u[0], u[2], x[2], FIRST_RATIO, p[POWERED], p[MOTOR + 1])
     u[3] = armature_voltage(u[1], u[3], x[3], SECOND_RATIO, p[POWERED + 1], p[MOTOR + 1])

@@ -410,7 +410,11 @@ def parameter(plant: Plant, name: str) -> Parameter:
 # --- Kernels: a plant as the loop calls it ---
 #
 # One kernel takes five arrays: x, the states and behind them room to work in; y, the outputs; u,
-# the inputs; p, the parameters; and the clock, which says what to do, too.
+# the inputs; p, the parameters; and the clock, which says what to do, too. States, outputs and
+# inputs are in the units of their ports and states (angles in rad), in the order of the mappings of
+# the plant; parameters are in theirs. Where equations have no value (a root of what is negative, a
+# division by zero) the rate is NaN or infinite, and so are the states from then on: the loop looks
+# at the outputs after every period and ends such a run as one that has diverged.
 
 TIME, STEP, PARTS, IN_SINGLE, TASK = range(5)
 """Cells of the clock: time, s; control period, s; steps of the integrator; single precision."""
@@ -510,7 +514,13 @@ def runge_kutta_4(
     x: list[float], y: list[float], u: list[float], p: list[float], clock: list[float]
 ) -> None:
     """Advance by classical fourth-order steps with the inputs held."""
-    # Behind the n states stand those at the start of the step, the weighted slopes, the slopes.
+    #     x(t + h) = x + h/6 (a + 2 b + 2 c + d)
+    #     a = f(t, x)                 b = f(t + h/2, x + h/2 a)
+    #     c = f(t + h/2, x + h/2 b)   d = f(t + h, x + h c)
+    #
+    # Behind the n states stand those at the start of the step, the weighted slopes, the slopes. One
+    # loop over the states for each slope: all rates are found from the same states, before the
+    # first of them moves.
     n = len(x) // 4
     states, slope = x[0:n], x[3 * n : 4 * n]  # the equations of a user may count from the end
     h = clock[1] / clock[2]
@@ -545,7 +555,9 @@ def find_slopes_by_program(
 ) -> None:
     """Fill in the rates of the states by a program, whose address stands behind the parameters."""
     behind = len(p) - 2
-    slopes[0] = t  # what the program reads is copied before it writes
+    # The time goes over in the array that is filled: kernels make none, and what the program reads
+    # is copied before it writes.
+    slopes[0] = t
     call(int(p[behind]), slopes[0:1], x, u, p[0:behind], slopes)
 
 
