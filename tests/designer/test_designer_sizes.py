@@ -159,7 +159,8 @@ def test_borders_are_dragged_moved_by_keys_and_remembered(served, browser):
     assert int(rows.get_attribute("aria-valuenow")) == 38
     page.locator("header select").select_option("tipper.frb")  # other files have the same borders
     until(lambda: page.title().startswith("tipper.frb"), "turned")
-    assert page.locator(".terms").bounding_box()["height"] < 0.8 * height
+    until(lambda: wide("terms") is not None, "its panes")
+    assert wide("terms")["height"] < 0.8 * height
     rows = page.locator(".view-design > .split.rows")
     rows.focus()
     page.keyboard.press("Enter")
