@@ -345,7 +345,7 @@ class ndarray:
         self[...] = value
 
     def __getattr__(self, name: str) -> Any:
-        """Miss what is not here; functions of `functions.METHODS` are methods as well."""
+        """Miss what is not here; functions of `operators.METHODS` are methods as well."""
         raise AttributeError(f"arrays have no {name} without NumPy, which this page does not have")
 
 

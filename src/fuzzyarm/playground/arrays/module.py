@@ -33,13 +33,39 @@ class _Any:
         return cls
 
 
+def _own_names(part: ModuleType) -> dict[str, Any]:
+    """Return what a module has and does not import."""
+    return {
+        name: value
+        for name, value in vars(part).items()
+        if not name.startswith("_")
+        and not isinstance(value, ModuleType)
+        and getattr(value, "__module__", part.__name__) == part.__name__
+    }
+
+
 def stand_in() -> tuple[ModuleType, ModuleType]:
     """Return this package as NumPy has it, and the module of its annotations."""
-    from fuzzyarm.playground.arrays import array, functions, kinds, random
+    from fuzzyarm.playground.arrays import (
+        array,
+        elementwise,
+        joining,
+        kinds,
+        making,
+        operators,
+        ordering,
+        positions,
+        random,
+        reductions,
+        shapes,
+    )  # fmt: skip
 
+    operators.give_operators()
     module, typing = ModuleType("numpy", __doc__), ModuleType("numpy.typing")
-    parts = {**vars(functions), **{name: getattr(kinds, name) for name in kinds.__all__}}
-    vars(module).update({name: part for name, part in parts.items() if not name.startswith("_")})
+    for part in (making, shapes, elementwise, positions, reductions, ordering, joining):
+        vars(module).update(_own_names(part))
+    vars(module).update({name: getattr(kinds, name) for name in kinds.__all__})
+    vars(module).update(broadcast_to=array.broadcast_to, broadcast_shapes=array.broadcast_shapes)
     vars(module).update(ndarray=array.ndarray, intp=kinds.int64, complex128=_Any, dtype=kinds.dtype)
 
     def missing(name: str) -> Any:
