@@ -11,7 +11,7 @@ import fuzzyarm
 from fuzzyarm.cli import main
 from fuzzyarm.expression.kinds import DEFUZZIFIERS, HEDGES, SHAPES, SNORMS, TNORMS
 from fuzzyarm.language import parse
-from fuzzyarm.model.methods import RULES_OVER_SETS, methods_of
+from fuzzyarm.model.methods import RULES_OVER_SETS, SELF_TUNING, methods_of, structures_of
 from fuzzyarm.text.sources import SOURCES
 
 ROOT = Path(__file__).parents[2]
@@ -47,7 +47,8 @@ def test_a_rule_base_has_the_sources_of_what_it_uses(norm, a, b, way, keys):
 def test_every_key_of_a_record_is_a_source_and_every_source_is_used():
     records = [*DEFUZZIFIERS.values(), *TNORMS.values(), *SNORMS.values(), *SHAPES.values(),
                *HEDGES.values()]  # fmt: skip
-    named = {key for record in records for key in record.sources} | set(RULES_OVER_SETS)
+    named = {key for record in records for key in record.sources}
+    named |= {*RULES_OVER_SETS, *SELF_TUNING}
     assert named == set(SOURCES)
 
 
@@ -63,14 +64,39 @@ def test_the_command_prints_each_entry_once(capsys):
     assert main(["cite", str(ROOT / "rulebases" / "stfc.frb")]) == 0
     printed = capsys.readouterr().out
     assert re.findall(r"^@\w+\{(\w+),$", printed, re.MULTILINE) == [
-        "fuzzyarm", "mamdani1975", "zadeh1965",
+        "fuzzyarm", "mudi1999", "mamdani1975", "zadeh1965",
     ]  # fmt: skip
     assert f"Version {fuzzyarm.__version__}" in printed
+
+
+@pytest.mark.parametrize(
+    ("name", "tunes_itself"),
+    [("stfc", True), ("cfaf", True), ("servo", False), ("hfie", False)],
+)
+def test_rules_that_scale_rules_over_the_same_inputs_tune_themselves(name, tunes_itself):
+    controller = fuzzyarm.load(ROOT / "rulebases" / f"{name}.frb").model
+    assert structures_of(controller) == ({"mudi1999": ["self-tuning"]} if tunes_itself else {})
 
 
 def test_a_table_says_nothing_of_methods(capsys):
     assert main(["cite", str(ROOT / "rulebases" / "thesis-6.1.lut")]) == 1
     assert capsys.readouterr().err.endswith("does not say by which methods it was made\n")
+
+
+def test_a_compiled_table_has_the_sources_of_the_rule_base_beside_it(tmp_path, capsys):
+    rules, table = tmp_path / "x.frb", tmp_path / "x.lut"
+    text = BASE.format(norm="min", a="ramp 0 1", b="ramp 1 0", way="centroid")
+    rules.write_text(text, encoding="utf-8")
+    assert main(["compile", str(rules), "--levels", "5", "-o", str(table)]) == 0
+    capsys.readouterr()
+    assert main(["cite", str(table)]) == 0
+    assert "@article{mamdani1975," in capsys.readouterr().out
+    rules.write_text(text.replace("ramp 0 1", "ramp 0 0.9"), encoding="utf-8")
+    assert main(["cite", str(table)]) == 1
+    assert capsys.readouterr().err.endswith("x.frb, which is another one now\n")
+    rules.unlink()
+    assert main(["cite", str(table)]) == 1
+    assert capsys.readouterr().err.endswith("x.frb, which is not beside it\n")
 
 
 def test_the_version_to_cite_is_that_of_the_package():

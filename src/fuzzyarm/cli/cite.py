@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Mapping
+from hashlib import sha256
+from pathlib import Path
 
 from fuzzyarm.api import load
 from fuzzyarm.cli.command import WordError, argument, command, json_of, print_json, say
@@ -13,7 +16,9 @@ from fuzzyarm.version import __version__
 _CITE = """Print BibTeX for the methods that a rule base or a controller uses, and for fuzzyarm.
 
 A comment above each entry says what it is the source of. Methods whose first publication
-could not be verified have none: what is printed can be copied into a bibliography.
+could not be verified have none: what is printed can be copied into a bibliography. Of a
+controller its structure is cited as well, where its lines tell it; of a compiled table the
+rule base beside it.
 
   fuzzyarm cite rulebases/tipper2.frb > methods.bib
 """
@@ -44,19 +49,20 @@ def _run(arguments: argparse.Namespace) -> int:
 
 
 def _methods(path: str) -> dict[str, list[str]]:
-    """Return the sources of a file: of a controller those of the rule bases that it uses."""
+    """Return the sources of a file: of a controller its structure's, and its rule bases'."""
     from fuzzyarm.controller.text import ControllerText
-    from fuzzyarm.model.methods import methods_of
+    from fuzzyarm.model.methods import methods_of, structures_of
 
     model = load(path)
+    merged: dict[str, list[str]] = {}
     if isinstance(model, ControllerText):
+        merged = structures_of(model.model)
         sheets = [sheet for listed in model.sheets.values() for sheet in listed]
         rulebases = [sheet for sheet in sheets if isinstance(sheet, RuleBase)]
     elif isinstance(model, RuleBase):
         rulebases = [model]
     else:
-        raise WordError(f"{path} is a table, which does not say by which methods it was made")
-    merged: dict[str, list[str]] = {}
+        rulebases = [_compiled_from(path, dict(model.provenance))]
     for rulebase in rulebases:
         for key, of in methods_of(rulebase).items():
             known = merged.setdefault(key, [])
@@ -64,12 +70,30 @@ def _methods(path: str) -> dict[str, list[str]]:
     return merged
 
 
+def _compiled_from(path: str, provenance: Mapping[str, str]) -> RuleBase:
+    """Return the rule base that a table says it was compiled from, if it is what it was."""
+    from fuzzyarm.language import write
+
+    source = provenance.get("source", "")
+    if provenance.get("made") != "compiled" or not source:
+        raise WordError(f"{path} is a table, which does not say by which methods it was made")
+    beside = Path(path).parent / Path(source).name
+    if not beside.is_file():
+        raise WordError(f"{path} was compiled from {source}, which is not beside it")
+    rulebase = load(beside)
+    if not isinstance(rulebase, RuleBase) or sha256(
+        write(rulebase).encode()
+    ).hexdigest() != provenance.get("sha256"):
+        raise WordError(f"{path} was compiled from {source}, which is another one now")
+    return rulebase
+
+
 COMMANDS = (
     command(
         "cite",
         _CITE,
         _run,
-        argument("file FILE", "a rule base (.frb, .fll, .fcl, .fis) or a controller"),
+        argument("file FILE", "a rule base (.frb, .fll, .fcl, .fis), a controller or a table"),
         json_of("the entries"),
     ),
 )

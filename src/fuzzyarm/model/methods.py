@@ -1,16 +1,20 @@
-"""Which methods a rule base uses, with their publications: norms, sets, defuzzifiers."""
+"""Which methods a file uses, with their publications: norms, sets, defuzzifiers, structures."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
 from fuzzyarm.expression.kinds import DEFUZZIFIERS, SNORMS, TNORMS
+from fuzzyarm.model.controller import Axes, ControllerModel, Signal
 from fuzzyarm.model.rulebase import AnyRuleBase, RuleBase
 
-__all__ = ["methods_of"]
+__all__ = ["methods_of", "structures_of"]
 
 RULES_OVER_SETS = ("mamdani1975",)
 """Rules whose conclusions are sets that are cut and united."""
+
+SELF_TUNING = ("mudi1999",)
+"""Rules whose output is scaled by what other rules say of the same inputs."""
 
 
 def methods_of(rulebase: AnyRuleBase) -> dict[str, list[str]]:
@@ -53,3 +57,40 @@ def _methods(rulebase: RuleBase) -> Iterator[tuple[tuple[str, ...], str]]:
         yield SNORMS[output.aggregation].sources, f"aggregation {output.aggregation}"
     for _, kind in outputs:
         yield kind.sources, f"defuzzifier {kind.name}"
+
+
+def structures_of(controller: ControllerModel) -> dict[str, list[str]]:
+    """Return the publications of how a controller is put together, as `methods_of`.
+
+    Parameters
+    ----------
+    controller : ControllerModel
+        Any. Of its structures only those are known that its lines alone tell.
+
+    Returns
+    -------
+    dict of str to list of str
+        Keys of :data:`fuzzyarm.text.sources.SOURCES` to names of structures.
+    """
+    if any(map(_tunes_itself, controller.axes)):
+        return {key: ["self-tuning"] for key in SELF_TUNING}
+    return {}
+
+
+def _tunes_itself(axes: Axes) -> bool:
+    """Whether the output of rules is multiplied by one of other rules over the same inputs."""
+    said = [
+        line
+        for line in axes.lines
+        if isinstance(line, Signal) and line.source is not None and line.source.kind == "rules"
+    ]
+    inputs = {
+        name: line.source.inputs for line in said if line.source is not None for name in line.names
+    }
+    return any(
+        inputs.get(str(factor.value)) == line.source.inputs and not factor.divides
+        for line in said
+        if line.source is not None
+        for product in line.products
+        for factor in product.factors
+    )

@@ -79,6 +79,15 @@ SOURCES: Mapping[str, Source] = {
             "year": "1979",
         },
     ),
+    "mudi1999": _article(
+        "Mudi, Rajani K. and Pal, Nikhil R.",
+        "A robust self-tuning scheme for PI- and PD-type fuzzy controllers",
+        "IEEE Transactions on Fuzzy Systems",
+        "7",
+        "1999",
+        "2--16",
+        "1",
+    ),
     "karnik2001": _article(
         "Karnik, Nilesh N. and Mendel, Jerry M.",
         "Centroid of a type-2 fuzzy set",
