@@ -81,7 +81,7 @@ def _routines(
 
 def _data(folder: BoardFolder, out: str) -> dict[str, Any]:
     measured = folder.measured
-    found: dict[str, Any] = {
+    report: dict[str, Any] = {
         "folder": out,
         "files": sorted(folder.files),
         "functions": list(folder.library.prototypes),
@@ -91,7 +91,7 @@ def _data(folder: BoardFolder, out: str) -> dict[str, Any]:
         "measured": None,
     }
     if measured is not None:
-        found["measured"] = {
+        report["measured"] = {
             "compiler": f"avr-gcc {measured.compiler}",
             "flash": measured.footprint.flash,
             "object": measured.object,
@@ -100,7 +100,7 @@ def _data(folder: BoardFolder, out: str) -> dict[str, Any]:
             "cycles": list(measured.cycles) if measured.cycles else None,
             "self_test": measured.passes,
         }
-    return found
+    return report
 
 
 def _lines(folder: BoardFolder, out: str) -> list[str]:

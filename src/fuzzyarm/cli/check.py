@@ -84,7 +84,7 @@ def _check(arguments: argparse.Namespace) -> int:
                 print(f"{path}: {_engine_of(review.rulebase)}")
     if arguments.json:
         print_json([finding_data(diagnostic) for diagnostic in diagnostics], 2)
-    wrong = any(each.is_error for each in diagnostics)
+    wrong = any(finding.is_error for finding in diagnostics)
     if failed and diagnostics and (arguments.json or not wrong):
         summary = Review("", tuple(diagnostics)).summary
         print_error(summary if wrong else f"{summary}; --strict lets no warning pass")
@@ -97,10 +97,10 @@ def _files(paths: Iterable[str]) -> Iterator[str]:
         if not os.path.isdir(path):
             yield path
             continue
-        found = [file for file in own_files(path) if _is_ours(file)]
-        if not found:
+        rule_files = [file for file in own_files(path) if _is_ours(file)]
+        if not rule_files:
             raise EmptyFolderError(path)
-        yield from sorted(found)
+        yield from sorted(rule_files)
 
 
 def _is_ours(path: str) -> bool:

@@ -65,8 +65,8 @@ def _methods(path: str) -> dict[str, list[str]]:
         rulebases = [_compiled_from(path, dict(model.provenance))]
     for rulebase in rulebases:
         for key, of in methods_of(rulebase).items():
-            known = merged.setdefault(key, [])
-            known += [name for name in of if name not in known]
+            names = merged.setdefault(key, [])
+            names += [name for name in of if name not in names]
     return merged
 
 

@@ -80,17 +80,17 @@ class Command(NamedTuple):
         # A list of numbers with a sign, such as the way point -30,45, is not an option.
         parser._negative_number_matcher = re.compile(r"-\.?\d[-+\d.,eE]*$")
         groups: dict[tuple[str, str], Any] = {("", ""): parser}
-        made: list[argparse.Action] = []
-        for each in self.arguments:
-            if (each.group, "") not in groups:
-                groups[each.group, ""] = parser.add_argument_group(each.group)
-            home = groups[each.group, ""]
-            if each.either:
-                if (each.group, each.either) not in groups:
-                    groups[each.group, each.either] = home.add_mutually_exclusive_group()
-                home = groups[each.group, each.either]
-            made.append(home.add_argument(*each.names, **each.options))
-        return made
+        actions: list[argparse.Action] = []
+        for argument in self.arguments:
+            if (argument.group, "") not in groups:
+                groups[argument.group, ""] = parser.add_argument_group(argument.group)
+            home = groups[argument.group, ""]
+            if argument.either:
+                if (argument.group, argument.either) not in groups:
+                    groups[argument.group, argument.either] = home.add_mutually_exclusive_group()
+                home = groups[argument.group, argument.either]
+            actions.append(home.add_argument(*argument.names, **argument.options))
+        return actions
 
 
 class _Parser(argparse.ArgumentParser):
@@ -126,10 +126,10 @@ _OWN_WORDS = (
 
 def _in_own_words(message: str) -> str:
     """Return what argparse says of an argument as a request says it of a field."""
-    said = re.match(r"(?s)argument (\S+): (.*)", message)
-    if said is None:
+    match = re.match(r"(?s)argument (\S+): (.*)", message)
+    if match is None:
         return message
-    name, why = said[1].rpartition("/")[2], said[2]
+    name, why = match[1].rpartition("/")[2], match[2]
     if why.startswith(name):  # a request has said it
         return why
     for pattern, words in _OWN_WORDS:
@@ -179,7 +179,7 @@ def flag(words: str, text: str | None = None, *, either: str = "") -> Argument:
 
 def group(title: str, *arguments: Argument) -> tuple[Argument, ...]:
     """Return the arguments under a title of the help page."""
-    return tuple(each._replace(group=title) for each in arguments)
+    return tuple(argument._replace(group=title) for argument in arguments)
 
 
 # --- Arguments of several commands ---
@@ -331,8 +331,8 @@ _UNPRINTABLE = re.compile(r"[^\x20-\x7e]")
 def _escaped(character: re.Match[str]) -> str:
     import json
 
-    found = character.group()
-    return found if found.isprintable() else json.dumps(found)[1:-1]
+    letter = character.group()
+    return letter if letter.isprintable() else json.dumps(letter)[1:-1]
 
 
 def print_error(message: object) -> None:

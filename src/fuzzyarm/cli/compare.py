@@ -102,9 +102,9 @@ def _require_counted(asked: CompareWords, plant: Plant, *, along: bool) -> None:
 
     option = asked.given(("cost", "operations"))
     if option and not (along and is_counted(plant)):
-        shown = ", ".join(SHOWN[:3])
+        listing = ", ".join(SHOWN[:3])
         message = f"{option.spelling} counts along the trajectories of the study's arm"
-        raise WordError(f"{message}; {plant.name} is compared by errors and chatter: {shown}, …")
+        raise WordError(f"{message}; {plant.name} is compared by errors and chatter: {listing}, …")
     if asked.errors and not along:
         message = "--errors chooses among those along trajectories"
         raise WordError(f"{message}; along --reference there are {', '.join(SHOWN)}")
@@ -167,7 +167,7 @@ def _compare_trajectories(
 
 
 def _print_notes(compared: Sequence[Compared | Run]) -> None:
-    for note in dict.fromkeys(note for each in compared for note in each.notes):
+    for note in dict.fromkeys(note for result in compared for note in result.notes):
         print_error(f"note: {note}")
 
 
@@ -220,7 +220,7 @@ def _runs_along(
 
 
 def _compared_json(compared: Compared, cost: Cost | None) -> dict[str, Any]:
-    found: dict[str, Any] = {
+    record: dict[str, Any] = {
         "controller": compared.name,
         "rms": list(compared.rms),
         "rms_periods": list(compared.rms_periods),
@@ -229,11 +229,11 @@ def _compared_json(compared: Compared, cost: Cost | None) -> dict[str, Any]:
         "diverged": list(compared.diverged),
     }
     if cost is not None:
-        found["operations"] = asdict(cost.operations) | {"total": cost.operations.total}
-        found["exported_operations"] = cost.exported
+        record["operations"] = asdict(cost.operations) | {"total": cost.operations.total}
+        record["exported_operations"] = cost.exported
         if cost.seconds is not None:
-            found["seconds"] = cost.seconds
-    return found
+            record["seconds"] = cost.seconds
+    return record
 
 
 _SENSES = {"set-points": "set points", "periods": "all periods", "path": "path"}
@@ -247,11 +247,11 @@ def _compared_lines(
     heads = ["change", *(_cost_heads(costs) if costs else [])]
     count = len(compared[0].rms)
     yield _columns("controller", "", [*_rms_heads(compared[0]), *heads], count)
-    for each, cost in zip_longest(compared, costs):
-        shown = senses if any(lost is None for lost in each.diverged) else senses[:1]
-        for at, sense in enumerate(shown):
-            name, others = (each.name, _others(each, cost)) if at == 0 else ("", [])
-            yield _columns(name, _SENSES[sense], [*_errors(each, sense), *others], count)
+    for comparison, cost in zip_longest(compared, costs):
+        sense_names = senses if any(time is None for time in comparison.diverged) else senses[:1]
+        for at, sense in enumerate(sense_names):
+            name, others = (comparison.name, _others(comparison, cost)) if at == 0 else ("", [])
+            yield _columns(name, _SENSES[sense], [*_errors(comparison, sense), *others], count)
 
 
 def _outputs_of(compared: Compared) -> list[int]:
@@ -281,15 +281,17 @@ def _compared_markdown(
         heads.append("change")
     yield f"| {' | '.join(heads)} |"
     yield "|---" * len(heads) + "|"
-    for each, cost in zip_longest(compared, costs):
+    for comparison, cost in zip_longest(compared, costs):
         if cost is None:
-            cells = [cell for sense in senses for cell in _errors(each, sense)]
-            cells += _others(each, None)
+            cells = [cell for sense in senses for cell in _errors(comparison, sense)]
+            cells += _others(comparison, None)
         else:
-            lost = any(time is not None for time in each.diverged)
-            means = (each.error, each.path_error)
-            cells = ["diverges" if lost else f"{mean:.4f}" for mean in means] + _cost_cells(cost)
-        yield f"| {' | '.join([each.name, *cells])} |"
+            diverges = any(time is not None for time in comparison.diverged)
+            means = (comparison.error, comparison.path_error)
+            cells = ["diverges" if diverges else f"{mean:.4f}" for mean in means] + _cost_cells(
+                cost
+            )
+        yield f"| {' | '.join([comparison.name, *cells])} |"
 
 
 def _errors(compared: Compared, sense: str) -> list[str]:
@@ -299,16 +301,17 @@ def _errors(compared: Compared, sense: str) -> list[str]:
         "path": compared.rms_path,
     }[sense]
     outputs = len(values) // len(compared.diverged)
-    lost = [compared.diverged[index // outputs] is not None for index in range(len(values))]
+    divergences = [compared.diverged[index // outputs] is not None for index in range(len(values))]
     return [
-        "diverges" if gone else f"{value:.4f}" for gone, value in zip(lost, values, strict=True)
+        "diverges" if diverges else f"{value:.4f}"
+        for diverges, value in zip(divergences, values, strict=True)
     ]
 
 
 def _others(compared: Compared, cost: Cost | None) -> list[str]:
     """Return the largest change of torque, and what a step costs."""
-    lost = any(each is not None for each in compared.diverged)
-    change = "" if lost else f"{max(compared.variation, default=0.0):.2f}"
+    diverges = any(time is not None for time in compared.diverged)
+    change = "" if diverges else f"{max(compared.variation, default=0.0):.2f}"
     return [change, *(_cost_cells(cost) if cost is not None else [])]
 
 
@@ -381,7 +384,7 @@ def _rows(runs: Sequence[Run]) -> Iterator[list[str]]:
     for run in runs:
         for (name, metrics), label in zip(run.metrics.items(), run.labels, strict=True):
             cells = metrics.as_dict()
-            numbers = ["-" if cells[each] is None else f"{cells[each]:.4g}" for each in SHOWN]
+            numbers = ["-" if cells[metric] is None else f"{cells[metric]:.4g}" for metric in SHOWN]
             if run.diverged is not None:
                 numbers = [f"diverged at {run.diverged:.4g} s", *[""] * (len(SHOWN) - 1)]
             yield [run.controller, f"{name if several else label}, {unit[label]}", *numbers]

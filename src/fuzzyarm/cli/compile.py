@@ -249,7 +249,7 @@ def _compile_ends(model: RuleBase, asked: ExportWords) -> None:
     for end in ("left", "right"):
         way = replace(output.defuzzifier, method=DEFUZZIFIERS.plain(end))
         one = replace(output, defuzzifier=way)
-        outputs = tuple(one if each is output else each for each in model.outputs)
+        outputs = tuple(one if variable is output else variable for variable in model.outputs)
         asked = asked.replaced(out=str(out.with_name(f"{out.stem}-{end}{out.suffix}")))
         report = _compile(replace(model, outputs=outputs), output.name, asked)
         _write(report.table, asked)
@@ -262,8 +262,8 @@ def _compile_ends(model: RuleBase, asked: ExportWords) -> None:
 
 
 def _forbid(asked: ExportWords, names: tuple[str, ...], why: str) -> None:
-    if known := asked.given(names):
-        raise UsageError(f"{known.spelling} does not apply: {why}")
+    if option := asked.given(names):
+        raise UsageError(f"{option.spelling} does not apply: {why}")
 
 
 def _compile(model: RuleBase, output: str | None, asked: ExportWords) -> CompileReport:
@@ -434,7 +434,7 @@ def _controller_data(exported: ExportedController) -> dict[str, Any]:
     from fuzzyarm.export.controllers import port_name
 
     program = exported.program
-    steps, tried = program.steps, program.tried
+    steps, trial_run = program.steps, program.tried
     ports = {
         word: [port_name(steps, port) for port in steps.of_sort(sort)]
         for sort, word in (
@@ -449,9 +449,9 @@ def _controller_data(exported: ExportedController) -> dict[str, Any]:
         "gains": list(dict.fromkeys(gain.name for gain in steps.of_sort("gain"))),
         "calls": list(exported.calls),
         "precision": program.precision,
-        "worst": tried.worst,
-        "largest": tried.largest,
-        "periods": len(tried.vectors.expected),
+        "worst": trial_run.worst,
+        "largest": trial_run.largest,
+        "periods": len(trial_run.vectors.expected),
     }
 
 

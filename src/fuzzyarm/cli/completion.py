@@ -38,8 +38,8 @@ def _whole_parser(records: Iterable[tuple[Command, str]]) -> argparse.ArgumentPa
     parser.add_argument("--print-completion", choices=SHELLS, help="print a script for a shell")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND")
     for command, summary in records:
-        own = commands.add_parser(command.name, help=summary)
-        for action in command.add_to(own):
+        subparser = commands.add_parser(command.name, help=summary)
+        for action in command.add_to(subparser):
             _offer_names(action)
             values = str(action.metavar).partition(".")[0]
             if values == "DIR":

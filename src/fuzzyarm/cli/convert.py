@@ -196,9 +196,9 @@ def _report_of_tree(
         print_json({**data, "sources": list(sources)}, 2)
     else:
         for source in (*sources, arguments.target):
-            own = [each for each in found if each.path == source]
-            shown = [each for each in own if each.is_error or not arguments.quiet]
-            _say_findings(shown, source, to_errors=not written)
+            findings = [finding for finding in found if finding.path == source]
+            reported = [finding for finding in findings if finding.is_error or not arguments.quiet]
+            _say_findings(reported, source, to_errors=not written)
     if not written:
         print_error(f"{arguments.target}: not written")
     elif not (arguments.quiet or arguments.json):
@@ -212,9 +212,9 @@ def _convert_table(arguments: argparse.Namespace, target: str) -> int:
 
     table = read_table(arguments.source)
     name = Path(arguments.target).stem
-    found = rules_of_table(table, name, terms=arguments.terms or TERMS)
+    fitted = rules_of_table(table, name, terms=arguments.terms or TERMS)
     exported = write(
-        found.rulebase,
+        fitted.rulebase,
         target,
         producer=arguments.consumer,
         lossy=arguments.lossy,
@@ -226,25 +226,25 @@ def _convert_table(arguments: argparse.Namespace, target: str) -> int:
         for d in exported.diagnostics
         if d.is_error or d.severity == "warning"
     ]
-    written = exported.text is not None
+    is_written = exported.text is not None
     if exported.text is not None:
         write_atomically(arguments.target, exported.text)
-    imported = Imported(found.rulebase, (), "table")
-    rules = len(found.rulebase.rules)
+    imported = Imported(fitted.rulebase, (), "table")
+    rules = len(fitted.rulebase.rules)
     if arguments.json:
-        data = _as_json(arguments, imported, diagnostics, written=written)
-        residual = {"worst": found.worst, "rms": found.rms}
+        data = _as_json(arguments, imported, diagnostics, written=is_written)
+        residual = {"worst": fitted.worst, "rms": fitted.rms}
         print_json({**data, "rules": rules, "residual": residual})
-        if not written:
+        if not is_written:
             print_error(f"{arguments.target}: not written")
-        return int(not written)
-    _report(arguments, imported, diagnostics, written=written)
-    if written and not arguments.quiet:
+        return int(not is_written)
+    _report(arguments, imported, diagnostics, written=is_written)
+    if is_written and not arguments.quiet:
         say(
-            f"what {rules} rules cannot express of {table.output}: {found.worst:.3g} at worst, "
-            f"{found.rms:.3g} rms over {table.values.size} cells"
+            f"what {rules} rules cannot express of {table.output}: {fitted.worst:.3g} at worst, "
+            f"{fitted.rms:.3g} rms over {table.values.size} cells"
         )
-    return int(not written)
+    return int(not is_written)
 
 
 # --- What a script makes ---
@@ -275,25 +275,26 @@ def _convert_script(arguments: argparse.Namespace) -> int:
             )
     except ScriptError as error:
         if arguments.json:
-            found = [{key: finding_data(d)[key] for key in _FIELDS} for d in error.diagnostics]
-            print_json({"source": source, "systems": [], "diagnostics": found}, 2)
+            findings = [{key: finding_data(d)[key] for key in _FIELDS} for d in error.diagnostics]
+            print_json({"source": source, "systems": [], "diagnostics": findings}, 2)
         else:
             _say_findings(error.diagnostics, source, to_errors=True)
         raise
     targets = _targets(arguments, systems)
-    written = [
-        _write_system(arguments, each, to) for each, to in zip(systems, targets, strict=True)
+    successes = [
+        _write_system(arguments, source_system, to)
+        for source_system, to in zip(systems, targets, strict=True)
     ]
     if arguments.json:
-        _print_systems(arguments, systems, targets, written, diagnostics)
-        for target, done in zip(targets, written, strict=True):
-            if not done:
+        _print_systems(arguments, systems, targets, successes, diagnostics)
+        for target, is_written in zip(targets, successes, strict=True):
+            if not is_written:
                 print_error(f"{target}: not written")
-        return int(not all(written))
+        return int(not all(successes))
     _say_findings(diagnostics, source)
-    for system, target, done in zip(systems, targets, written, strict=True):
-        _say_system(arguments, system, target, written=done)
-    return int(not all(written))
+    for system, target, is_written in zip(systems, targets, successes, strict=True):
+        _say_system(arguments, system, target, written=is_written)
+    return int(not all(successes))
 
 
 def _may_run(arguments: argparse.Namespace) -> bool:
@@ -390,12 +391,12 @@ def _print_systems(
                     "name": system.name,
                     "producer": system.library,
                     "target": str(target),
-                    "written": done,
+                    "written": is_written,
                     "diagnostics": [
                         {key: finding_data(d)[key] for key in _FIELDS} for d in system.diagnostics
                     ],
                 }
-                for system, target, done in zip(systems, targets, written, strict=True)
+                for system, target, is_written in zip(systems, targets, written, strict=True)
             ],
         },
         2,

@@ -54,7 +54,7 @@ def _watch(arguments: argparse.Namespace) -> int:
 
     _demand_sense(arguments)
     # Taken before the file is read: a save in between is then seen as one.
-    seen = stamp_of(arguments.file)
+    stamp = stamp_of(arguments.file)
     document = WatchedFile(arguments.file)
     console = make_console()
     if arguments.once:
@@ -69,7 +69,7 @@ def _watch(arguments: argparse.Namespace) -> int:
         # Before anything is drawn: a key that answers the first picture is not lost.
         with keys_of_terminal() as read_key:
             _redraw(console, document, arguments)
-            _follow(console, document, arguments, seen, read_key)
+            _follow(console, document, arguments, stamp, read_key)
     except KeyboardInterrupt:
         if console.is_terminal:
             console.print()

@@ -55,12 +55,12 @@ def _infer(rulebase: RuleBase, arguments: argparse.Namespace) -> None:
         rulebase = _with_defuzzifier(rulebase, arguments.defuzzifier)
     values = read_point(arguments.inputs, [variable.name for variable in rulebase.inputs])
     results = [output.name for output in rulebase.outputs]
-    held = read_assignments(arguments.held, results, what="output")
+    last_values = read_assignments(arguments.held, results, what="output")
     from fuzzyarm.inference.errors import NoRuleFiredError, NothingHeldError
     from fuzzyarm.inference.point import prepare
 
     try:
-        outputs = prepare(rulebase).evaluate(values, held)
+        outputs = prepare(rulebase).evaluate(values, last_values)
     except (NoRuleFiredError, NothingHeldError) as error:
         if arguments.explain and not arguments.json:
             from fuzzyarm.inference.trace import explain_silence
@@ -73,7 +73,7 @@ def _infer(rulebase: RuleBase, arguments: argparse.Namespace) -> None:
         return
     from fuzzyarm.inference.trace import explain
 
-    trace = explain(rulebase, values, held=held)
+    trace = explain(rulebase, values, held=last_values)
     if arguments.plot is not None:
         from fuzzyarm.show.figures import inference_figure
 
@@ -124,14 +124,14 @@ def _save(figure: Figure, arguments: argparse.Namespace) -> None:
 
 def _steps(table: LookupTable, values: dict[str, float], mode: str | None) -> list[str]:
     """Return in words which cell each input falls into."""
-    chosen = mode or table.default_mode
-    lines = [f"looked up by {chosen}"]
+    lookup_mode = mode or table.default_mode
+    lines = [f"looked up by {lookup_mode}"]
     for axis in table.axes:
         x = values[axis.name]
-        index = axis.cell(x, chosen)
-        low, high = axis.cell_range(index, chosen)
+        index = axis.cell(x, lookup_mode)
+        low, high = axis.cell_range(index, lookup_mode)
         cell = f"level {number_text(axis.levels[index])} (index {index})"
-        if chosen == "linear":
+        if lookup_mode == "linear":
             lines.append(f"{name_text(axis.name)} = {number_text(x)}: nearest {cell}")
             continue
         span = f"{number_text(low)} < {name_text(axis.name)} <= {number_text(high)}"

@@ -55,8 +55,10 @@ def _print(assignment: Assignment, grades: Sequence[Grade], *, reasons: bool) ->
     for row in grades:
         marks = [_MARKS[result.verdict] for result in row.results]
         rows.append([row.name, f"{row.points}/{assignment.points}", *marks])
-    for shown, fault in zip(in_columns(rows), ["", *(row.fault for row in grades)], strict=True):
-        say(f"{shown}  {fault}" if fault else shown)
+    for table_line, fault in zip(
+        in_columns(rows), ["", *(row.fault for row in grades)], strict=True
+    ):
+        say(f"{table_line}  {fault}" if fault else table_line)
     if reasons:
         for row in grades:
             for number, result in enumerate(row.results, 1):

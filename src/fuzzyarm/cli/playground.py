@@ -29,13 +29,13 @@ def _run(arguments: argparse.Namespace) -> int:
     pyodide = None if arguments.pyodide is None else Path(arguments.pyodide)
     folder = Path(arguments.out)
     files = [Path(file) for file in arguments.files]
-    made = write_playground(folder, files, pyodide, wasm_kernels, python_memory)
-    say(f"{arguments.out}: {made.size:,} bytes in {made.count} files, for any web server, such as")
+    site = write_playground(folder, files, pyodide, wasm_kernels, python_memory)
+    say(f"{arguments.out}: {site.size:,} bytes in {site.count} files, for any web server, such as")
     say(f"  python -m http.server --directory {arguments.out}")
-    if not made.kernels:
+    if not site.kernels:
         say(f"without machine code: runs are slow; {installing('platforms')}", to_errors=True)
-    if made.no_memory:
-        say(f"the page takes longer to start: {made.no_memory}", to_errors=True)
+    if site.no_memory:
+        say(f"the page takes longer to start: {site.no_memory}", to_errors=True)
     return 0
 
 

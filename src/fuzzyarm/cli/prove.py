@@ -109,10 +109,10 @@ def _files(asked: ProveWords) -> int:
             data += [file | drive for drive in print_drives(asked, path, controller)]
     if asked.json:
         print_json(data, 2)
-    found = {verdict.verdict for verdict in verdicts}
-    if "refuted" in found:
+    outcomes = {verdict.verdict for verdict in verdicts}
+    if "refuted" in outcomes:
         return EXIT_REFUTED
-    return EXIT_UNDECIDED if "undecided" in found else 0
+    return EXIT_UNDECIDED if "undecided" in outcomes else 0
 
 
 def _data(verdict: Verdict) -> dict[str, Any]:
@@ -154,13 +154,13 @@ def _single(asked: ProveWords) -> int:
     path = asked.files[0]
     name = only_output(load_rules(path, "prove"), asked.output)
     with progress() as tell:
-        found = bounds_of(asked, path, tell)
+        results = bounds_of(asked, path, tell)
     if asked.json:
-        _print_single(found)
+        _print_single(results)
     else:
-        for key, bounds in found.items():
+        for key, bounds in results.items():
             say(*_single_lines(name, key, bounds))
-    return 0 if all(bounds.complete for bounds in found.values()) else EXIT_UNDECIDED
+    return 0 if all(bounds.complete for bounds in results.values()) else EXIT_UNDECIDED
 
 
 def _print_single(found: dict[str, Bounds]) -> None:

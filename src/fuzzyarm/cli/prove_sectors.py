@@ -44,13 +44,13 @@ class ProveWords(ProveRequest, _Output):
 @contextmanager
 def progress() -> Iterator[Callable[[str, int, float], None]]:
     """Show the open pieces and the gap in one line of the terminal; wipe it afterwards."""
-    shown = sys.stderr.isatty()
+    is_terminal = sys.stderr.isatty()
     last = 0.0
 
     def tell(statement: str, count: int, gap: float) -> None:
         nonlocal last
         now = time.monotonic()
-        if not shown or (statement and now - last < 0.1):
+        if not is_terminal or (statement and now - last < 0.1):
             return
         last = now
         text = ""
@@ -98,15 +98,15 @@ def _of_rulebase(asked: ProveWords, path: str) -> int:
             chart_figure(sector_chart(rulebase_sectors(rulebase, name, sectors))), asked.plot
         )
     if asked.json:
-        print_json({"sectors": [_sector_data(each) for each in sectors], "open": failed}, 2)
+        print_json({"sectors": [_sector_data(sector) for sector in sectors], "open": failed}, 2)
     else:
-        for each in sectors:
-            say(*_sector_lines(name, each))
+        for sector in sectors:
+            say(*_sector_lines(name, sector))
         for words in failed:
             say(f"no sector {words}")
         if asked.plot is not None and sectors:
             say(f"{asked.plot}: drawn from {path}")
-    return 0 if sectors and all(each.complete for each in sectors) else EXIT_UNDECIDED
+    return 0 if sectors and all(sector.complete for sector in sectors) else EXIT_UNDECIDED
 
 
 def _sector_data(found: Sector) -> dict[str, Any]:

@@ -162,8 +162,8 @@ def _plot(arguments: argparse.Namespace) -> int:
         raise UsageError("--plant goes with --what phase")
     else:
         rules = arguments.what in ("terms", "surface")
-        named = arguments.at is not None or arguments.output is not None
-        figure = _figure(_load(arguments.file, sheet=rules or named), arguments)
+        needs_sheet = arguments.at is not None or arguments.output is not None
+        figure = _figure(_load(arguments.file, sheet=rules or needs_sheet), arguments)
     save_figure(figure, arguments.out)
     say(f"{arguments.out}: drawn from {arguments.file}")
     return 0

@@ -134,8 +134,8 @@ def _ensemble_json(ensemble: Ensemble, row: PublishedRow) -> dict[str, Any]:
 def _differences(result: Reproduced) -> list[float | None]:
     """Return relative differences; null where zero was printed."""
     return [
-        got / wanted - 1.0 if wanted else None
-        for got, wanted in zip(result.figures, result.published.figures, strict=True)
+        figure / target - 1.0 if target else None
+        for figure, target in zip(result.figures, result.published.figures, strict=True)
     ]
 
 
@@ -165,17 +165,17 @@ def _reproduced_as_text(result: Reproduced) -> str:
 
 
 def _ensemble_lines(ensemble: Ensemble, row: PublishedRow) -> list[str]:
-    named = {
+    rows = {
         "median": ensemble.median,
         "5 %": ensemble.band_low,
         "95 %": ensemble.band_high,
         "lowest": ensemble.lowest,
         "highest": ensemble.highest,
     }
-    inside = ["inside" if each else "OUTSIDE" for each in ensemble.inside(row.figures)]
+    inside = ["inside" if is_inside else "OUTSIDE" for is_inside in ensemble.inside(row.figures)]
     return [
         f"  {ensemble.runs} runs, each disturbed in the last bit at every step:",
-        *(_line(name, [f"{value:.4f}" for value in row_]) for name, row_ in named.items()),
+        *(_line(name, [f"{value:.4f}" for value in row_]) for name, row_ in rows.items()),
         _line("published", inside),
     ]
 
@@ -184,13 +184,13 @@ def _markdown(results: list[Reproduced]) -> Iterator[str]:
     """Yield a table: the published figures of each row, and what each variant gives."""
     yield "| row | | first trajectory: RMS, last 1; RMS, last 2 | second | RMS off | |"
     yield "|---|---|---|---|---|---|"
-    shown = ""
+    last_row = ""
     for result in results:
         row, judgement = result.published, result.judgement
-        if row.identifier != shown:
+        if row.identifier != last_row:
             label = f"{row.table} {row.row}, {row.condition}"
             yield f"| {label} | published | {_eight(row.figures)} | | |"
-            shown = row.identifier
+            last_row = row.identifier
         verdict = "agrees" if judgement.within else "differs"
         off = f"{100 * judgement.worst_rms:.2f} %"
         yield f"| | {result.variant} | {_eight(result.figures)} | {off} | {verdict} |"
@@ -207,9 +207,9 @@ def _eight(figures: Sequence[float]) -> str:
 
 
 def _line(name: str, cells: list[str]) -> str:
-    left = "".join(f"{cell:>10}" for cell in cells[:4])
+    first_half = "".join(f"{cell:>10}" for cell in cells[:4])
     right = "".join(f"{cell:>10}" for cell in cells[4:])
-    return f"  {name:<11}{left}   {right}"
+    return f"  {name:<11}{first_half}   {right}"
 
 
 def _headings(row: PublishedRow) -> list[str]:
@@ -221,17 +221,17 @@ def _headings(row: PublishedRow) -> list[str]:
 
 
 def _summary(results: list[Reproduced]) -> None:
-    printed = [result for result in results if result.variant == "as-printed"]
-    good = sum(result.judgement.within for result in printed)
-    print(f"{good} of {len(printed)} rows agree within their bounds (as-printed)")
-    for result in printed:
+    as_printed = [result for result in results if result.variant == "as-printed"]
+    good = sum(result.judgement.within for result in as_printed)
+    print(f"{good} of {len(as_printed)} rows agree within their bounds (as-printed)")
+    for result in as_printed:
         if not result.judgement.within:
             print(f"  {result.published.identifier}: {result.judgement.sentence}")
-    print(_within_levels([result.judgement for result in printed]))
+    print(_within_levels([result.judgement for result in as_printed]))
     both = {r.published.identifier for r in results if r.variant == "as-described"}
     if both:
         print("where the variants differ, the row is reproduced by")
-    for result in printed:
+    for result in as_printed:
         name = result.published.identifier
         if name in both:
             described = next(
@@ -243,8 +243,10 @@ def _summary(results: list[Reproduced]) -> None:
 def _within_levels(judgements: Sequence[Judgement]) -> str:
     from fuzzyarm.study.reproduce import count_within
 
-    found = count_within(judgements)
-    counts = ", ".join(f"{count} within {100 * level:g} %" for level, count in found.items())
+    counts_within = count_within(judgements)
+    counts = ", ".join(
+        f"{count} within {100 * level:g} %" for level, count in counts_within.items()
+    )
     return f"whatever the bounds, all four RMS errors of a row: {counts}"
 
 
@@ -261,10 +263,10 @@ def _beyond() -> None:
     }
     for name, figures in to_beat.items():
         print(_four_line(name, figures))
-    for each in beyond:
-        print(_four_line(each.name, each.rms) + f"   {_beaten(each)}")
-        print(_four_line("  all periods", each.rms_periods))
-        print(_four_line("  path", each.rms_path))
+    for row in beyond:
+        print(_four_line(row.name, row.rms) + f"   {_beaten(row)}")
+        print(_four_line("  all periods", row.rms_periods))
+        print(_four_line("  path", row.rms_path))
 
 
 def _four_line(name: str, figures: Sequence[float]) -> str:
@@ -303,10 +305,10 @@ def _plot(results: Sequence[Reproduced], folder: Path) -> None:
             save_figure(draw_profiles(result.runs, title), folder / name)
         return
     for chapter, (family, _) in FAMILIES.items():
-        chosen = [r for r in results if chapter_of(r.published) == chapter]
-        if chosen:
+        rows = [r for r in results if chapter_of(r.published) == chapter]
+        if rows:
             title = f"Chapter {chapter}: {family} control"
-            save_figure(draw_chapter(chosen, title), folder / f"chapter-{chapter}.png")
+            save_figure(draw_chapter(rows, title), folder / f"chapter-{chapter}.png")
     _overview(results, folder / "overview.png")
 
 

@@ -102,8 +102,8 @@ def _lines(found: Validation, samples: Samples, *, every: bool) -> list[str]:
         lines += ["calibration: means of samples with predictions next to each other"]
         heads = ("samples", "predicted", "observed")
         means = [
-            (str(each.samples), f"{each.predicted:.4g}", f"{each.observed:.4g}")
-            for each in found.calibration
+            (str(bin_.samples), f"{bin_.predicted:.4g}", f"{bin_.observed:.4g}")
+            for bin_ in found.calibration
         ]
         lines += in_columns([heads, *means], ">", indent="  ")
         lines.append("")

@@ -432,10 +432,10 @@ class CatalogueLaws:
 
     def __call__(self, law: str) -> CompiledController:
         """Return a law of the catalogue with its gains."""
-        found = CATALOGUE.get(law)
+        record = CATALOGUE.get(law)
         law_ = None
-        if isinstance(found, Entry):
-            law_ = found.make(replace(self.choice, variant="as-printed", sources=NONE_GIVEN))
+        if isinstance(record, Entry):
+            law_ = record.make(replace(self.choice, variant="as-printed", sources=NONE_GIVEN))
         if not isinstance(law_, CompiledController):
             laws = ", ".join(entry.name for entry in CONVENTIONAL if "+" not in entry.name)
             raise SourceError(
@@ -455,7 +455,7 @@ def roles(model: ControllerModel) -> dict[str, str]:
     ``performance`` the table that judges, ``table`` the first other one.
     """
     judges = {line.judge for _, line in model.lines() if isinstance(line, Learn)}
-    called = {
+    kinds = {
         line.source.name: line.source.kind
         for _, line in model.lines()
         if isinstance(line, Signal) and line.source is not None and line.source.inputs
@@ -464,7 +464,7 @@ def roles(model: ControllerModel) -> dict[str, str]:
     for use in model.uses:
         if use.name in judges:
             names.setdefault("performance", use.name)
-        elif called.get(use.name) == "table":
+        elif kinds.get(use.name) == "table":
             names.setdefault("table", use.name)
         elif use.name.startswith("alpha"):
             names.setdefault("alpha", use.name)
@@ -552,11 +552,11 @@ def controller(
 
 def require_taken(name: str, entries: Sequence[Entry | TextEntry], sources: Sources) -> None:
     """Raise SourceError if nothing in `entries`, which make up `name`, reads a given source."""
-    for given in sources.given():
-        if not any(given in entry.takes for entry in entries):
-            taken = sorted({role for entry in entries for role in entry.takes})
-            hint = f"it takes {', '.join(taken)}" if taken else ""
-            raise SourceError(f"{name} takes no {given} from a file", hint=hint)
+    for role_given in sources.given():
+        if not any(role_given in entry.takes for entry in entries):
+            accepted = sorted({role for entry in entries for role in entry.takes})
+            hint = f"it takes {', '.join(accepted)}" if accepted else ""
+            raise SourceError(f"{name} takes no {role_given} from a file", hint=hint)
 
 
 def entries_of(name: str) -> list[Entry | TextEntry]:
@@ -568,9 +568,9 @@ def entries_of(name: str) -> list[Entry | TextEntry]:
         With near names.
     """
     names = [part.strip() for part in name.split("+")]
-    joined = "+".join(names)
-    if joined in CATALOGUE:
-        return [CATALOGUE[joined]]
+    name_of_sum = "+".join(names)
+    if name_of_sum in CATALOGUE:
+        return [CATALOGUE[name_of_sum]]
     names = [ADDENDS.get(part, part) for part in names]
     for part in names:
         if part not in CATALOGUE:

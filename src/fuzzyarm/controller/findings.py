@@ -59,7 +59,7 @@ def site_by_axes(model: ControllerModel, connect: Mapping[str, str] | None = Non
     ports = [(kind, port) for kind in KINDS for port in ports_of(model, kind)]
     for shipped_site in shipped_sites():
         site = replace(shipped_site, connect=connect) if connect else shipped_site
-        present = [_has(site, model, *each) for each in ports]
+        present = [_has(site, model, *use) for use in ports]
         if any(present) and (axes <= set(site.interface.axes) or (connect and all(present))):
             return site
     return None

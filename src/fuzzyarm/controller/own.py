@@ -96,11 +96,11 @@ def find_controllers(
         Of all of them.
     """
     controllers = [find_controller(n, start=start, variant=variant, sources=sources) for n in names]
-    called: dict[str, set[str]] = {}
+    names_by_law: dict[str, set[str]] = {}
     for name, law in zip(names, controllers, strict=True):
-        called.setdefault(law.name, set()).add(name)
+        names_by_law.setdefault(law.name, set()).add(name)
     for name, law in zip(names, controllers, strict=True):
-        others = called[law.name]
+        others = names_by_law[law.name]
         if len(others) > 1 and name != law.name:
             law.name = f"{law.name} ({_shortest(name, others)})"
     return controllers

@@ -126,9 +126,9 @@ class Program:
         """Return the cells with other values of gains, one for all axes or one for each."""
         cells = self.cells.copy()
         for name, numbers in values.items():
-            held = [arithmetic.hold(number) for number in numbers]
+            stored = [arithmetic.hold(number) for number in numbers]
             for index, cell in enumerate(self.gains[name]):
-                cells[cell] = held[index if len(held) > 1 else 0]
+                cells[cell] = stored[index if len(stored) > 1 else 0]
         return cells
 
     def instructions(self) -> list[int]:
@@ -328,9 +328,9 @@ class _Writer:
         count = len(self.model.axis_names)
         for gain in self.model.gains:
             values = [amount.value(self.arithmetic.pi) for amount in gain.values]
-            held = [self.arithmetic.hold(value) for value in values]
-            held = held * count if len(held) == 1 else held
-            self.gains[gain.name] = tuple(self._cell(value) for value in held)
+            stored = [self.arithmetic.hold(value) for value in values]
+            stored = stored * count if len(stored) == 1 else stored
+            self.gains[gain.name] = tuple(self._cell(value) for value in stored)
 
     def _write_partners(self) -> None:
         """Run each law once; both axes read what it leaves."""
@@ -522,7 +522,7 @@ class _Writer:
         self.parts_size += len(numbers)
         holds = [output.no_rule == "hold" for output in rulebase.outputs]
         # Nothing is there to hold before a rule has fired.
-        results = [self._cell(math.nan if held else 0.0) for held in holds]
+        results = [self._cell(math.nan if holds_output else 0.0) for holds_output in holds]
         self.asked[results[0]] = (source.name, rulebase)
         inputs = self._inputs(rulebase, source.inputs)
         self._do(to.INFER, self.scratch, 0, address)
@@ -604,8 +604,8 @@ class _Writer:
             axes, values = of_axis(table, self.index)
             if name not in self.grids or len(self.sheets[name]) > 1:
                 self.grids[name] = (self._cell(*pack_grid(axes, table.default_mode)), axes)
-            held = [self.arithmetic.hold(value) for value in values.ravel().tolist()]
-            self.tables[key] = Place(self._cell(*held), 0, len(held))
+            stored = [self.arithmetic.hold(value) for value in values.ravel().tolist()]
+            self.tables[key] = Place(self._cell(*stored), 0, len(stored))
             table_ = replace(table, axes=tuple(axes), values=values)
             self.looked_up[self.tables[key].values] = (name, table_)
         return self.tables[key]

@@ -318,7 +318,7 @@ class _Walk:
             reaches = self._conclusions(of.name) or [Reach()] * len(line.names)
         else:
             reaches = [self._values(axes, of.name)]
-        return [replace(each, origins=_own(of)) for each in reaches]
+        return [replace(result, origins=_own(of)) for result in reaches]
 
     def _meet_options(self, of: Source, reach: Reach, span: Span) -> None:
         """Note gains that have to be in the unit of what a source is taken of."""

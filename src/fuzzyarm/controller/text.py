@@ -226,8 +226,8 @@ def files_of(model: ControllerModel, path: str) -> dict[str, Path]:
     if not path:
         return {}
     home = Path(path)
-    used = [file for use in model.uses for file in use.files]
-    return {home.name: home, **{file: sheet_path(file, home.parent) for file in used}}
+    file_names = [file for use in model.uses for file in use.files]
+    return {home.name: home, **{file: sheet_path(file, home.parent) for file in file_names}}
 
 
 def sheet_files(text: ControllerText) -> list[Path]:

@@ -73,9 +73,9 @@ def _of_output(output: OutputPlan, *, covered: bool) -> float:
         return (PER_RULE if covered else PER_RULE_OF_NUMPY) * sets
     if way.resolution is not None:
         per_sample = PER_SAMPLE if covered else PER_SAMPLE_OF_NUMPY
-        joined = (JOINED if covered else JOINED_OF_NUMPY) if way.joined else 1.0
+        joined_factor = (JOINED if covered else JOINED_OF_NUMPY) if way.joined else 1.0
         halved = HALVED if record.of == "area" else 1.0
-        return per_sample * way.resolution * sets * joined * halved
+        return per_sample * way.resolution * sets * joined_factor * halved
     pieces = {piece.x0 for member in output.members for piece in member.pieces}
     stretches = len(pieces) * sets
     if record.of == "top":

@@ -281,7 +281,11 @@ class _Engine:
         results = np.empty((len(self.rulebase.outputs), *working))
         workers = (os.cpu_count() or 1) if size >= MANY and self._compiled else 1
         few = max(len(arrays), len(results)) <= MOST_COLUMNS
-        if self._compiled and few and all(_is_plain(each, working) for each in arrays.values()):
+        if (
+            self._compiled
+            and few
+            and all(_is_plain(input_array, working) for input_array in arrays.values())
+        ):
             missing = self._sweep((*arrays.values(), *results), size, workers)
         else:
             turns = max(1, math.ceil(size / (workers * self._chunk)))
@@ -358,8 +362,8 @@ class _Engine:
     ) -> None:
         """Let the engine for arrays settle points without an ordinary value."""
         where = np.isnan(results).any(axis=0)
-        left = {name: np.broadcast_to(a, working)[where] for name, a in arrays.items()}
-        outputs = infer_arrays(self.rulebase, left, held)
+        remaining = {name: np.broadcast_to(a, working)[where] for name, a in arrays.items()}
+        outputs = infer_arrays(self.rulebase, remaining, held)
         for result, values in zip(results, outputs.values(), strict=True):
             result[where] = values
 

@@ -225,12 +225,12 @@ class _Doubling:
             if consequent.variable in self.two_sided:
                 continue
             parts = list(propositions(rule.antecedent))
-            read = [p for p in parts if (p.variable, p.term) in self.intervals]
+            uses = [p for p in parts if (p.variable, p.term) in self.intervals]
             if (output.name, consequent.term) in self.intervals:
-                read.append(Is(output.name, consequent.term))
-            if read:
+                uses.append(Is(output.name, consequent.term))
+            if uses:
                 raise InferenceError(
-                    f"'{read[0].variable} is {read[0].term}' is of interval type 2, and"
+                    f"'{uses[0].variable} is {uses[0].term}' is of interval type 2, and"
                     f" {output.defuzzifier.method} of '{output.name}' takes sets of type 1",
                     hint="use karnik-mendel or nie-tan",
                 )
@@ -298,7 +298,7 @@ def ends(rulebase: RuleBase) -> Ends:
     """
     if not any(map(_has_both_ends, rulebase.outputs)):
         return Ends(rulebase, {output.name: (output.name,) * 2 for output in rulebase.outputs})
-    taken = {variable.name for variable in (*rulebase.inputs, *rulebase.outputs)}
+    used_names = {variable.name for variable in (*rulebase.inputs, *rulebase.outputs)}
     names: dict[str, tuple[str, str]] = {}
     outputs: list[Output] = []
     for output in rulebase.outputs:
@@ -306,7 +306,7 @@ def ends(rulebase: RuleBase) -> Ends:
             names[output.name] = (output.name, output.name)
             outputs.append(output)
             continue
-        own_names = [_free(f"{output.name} ({side})", taken) for side in ("left", "right")]
+        own_names = [_free(f"{output.name} ({side})", used_names) for side in ("left", "right")]
         names[output.name] = own_names[0], own_names[1]
         if _is_read(rulebase, output.name):
             outputs.append(output)

@@ -174,11 +174,11 @@ def _some(
     part = part_for(rulebase, outputs)
     check_names(given, [variable.name for variable in rulebase.inputs])
     check_names(held or (), [variable.name for variable in rulebase.outputs], what="output")
-    needed = {variable.name for variable in part.inputs}
+    input_names = {variable.name for variable in part.inputs}
     names_there = {variable.name for variable in part.outputs}
     results = _outputs(
         part,
-        {name: value for name, value in given.items() if name in needed},
+        {name: value for name, value in given.items() if name in input_names},
         {name: value for name, value in (held or {}).items() if name in names_there},
         None,
     )

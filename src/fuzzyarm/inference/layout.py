@@ -142,8 +142,8 @@ class _Writer:
         self.rules = [self._rule(i, planned) for i, planned in enumerate(self.plan.rules)]
         # Norms and hedges by address belong to one process, or to the text of one export.
         if not self.truths and all(rule.norm in at.BY_ITSELF for rule in self.rules):
-            made = _Numbered(self.plan.rules, self.numbers, self.rules)
-            _last_numbered[:] = [made, *_last_numbered[:3]]
+            numbering = _Numbered(self.plan.rules, self.numbers, self.rules)
+            _last_numbered[:] = [numbering, *_last_numbered[:3]]
 
     def _rule(self, index: int, planned: PlannedRule) -> LaidRule:
         antecedent = planned.rule.antecedent

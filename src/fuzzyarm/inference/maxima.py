@@ -118,7 +118,7 @@ def _plateaus(plan: OutputPlan, fired: Fired) -> Intervals:
     greatest = max(height for height, _, _ in heights)
     if not greatest > 0.0:
         return []
-    highest = [each for each in heights if each[0] >= greatest * (1.0 - SAME)]
+    highest = [candidate for candidate in heights if candidate[0] >= greatest * (1.0 - SAME)]
     wide = [(a, b) for _, a, b in highest if b > a]
     wide += _widened(value, sorted({x for _, x, _ in highest}), greatest, curves)
     near = NEAR * (output.high - output.low)
@@ -177,13 +177,13 @@ def _degrees_at_ends(member: Member, cells: Intervals) -> list[tuple[float, floa
 
 def _joined(stretches: Intervals) -> Intervals:
     """Return stretches with those that touch as one: a plateau may go on beyond a corner."""
-    joined: Intervals = []
+    merged: Intervals = []
     for start, end in sorted(stretches):
-        if joined and start <= joined[-1][1]:
-            joined[-1] = (joined[-1][0], max(joined[-1][1], end))
+        if merged and start <= merged[-1][1]:
+            merged[-1] = (merged[-1][0], max(merged[-1][1], end))
         else:
-            joined.append((start, end))
-    return joined
+            merged.append((start, end))
+    return merged
 
 
 def _apart(found: Heights, near: float) -> Intervals:

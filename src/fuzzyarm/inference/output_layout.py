@@ -374,8 +374,8 @@ class OutputWriter:
         for i, member in enumerate(self.plan.members):
             cut = self._norm(TNORMS[member.implication], "T")
             clips = CLIPPING.get(member.implication, ())
-            own = [self._piece(member, piece, inside=True) for piece in member.pieces]
-            head = self._set(member, own)
+            piece_rows = [self._piece(member, piece, inside=True) for piece in member.pieces]
+            head = self._set(member, piece_rows)
             levels = [len(clips), self._floats(number for clip in clips for number in clip)]
             top = self._floats([peak(member.pieces)])
             self.consequents[i] = len(self.base.whole)

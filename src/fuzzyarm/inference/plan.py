@@ -277,18 +277,18 @@ def _order(rulebase: RuleBase) -> tuple[tuple[int | str, ...], tuple[PlannedRule
     last = last_conclusions(rulebase)
     steps: list[int | str] = []
     rules: list[PlannedRule] = []
-    done: set[str] = set()
+    complete: set[str] = set()
     for number, block in enumerate(rulebase.blocks):
-        used = _outputs_used(rulebase, block)
-        for name in used:
+        names = _outputs_used(rulebase, block)
+        for name in names:
             if last.get(name, -1) > number:
                 raise CyclicRulesError(
                     f"a rule uses '{name}' before all rules that conclude it are evaluated", (name,)
                 )
-            if last.get(name, -1) < number and name not in done:
-                done.add(name)
+            if last.get(name, -1) < number and name not in complete:
+                complete.add(name)
                 steps.append(name)
-        open_outputs = frozenset(name for name in used if last.get(name, -1) == number)
+        open_outputs = frozenset(name for name in names if last.get(name, -1) == number)
         start = len(rules)
         rules += [
             PlannedRule(
@@ -301,20 +301,20 @@ def _order(rulebase: RuleBase) -> tuple[tuple[int | str, ...], tuple[PlannedRule
             for rule in block.rules
         ]
         steps += [start + i for i in _sorted_rules(block, open_outputs)]
-    steps += [output.name for output in rulebase.outputs if output.name not in done]
+    steps += [output.name for output in rulebase.outputs if output.name not in complete]
     return tuple(steps), tuple(rules)
 
 
 def _outputs_used(rulebase: RuleBase, block: RuleBlock) -> list[str]:
     """Return the outputs that a block reads, in antecedents or in formulas of consequents."""
     outputs = {output.name: output for output in rulebase.outputs}
-    used = [part.variable for rule in block.rules for part in propositions(rule.antecedent)]
+    names = [part.variable for rule in block.rules for part in propositions(rule.antecedent)]
     for rule in block.rules:
         for consequent in rule.consequents:
             shape = outputs[consequent.variable].term(consequent.term).shape
             if shape.kind == "formula":
-                used += [n for n in formula_of(shape).names if n != consequent.variable]
-    return [name for name in dict.fromkeys(used) if name in outputs]
+                names += [n for n in formula_of(shape).names if n != consequent.variable]
+    return [name for name in dict.fromkeys(names) if name in outputs]
 
 
 def _reads(rule: Rule, outputs: Iterable[str]) -> frozenset[str]:
@@ -349,10 +349,10 @@ def _plan_output(rulebase: RuleBase, output: Output, doubled: Doubled | None = N
     weighs = record.weighs
     if doubled is not None:
         asserted = {
-            each.term
+            conclusion.term
             for rule in rulebase.rules
-            for each in rule.consequents
-            if each.variable == output.name
+            for conclusion in rule.consequents
+            if conclusion.variable == output.name
         }
         weighs = all(is_value(output.term(name).shape) for name in asserted)
     contributions = []
@@ -415,8 +415,8 @@ def _pairs(
     """Return the upper and the lower member of each consequent: both come from one rule."""
     names = {lower: name for (of, name), lower in doubled.lower_names.items() if of == output.name}
     keys = [
-        (names.get(each.term.name, each.term.name), each.hedges, each.implication)
-        for each in members
+        (names.get(entry.term.name, entry.term.name), entry.hedges, entry.implication)
+        for entry in members
     ]
     if all(member.pieces == () for member in members):  # values, which no implication cuts
         keys = [(name, hedges, "") for name, hedges, _ in keys]
@@ -451,9 +451,9 @@ def _closed_sides(
 
 def _first_of_each_value(members: tuple[Member, ...]) -> list[int]:
     """Two singletons at one position are one set to be aggregated, whatever their names."""
-    seen: dict[float, int] = {}
+    first_index: dict[float, int] = {}
     return [
-        i if member.value is None else seen.setdefault(member.value, i)
+        i if member.value is None else first_index.setdefault(member.value, i)
         for i, member in enumerate(members)
     ]
 
@@ -589,10 +589,10 @@ def needed(made: Plan, names: Iterable[str]) -> tuple[set[str], set[int]]:
             for _, rule in made.outputs[name].contributions
             if made.rules[rule].rule.weight != 0.0
         }
-        read = _read(made, outputs, more) & made.outputs.keys()
-        if more == rules and read <= outputs:
+        further = _read(made, outputs, more) & made.outputs.keys()
+        if more == rules and further <= outputs:
             return outputs, rules
-        outputs, rules = outputs | read, more
+        outputs, rules = outputs | further, more
 
 
 def read_by(made: Plan, output: str) -> set[str]:
@@ -608,9 +608,11 @@ def read_by(made: Plan, output: str) -> set[str]:
 def _read(made: Plan, outputs: Iterable[str], rules: Iterable[int]) -> set[str]:
     """Return the variables that rules read, and formulas of consequents."""
     antecedents = [made.rules[rule].rule.antecedent for rule in rules]
-    read = {part.variable for antecedent in antecedents for part in propositions(antecedent)}
+    names = {part.variable for antecedent in antecedents for part in propositions(antecedent)}
     members = [member for name in outputs for member in made.outputs[name].members]
-    return read | {name for member_ in members if member_.formula for name in member_.formula.names}
+    return names | {
+        name for member_ in members if member_.formula for name in member_.formula.names
+    }
 
 
 @remembered
@@ -654,7 +656,7 @@ def _part_for(rulebase: RuleBase, wanted: tuple[str, ...]) -> RuleBase:
     rules = {
         i for i, readings_here in enumerate(plan_.readings) if needed_readings & set(readings_here)
     }
-    read = _read(plan_, names, needed_readings)
+    names_read = _read(plan_, names, needed_readings)
     linear = [
         shape.parameters
         for output in rulebase.outputs
@@ -665,7 +667,7 @@ def _part_for(rulebase: RuleBase, wanted: tuple[str, ...]) -> RuleBase:
     inputs = [
         i
         for i, variable in enumerate(rulebase.inputs)
-        if variable.name in read or any(parameters[i] != 0.0 for parameters in linear)
+        if variable.name in names_read or any(parameters[i] != 0.0 for parameters in linear)
     ]
     if len(inputs) == len(rulebase.inputs) and len(names) == len(rulebase.outputs):
         return rulebase

@@ -299,8 +299,8 @@ class PointEngine:
 
         def combine(point: Point) -> float:
             degree = first(point)
-            for each in rest:
-                degree = norm(degree, each(point))
+            for compiled in rest:
+                degree = norm(degree, compiled(point))
             return degree
 
         return combine
@@ -357,10 +357,10 @@ class PointEngine:
         if isinstance(output.no_rule, float | int):
             return float(output.no_rule)
         if output.no_rule == "hold":
-            held = point.values.get(_held_name(output.name))
-            if held is None:
+            last_value = point.values.get(_held_name(output.name))
+            if last_value is None:
                 raise NothingHeldError(output.name)
-            return held
+            return last_value
         inputs = {name: point.values[name] for name in self._names}
         raise NoRuleFiredError(output.name, inputs)
 
@@ -386,8 +386,8 @@ class PointEngine:
                 value = _outside(name, value, low, high, outside)
             values[name] = value
             if fuzzifier is not None:
-                point.active[name] = found = fuzzifier.at(value)
-                for number, degree in found:
+                point.active[name] = active = fuzzifier.at(value)
+                for number, degree in active:
                     degrees[number] = degree
         if len(inputs) > len(values):
             check_names(inputs, self._names)

@@ -97,8 +97,8 @@ def curved_row(
     else:
         kind = SHAPES[shape.kind]
         # Numbers are arguments, so that bells share one function wherever they stand.
-        own = [number(value) for value in shape.parameters]
-        root = replace(kind.expression, dict(zip(kind.symbols[1:], own, strict=True)))
+        parameters = [number(value) for value in shape.parameters]
+        root = replace(kind.expression, dict(zip(kind.symbols[1:], parameters, strict=True)))
     root = number(shape.height) * root if shape.height != 1.0 else root
     root = _under(hedges, root, number)
     return _row_function(root, ("x",), tuple(names), shape.kind), tuple(numbers)

@@ -211,8 +211,8 @@ class Trace(Drawn):
 
         Infinite ranges and values that are NaN become None.
         """
-        written: dict[str, Any] = jsonable(_without_absent(asdict(self)))
-        return written
+        record: dict[str, Any] = jsonable(_without_absent(asdict(self)))
+        return record
 
     @property
     def is_type2(self) -> bool:
@@ -272,10 +272,10 @@ def explain(
     values_by_name = by_name(inputs, named, rulebase.inputs)
     prepared = prepare(rulebase)
     point = prepared.run(values_by_name, held)
-    used = dict.fromkeys([*(v.name for v in rulebase.inputs), *prepared.chained])
+    names = dict.fromkeys([*(v.name for v in rulebase.inputs), *prepared.chained])
     return Trace(
         rulebase.name,
-        tuple(_fuzzy_value(rulebase.variable(n), values_by_name, point.values[n]) for n in used),
+        tuple(_fuzzy_value(rulebase.variable(n), values_by_name, point.values[n]) for n in names),
         _rules(rulebase, prepared, point),
         tuple(_output(output, point, rulebase) for output in prepared.plan.outputs.values()),
     )

@@ -114,10 +114,10 @@ def chosen_over_arrays(
         some = slice(column, column + 1) if isinstance(column, int) else column
         numbers_and_heights = values[:, some][:, 0], heights[:, some]
         if plan.record.of == "top":
-            chosen = greatest_of_many(plan, *numbers_and_heights)[0]
+            choices = greatest_of_many(plan, *numbers_and_heights)[0]
         else:
-            chosen = {"half": halve_many(*numbers_and_heights)[0]}
-        for name, positions in chosen.items():
+            choices = {"half": halve_many(*numbers_and_heights)[0]}
+        for name, positions in choices.items():
             positions_by_name[name][some] = positions
     shaped = {
         name: positions.reshape(strengths.shape) for name, positions in positions_by_name.items()

@@ -251,7 +251,7 @@ def table_samples(table: LookupTable, source: str = "") -> Samples:
         Where it comes from, for comments.
     """
     mesh = np.meshgrid(*(np.array(axis.levels) for axis in table.axes), indexing="ij")
-    inputs = np.stack([each.ravel() for each in mesh], axis=1)
+    inputs = np.stack([coordinate.ravel() for coordinate in mesh], axis=1)
     return as_samples(inputs, table.values.ravel(), table.names, table.output, source)
 
 
@@ -487,8 +487,8 @@ class _Cells:
             if names_wanted is None
             else names_wanted
         )
-        needed = [*inputs, *([target] if columns.target_needed else [])]
-        for name in needed:
+        column_names = [*inputs, *([target] if columns.target_needed else [])]
+        for name in column_names:
             if name not in self.names:
                 raise ColumnError(name, self.names)
         wrong: list[Diagnostic] = []

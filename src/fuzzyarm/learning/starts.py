@@ -138,10 +138,10 @@ def fuzzy_c_means(
         apart = np.maximum(_squared_distances(scaled, centres), 1e-18)
         share = 1.0 / apart
         weights = (share / share.sum(axis=1, keepdims=True)) ** 2
-        moved = weights.T @ scaled / weights.sum(axis=0)[:, None]
-        if np.abs(moved - centres).max() < 1e-6:
+        new_centres = weights.T @ scaled / weights.sum(axis=0)[:, None]
+        if np.abs(new_centres - centres).max() < 1e-6:
             break
-        centres = moved
+        centres = new_centres
     mass = weights.sum(axis=0)[:, None]
     variance = (weights.T @ scaled**2 / mass) - centres**2
     return low + centres * width, np.sqrt(np.maximum(variance, 0.0)) * width
@@ -154,13 +154,13 @@ def _squared_distances(points: Array, centres: Array) -> Array:
 
 def _spread_out(points: Array, count: int, draw: np.random.Generator) -> Array:
     """Return points that are drawn in proportion to their squared distance from those drawn."""
-    chosen = [int(draw.integers(len(points)))]
+    indices = [int(draw.integers(len(points)))]
     for _ in range(count - 1):
-        apart = _squared_distances(points, points[chosen]).min(axis=1)
+        apart = _squared_distances(points, points[indices]).min(axis=1)
         total = apart.sum()
         shares: NDArray[np.float64] | None = apart / total if total > 0.0 else None
-        chosen.append(int(draw.choice(len(points), p=shares)))
-    return points[chosen]
+        indices.append(int(draw.choice(len(points), p=shares)))
+    return points[indices]
 
 
 def subtractive_clusters(inputs: Array, radius: float, most: int) -> tuple[Array, Array]:
@@ -188,22 +188,22 @@ def subtractive_clusters(inputs: Array, radius: float, most: int) -> tuple[Array
         near = np.exp(-4.0 / radius**2 * _squared_distances(scaled[rows], scaled))
         potential[rows] = near.sum(axis=1)
     first = potential.max()
-    chosen: list[int] = []
-    while len(chosen) < most:
+    centres: list[int] = []
+    while len(centres) < most:
         best = int(potential.argmax())
         share = potential[best] / first
         if share < 0.15:
             break
-        if share < 0.5 and chosen:
-            apart = math.sqrt(_squared_distances(scaled[[best]], scaled[chosen]).min())
+        if share < 0.5 and centres:
+            apart = math.sqrt(_squared_distances(scaled[[best]], scaled[centres]).min())
             if apart / radius + share < 1.0:
                 potential[best] = 0.0
                 continue
-        chosen.append(best)
+        centres.append(best)
         distance = _squared_distances(scaled, scaled[[best]])[:, 0]
         potential -= potential[best] * np.exp(-4.0 / (1.5 * radius) ** 2 * distance)
-    deviations = np.full((len(chosen), inputs.shape[1]), radius / math.sqrt(8.0)) * width
-    return inputs[chosen], deviations
+    deviations = np.full((len(centres), inputs.shape[1]), radius / math.sqrt(8.0)) * width
+    return inputs[centres], deviations
 
 
 # --- Fewer terms, fewer rules ---
@@ -276,19 +276,19 @@ def pruned(premises: Premises, inputs: Array, least: float = 1.0) -> Premises:
 
 def _tidied(premises: Premises, rules: list[tuple[int, ...]], numbers: Array) -> Premises:
     """Return the rules with the terms that they use, and the numbers that these use, in order."""
-    used = {term for rule in rules for term in rule}
+    term_indices = {term for rule in rules for term in rule}
 
     def position(index: int) -> tuple[int, float]:
         term = premises.terms[index]
         return term.input, float(numbers[term.numbers[0][0]])
 
-    order = sorted(sorted(used), key=position)
+    order = sorted(sorted(term_indices), key=position)
     index = {term: i for i, term in enumerate(order)}
     stay = sorted({k for term in order for k, _ in premises.terms[term].numbers})
-    moved = {k: i for i, k in enumerate(stay)}
+    new_index = {k: i for i, k in enumerate(stay)}
     terms = tuple(
         premises.terms[term]._replace(
-            numbers=tuple((moved[k], sign) for k, sign in premises.terms[term].numbers)
+            numbers=tuple((new_index[k], sign) for k, sign in premises.terms[term].numbers)
         )
         for term in order
     )

@@ -125,9 +125,9 @@ class Judge(NamedTuple):
     ) -> Array:
         """Return the errors on the test part, shape (shrinkages, samples, outputs)."""
         inputs, outputs = self.inputs, self.outputs
-        residual, left = _linear_residual(inputs, outputs, train, test)
+        residual, test_residual = _linear_residual(inputs, outputs, train, test)
         if len(premises.rules) < 2:
-            return np.broadcast_to(left, (len(self.shrinkages), *left.shape))
+            return np.broadcast_to(test_residual, (len(self.shrinkages), *test_residual.shape))
         scaling = Scaling.of(inputs[train], outputs[train])
         regressors = scaling.regressors(inputs)
         strengths = premises.strengths(inputs)
@@ -145,7 +145,7 @@ class Judge(NamedTuple):
         for shrinkage in self.shrinkages:
             least = max(shrinkage, LEAST_SHRINKAGE) * len(train)
             step = turned / (np.maximum(values, 0.0) + least)[:, None]
-            residuals.append(left - design @ step * scaling.range)
+            residuals.append(test_residual - design @ step * scaling.range)
         return np.array(residuals)
 
     def moved(self, candidate: Candidate, evaluations: int = 25) -> Candidate:
@@ -271,11 +271,11 @@ def clustered(judge: Judge, start: str, most: int, seed: int) -> Iterator[Candid
     """
     linear = grid_premises(judge.inputs, [1] * judge.inputs.shape[1])
     yield judge.judged("linear", linear)
-    tried = set()
+    counts = set()
     for centres, deviations in _clusterings(judge, start, most, seed):
-        if len(centres) in tried or len(centres) < 2:
+        if len(centres) in counts or len(centres) < 2:
             continue
-        tried.add(len(centres))
+        counts.add(len(centres))
         premises = cluster_premises(judge.inputs, centres, deviations)
         yield judge.judged(f"{len(centres)} clusters", premises)
 

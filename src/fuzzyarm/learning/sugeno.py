@@ -292,9 +292,9 @@ def consequents(
     shape = len(premises.rules), regressors.shape[1], outputs.shape[1]
     span = basis(regressors)
     bridge = np.linalg.lstsq(regressors, span, rcond=1e-10)[0]  # regressors @ bridge = span
-    seen = span.T @ scaled
+    projection = span.T @ scaled
     if len(premises.rules) < 2:
-        return np.broadcast_to(bridge @ seen, shape).copy(), scaling
+        return np.broadcast_to(bridge @ projection, shape).copy(), scaling
     strengths = premises.strengths(inputs)
     size = shape[0] * shape[1]
     crossed = np.zeros((span.shape[1], size))
@@ -303,13 +303,13 @@ def consequents(
     # Rows are taken in by turns, and only the triangle of those before is kept.
     triangle = np.sqrt(max(shrinkage, LEAST_SHRINKAGE) * len(inputs)) * np.eye(size)
     right = np.zeros((size, shape[2]))
-    rest = scaled - span @ seen
+    rest = scaled - span @ projection
     for rows in _turns(len(inputs)):
         design = designed(strengths[rows], regressors[rows]) - span[rows] @ crossed
         factor, triangle = np.linalg.qr(np.vstack([triangle, design]))
         right = factor.T @ np.vstack([right, rest[rows]])
     deviations = np.linalg.solve(triangle, right)
-    linear = bridge @ (seen - crossed @ deviations)
+    linear = bridge @ (projection - crossed @ deviations)
     return deviations.reshape(shape) + linear, scaling
 
 
@@ -365,9 +365,9 @@ class Projection:
             design -= self.span @ (self.span.T @ design)
             factor, triangle = np.linalg.qr(np.vstack([design, self.penalty]))
             right = np.vstack([self.rest, np.zeros((self.size, self.rest.shape[1]))])
-            seen = factor.T @ right
-            residual = right - factor @ seen
-            self._known = key, factor, np.linalg.solve(triangle, seen), residual
+            projection = factor.T @ right
+            residual = right - factor @ projection
+            self._known = key, factor, np.linalg.solve(triangle, projection), residual
             cost = float(np.sum(residual**2))
             if cost < self.best[0]:
                 self.best = cost, numbers.copy()

@@ -168,44 +168,44 @@ class Training:
 
     def snapshots(self, every: int | None = None) -> Iterator[Snapshot]:
         """Train; see :func:`train`."""
-        asked = self.asked
+        request = self.asked
         return self.trainee.snapshots(
-            self.motion, asked.passes, every, conventions_of(asked), self.options
+            self.motion, request.passes, every, conventions_of(request), self.options
         )
 
     def words(self) -> str:
         """Say along what it is trained."""
-        asked = self.asked
+        request = self.asked
         if not self.along:
-            plant = Path(asked.plant or "").name
-            return reference_words(plant, asked.reference, asked.step or 1.0)
-        name, details = asked.trajectory or self.motion.name, list[str]()
-        if asked.way_points:
-            name, details = "way points", list(asked.way_points)
-        elif asked.angles is not None:
-            details.append("to {:g}° and {:g}°".format(*asked.angles))
-        if asked.segment is not None:
-            details.append(f"in {asked.segment:g} s")
-        payload = bool(asked.payload)
-        return trajectory_words(name, payload=payload, loaded=asked.loaded, details=details)
+            plant = Path(request.plant or "").name
+            return reference_words(plant, request.reference, request.step or 1.0)
+        name, details = request.trajectory or self.motion.name, list[str]()
+        if request.way_points:
+            name, details = "way points", list(request.way_points)
+        elif request.angles is not None:
+            details.append("to {:g}° and {:g}°".format(*request.angles))
+        if request.segment is not None:
+            details.append(f"in {request.segment:g} s")
+        payload = bool(request.payload)
+        return trajectory_words(name, payload=payload, loaded=request.loaded, details=details)
 
     def provenance(self, last: Snapshot, *, dated: bool = False) -> dict[str, str]:
         """Return where a learned table comes from."""
-        asked = self.asked
-        start = " ".join(Path(word).name for word in asked.begin)
+        request = self.asked
+        start = " ".join(Path(word).name for word in request.begin)
         pairs = self.trainee.provenance(
             self.words(),
             last.passage if last.complete else f"a part of 1, {last.time:.4g} s",
-            "" if asked.controller and start == "zero" else start,
-            Path(asked.performance).name if asked.performance else "",
-            asked.conventions,
+            "" if request.controller and start == "zero" else start,
+            Path(request.performance).name if request.performance else "",
+            request.conventions,
         )
-        if asked.controller:
-            pairs["controller"] = Path(asked.controller).name
-        if asked.set:
-            pairs["gains"] = " ".join(asked.set)
-        if asked.joint:
-            pairs["joint"] = str(asked.joint)
+        if request.controller:
+            pairs["controller"] = Path(request.controller).name
+        if request.set:
+            pairs["gains"] = " ".join(request.set)
+        if request.joint:
+            pairs["joint"] = str(request.joint)
         if dated:
             pairs["date"] = datetime.now(UTC).date().isoformat()
         return pairs

@@ -193,13 +193,13 @@ def sugeno_rulebase(
         _output(name, k, values[:, k], labels, samples, layout)
         for k, name in enumerate(output_names(samples))
     )
-    named = {
+    terms = {
         index: Is(samples.names[term.input], name)
         for (index, term), name in zip(enumerate(rounded.terms), names, strict=True)
     }
     rules = tuple(
         Rule(
-            _antecedent([named[index] for index in rule], inputs),
+            _antecedent([terms[index] for index in rule], inputs),
             tuple(Consequent(output.name, label) for output in outputs),
         )
         for rule, label in zip(rounded.rules, labels, strict=True)
@@ -215,8 +215,8 @@ def output_names(samples: Samples) -> tuple[str, ...]:
     """
     if not samples.classes:
         return (samples.target,)
-    taken = set(samples.names)
-    return tuple(f"{samples.target} {name}" if name in taken else name for name in samples.classes)
+    names = set(samples.names)
+    return tuple(f"{samples.target} {name}" if name in names else name for name in samples.classes)
 
 
 def _names(premises: Premises, samples: Samples) -> list[str]:
@@ -261,13 +261,13 @@ def _input(
 def _output(
     name: str, k: int, values: Array, labels: Sequence[str], samples: Samples, layout: Layout
 ) -> Output:
-    wanted = samples.outputs[:, k]
-    low, high = outer_range(float(wanted.min()), float(wanted.max()))
+    targets = samples.outputs[:, k]
+    low, high = outer_range(float(targets.min()), float(targets.max()))
     terms = tuple(
         Term(label, Shape("linear", tuple(row)))
         for label, row in zip(labels, values.tolist(), strict=True)
     )
-    return weighted_output(name, low, high, terms, middle_of(wanted), layout.outside)
+    return weighted_output(name, low, high, terms, middle_of(targets), layout.outside)
 
 
 def weighted_output(

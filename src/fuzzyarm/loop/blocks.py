@@ -68,7 +68,7 @@ def in_order(
         Its rows.
     """
     under_way: dict[Future[Block], int] = {}
-    done: dict[int, Rows] = {}
+    blocks: dict[int, Rows] = {}
     delivered = submitted = begin
     size = 1
     try:
@@ -83,11 +83,11 @@ def in_order(
                 first = under_way.pop(future)
                 with workers_watched():
                     rows, seconds = future.result()
-                done[first] = rows
+                blocks[first] = rows
                 if seconds > 0.0:
                     size = max(1, round(BLOCK_SECONDS * len(rows) / seconds))
-            while delivered in done:
-                rows = done.pop(delivered)
+            while delivered in blocks:
+                rows = blocks.pop(delivered)
                 yield delivered, rows
                 delivered += len(rows)
     finally:
@@ -329,10 +329,10 @@ def _recipe_of_plant(plant: Plant) -> tuple[Any, ...]:
     """
     home: Home = vars(plant)[HOME]
     kind: Any = type(plant)
-    left = {HOME, BEGUN, TRACED, *_cached_names(kind)}
+    excluded = {HOME, BEGUN, TRACED, *_cached_names(kind)}
     state = {
         name: value
         for name, value in vars(plant).items()
-        if name not in left and (name not in home.begun or home.begun[name] is not value)
+        if name not in excluded and (name not in home.begun or home.begun[name] is not value)
     }
     return plant_again, (home.path, home.source, home.key), state

@@ -258,20 +258,20 @@ def motion(
     interface = site_of(plant).interface
     count = require_points(duration, period * every)
     time = np.arange(count, dtype=np.float64) * (period * every)
-    wanted = {}
+    values_by_port = {}
     for name, signal in references.items():
         port = interface.port(name)
         if port not in interface.outputs:
             raise PlantError(f"'{name}' is an input, which has no reference", name=name)
-        wanted[port] = signal.at(time)
+        values_by_port[port] = signal.at(time)
     columns = np.zeros((count, len(interface.references)))
     for column, (address, reference) in enumerate(interface.references.items()):
-        if address in wanted:
-            columns[:, column] = wanted[address][0]
-        elif reference.of in wanted:
-            columns[:, column] = wanted[reference.of][reference.order]
+        if address in values_by_port:
+            columns[:, column] = values_by_port[address][0]
+        elif reference.of in values_by_port:
+            columns[:, column] = values_by_port[reference.of][reference.order]
     words = [f"{name} {signal}" for name, signal in references.items()]
-    tracked = tuple(wanted) or tuple(interface.outputs)[:1]
+    tracked = tuple(values_by_port) or tuple(interface.outputs)[:1]
     path = None
     if every > 1:
         signals = {interface.port(name): signal for name, signal in references.items()}
@@ -482,8 +482,8 @@ class Course:
         """Write sensors and their noise down; both are empty where all sensors are exact."""
         interface = self.site.interface
         sensors = {
-            port: each
-            for name, each in self.options.sensors.items()
+            port: record
+            for name, record in self.options.sensors.items()
             for port in interface.every_port(name)
         }
         for port in sensors:
@@ -514,8 +514,8 @@ class Course:
         exact = [0.0, -math.inf, math.inf, 0.0, 0.0, -1.0, 0.0, math.nan, 0.0, -1.0]
         heads += exact * self.site.extra
         heads += [0.0] * (ring - len(heads))
-        drawn = np.random.default_rng(seed).standard_normal((self.steps, len(noisy)))
-        return heads, drawn * noisy
+        noise = np.random.default_rng(seed).standard_normal((self.steps, len(noisy)))
+        return heads, noise * noisy
 
     def _pushes(self) -> Any:
         loads = {
@@ -525,7 +525,7 @@ class Course:
         }
         if not loads:
             return []
-        taken = self.plant.particulars.disturbed or tuple(self.plant.inputs)
+        ports = self.plant.particulars.disturbed or tuple(self.plant.inputs)
         time = np.arange(self.steps, dtype=np.float64) * self.motion.period
         columns = np.zeros((self.steps, len(self.site.interface.inputs)))
         for (column, port), name in zip(
@@ -533,9 +533,9 @@ class Course:
         ):
             if port not in loads:
                 continue
-            if name not in taken:
-                message = f"a load of the {self.plant.name} acts on {', '.join(taken)}"
-                raise PlantError(message, name=name, hint=f"{taken[0]}=step:-2,1")
+            if name not in ports:
+                message = f"a load of the {self.plant.name} acts on {', '.join(ports)}"
+                raise PlantError(message, name=name, hint=f"{ports[0]}=step:-2,1")
             columns[:, column] = loads.pop(port).at(time)[0]
         if loads:
             label = self.site.interface.label(next(iter(loads)))
@@ -563,16 +563,16 @@ class Course:
         The limits of the drives remember the last values, so each run has its own. `loads` stand
         in the place of those of the options.
         """
-        chosen = self._setting.seed if seed is None else seed
+        run_seed = self._setting.seed if seed is None else seed
         # The generator works with 31 bits; more would not fit into a float.
-        setting = self._flat(self._setting._replace(seed=chosen % 2**31))
+        setting = self._flat(self._setting._replace(seed=run_seed % 2**31))
         links, sensors, noise, pushes = self._fixed
         if len(sensors):
             # What sensors remember is each run's own; noise is drawn again for another seed only.
-            if chosen == self.options.seed:
+            if run_seed == self.options.seed:
                 sensors = self._flat(sensors)
             else:
-                sensors, noise = map(self._flat, self._sensing(chosen))
+                sensors, noise = map(self._flat, self._sensing(run_seed))
         return (
             *self._points,
             *self.plants,
@@ -587,9 +587,9 @@ class Course:
 
     def loads(self) -> Any:
         """Return the disturbances of the drives with room for a hand's: for each control period."""
-        own = self._fixed[3]
-        if len(own):
-            return self._flat(own)
+        load_array = self._fixed[3]
+        if len(load_array):
+            return self._flat(load_array)
         # To add -0 changes no bit of any drive; to add 0 would make 0 of -0.
         return self._flat(np.full(self.steps * len(self.site.interface.inputs), -0.0))
 

@@ -69,8 +69,8 @@ def control_tables(paths: Sequence[str], option: str) -> tuple[LookupTable, ...]
 def performance_table(word: str) -> LookupTable:
     """Return a performance table: of a file, or a shipped one by its author."""
     name = f"performance-{word}.lut"
-    known = not Path(word).exists() and name in shipped_names()
-    return load_sampled(str(shipped(name)) if known else word)
+    is_shipped = not Path(word).exists() and name in shipped_names()
+    return load_sampled(str(shipped(name)) if is_shipped else word)
 
 
 # --- Settings: gains of the controller, parameters of the plant ---
@@ -169,10 +169,10 @@ COUNTING = ("conventions", "precision", "pi")
 
 def given_option(asked: ExperimentRequest, names: Iterable[str]) -> str:
     """Return the first of some fields that says something, as its option is written, or nothing."""
-    known = asked.given(names)
-    if known is None:
+    option = asked.given(names)
+    if option is None:
         return ""
-    value, spelling = getattr(asked, known.name), known.spelling
+    value, spelling = getattr(asked, option.name), option.spelling
     return f"--no-{spelling[2:]}" if value is False else spelling
 
 
@@ -199,7 +199,7 @@ def follows(asked: ExperimentRequest, plant: Plant) -> bool:
 
 def _require_known(asked: ExperimentRequest, plant: Plant) -> None:
     """Raise WordError for a field that a plant does not understand."""
-    name, known = plant.name, plant.particulars.options
+    name, options = plant.name, plant.particulars.options
     option = given_option(asked, ALONG)
     if option and not plant.trajectories:
         message = f"{option} is for plants that follow trajectories"
@@ -209,11 +209,11 @@ def _require_known(asked: ExperimentRequest, plant: Plant) -> None:
         has = ", ".join(plant.parameters)
         instead = f"--set changes its parameters: {has}" if has else "it has no parameters"
         raise WordError(f"{option} is for plants that carry a load; {name} does not, {instead}")
-    option = given_option(asked, (key for key, field in DRIVES.items() if field not in known))
+    option = given_option(asked, (key for key, field in DRIVES.items() if field not in options))
     if option:
         bounded = "--actuator INPUT=LOW..HIGH bounds a drive"
         raise WordError(f"{name} has no {option}; {bounded}: {', '.join(plant.inputs)}")
-    option = given_option(asked, (key for key in COUNTING if key not in known))
+    option = given_option(asked, (key for key in COUNTING if key not in options))
     if option:
         counts = "it counts in double precision with the true π"
         raise WordError(f"{name} has no {option}; {counts}")
@@ -250,17 +250,17 @@ def trajectory_asked(asked: ExperimentRequest, plant: Plant) -> Trajectory:
     WordError
         If a way point is not numbers.
     """
-    given: dict[str, Any] = {}
+    arguments: dict[str, Any] = {}
     if asked.segment is not None:
-        given["segment"] = asked.segment
+        arguments["segment"] = asked.segment
     if asked.hold is not None:
-        given["hold"] = asked.hold
+        arguments["hold"] = asked.hold
     if asked.way_points:
-        return way_points(plant, [*map(_point, asked.way_points)], **given)
+        return way_points(plant, [*map(_point, asked.way_points)], **arguments)
     if asked.angles is not None:
-        given["angles"] = asked.angles
+        arguments["angles"] = asked.angles
     try:
-        return trajectory_of(plant, asked.trajectory or "", **given)
+        return trajectory_of(plant, asked.trajectory or "", **arguments)
     except UnknownTrajectoryError:
         raise unknown_choice("trajectory", asked.trajectory, plant.trajectories) from None
 

@@ -158,13 +158,13 @@ def metrics_of(
     magnitude = np.abs(errors)
     elapsed = time - time[0]
     rise, overshoot, settling = _step_response(time, reference, errors)
-    held = np.zeros(len(errors), bool)
+    at_limit = np.zeros(len(errors), bool)
     for column, (low, high) in enumerate(limits):
         # What a run in single precision stores may lie a last bit inside.
         if low > -math.inf:
-            held |= drives[:, column] <= low + NEAR * abs(low)
+            at_limit |= drives[:, column] <= low + NEAR * abs(low)
         if high < math.inf:
-            held |= drives[:, column] >= high - NEAR * abs(high)
+            at_limit |= drives[:, column] >= high - NEAR * abs(high)
     span = len(errors) * period
     return Metrics(
         float(rms(errors[:, None])[0]),
@@ -178,7 +178,7 @@ def metrics_of(
         float(np.sum(elapsed * magnitude) * period),
         float(np.sqrt(np.mean(drives**2))) if drives.size else 0.0,
         float(np.abs(np.diff(drives, axis=0)).sum() / span) if drives.size else 0.0,
-        float(held.mean()),
+        float(at_limit.mean()),
         *counted,
     )
 

@@ -139,16 +139,16 @@ class Program:
         Of a text its timing, its instructions and how much they remember; numbers, terms, rules
         and entries of tables may differ. Of any other law all.
         """
-        found: list[Any] = []
+        parts: list[Any] = []
         for law, block in zip(self._laws, self._blocks, strict=True):
             if isinstance(law, on_plant.TextLaw):
-                model, written = law.text.model, law.program(self.arithmetic)
-                found += [model.period, model.every, model.axis_names]
-                found += [written.instructions(), len(written.memory())]
-                found += [law.site.driven(model), [gain.name for gain in model.gains]]
+                model, program = law.text.model, law.program(self.arithmetic)
+                parts += [model.period, model.every, model.axis_names]
+                parts += [program.instructions(), len(program.memory())]
+                parts += [law.site.driven(model), [gain.name for gain in model.gains]]
             else:
-                found += [law, block.numbers.tolist(), len(block.memory)]
-        return self.compilable, *found
+                parts += [law, block.numbers.tolist(), len(block.memory)]
+        return self.compilable, *parts
 
     def kept(self) -> NDArray[np.int64]:
         """Return the indices of the memory that a control period leaves for the next."""
@@ -424,8 +424,8 @@ def _asked_by_ports(part: Controller, course: Course) -> Asked:
     references = _cells_of(site, site.interface.references, CLOCK)
     measured = _cells_of(site, site.interface.outputs, CLOCK + len(references))
     columns = _cells_of(site, site.interface.inputs, 0)
-    driven = {label(port) for port in course.driven}
-    only = next(iter(driven)) if len(driven) == 1 else ""
+    names = {label(port) for port in course.driven}
+    only = next(iter(names)) if len(names) == 1 else ""
     for name, port in site.connect.items():
         homes = [cells for cells in (references, measured, columns) if port in cells]
         if not homes:
@@ -442,7 +442,7 @@ def _asked_by_ports(part: Controller, course: Course) -> Asked:
             )
         if not isinstance(drives, Mapping):
             if not only:
-                hint = f"return a mapping of {', '.join(sorted(driven))}"
+                hint = f"return a mapping of {', '.join(sorted(names))}"
                 message = f"{part.name} does not say which input it drives"
                 raise SourceError(message, hint=hint)
             drives = {only: drives}
@@ -493,8 +493,8 @@ def compiled_law(program: Program, course: Course, record: Record) -> Callable[.
     size = len(course.site.interface.inputs)
     signals = board[: course.site.told + size]
     arrays = (signals, laws, numbers, np.asarray(record.memory), board[len(board) - size :])
-    held = _held(course.conventions.single)
-    step = bound_routine(drives_of_laws, "fifff", arrays, held, brief=True)
+    precision = _held(course.conventions.single)
+    step = bound_routine(drives_of_laws, "fifff", arrays, precision, brief=True)
 
     def control(*_arrays: object) -> None:
         step()

@@ -139,23 +139,23 @@ def simulate(
         return run_of(controller)
     options, connect = keywords.get("options") or Options(), keywords.get("connect")
     conventions = keywords.get("conventions", PLAIN)
-    chosen = as_controller(controller)
-    way, reference = _followed(chosen, plant, keywords)
+    law = as_controller(controller)
+    way, reference = _followed(law, plant, keywords)
     if isinstance(way, Way):
         home = equipped(way.plant, options)
         if way.trajectory is None:
-            way = plant_motion(chosen, home, reference, keywords.get("duration"), connect)
+            way = plant_motion(law, home, reference, keywords.get("duration"), connect)
         else:
             way = trajectory_motion(
                 home,
                 way.trajectory,
-                chosen,
+                law,
                 conventions,
                 payload=keywords.get("payload", False),
                 schedule=keywords.get("schedule"),
                 connect=connect,
             )
-    return run_along(chosen, way, conventions, options, connect)
+    return run_along(law, way, conventions, options, connect)
 
 
 def _followed(
@@ -302,14 +302,14 @@ def experiment_of(
     controller: AnyController, plant: AnyWay | None = None, **keywords: Unpack[ManyKeywords]
 ) -> Experiment:
     """Return what all runs share, in the words of :func:`simulate_many`."""
-    chosen = as_controller(controller)
+    law = as_controller(controller)
     payload, segments = keywords.get("payload", False), keywords.get("segments")
     shared = dict(keywords.get("shared") or {})
     if payload or segments is not None:
         shared.setdefault("payload", float(payload or 1.0))
-    way, reference = _followed(chosen, plant, keywords)
+    way, reference = _followed(law, plant, keywords)
     return Experiment(
-        chosen,
+        law,
         way,
         tuple(segments) if segments is not None else None,
         shared,

@@ -176,9 +176,9 @@ def answered(
     """
     check_extremes(sweep.bench, sweep.changes)
     rows = np.empty((sweep.count, 1 + len(sweep.bench.outputs) * len(METRICS)))
-    done, faults, interrupted = begun(file, rows, resume=asked.resume), list[str](), False
+    count, faults, interrupted = begun(file, rows, resume=asked.resume), list[str](), False
     runs = stream(
-        sweep.bench, sweep.changes, sweep.count, begin=done, executor=executor,
+        sweep.bench, sweep.changes, sweep.count, begin=count, executor=executor,
         workers=asked.workers,
     )  # fmt: skip
     try:
@@ -187,15 +187,15 @@ def answered(
                 rows[first : first + len(part)] = part
                 if file is not None and not faults:
                     faults += _appended(file, first, part)
-                done = first + len(part)
-                moved(done)
+                count = first + len(part)
+                moved(count)
     except KeyboardInterrupt:
         interrupted = True
     except (FuzzyarmError, MemoryError) as error:
-        if not done:
+        if not count:
             raise
         faults.append(sentence_of(error))
-    return Answer(rows[:done], faults, interrupted)
+    return Answer(rows[:count], faults, interrupted)
 
 
 def begun(file: SweepFile | None, rows: Vector, *, resume: bool) -> int:
@@ -205,9 +205,9 @@ def begun(file: SweepFile | None, rows: Vector, *, resume: bool) -> int:
     if not (resume and file.path.exists()):
         file.begin()
         return 0
-    known = file.resume()
-    rows[: len(known)] = known
-    return len(known)
+    earlier = file.resume()
+    rows[: len(earlier)] = earlier
+    return len(earlier)
 
 
 def _appended(file: SweepFile, first: int, part: Vector) -> list[str]:

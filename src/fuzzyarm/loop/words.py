@@ -76,19 +76,19 @@ def options_of(asked: ExperimentRequest, plant: Plant) -> Options:
     WordError
         If a word is not understood.
     """
-    given: dict[str, Any] = {}
+    arguments: dict[str, Any] = {}
     if asked.limits is not None:
-        given["torque_limits"] = asked.limits
+        arguments["torque_limits"] = asked.limits
     for name in ("supply", "inductance"):
         if getattr(asked, name) is not None:
-            given[name] = getattr(asked, name)
+            arguments[name] = getattr(asked, name)
     return Options(
         seed=asked.seed,
         interpolate=asked.interpolate,
         sensors=sensors_of(asked, plant),
         loads=read_pairs(asked.disturb, "--disturb", read_signal),
         runge_kutta=asked.runge_kutta,
-        **given,
+        **arguments,
     )
 
 
@@ -205,10 +205,10 @@ def read_number(option: str) -> Callable[[str], float]:
 def _actuator(text: str) -> Port:
     limits, _, slew = text.partition(",")
     low, dots, high = limits.partition("..")
-    read = read_number("--actuator")
+    reader = read_number("--actuator")
     if not dots:
         raise UsageError(f"--actuator takes INPUT=LOW..HIGH or INPUT=LOW..HIGH,SLEW, not '{text}'")
-    return Port(low=read(low), high=read(high), slew=read(slew) if slew else math.inf)
+    return Port(low=reader(low), high=reader(high), slew=reader(slew) if slew else math.inf)
 
 
 def _resolution(text: str, name: str, plant: Plant) -> float:

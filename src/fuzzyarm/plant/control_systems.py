@@ -304,15 +304,15 @@ def _system_of_plant(plant: Plant, period: float | None) -> Any:
         return clock_values
 
     def after(t: float, x: Any, u: Any, _params: Any) -> Any:
-        driven = felt(x, u)
+        drives = felt(x, u)
         board = np.concatenate([x[:states], np.zeros(WORK * states)])
-        move(board, None, driven, numbers, clock(t))
-        return np.concatenate([board[:states], driven[slewed]])
+        move(board, None, drives, numbers, clock(t))
+        return np.concatenate([board[:states], drives[slewed]])
 
     def outputs(t: float, x: Any, u: Any, _params: Any) -> Any:
-        found = np.zeros(size)
-        measure(np.asarray(x[:states], float), found, felt(x, u), numbers, clock(t))
-        return found
+        measured = np.zeros(size)
+        measure(np.asarray(x[:states], float), measured, felt(x, u), numbers, clock(t))
+        return measured
 
     names = {kind: _labels(interface, kind) for kind in ("inputs", "outputs")}
     labels = [signal_name(name) for name in plant.states]
@@ -331,19 +331,19 @@ def _system_of_controller(run: Any, period: float) -> Any:
     # `run` is a fuzzyarm.controller.text.ControllerRun, which stands above the plants.
     import control
 
-    seen: dict[str, Any] = {}
+    cache: dict[str, Any] = {}
     references, measured = run.references, run.inputs
 
     def period_of(x: Any, u: Any) -> tuple[list[float], tuple[float, ...]]:
         """Run one period; python-control asks for its outputs and its states apart."""
         key = (np.asarray(x, float).tobytes(), np.asarray(u, float).tobytes())
-        if seen.get("key") != key:
+        if cache.get("key") != key:
             run.state = tuple(float(value) for value in x)
             set_points = dict(zip(references, map(float, u), strict=False))
             is_now = dict(zip(measured, map(float, u[len(references) :]), strict=True))
             drives = run.step(is_now, set_points)
-            seen.update(key=key, found=([drives[name] for name in run.drives], run.state))
-        return cast(tuple[list[float], tuple[float, ...]], seen["found"])
+            cache.update(key=key, found=([drives[name] for name in run.drives], run.state))
+        return cast(tuple[list[float], tuple[float, ...]], cache["found"])
 
     def after(_t: float, x: Any, u: Any, _params: Any) -> Any:
         return np.array(period_of(x, u)[1])

@@ -241,9 +241,11 @@ def draw_room(plant: Plant, scene: Scene) -> Drawing:
     set_point = scene.wanted("temperature")
     # Of all samples that there are: the scale of a run that is over never changes.
     curves = (scene.run.outputs, scene.run.wanted)
-    seen = np.concatenate([curve["temperature"] for curve in curves if "temperature" in curve])
-    low = SCALE * math.floor(float(np.min(seen)) / SCALE - 0.4)
-    high = SCALE * math.ceil(float(np.max(seen)) / SCALE + 0.4)
+    temperatures = np.concatenate(
+        [curve["temperature"] for curve in curves if "temperature" in curve]
+    )
+    low = SCALE * math.floor(float(np.min(temperatures)) / SCALE - 0.4)
+    high = SCALE * math.ceil(float(np.max(temperatures)) / SCALE + 0.4)
     temperature, power = scene.output("temperature"), scene.drive("power")
 
     def height(value: float) -> float:

@@ -136,8 +136,8 @@ class EnvironmentPlant(Plant):
         """Begin an episode with the seed of the run; return what is observed."""
         # The generator was made of that seed: `--seed 7` is `env.reset(seed=7)`.
         seed = getattr(rng.bit_generator.seed_seq, "entropy", None)
-        drawn = int(rng.integers(2**31))
-        observed, _ = self.environment.reset(seed=seed if isinstance(seed, int) else drawn)
+        random_seed = int(rng.integers(2**31))
+        observed, _ = self.environment.reset(seed=seed if isinstance(seed, int) else random_seed)
         self.ended = False
         self._seen = _numbers(observed)
         return self._seen

@@ -108,9 +108,9 @@ def traced(plant: Any) -> Equations | None:
     """
     attributes = {name: value for name, value in vars(plant).items() if name != TRACED}
     if TRACED in vars(plant):
-        before, known = vars(plant)[TRACED]
+        before, cached = vars(plant)[TRACED]
         if before is None or _is_alike(before, attributes, is_):
-            return cast("Equations | None", known)
+            return cast("Equations | None", cached)
     equations = _traced(plant)
     vars(plant)[TRACED] = attributes, equations
     return equations

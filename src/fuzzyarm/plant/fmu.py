@@ -55,32 +55,35 @@ class UnitPlant(Plant):
         self.exchanges = description.coSimulation is None
         self.name = description.modelName or Path(self.path).stem
         self.longest_step = longest_step
-        scalars = [each for each in description.modelVariables if each.type in REAL]
+        scalars = [variable for variable in description.modelVariables if variable.type in REAL]
         shaped = next((scalar for scalar in scalars if scalar.dimensions), None)
         if shaped is not None:
             message = f"variable '{shaped.name}' of {self.name} is an array, which is not supported"
             raise PlantError(message, name=shaped.name)
         drives = [scalar for scalar in scalars if scalar.causality == "input"]
         outputs_found = [scalar for scalar in scalars if scalar.causality == "output"]
-        for what, each in (("inputs", drives), ("outputs", outputs_found)):
-            if not each:
+        for what, variable in (("inputs", drives), ("outputs", outputs_found)):
+            if not variable:
                 raise PlantError(f"{self.name} has no {what} that are real numbers", name=what)
         self._of_inputs = _References(drives)
         self._of_outputs = _References(outputs_found)
-        names = [each.name for each in outputs_found]
+        names = [variable.name for variable in outputs_found]
         self.inputs = {drive.name: _port(drive) for drive in drives}
-        self.outputs = {each.name: _port(each, rate_of(each.name, names)) for each in outputs_found}
+        self.outputs = {
+            variable.name: _port(variable, rate_of(variable.name, names))
+            for variable in outputs_found
+        }
         self._tunable = {scalar.name: scalar for scalar in scalars if _is_parameter(scalar)}
         self.parameters = {
-            name: Parameter(float(each.start), each.unit or "1", each.description or "")
-            for name, each in self._tunable.items()
+            name: Parameter(float(variable.start), variable.unit or "1", variable.description or "")
+            for name, variable in self._tunable.items()
         }
         self._instance: Any = None
         self._folder = ""
         if self.exchanges:
             self._exchange(description)
         else:
-            self.states = {each.name: each.unit or "1" for each in outputs_found}
+            self.states = {variable.name: variable.unit or "1" for variable in outputs_found}
             self.step = self._do_step
             stop = getattr(description.defaultExperiment, "stopTime", None)
             self.duration = float(stop) if stop else None
@@ -180,8 +183,8 @@ class UnitPlant(Plant):
     def _slope(self, t: float, x: Any, u: Any, p: Any) -> Sequence[float]:
         unit = self._put(t, x, u)
         two = self.description.fmiVersion == "2.0"
-        read = unit.getDerivatives if two else unit.getContinuousStateDerivatives
-        read(self._slopes, len(self._slopes))
+        reader = unit.getDerivatives if two else unit.getContinuousStateDerivatives
+        reader(self._slopes, len(self._slopes))
         return list(self._slopes)
 
     def _measure(self, t: float, x: Any, u: Any, p: Any) -> Sequence[float]:

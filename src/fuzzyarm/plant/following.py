@@ -68,13 +68,13 @@ def trajectory_of(plant: Plant, name: str = "", **given: Any) -> Trajectory:
         raise UnknownTrajectoryError(
             f"the {plant.name} has no trajectory '{name}'", name=name, hint=hint
         )
-    chosen = name or next(iter(names))
-    make = names[chosen]
-    taken = set() if isinstance(make, Trajectory) else set(_arguments_of(make))
+    trajectory_name = name or next(iter(names))
+    make = names[trajectory_name]
+    accepted = set() if isinstance(make, Trajectory) else set(_arguments_of(make))
     for option, value in given.items():
-        if option not in taken:
-            raise ArmError(f"{chosen} has no {option}", name=option, value=value)
-    return make if isinstance(make, Trajectory) else _made(plant, chosen, make, given)
+        if option not in accepted:
+            raise ArmError(f"{trajectory_name} has no {option}", name=option, value=value)
+    return make if isinstance(make, Trajectory) else _made(plant, trajectory_name, make, given)
 
 
 def _port_words(plant: Plant) -> str:
@@ -177,8 +177,8 @@ def drawn_trajectory(plant: Plant, rng: np.random.Generator) -> Trajectory:
     """Draw a trajectory to tune on, as the plant does it, or with ways of another size."""
     if plant.random_trajectory is not None:
         return plant.random_trajectory(rng)
-    chosen = compared_trajectories(plant)
-    one = chosen[int(rng.integers(len(chosen)))]
+    trajectories = compared_trajectories(plant)
+    one = trajectories[int(rng.integers(len(trajectories)))]
     return one.scaled(float(np.round(rng.uniform(SMALLEST, LARGEST), 3)))
 
 

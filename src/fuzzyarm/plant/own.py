@@ -171,8 +171,8 @@ def as_plant(thing: Any) -> Plant:
     if isinstance(thing, Plant):
         return thing
     kind: Any = type(thing)
-    joined = plant_class(kind)
-    plant = joined.__new__(joined)
+    subclass = plant_class(kind)
+    plant = subclass.__new__(subclass)
     plant.__dict__.update(vars(thing))
     return plant
 
@@ -180,8 +180,8 @@ def as_plant(thing: Any) -> Plant:
 @cache
 def plant_class(kind: Any) -> type[Plant]:
     """Return a class as one that is derived from :class:`Plant`."""
-    joined: Any = type(kind.__name__, (kind, Plant), {"__module__": kind.__module__})
-    return cast(type[Plant], joined)
+    subclass: Any = type(kind.__name__, (kind, Plant), {"__module__": kind.__module__})
+    return cast(type[Plant], subclass)
 
 
 # --- Python files of the user's ---

@@ -134,7 +134,7 @@ def option(
         exclude each other. ``idle``: no result depends on it. ``negatable``: its option has a
         ``--no-`` form. ``repeated``: its option is written once for each value.
     """
-    said = _Said(
+    description = _Said(
         words,
         text,
         more.pop("group", ""),
@@ -147,7 +147,7 @@ def option(
     )
     if more:
         raise TypeError(f"a field does not say {', '.join(more)}")
-    return field(default=default, metadata={_KEY: said})
+    return field(default=default, metadata={_KEY: description})
 
 
 @dataclass(frozen=True)
@@ -222,15 +222,15 @@ class RequestField:
     def item(self, value: Any) -> Any:
         """Return one value, or one of several; errors as :meth:`read`."""
         try:
-            found = _READERS[self.kind](value)
+            result = _READERS[self.kind](value)
         except (TypeError, ValueError, OverflowError):
             self.refuse(f"must be {_KINDS[self.kind]}, not {shown(value)}", is_usage=True)
         if self.choices:
-            if found not in self.choices:
-                raise unknown_choice(self.json_name, found, self.choices)
+            if result not in self.choices:
+                raise unknown_choice(self.json_name, result, self.choices)
         elif self.kind in ("whole", "number"):
-            self._require_range(found)
-        return found
+            self._require_range(result)
+        return result
 
     def _require_range(self, number: float) -> None:
         limits = self.said.limits
@@ -259,8 +259,8 @@ def one_of(choices: Iterable[Any]) -> str:
 
 def unknown_choice(field: str, value: Any, choices: Iterable[Any]) -> RequestError:
     """Return the error of a value that is not one of the choices of a field."""
-    known = list(map(str, choices))
-    why, hint = f"must be {one_of(known)}, not {shown(value)}", near_hint(str(value), known)[0]
+    names = list(map(str, choices))
+    why, hint = f"must be {one_of(names)}, not {shown(value)}", near_hint(str(value), names)[0]
     return RequestError(field, why, hint=hint, is_usage=True)
 
 
@@ -316,9 +316,9 @@ class _Constructor(type):
     if not TYPE_CHECKING:  # who reads types sees the constructor itself
 
         def __call__(cls, *positional: Any, **values: Any) -> Any:
-            known, name = _known(cls), cls.__name__
+            records, name = _known(cls), cls.__name__
             if positional:
-                example = next(iter(known))
+                example = next(iter(records))
                 raise RequestError(
                     name,
                     f"takes keywords only, not {shown(positional[0])}",
@@ -326,9 +326,9 @@ class _Constructor(type):
                     is_usage=True,
                 )
             for word in values:
-                if word not in known:
+                if word not in records:
                     raise unknown_field(cls, word)
-            for field_ in known.values():
+            for field_ in records.values():
                 if field_.is_required and field_.name not in values:
                     raise RequestError(field_.name, f"of {name} is missing", is_usage=True)
             return super().__call__(**values)
@@ -348,8 +348,8 @@ class Request(metaclass=_Constructor):
     """Fields of a base that this request does not have: they keep their defaults."""
 
     def __post_init__(self) -> None:
-        for known in fields_of(type(self)):
-            object.__setattr__(self, known.name, known.read(getattr(self, known.name)))
+        for record in fields_of(type(self)):
+            object.__setattr__(self, record.name, record.read(getattr(self, record.name)))
 
     @classmethod
     def of(cls, values: Mapping[str, Any]) -> Self:
@@ -361,42 +361,42 @@ class Request(metaclass=_Constructor):
             By the names of fields, in JSON; others are left out. Several values may stand in one
             text, with blanks between.
         """
-        found = {}
-        for known in fields_of(cls):
-            value = values.get(known.json_name)
+        values_by_name = {}
+        for record in fields_of(cls):
+            value = values.get(record.json_name)
             if value is None or (isinstance(value, str) and not value.strip()):
                 continue
-            if known.count is not None and isinstance(value, str):
+            if record.count is not None and isinstance(value, str):
                 value = value.split()
-            found[known.name] = value.strip() if isinstance(value, str) else value
-        return cls(**found)
+            values_by_name[record.name] = value.strip() if isinstance(value, str) else value
+        return cls(**values_by_name)
 
     def given(self, names: Iterable[str]) -> RequestField | None:
         """Return the first of some fields that is not as by default; None where all are."""
         for name in names:
-            known = _known(cast(Hashable, type(self))).get(name)
-            if known is not None and getattr(self, name) != known.default:
-                return known
+            record = _known(cast(Hashable, type(self))).get(name)
+            if record is not None and getattr(self, name) != record.default:
+                return record
         return None
 
     def question(self) -> dict[str, Any]:
         """Return all fields on which results depend and that are not as by default, for JSON."""
         return {
-            known.name: value
-            for known in fields_of(type(self))
-            if not known.said.is_idle and (value := getattr(self, known.name)) != known.default
+            record.name: value
+            for record in fields_of(type(self))
+            if not record.said.is_idle and (value := getattr(self, record.name)) != record.default
         }
 
     def as_kind(self, kind: type[AnyRequest], **values: Any) -> AnyRequest:
         """Return a request of another kind with the fields that both have, and other values."""
-        shared = {known.name: getattr(self, known.name) for known in fields_of(kind)
-                  if known.name in _known(cast(Hashable, type(self)))}  # fmt: skip
+        shared = {record.name: getattr(self, record.name) for record in fields_of(kind)
+                  if record.name in _known(cast(Hashable, type(self)))}  # fmt: skip
         return kind(**shared | values)
 
     def replaced(self, **values: Any) -> Self:
         """Return the request with other values of some fields."""
-        own = {known.name: getattr(self, known.name) for known in fields_of(type(self))}
-        return type(self)(**own | values)
+        current = {record.name: getattr(self, record.name) for record in fields_of(type(self))}
+        return type(self)(**current | values)
 
 
 def fields_of(kind: type[Request]) -> tuple[RequestField, ...]:
@@ -409,14 +409,14 @@ def _known(record: Hashable) -> Mapping[str, RequestField]:
     """Return the fields of a record by name."""
     kind = cast(type[Request], record)
     hints = get_type_hints(kind)
-    by_name = {each.name: each for each in fields(kind)}
-    declared = [tuple(get_annotations(base)) for base in kind.__mro__]
+    by_name = {data_field.name: data_field for data_field in fields(kind)}
+    annotations = [tuple(get_annotations(base)) for base in kind.__mro__]
     # What is said anew of a field of a base stays in its place.
     order = [
         name
-        for depth, names in enumerate(declared)
+        for depth, names in enumerate(annotations)
         for name in names
-        if not any(name in others for others in declared[depth + 1 :])
+        if not any(name in others for others in annotations[depth + 1 :])
     ]
     return {
         name: _field(name, hints[name], by_name[name].default, by_name[name].metadata[_KEY])
@@ -430,14 +430,14 @@ def unknown_field(kind: type[Request], name: str) -> RequestError:
 
     Whoever knows the command may name its option, whose name in Python is another.
     """
-    known = _known(cast(Hashable, kind))
+    records = _known(cast(Hashable, kind))
     options = {
-        field_.spelling.lstrip("-").replace("-", "_"): field_.name for field_ in known.values()
+        field_.spelling.lstrip("-").replace("-", "_"): field_.name for field_ in records.values()
     }
     if name in options:
-        hint = f"the field of {printable(known[options[name]].spelling)} is '{options[name]}'"
+        hint = f"the field of {printable(records[options[name]].spelling)} is '{options[name]}'"
     else:
-        hint = near_hint(name, known)[0]
+        hint = near_hint(name, records)[0]
     return RequestError(name, f"is not a field of {kind.__name__}", hint=hint, is_usage=True)
 
 
@@ -451,9 +451,9 @@ def read_fields(
     RequestError
         If a field does not take its value.
     """
-    known = _known(cast(Hashable, kind))
+    records = _known(cast(Hashable, kind))
     return {
-        name: known[name].read(values[name]) if name in values else known[name].default
+        name: records[name].read(values[name]) if name in values else records[name].default
         for name in names
     }
 

@@ -60,8 +60,8 @@ class Journal:
         self.path = Path(path)
         self.work, self.columns, self.piece, self.option = work, tuple(columns), piece, option
         self.first = f"# fuzzyarm {work} 1\n"
-        asked = json.dumps(question, sort_keys=True, ensure_ascii=False)
-        self.head = f"{self.first}# {asked}\n{csv_line(self.columns)}"
+        request_text = json.dumps(question, sort_keys=True, ensure_ascii=False)
+        self.head = f"{self.first}# {request_text}\n{csv_line(self.columns)}"
 
     def begin(self, total: int | None = None, *, may_replace: bool = True) -> None:
         """Write the head; what was there is gone.
@@ -125,17 +125,17 @@ class Journal:
         JournalError
             If `line` raises ValueError for one, or it has too few or too many cells.
         """
-        found = []
+        rows = []
         for number, row in enumerate(self.resume()):
             try:
                 if len(row) != len(self.columns):
                     raise ValueError
-                found.append(line(number, row))
+                rows.append(line(number, row))
             except ValueError:
                 message = f"{self.path}: line {number + 4} is not that of {self.piece} {number}"
                 hint = "remove what follows it, or the file"
                 raise JournalError(message, hint=hint) from None
-        return found
+        return rows
 
     def append(self, rows: Iterable[Row]) -> None:
         """Write lines, the first of which is the next that is missing."""
@@ -165,15 +165,17 @@ def csv_line(cells: Row) -> str:
 def difference_words(theirs: Mapping[str, Any], ours: Mapping[str, Any], work: str) -> str:
     """Say what one question asks that another does not."""
     for name in {**ours, **theirs}:
-        asked, given = theirs.get(name), ours.get(name)
-        if asked == given:
+        theirs_value, ours_value = theirs.get(name), ours.get(name)
+        if theirs_value == ours_value:
             continue
-        if isinstance(asked, dict) and isinstance(given, dict):
+        if isinstance(theirs_value, dict) and isinstance(ours_value, dict):
             changed = next(
-                part for part in {**asked, **given} if asked.get(part) != given.get(part)
+                part
+                for part in {**theirs_value, **ours_value}
+                if theirs_value.get(part) != ours_value.get(part)
             )
             return f"belongs to another {work}: {name} {changed} differs"
-        was, now = json.dumps(asked), json.dumps(given)
+        was, now = json.dumps(theirs_value), json.dumps(ours_value)
         return f"belongs to another {work}: {name} was {was}, not {now}"
     return f"belongs to another {work}: it has other columns"
 

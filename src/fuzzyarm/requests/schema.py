@@ -21,14 +21,14 @@ def schema_of(kind: type[Request]) -> dict[str, Any]:
     kind : type
         Of the request.
     """
-    known = fields_of(kind)
+    records = fields_of(kind)
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": kind.__name__,
         "description": (inspect.getdoc(kind) or "").splitlines()[0],
         "type": "object",
-        "properties": {each.json_name: property_of(each) for each in known},
-        "required": [each.json_name for each in known if each.is_required],
+        "properties": {record.json_name: property_of(record) for record in records},
+        "required": [record.json_name for record in records if record.is_required],
         "additionalProperties": False,
     }
 

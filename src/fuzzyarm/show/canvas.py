@@ -81,8 +81,8 @@ class Canvas:
 
     def line(self, x: Numbers, y: Numbers, colour: str, width: float = 1.0) -> None:
         """Draw straight lines; those wider than two points of print are two dots wide."""
-        placed = list(map(self.place, x, y))
-        for (x0, y0), (x1, y1) in pairwise(placed):
+        points = list(map(self.place, x, y))
+        for (x0, y0), (x1, y1) in pairwise(points):
             if not all(map(math.isfinite, (x0, y0, x1, y1))):
                 continue
             steps = max(1, min(4000, math.ceil(max(abs(x1 - x0), abs(y1 - y0)))))
@@ -95,14 +95,14 @@ class Canvas:
 
     def area(self, x: Numbers, y: Numbers, colour: str) -> None:
         """Fill a polygon."""
-        placed = list(map(self.place, x, y))
-        rows = [y for _, y in placed]
+        points = list(map(self.place, x, y))
+        rows = [y for _, y in points]
         for row in range(
             max(0, math.ceil(min(rows))), min(4 * self.rows, math.floor(max(rows)) + 1)
         ):
             cuts = sorted(
                 x0 + (row - y0) * (x1 - x0) / (y1 - y0)
-                for (x0, y0), (x1, y1) in zip(placed, [*placed[1:], placed[0]], strict=True)
+                for (x0, y0), (x1, y1) in zip(points, [*points[1:], points[0]], strict=True)
                 if (y0 <= row) != (y1 <= row)
             )
             for start, end in zip(cuts[::2], cuts[1::2], strict=False):
@@ -135,9 +135,9 @@ class Canvas:
             lines_.append(line)
         for row, column, text in self._words:
             if 0 <= row < self.rows and column < self.columns:
-                shown = fitted(text, self.columns - column)
+                label = fitted(text, self.columns - column)
                 whole = lines_[row]
-                lines_[row] = whole[:column] + Text(shown) + whole[column + len(shown) :]
+                lines_[row] = whole[:column] + Text(label) + whole[column + len(label) :]
         return lines_
 
     def _character(self, bits: int) -> str:

@@ -43,11 +43,11 @@ def table_panel(
         marks = [Level(at[name], upright=True)] if name in at else []
         return Panel([line, *marks], Axis(name, "", *axis.ends, about=axis.description), target)
     down = axes[0] or table.names[-2]
-    pages = [each for each in table.names if each not in (down, name)]
+    pages = [axis_name for axis_name in table.names if axis_name not in (down, name)]
     import numpy as np
 
-    order = [table.names.index(each) for each in (*pages, down, name)]
-    index = tuple(_page_index(table, each, at) for each in pages)
+    order = [table.names.index(axis_name) for axis_name in (*pages, down, name)]
+    index = tuple(_page_index(table, axis_name, at) for axis_name in pages)
     values = np.transpose(table.values, order)[index]
     row = table.axis(down)
     parts: list[Cells | Dots] = [Cells(axis.levels, row.levels, values, target, downward=True)]
@@ -55,7 +55,10 @@ def table_panel(
         i, j = (a.cell(at[a.name], table.default_mode) for a in (row, axis))
         parts.append(Dots([axis.levels[j]], [row.levels[i]], "o"))
     right, up = (Axis(a.name, "", *a.ends, about=a.description) for a in (axis, row))
-    fixed = {each: table.axis(each).levels[k] for each, k in zip(pages, index, strict=True)}
+    fixed = {
+        axis_name: table.axis(axis_name).levels[k]
+        for axis_name, k in zip(pages, index, strict=True)
+    }
     return Panel(parts, right, up, _page_words(table, index, fixed))
 
 

@@ -74,16 +74,16 @@ def export_lines(exported: Exported) -> list[str]:
 
 def controller_lines(exported: ExportedController) -> list[str]:
     """Return the size of the files of a controller, and how far it is from the controller."""
-    tried = exported.program.tried
+    trial_run = exported.program.tried
     lines = []
     for path, content in exported.files:
         size = len(content.encode() if isinstance(content, str) else content)
         what = "bytes of source" if isinstance(content, str) else "bytes"
         lines.append(f"{path}: {size:,} {what}")
-    worst, largest = number_words(tried.worst, 3), number_words(tried.largest, 3)
+    worst, largest = number_words(trial_run.worst, 3), number_words(trial_run.largest, 3)
     return [
         *lines,
         *exported.calls,
         f"  worst difference to the controller in double precision: {worst}"
-        f" ({len(tried.vectors.expected)} periods, drives up to {largest})",
+        f" ({len(trial_run.vectors.expected)} periods, drives up to {largest})",
     ]

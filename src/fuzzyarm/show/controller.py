@@ -253,20 +253,20 @@ def flow_rows(axes: Axes, partners: Collection[str] = ()) -> list[FlowRow]:
     lanes: list[str] = []  # the signal in each, empty where it is free
     rows: list[tuple[list[str], list[bool], bool]] = []
     for index, line in enumerate(axes.lines):
-        taken = {lanes.index(name) for name in _reads(line) if name in lanes}
+        read_lanes = {lanes.index(name) for name in _reads(line) if name in lanes}
         going = [bool(name) and last.get(name, -1) > index for name in lanes]
-        passing = [bool(name) and k not in taken for k, name in enumerate(lanes)]
+        passing = [bool(name) and k not in read_lanes for k, name in enumerate(lanes)]
         lanes = [name if goes else "" for name, goes in zip(lanes, going, strict=True)]
         places = []
         for name in line.names if isinstance(line, Signal) else ():
-            free = [k for k, each in enumerate(lanes) if not each]
-            ended = [k for k in free if k in taken]  # it goes on as what is made of it
+            free = [k for k, name_in_lane in enumerate(lanes) if not name_in_lane]
+            ended = [k for k in free if k in read_lanes]  # it goes on as what is made of it
             places.append((ended or free or [len(lanes)])[0])
             lanes[places[-1] : places[-1] + 1] = [name]
         out = isinstance(line, Drive | Learn)
-        signs = _signs(len(lanes), passing, going, taken, places, out=out)
+        signs = _signs(len(lanes), passing, going, read_lanes, places, out=out)
         if isinstance(line, Zoom):
-            signs = ["◆" if k in taken else sign for k, sign in enumerate(signs)]
+            signs = ["◆" if k in read_lanes else sign for k, sign in enumerate(signs)]
         lanes = [name if last.get(name, -1) > index else "" for name in lanes]
         rows.append((signs, [bool(name) for name in lanes], out))
     width = max((len(signs) for signs, _, _ in rows), default=0)
@@ -294,7 +294,7 @@ def _signs(
     first, last = min(touched, default=count), max(touched, default=-1)
     signs = []
     for k in range(count):
-        joined = first < k < last or (out and k > first)
+        is_crossed = first < k < last or (out and k > first)
         if k in made:
             signs.append("●")
         elif k in taken:
@@ -303,7 +303,7 @@ def _signs(
         elif k < len(passing) and passing[k]:
             signs.append("│")
         else:
-            signs.append("─" if joined else " ")
+            signs.append("─" if is_crossed else " ")
     return signs
 
 

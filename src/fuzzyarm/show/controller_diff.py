@@ -158,17 +158,17 @@ def _lines(
     before: ControllerModel, after: ControllerModel
 ) -> tuple[tuple[Change, ...], tuple[str, ...]]:
     """Return the lines that differ, and the axes in which only their order does."""
-    found: list[Change] = []
+    all_changes: list[Change] = []
     order: list[str] = []
     parts = list(_parts(before, after))
     for names, old, new in parts:
         home = f"axis {names}: " if len(parts) > 1 else ""
         texts = _definitions(old, before), _definitions(new, after)
         differing = [replace(change, what=f"{home}{change.what}") for change in changes(*texts)]
-        found += differing
+        all_changes += differing
         if not differing and list(texts[0]) != list(texts[1]):
             order.append(names)
-    return tuple(found), tuple(order)
+    return tuple(all_changes), tuple(order)
 
 
 def _parts(

@@ -451,7 +451,7 @@ class _Part:
         for port, pins in self.driving.items():
             (pin, span), *others = pins
             if others:
-                sources = [(each, "+") for each, _ in pins]
+                sources = [(source, "+") for source, _ in pins]
                 pin = (self._block("plus", "", sources=sources, span=span), 0, "")
             self._block("drive", f"drive {port}", sources=[(pin, "")], outputs=(), span=span)
 

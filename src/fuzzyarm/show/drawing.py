@@ -186,12 +186,12 @@ def _boxed(text: str, width: int, gap: int) -> str:
 
 def _bands(widths: Sequence[int], room: int) -> Iterator[tuple[int, int]]:
     """Yield the stretches of columns that fit next to each other."""
-    start, used = 0, 0
+    start, width_so_far = 0, 0
     for j, width in enumerate(widths):
-        if j > start and used + width > room:
+        if j > start and width_so_far + width > room:
             yield start, j
-            start, used = j, 0
-        used += width
+            start, width_so_far = j, 0
+        width_so_far += width
     yield start, len(widths)
 
 
@@ -374,8 +374,8 @@ def fitted(text: str, room: int) -> str:
     """Return a text of at most `room` letters; of a longer one both ends, where names differ."""
     if len(text) <= room:
         return text
-    shown = max(0, room - 1)
-    return f"{text[: (shown + 1) // 2]}…{text[len(text) - shown // 2 :]}" if room > 0 else ""
+    length = max(0, room - 1)
+    return f"{text[: (length + 1) // 2]}…{text[len(text) - length // 2 :]}" if room > 0 else ""
 
 
 def ruler(low: float, high: float, width: int, name: str = "") -> str:

@@ -285,13 +285,13 @@ class _Net:
             for wish in self._wishes(item, rows, forward=forward)
         }
         for step in sorted(steps - {0.0}):
-            moved = list(rows)
+            new_rows = list(rows)
             for item in run:
-                moved[item] += step
-            if self._free(run, moved):
-                cost = self._cost(moved)
+                new_rows[item] += step
+            if self._free(run, new_rows):
+                cost = self._cost(new_rows)
                 if cost < least:
-                    return moved, cost
+                    return new_rows, cost
         return rows, least
 
     def _swapped(
@@ -299,14 +299,14 @@ class _Net:
     ) -> tuple[list[float], Cost]:
         """Let two neighbours of a layer change places, if that is better."""
         first, second = column[upper], column[upper + 1]
-        moved = list(rows)
-        moved[second] = rows[first] + 0.5 * (self.heights[second] - self.heights[first])
-        moved[first] = rows[second] + 0.5 * (self.heights[second] - self.heights[first])
-        cost = self._cost(moved)
+        new_rows = list(rows)
+        new_rows[second] = rows[first] + 0.5 * (self.heights[second] - self.heights[first])
+        new_rows[first] = rows[second] + 0.5 * (self.heights[second] - self.heights[first])
+        cost = self._cost(new_rows)
         if cost >= least:
             return rows, least
         column[upper : upper + 2] = [second, first]
-        return moved, cost
+        return new_rows, cost
 
     def _runs(self, rows: Sequence[float]) -> Iterator[list[int]]:
         """Yield every item alone, and with what its straight wires reach to the right or left."""
@@ -436,7 +436,7 @@ def _assign(trunks: Sequence[_Trunk]) -> int:
     settled: list[_Trunk] = []
     while waiting:
         # One that ends in the row in which another comes stands to the right of that one.
-        free = [each for each in waiting if not any(_left_of(o, each) for o in waiting)]
+        free = [trunk_ for trunk_ in waiting if not any(_left_of(o, trunk_) for o in waiting)]
         if not free:
             trunk = waiting[0]
             trunk.behind = _Trunk(_free_row(trunk, rows), trunk.targets)
@@ -446,8 +446,8 @@ def _assign(trunks: Sequence[_Trunk]) -> int:
         trunk = free[0]
         waiting.remove(trunk)
         first = max((o.track + 1 for o in settled if _left_of(o, trunk)), default=0)
-        taken = {o.track for o in settled if _overlap(o.span, trunk.span)}
-        trunk.track = next(t for t in range(first, len(rows) ** 2 + 2) if t not in taken)
+        tracks = {o.track for o in settled if _overlap(o.span, trunk.span)}
+        trunk.track = next(t for t in range(first, len(rows) ** 2 + 2) if t not in tracks)
         settled.append(trunk)
     return max((trunk.track + 1 for trunk in settled), default=0)
 

@@ -113,14 +113,14 @@ class LinePlot:
         left = max(map(len, labels.values()))
         canvas = Canvas(width, height, 0.0, 1.0, 0.0, 1.0)
         _connect(canvas, [self._row(y) for y in self._heights])
-        marked = [self._column(level.at) for level in panel.of(Level) if level.upright]
+        columns = [self._column(level.at) for level in panel.of(Level) if level.upright]
         failing = dict(self._failing())
         for k, row in enumerate(canvas.lines()):
             line = Text(f"{labels.get(k, ''):>{left}} ", no_wrap=True, end="\n")
             for j, dots in enumerate(row.plain):
                 fails = failing.get(j) == k
-                style = "bold red" if j in marked or fails else "cyan"
-                empty = "┊" if j in marked else chr(0x2800)
+                style = "bold red" if j in columns or fails else "cyan"
+                empty = "┊" if j in columns else chr(0x2800)
                 line.append(FAILS if fails else empty if dots == " " else dots, style)
             yield line
         axis = ruler(*self._across, width, panel.across.name)
@@ -139,9 +139,9 @@ class LinePlot:
     @property
     def _ends(self) -> tuple[float, float]:
         axis = self.panel.up
-        known = [float(y) for y in self._line.y if math.isfinite(y)] or [0.0, 1.0]
-        low = min(known) if axis.low is None else axis.low
-        return low, max(known) if axis.high is None else axis.high
+        heights = [float(y) for y in self._line.y if math.isfinite(y)] or [0.0, 1.0]
+        low = min(heights) if axis.low is None else axis.low
+        return low, max(heights) if axis.high is None else axis.high
 
     @property
     def _heights(self) -> Iterator[float]:
@@ -271,8 +271,8 @@ class SurfaceMap:
         """Return what stands on a character beside its colours."""
         if (i // 2, j) in self._failures:
             return FAILS
-        marked = self._mark is not None and (self._mark[0] // 2, self._mark[1]) == (i // 2, j)
-        return "◆" if marked else ""
+        is_mark = self._mark is not None and (self._mark[0] // 2, self._mark[1]) == (i // 2, j)
+        return "◆" if is_mark else ""
 
     def _coloured(self, i: int, j: int) -> tuple[str, str]:
         upper, lower, sign = self._value(i, j), self._value(i + 1, j), self._sign(i, j)
@@ -286,9 +286,9 @@ class SurfaceMap:
 
     def _shade(self, i: int, j: int) -> tuple[str, str]:
         """Return the darker the higher, for terminals and files without colours."""
-        known = [x for x in (self._value(i, j), self._value(i + 1, j)) if not math.isnan(x)]
-        shares = list(map(self._scale.share, known))
-        return self._sign(i, j) or (shade(sum(shares) / len(known)) if known else " "), ""
+        values = [x for x in (self._value(i, j), self._value(i + 1, j)) if not math.isnan(x)]
+        shares = list(map(self._scale.share, values))
+        return self._sign(i, j) or (shade(sum(shares) / len(values)) if values else " "), ""
 
     def _colour(self, value: float) -> str:
         return _NOTHING if math.isnan(value) else self._scale.hexadecimal(value)

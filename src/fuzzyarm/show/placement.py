@@ -130,8 +130,8 @@ class _Placing:
         self.lines = [tuple(self._lines(block)) for block in diagram.blocks]
         self.pitch = 3.0 * pen.line
         for block, lines in zip(diagram.blocks, self.lines, strict=True):
-            needed = len(lines) * pen.line + 2.0 * pen.pad + 0.8 * pen.line
-            self.pitch = max(self.pitch, needed / block.height)
+            least_height = len(lines) * pen.line + 2.0 * pen.pad + 0.8 * pen.line
+            self.pitch = max(self.pitch, least_height / block.height)
         self.names = _names_of_nets(diagram)
         self.left: list[float] = []
         self.width: list[float] = []
@@ -277,7 +277,7 @@ def _joined(pieces: Sequence[tuple[Point, Point]]) -> list[tuple[Point, Point]]:
             along[True, b].append((min(a, c), max(a, c)))
         else:
             along[False, a].append((min(b, d), max(b, d)))
-    found: list[tuple[Point, Point]] = []
+    segments: list[tuple[Point, Point]] = []
     for (level, at), parts in along.items():
         whole: list[tuple[float, float]] = []
         for low, high in sorted(parts):
@@ -285,8 +285,8 @@ def _joined(pieces: Sequence[tuple[Point, Point]]) -> list[tuple[Point, Point]]:
                 whole[-1] = (whole[-1][0], max(high, whole[-1][1]))
             else:
                 whole.append((low, high))
-        found += [((a, at), (b, at)) if level else ((at, a), (at, b)) for a, b in whole]
-    return found
+        segments += [((a, at), (b, at)) if level else ((at, a), (at, b)) for a, b in whole]
+    return segments
 
 
 def _ways(point: Point, piece: tuple[Point, Point]) -> Iterator[str]:

@@ -36,12 +36,14 @@ def region_chart(text: ControllerText, verdict: LoopVerdict, plant: Plant | None
 
 def _panel(plane: RegionPlane) -> Panel:
     shadow, start = (plane.shadow[:, 0], plane.shadow[:, 1]), plane.start
-    settled, lost = plane.settled, plane.lost
+    settled, divergent = plane.settled, plane.lost
     parts: list[ChartPart] = [
         Dots(settled[:, 0], settled[:, 1], ".", "#bbbbbb", 3.0, "a run came to rest")
     ]
-    if len(lost):
-        parts.append(Dots(lost[:, 0], lost[:, 1], "x", COLOURS[3], 3.5, "a run did not", edge=0.8))
+    if len(divergent):
+        parts.append(
+            Dots(divergent[:, 0], divergent[:, 1], "x", COLOURS[3], 3.5, "a run did not", edge=0.8)
+        )
     parts.append(Area(*shadow, COLOURS[0], 0.12))
     parts.append(Line(*shadow, COLOURS[0], 0.9, label="never left, once inside"))
     if len(start):

@@ -86,7 +86,11 @@ class Response:
         hidden = [variable.name for variable in inputs[2:]]
         if self.fails and hidden and not at:  # the slice that has the first of them
             at = {name: self.fails[0].points[0][name] for name in hidden}
-        self.at = {each.name: at[each.name] for each in inputs if each.name in at}
+        self.at = {
+            input_variable.name: at[input_variable.name]
+            for input_variable in inputs
+            if input_variable.name in at
+        }
         self.free, self.fixed = _free_and_fixed(inputs, self.at)
         if free:
             self.free = [rulebase.variable(name) for name in free]
@@ -157,9 +161,9 @@ def with_gaps(rulebase: RuleBase, output: Output, inputs: Mapping[str, Any]) -> 
     if not isinstance(output.no_rule, str):
         return infer(rulebase, inputs, outputs=[output.name])[output.name]
     gaps = tuple(replace(o, no_rule=math.nan) if o is output else o for o in rulebase.outputs)
-    held = {o.name: 0.5 * (o.low + o.high) for o in gaps if o.no_rule == "hold"}
+    last_values = {o.name: 0.5 * (o.low + o.high) for o in gaps if o.no_rule == "hold"}
     model = replace(rulebase, outputs=gaps)
-    return infer(model, inputs, held=held, outputs=[output.name])[output.name]
+    return infer(model, inputs, held=last_values, outputs=[output.name])[output.name]
 
 
 def _free_and_fixed(

@@ -33,9 +33,9 @@ def run_chart(runs: Sequence[Run], title: str = "") -> Chart:
     drives = [_drives_of(runs, axis) for axis in first.axes]
     count = 2 + max(map(len, drives))
     columns = []
-    for column, own in enumerate(drives):
+    for column, drive_names in enumerate(drives):
         panels = [_output_panel(runs, column), error_panel(runs, column)]
-        panels += [drive_panel(runs, drive) for drive in own]
+        panels += [drive_panel(runs, drive) for drive in drive_names]
         columns.append([*panels, *[None] * (count - len(panels))])
     rows = [list(row) for row in zip(*columns, strict=True)]
     size = max(6.0, 4.6 * len(columns)), 1.3 + 1.75 * count
@@ -68,8 +68,8 @@ def drives_that_move(runs: Sequence[Run], names: Sequence[str]) -> list[str]:
 
 
 def _drives_of(runs: Sequence[Run], axis: str) -> list[str]:
-    own = [name for name in runs[0].drives if name.rpartition(".")[0] in ("", axis)]
-    return drives_that_move(runs, own)
+    names = [name for name in runs[0].drives if name.rpartition(".")[0] in ("", axis)]
+    return drives_that_move(runs, names)
 
 
 def _name(run: Run) -> str:

@@ -31,18 +31,18 @@ def cost_panel(searches: Mapping[str, Found], cost: str = "cost") -> Panel:
         name: [value if math.isfinite(value) else math.nan for value in search.curve]
         for name, search in searches.items()
     }
-    known = [value for curve in best.values() for value in curve if math.isfinite(value)]
-    ceiling = CEILING * min(known) if known and min(known) > 0.0 else math.inf
+    finite = [value for curve in best.values() for value in curve if math.isfinite(value)]
+    ceiling = CEILING * min(finite) if finite and min(finite) > 0.0 else math.inf
     parts: list[ChartPart] = []
     for k, (name, search) in enumerate(searches.items()):
         costs = [trial.score.cost for trial in search.trials]
-        shown = [(at, x) for at, x in enumerate(costs, start=1) if x <= ceiling]
-        trials, values = zip(*shown, strict=True) if shown else ((), ())
+        points = [(at, x) for at, x in enumerate(costs, start=1) if x <= ceiling]
+        trials, values = zip(*points, strict=True) if points else ((), ())
         parts.append(Dots(trials, values, ".", COLOURS[k], 1.5, opacity=0.25))
         numbers = range(1, len(costs) + 1)
         parts.append(Line(numbers, best[name], COLOURS[k], 1.5, label=name, steps=True))
-    high = ceiling if known and max(known) > ceiling else None
-    up = Axis(cost, high=high, logarithmic=spreads(known))
+    high = ceiling if finite and max(finite) > ceiling else None
+    up = Axis(cost, high=high, logarithmic=spreads(finite))
     return Panel(parts, Axis("trials"), up, "cost of trials, and the best so far", key="best")
 
 

@@ -118,24 +118,24 @@ def table_grids(
 
     is_own = values is None
     array = table.values if is_own else np.asarray(values)
-    drawn = [_drawn(size, all_levels=all_levels) for size in array.shape]
-    shown = array[np.ix_(*drawn)]
+    indices = [_drawn(size, all_levels=all_levels) for size in array.shape]
+    excerpt = array[np.ix_(*indices)]
     if scale is None:
         bounds = (table.low, table.high) if is_own else (None, None)
         scale = scale_of(array.ravel().tolist(), *bounds)
-    flat = [float(x) for x in shown.ravel()]
+    flat = [float(x) for x in excerpt.ravel()]
     texts = [text(x) for x in flat] if text else _readable(flat)
     drawings: list[RenderableType] = []
-    if shown.size < array.size:
-        drawings.append(Text(_thinned_words(table, drawn) + more, "dim"))
-    size = shown.shape[-1] * (shown.shape[-2] if shown.ndim > 1 else 1)
-    pages = list(product(*drawn[:-2]))
+    if excerpt.size < array.size:
+        drawings.append(Text(_thinned_words(table, indices) + more, "dim"))
+    size = excerpt.shape[-1] * (excerpt.shape[-2] if excerpt.ndim > 1 else 1)
+    pages = list(product(*indices[:-2]))
     for k, page in enumerate(pages):
         if page:
             drawings.append(Text(_page_words(table, page), "bold"))
         part = slice(k * size, (k + 1) * size)
-        cells = _cells(flat[part], texts[part], drawn, page, scale, (mark, unused))
-        drawings.append(_grid(table, drawn, cells))
+        cells = _cells(flat[part], texts[part], indices, page, scale, (mark, unused))
+        drawings.append(_grid(table, indices, cells))
         if k + 1 < len(pages):
             drawings.append(Text())
     return drawings
@@ -210,12 +210,12 @@ def _grid(table: LookupTable, drawn: list[list[int]], cells: list[list[Cell]]) -
 
 def _labels(levels: Sequence[float], drawn: Sequence[int]) -> list[str]:
     """Return short labels, as long as they still tell the levels apart."""
-    chosen = [levels[i] for i in drawn]
+    values = [levels[i] for i in drawn]
     for digits in (4, 6, 9):
-        labels = [number_words(x, digits) for x in chosen]
+        labels = [number_words(x, digits) for x in values]
         if len(set(labels)) == len(labels):
             return labels
-    return [number_text(x) for x in chosen]
+    return [number_text(x) for x in values]
 
 
 # --- What self-organizing control has learned: tables, visits and changes as heat grids ---
@@ -245,10 +245,10 @@ def learned_view(
 
     counts = np.asarray(visits)
     changed = start.values != now.values
-    cells, used = counts.size, int((counts > 0).sum())
+    cells, visited = counts.size, int((counts > 0).sum())
     summary = (
-        f"{name}: {used} of {cells} cells visited, {int(changed.sum())} changed [ ], "
-        f"{cells - used} never visited {_NEVER}"
+        f"{name}: {visited} of {cells} cells visited, {int(changed.sum())} changed [ ], "
+        f"{cells - visited} never visited {_NEVER}"
     )
     parts: list[RenderableType] = [
         Text(summary, "bold"),

@@ -166,7 +166,7 @@ class TermPlots:
         room -= left + 5 + behind + (7 if self.at is not None else 0)
         width = max(15, min(_WIDEST, room))
         width -= 1 - width % 2  # an odd number has a middle
-        drawn = False
+        has_set = False
         left = max(left, 4) if any(behind_over) else left
         for name, term, shape, lower in zip(names, variable.terms, words, behind_over, strict=True):
             line = Text(f"  {name:<{left}} ", no_wrap=len(shape) <= _LONG, overflow="fold")
@@ -174,8 +174,8 @@ class TermPlots:
             if term.lower is not None:  # between the two lies the footprint of uncertainty
                 line = Text(f"  {'over':>{left}} ", no_wrap=len(lower) <= _LONG, overflow="fold")
                 yield self._with_shape(line, term.lower, lower, width, "")
-            drawn = drawn or is_set(term.shape)
-        if drawn:
+            has_set = has_set or is_set(term.shape)
+        if has_set:
             axis = ruler(*visible_range(variable), width)
             yield Text(f"  {'':<{left}} {axis}", "dim", no_wrap=True)
 

@@ -92,7 +92,7 @@ class Cost:
         """
         for name in self.formula.names:
             if name not in values and name not in CONSTANTS:
-                axes = sorted({each.rpartition(".")[0] for each in values} - {""})
+                axes = sorted({label.rpartition(".")[0] for label in values} - {""})
                 hint = f"axes are {', '.join(axes)}" if axes else ""
                 raise CostFormulaError(f"nothing has the metric '{name}'", name=name, hint=hint)
         value = self.formula.evaluate(values)
@@ -109,7 +109,7 @@ def values_of(run: Run) -> dict[str, float]:
     a step has is left out where the reference is none.
     """
     numbers_by_name: dict[str, list[float]] = {}
-    named: dict[str, float] = {}
+    labelled: dict[str, float] = {}
     span = float(run.time[-1] - run.time[0]) + run.period if run.samples else math.nan
     for label, metrics in run.metrics.items():
         for name, value in vars(metrics).items():
@@ -119,8 +119,8 @@ def values_of(run: Run) -> dict[str, float]:
             # A largest or a last error counts by its magnitude, whatever its sign.
             number = abs(number) if name in ("max", "final") else number
             numbers_by_name.setdefault(name, []).append(number)
-            named[f"{label}.{name}"] = number
-    return {name: float(np.mean(numbers)) for name, numbers in numbers_by_name.items()} | named
+            labelled[f"{label}.{name}"] = number
+    return {name: float(np.mean(numbers)) for name, numbers in numbers_by_name.items()} | labelled
 
 
 BRIEF = ("rms", "chatter")
@@ -129,11 +129,11 @@ BRIEF = ("rms", "chatter")
 
 def brief_values_of(judged: Judged) -> dict[str, float]:
     """Return these metrics as :func:`values_of` does."""
-    found = {}
+    means = {}
     for name, values in zip(BRIEF, (judged.rms, judged.chatter), strict=True):
-        found[name] = float(np.mean(list(values.values())))
-        found |= {f"{label}.{name}": value for label, value in values.items()}
-    return found
+        means[name] = float(np.mean(list(values.values())))
+        means |= {f"{label}.{name}": value for label, value in values.items()}
+    return means
 
 
 def lost(diverged: float | None, duration: float) -> float:

@@ -221,8 +221,8 @@ class Examiner:
         if self.own is not None:
             runs = [outcome.run for outcome in outcomes]
             with self.lock:
-                own = asked(self.own, runs)
-            return Score(own + sum(parts), (), error, chatter, diverged)
+                user_cost = asked(self.own, runs)
+            return Score(user_cost + sum(parts), (), error, chatter, diverged)
         cost = max(parts) if self.problem.over == "worst" else float(np.mean(parts))
         return Score(cost, parts, error, chatter, diverged)
 

@@ -170,8 +170,8 @@ class _Planes:
             yield Signal((plane,), None, tuple(products), line.span)
             self.sheets[cut] = (cut_off(output),)
             factors = line.products
-            moved = {variable for peaks in self._peaks(sheet) for variable in peaks.variables}
-            if output.name in moved and not set(line.reads()) & set(self.ranges):
+            movable = {variable for peaks in self._peaks(sheet) for variable in peaks.variables}
+            if output.name in movable and not set(line.reads()) & set(self.ranges):
                 limit = Factor(self._limit(name))
                 factors = tuple(
                     factor._replace(factors=(*factor.factors, limit)) for factor in factors

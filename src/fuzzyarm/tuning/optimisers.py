@@ -59,11 +59,11 @@ def nelder_mead(ask: Ask, start: Vector, seed: int) -> NoReturn:
 
     generator = np.random.default_rng(seed)
     size, best = FIRST_SIMPLEX, start
-    tried: list[tuple[float, Vector]] = []
+    trials: list[tuple[float, Vector]] = []
 
     def cost(point: Vector) -> float:
         (value,) = ask([point.copy()])
-        tried.append((value, point.copy()))
+        trials.append((value, point.copy()))
         return value
 
     while True:
@@ -83,8 +83,8 @@ def nelder_mead(ask: Ask, start: Vector, seed: int) -> NoReturn:
             },
         )
         # The search may have left the best point behind, as a corner that was cut off.
-        value, best = min(tried, key=lambda each: each[0])
-        tried = [(value, best)]
+        value, best = min(trials, key=lambda each: each[0])
+        trials = [(value, best)]
         size = float(generator.uniform(0.2, 1.0)) * FIRST_SIMPLEX
 
 

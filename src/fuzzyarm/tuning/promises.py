@@ -78,7 +78,7 @@ class Promises:
             if not outcomes:
                 continue
             verdicts = prove_all(rulebase, budget=PROOF_SECONDS)
-            for verdict, held in zip(verdicts, outcomes, strict=True):
-                if verdict.verdict == "refuted" or (held and not verdict.proved):
+            for verdict, was_proved in zip(verdicts, outcomes, strict=True):
+                if verdict.verdict == "refuted" or (was_proved and not verdict.proved):
                     return str(verdict.statement)
         return ""

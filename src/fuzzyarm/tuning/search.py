@@ -183,13 +183,13 @@ class Search:
 
     def ask(self, points: Sequence[Vector]) -> list[float]:
         """Return the costs of points; of a batch as many as the budget allows are examined."""
-        left = self.budget.evals - len(self.found.trials)
-        if left <= 0 or (self.found.trials and self._late()):  # the file is always examined
+        remaining = self.budget.evals - len(self.found.trials)
+        if remaining <= 0 or (self.found.trials and self._late()):  # the file is always examined
             raise Over
         costs: list[float] = []
-        while len(costs) < min(len(points), left):
+        while len(costs) < min(len(points), remaining):
             # A few at a time, so that Ctrl-C and the clock are heard and little is lost.
-            block = points[len(costs) : min(len(costs) + self._block_size(), left)]
+            block = points[len(costs) : min(len(costs) + self._block_size(), remaining)]
             costs += self._block(block)
             if self._late() and len(costs) < len(points):
                 raise Over
@@ -209,24 +209,26 @@ class Search:
         return self.seconds > self.budget.seconds and len(self.known) <= len(self.found.trials)
 
     def _block(self, points: Sequence[Vector]) -> list[float]:
-        done = len(self.found.trials)
-        known = self.known[done : done + len(points)]
-        for trial, point in zip(known, points, strict=False):
+        count = len(self.found.trials)
+        replayed = self.known[count : count + len(points)]
+        for trial, point in zip(replayed, points, strict=False):
             if not np.array_equal(trial.point, point):
                 raise JournalError("the journal is of another search", hint="remove it")
-        fresh = list(points[len(known) :])
-        scores = [trial.score for trial in known] + self._examined(fresh)
+        fresh = list(points[len(replayed) :])
+        scores = [trial.score for trial in replayed] + self._examined(fresh)
         trials = [Trial(point, score) for point, score in zip(points, scores, strict=True)]
         for at, trial in enumerate(trials):
-            self._take(trial, known=at < len(known))
+            self._take(trial, known=at < len(replayed))
         if self.journal is not None and fresh:
             try:
-                self.journal.append(self.found.trials[done + len(known) :], done + len(known))
+                self.journal.append(
+                    self.found.trials[count + len(replayed) :], count + len(replayed)
+                )
             except OSError as error:  # the search is worth more than its journal
                 self.found.unwritten = f"{self.journal.path}: {error.strerror or error}"
                 self.journal = None
         self.watch(self.found)
-        return [trial.score.cost for trial in self.found.trials[done:]]
+        return [trial.score.cost for trial in self.found.trials[count:]]
 
     def _examined(self, points: Sequence[Vector]) -> list[Score]:
         """Examine what keeps its expectations; the rest costs more than anything."""

@@ -55,12 +55,12 @@ class Rewritten:
 
     def diff(self) -> str:
         """Return the lines that differ, as ``diff -u`` shows them, without context."""
-        shown = Path(self.path).name if self.path else self.name or "text"
+        title = Path(self.path).name if self.path else self.name or "text"
         lines = difflib.unified_diff(
             self.old.splitlines(),
             self.new.splitlines(),
-            f"{shown} (before)",
-            f"{shown} (tuned)",
+            f"{title} (before)",
+            f"{title} (tuned)",
             n=0,
             lineterm="",
         )
@@ -91,8 +91,8 @@ def changes_of(
             new = list(candidate.gains.get(gain.name, old))
             if new != old:
                 # What is written as 1080/pi has no shorter digits.
-                shown = ", ".join(f"{value:.6g}" for value in old)
-                changes.append(Change(gain.name, shown, _numbers(new)))
+                old_text = ", ".join(f"{value:.6g}" for value in old)
+                changes.append(Change(gain.name, old_text, _numbers(new)))
     for name, rulebase in candidate.rulebases.items():
         for variable, term, old_shape in _moved(sheets[name], rulebase):
             prefix = f"{name}." if isinstance(subject, ControllerText) else ""
@@ -152,14 +152,14 @@ def originals_of(subject: ControllerText | RuleBase, path: str = "", text: str =
     if isinstance(subject, RuleBase):
         return Originals(path, text or (read_text(path) if path else write(subject)), {})
     path = path or subject.path
-    used = {}
+    originals = {}
     for use in subject.model.uses:
         before = subject.sheets[use.name][0] if use.name in subject.sheets else None
         if isinstance(before, RuleBase):
             place = _place(use.files[0], path)
-            own = read_text(place) if place and _says(place, before) else write(before)
-            used[use.name] = place, own
-    return Originals(path, text or (read_text(path) if path else ""), used)
+            original = read_text(place) if place and _says(place, before) else write(before)
+            originals[use.name] = place, original
+    return Originals(path, text or (read_text(path) if path else ""), originals)
 
 
 def rewritten(
@@ -187,13 +187,15 @@ def rewritten(
         return [Rewritten("", path, old, _edited(old, None, {}, (subject, new), notes))]
     model = subject.model
     inside = {rulebase.name: rulebase for rulebase in model.rulebases}
-    own = next(iter(inside.values()), None)
-    moved = None
-    if own is not None and own.name in candidate.rulebases:
-        moved = own, candidate.rulebases[own.name]
+    inside_model = next(iter(inside.values()), None)
+    replacement = None
+    if inside_model is not None and inside_model.name in candidate.rulebases:
+        replacement = inside_model, candidate.rulebases[inside_model.name]
     files = []
     if old:
-        files.append(Rewritten("", path, old, _edited(old, model, candidate.gains, moved, notes)))
+        files.append(
+            Rewritten("", path, old, _edited(old, model, candidate.gains, replacement, notes))
+        )
     for use in model.uses:
         changed = candidate.rulebases.get(use.name)
         before = subject.sheets[use.name][0] if use.name in subject.sheets else None
@@ -262,19 +264,19 @@ def _gain_edits(
 
 
 def _term_edits(document: Document, old: RuleBase, new: RuleBase) -> Iterator[Edit]:
-    moved = {(variable, term.name): term for variable, term, _ in _moved(old, new)}
-    stated: set[tuple[str, str]] = set()
+    changed = {(variable, term.name): term for variable, term, _ in _moved(old, new)}
+    explicit: set[tuple[str, str]] = set()
     for statement in document.statements:
         node = statement.node
         if isinstance(node, TermNode) and node.shape is not None:
             key = str(node.variable), str(node.name)
-            stated.add(key)
-            if key in moved:
-                yield from _figure_edits(node.shape, moved[key].shape)
+            explicit.add(key)
+            if key in changed:
+                yield from _figure_edits(node.shape, changed[key].shape)
     for statement in document.statements:
         node = statement.node
         if isinstance(node, EvenTermsNode):
-            yield from _spread_edits(node, new, moved, stated)
+            yield from _spread_edits(node, new, changed, explicit)
 
 
 def _figure_edits(node: ShapeNode, shape: Shape) -> Iterator[Edit]:

@@ -61,8 +61,8 @@ class Scene:
         }
         if before is not None:
             axes = (before.across, before.down, *axes)
-        known = [name for name in dict.fromkeys((*axes, *ranges)) if name in ranges]
-        self.across, self.down = (*known, "")[:2]
+        names = [name for name in dict.fromkeys((*axes, *ranges)) if name in ranges]
+        self.across, self.down = (*names, "")[:2]
 
     def draw(self, view: str, width: int, height: int) -> RenderableType:
         """Return the drawing of a view in a given room."""
@@ -96,17 +96,17 @@ class Scene:
 
     def turn(self, *, across: bool) -> None:
         """Let the arrow keys move the next input, across or down."""
-        own, other = (self.across, self.down) if across else (self.down, self.across)
-        choices = [name for name in self.ranges if name not in (own, other)]
+        current, other = (self.across, self.down) if across else (self.down, self.across)
+        choices = [name for name in self.ranges if name not in (current, other)]
         if not self.down:
             return
         if not choices:
             self.across, self.down = self.down, self.across
             return
         names = list(self.ranges)
-        later = [name for name in choices if names.index(name) > names.index(own)]
-        chosen = (later or choices)[0]
-        self.across, self.down = (chosen, other) if across else (other, chosen)
+        later = [name for name in choices if names.index(name) > names.index(current)]
+        new_input = (later or choices)[0]
+        self.across, self.down = (new_input, other) if across else (other, new_input)
 
     def caption(self, *, keys: bool = True) -> Text:
         """Return the crisp inputs, with `keys` those that move them, and what comes out."""
@@ -154,8 +154,8 @@ class RulebaseScene(Scene):
         super().__init__({v.name: visible_range(v) for v in rulebase.inputs}, axes, before)
         self.rulebase, self.verdicts = rulebase, verdicts
         outputs = [output.name for output in rulebase.outputs]
-        shown = before.output if isinstance(before, RulebaseScene) else ""
-        self.output: str = shown if shown in outputs else outputs[0]
+        last_output = before.output if isinstance(before, RulebaseScene) else ""
+        self.output: str = last_output if last_output in outputs else outputs[0]
         self._take_needed()
 
     def next_output(self) -> None:
@@ -170,16 +170,18 @@ class RulebaseScene(Scene):
             part = part_for(self.rulebase, [self.output])
         except FuzzyarmError:  # drawing it will say why
             return
-        needed = [variable.name for variable in part.inputs]
-        axes = [name for name in (self.across, self.down) if name in needed]
-        if needed:
-            self.across, self.down = (*axes, *(x for x in needed if x not in axes), "")[:2]
+        names = [variable.name for variable in part.inputs]
+        axes = [name for name in (self.across, self.down) if name in names]
+        if names:
+            self.across, self.down = (*axes, *(x for x in names if x not in axes), "")[:2]
 
     def trace(self) -> Trace | str:
         """Return the inference at the crisp inputs, or in a sentence why there is none."""
-        held = {output.name: 0.5 * (output.low + output.high) for output in self.rulebase.outputs}
+        last_values = {
+            output.name: 0.5 * (output.low + output.high) for output in self.rulebase.outputs
+        }
         try:
-            return explain(self.rulebase, self.point, held=held)
+            return explain(self.rulebase, self.point, held=last_values)
         except FuzzyarmError as error:
             return str(error)
 

@@ -71,10 +71,12 @@ def animate(
     require_animation(name)
     if not run.samples:
         raise AnimationError("the run has no samples to show", path=name)
-    shown = np.unique(np.linspace(0, run.samples - 1, min(frames, run.samples)).round().astype(int))
+    frame_numbers = np.unique(
+        np.linspace(0, run.samples - 1, min(frames, run.samples)).round().astype(int)
+    )
     figure, draw = _scene(run, plant)
     seconds = min(8.0, max(4.0, float(run.time[-1])))
-    write_film(figure, draw, shown, seconds, name, watch=watch)
+    write_film(figure, draw, frame_numbers, seconds, name, watch=watch)
 
 
 def write_film(
@@ -188,12 +190,12 @@ def _gif(figure: Figure, pictures: Iterator[None], rate: int) -> bytes:
     from PIL import Image
 
     canvas: Any = figure.canvas
-    drawn = []
+    images = []
     for _ in pictures:
         canvas.draw()
-        drawn.append(Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB"))
-    palette = drawn[-1].quantize(64, method=Image.Quantize.MAXCOVERAGE)  # white stays white
-    reduced = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in drawn]
+        images.append(Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB"))
+    palette = images[-1].quantize(64, method=Image.Quantize.MAXCOVERAGE)  # white stays white
+    reduced = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in images]
     buffer = io.BytesIO()
     reduced[0].save(
         buffer,
@@ -238,9 +240,9 @@ def _scene(run: Run, plant: Plant) -> tuple[Figure, Callable[[int], list[Any]]]:
 
 def _redraw(run: Run, home: Any) -> Callable[[int], None]:
     """Draw errors and drives of a run into a part of a figure; return what moves the cursor."""
-    drawn = summary_panels(run)
-    panels = home.subplots(len(drawn), 1, sharex=True)
-    for axes, panel in zip(panels, drawn, strict=True):
+    pictures = summary_panels(run)
+    panels = home.subplots(len(pictures), 1, sharex=True)
+    for axes, panel in zip(panels, pictures, strict=True):
         for part in panel.parts:
             draw_part(axes, part)
         axes.set_ylabel(safe(panel.up.words), fontsize=8)

@@ -143,8 +143,8 @@ def _draw(axes: Axes, picture: Picture) -> None:
         )
     for x, y in picture.dots:
         axes.plot(x, y, "o", markersize=3, color=INK)
-    for placed in picture.blocks:
-        _draw_block(axes, placed, picture.pitch)
+    for block in picture.blocks:
+        _draw_block(axes, block, picture.pitch)
     for text, x, y, style in picture.words:
         weight = "bold" if style in BOLD else "normal"
         slant = "italic" if style == "signal" else "normal"

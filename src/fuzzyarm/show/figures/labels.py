@@ -128,8 +128,8 @@ def thinned(items: Sequence[_Item], most: int) -> list[_Item]:
         return list(items)
     if most < 2:
         return list(items[:most])
-    chosen = sorted({round(k * (len(items) - 1) / (most - 1)) for k in range(most)})
-    return [items[k] for k in chosen]
+    indices = sorted({round(k * (len(items) - 1) / (most - 1)) for k in range(most)})
+    return [items[k] for k in indices]
 
 
 def columns_that_fit(texts: Sequence[str], size: float, room: float) -> int:
@@ -154,9 +154,9 @@ def thin_ticks(axis: Any, texts: Sequence[str], room: float, size: float) -> Non
         Of the letters, in points.
     """
     if axis.axis_name == "x":
-        needed = max(text_width(text, size) for text in texts) + 2.0 * GAP
+        room_per_label = max(text_width(text, size) for text in texts) + 2.0 * GAP
     else:
-        needed = LINE * size / 72.0
-    step = max(1, math.ceil(needed * len(texts) / room))
+        room_per_label = LINE * size / 72.0
+    step = max(1, math.ceil(room_per_label * len(texts) / room))
     places = range(0, len(texts), step)
     axis.set_ticks(list(places), [texts[k] for k in places])

@@ -163,11 +163,11 @@ class _Panel:
     def draw(self, axes: Axes, title: str = "") -> None:
         """Draw the terms, each named above its peak."""
         low, high = visible_range(self.variable)
-        drawn = 0
+        count = 0
         for k, term in enumerate(self.variable.terms):
             if is_set(term.shape):
                 _draw_term(axes, term, k, low, high)
-                drawn += 1
+                count += 1
         for name in self.names:
             self._write(axes, name, high - low)
         if self.words:
@@ -178,21 +178,21 @@ class _Panel:
         tidy(axes)
         set_range(axes, low, high)
         axes.set_ylim(0, 1.05)
-        axes.set_yticks([0, 0.5, 1] if drawn else [])
+        axes.set_yticks([0, 0.5, 1] if count else [])
         axes.set_xlabel(self.label, fontsize=LABEL)
-        axes.set_ylabel("membership" if drawn else "", fontsize=8)
+        axes.set_ylabel("membership" if count else "", fontsize=8)
         if title:
             axes.set_title(safe(title), fontsize=LABEL, pad=72.0 * self.head + 7.0)
 
     def _write(self, axes: Axes, name: _Name, span: float) -> None:
-        moved = abs(name.place - name.middle) > 0.004 * span or name.top < 0.9
+        is_apart = abs(name.place - name.middle) > 0.004 * span or name.top < 0.9
         line = {"arrowstyle": "-", "color": name.colour, "linewidth": 0.5, "shrinkA": 0.0,
                 "shrinkB": 0.0, "relpos": (0.5, 0.0)}  # fmt: skip
         axes.annotate(
             safe(name.text), (name.middle, name.top), (name.place, 1.03),
             textcoords=axes.get_xaxis_transform(), color=name.colour, fontsize=self.size,
             ha="center", va="bottom", rotation=90 if self.upright else 0,
-            arrowprops=line if moved else None, annotation_clip=False,
+            arrowprops=line if is_apart else None, annotation_clip=False,
         )  # fmt: skip
 
 
@@ -232,11 +232,11 @@ def _placed_names(variable: Variable, width: float) -> tuple[tuple[_Name, ...], 
         if places is not None:
             break
     assert places is not None
-    named = [
+    names = [
         replace(top, text=text, place=low - margin + inch * place)
         for top, text, place in zip(tops, texts, places, strict=True)
     ]
-    return tuple(named), upright, size
+    return tuple(names), upright, size
 
 
 def _tops(variable: Variable, low: float, high: float) -> list[_Name]:
@@ -263,8 +263,8 @@ def _value_words(variable: Variable, rulebase: RuleBase | None, width: float) ->
             words = f"{term.name}: {shape_words(term.shape, rulebase, digits=4)}"
             lines += textwrap.wrap(words, letters, subsequent_indent="  ", max_lines=3)
     if len(lines) > _MOST_LINES:
-        left = len(lines) - _MOST_LINES + 1
-        lines[_MOST_LINES - 1 :] = [f"… and {left} more lines"]
+        remaining = len(lines) - _MOST_LINES + 1
+        lines[_MOST_LINES - 1 :] = [f"… and {remaining} more lines"]
     return tuple(lines)
 
 
@@ -334,13 +334,15 @@ def inference_figure(rulebase: AnyRuleBase, trace: Trace) -> Figure:
         From :func:`fuzzyarm.inference.explain`.
     """
     rulebase = rulebase.model
-    inputs = [each for each in trace.inputs if rulebase.variable(each.name).terms]
+    inputs = [
+        input_value for input_value in trace.inputs if rulebase.variable(input_value.name).terms
+    ]
     columns = max(1, min(3, len(inputs)))
     rows = -(-len(inputs) // columns)
     width = max(4.2 * columns, 7.0)
     plans = [
-        _Panel.of(rulebase.variable(each.name), rulebase, width / columns - _EDGE)
-        for each in inputs
+        _Panel.of(rulebase.variable(input_value.name), rulebase, width / columns - _EDGE)
+        for input_value in inputs
     ]
     top = max(rows, 1) * (2.2 + max((plan.more for plan in plans), default=0.0))
     heights = [top, *([2.9] * len(trace.outputs))]
@@ -417,9 +419,9 @@ def _draw_output(axes: Axes, rulebase: RuleBase, output: OutputTrace) -> None:
     for each in output.consequents:
         colour = line_style(order.get(each.term.split()[-1], 0))["color"]
         _draw_consequent(axes, each, colour, named=each in strongest)
-    left = len(output.consequents) - len(strongest)
-    if left:
-        axes.plot([], [], " ", label=f"and {left} weaker")
+    weaker = len(output.consequents) - len(strongest)
+    if weaker:
+        axes.plot([], [], " ", label=f"and {weaker} weaker")
     if output.aggregate:
         xs, ys = zip(*output.aggregate, strict=True)
         axes.plot(xs, ys, color="#111111", linewidth=1.6)

@@ -238,8 +238,8 @@ class TablePicture:
             return
         width, height = self._room
         image = _cells(axes, panel, cells, (self._table.low, self._table.high), self._texts)
-        for levels, drawn, room in ((cells.y, axes.yaxis, height), (cells.x, axes.xaxis, width)):
-            thin_ticks(drawn, [number_words(x, 4) for x in levels], room, 8)
+        for levels, ticks, room in ((cells.y, axes.yaxis, height), (cells.x, axes.xaxis, width)):
+            thin_ticks(ticks, [number_words(x, 4) for x in levels], room, 8)
         across, up = (axis_label(axis.name, axis.about) for axis in (panel.across, panel.up))
         label_axes(axes, across, up, wrapped(panel.title, LABEL, width))
         label = axis_label(cells.value.name, cells.value.about)
@@ -295,8 +295,8 @@ def _plane(part: Any, panel: Panel, cells: Cells, title: str) -> None:
     space = part.add_subplot(grid[0], projection="3d")
     rows, columns = cells.y, cells.x
     y, x = np.asarray(rows)[:, None], np.asarray(columns)[None, :]
-    chosen = [_meshes(rows, panel.up), _meshes(columns, panel.across)]
-    mesh = np.ix_(*chosen)
+    indices = [_meshes(rows, panel.up), _meshes(columns, panel.across)]
+    mesh = np.ix_(*indices)
     space.plot_surface(
         (y + 0 * x)[mesh], (x + 0 * y)[mesh], values[mesh], rstride=1, cstride=1,
         linewidth=0.15, edgecolor="#00000055", antialiased=True, **limits,
@@ -410,7 +410,7 @@ def _name_lines(axes: Axes, lines: Any) -> None:
     """Write the values on contour lines; of those that would touch each other only the first."""
     from matplotlib.patheffects import withStroke
 
-    taken: list[tuple[float, float, float]] = []
+    circles: list[tuple[float, float, float]] = []
     left, right = axes.get_xlim()
     bottom, top = axes.get_ylim()
     for text in axes.clabel(lines, fontsize=7, inline=False, fmt=_short):
@@ -419,9 +419,9 @@ def _name_lines(axes: Axes, lines: Any) -> None:
         x, y = 3.0 * (across - left) / (right - left), 3.3 * (up - bottom) / (top - bottom)
         reach = 0.5 * text_width(text.get_text(), 7) + 0.03
         inside = reach <= x <= 3.0 - reach and reach <= y <= 3.3 - reach
-        free = all(math.hypot(x - a, y - b) >= reach + other for a, b, other in taken)
+        free = all(math.hypot(x - a, y - b) >= reach + other for a, b, other in circles)
         if not (inside and free):
             text.remove()
             continue
-        taken.append((x, y, reach))
+        circles.append((x, y, reach))
         text.set_path_effects([withStroke(linewidth=1.5, foreground="#ffffffaa")])

@@ -40,7 +40,7 @@ def sweep_figure(many: Many, over: Sequence[Range], metric: str = "rms") -> Figu
     metric : str, optional
         See :class:`fuzzyarm.loop.metrics.Metrics`.
     """
-    values, lost = worst(many, over, metric)
+    values, diverged = worst(many, over, metric)
     count = len(many.outputs)
     width = 4.6 if len(over) == 2 else 4.2
     figure = new_figure(max(5.0, width * count), 4.0)
@@ -49,14 +49,14 @@ def sweep_figure(many: Many, over: Sequence[Range], metric: str = "rms") -> Figu
         unit = many.units[at] if metric in ERRORS else ""
         label = f"{metric}, {unit}" if unit else metric
         if len(over) == 2:
-            _draw_map(figure, axes, over, values[at], lost, label)
+            _draw_map(figure, axes, over, values[at], diverged, label)
             label_axes(axes, safe(over[0].name), safe(over[1].name), output)
         else:
-            _draw_curve(axes, over[0], values[at], lost)
+            _draw_curve(axes, over[0], values[at], diverged)
             label_axes(axes, safe(over[0].name), label, output)
     title = f"{many.controller} on {many.where}"
-    if lost.any():
-        title += f", {int(lost.sum())} of {lost.size} points diverge (grey)"
+    if diverged.any():
+        title += f", {int(diverged.sum())} of {diverged.size} points diverge (grey)"
     rest = [name for name in many.changes if name not in [range_.name for range_ in over]]
     if rest:
         title += f"; the worst over {', '.join(rest)}"
@@ -79,14 +79,14 @@ def worst(many: Many, over: Sequence[Range], metric: str) -> tuple[Vector, Any]:
         for values, range_ in zip(axes, reversed(over), strict=True)
     )
     shape = tuple(map(len, axes))
-    lost = np.zeros(shape, bool)
-    np.logical_or.at(lost, places, ~np.isnan(many.diverged))
+    diverged = np.zeros(shape, bool)
+    np.logical_or.at(diverged, places, ~np.isnan(many.diverged))
     worst_values = np.full((len(many.outputs), *shape), -np.inf)
     for at, grid in enumerate(worst_values):
         magnitude = np.abs(many[metric][:, at])
         np.maximum.at(grid, places, np.where(np.isnan(magnitude), -np.inf, magnitude))
-        grid[lost | np.isneginf(grid)] = np.nan
-    return worst_values, lost
+        grid[diverged | np.isneginf(grid)] = np.nan
+    return worst_values, diverged
 
 
 def _draw_curve(axes: Axes, over: Range, values: Vector, lost: Any) -> None:
@@ -130,9 +130,9 @@ def _draw_map(
 
     across, up = map(edges_of, over)
     norm = LogNorm() if _spreads(values) else None
-    shown = np.ma.masked_invalid(values)
-    if shown.count():
-        image = axes.pcolormesh(across, up, shown, cmap="viridis_r", norm=norm, rasterized=True)
+    finite = np.ma.masked_invalid(values)
+    if finite.count():
+        image = axes.pcolormesh(across, up, finite, cmap="viridis_r", norm=norm, rasterized=True)
         bar = colour_bar(figure, image, axes, label, shrink=0.9)
         bar.ax.tick_params(which="minor", labelsize=7)
     if lost.any():

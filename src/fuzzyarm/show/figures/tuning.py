@@ -35,7 +35,7 @@ def tuning_figure(tuned: Tuned, title: str = "") -> Figure:
     panels = 3 if with_front else 2
     figure = new_figure(4.2 * panels, 3.6)
     axes = list(np.atleast_1d(figure.subplots(1, panels)))
-    searches = {name: found for name, found, _ in _searches(tuned)}
+    searches = {name: search for name, search, _ in _searches(tuned)}
     draw_panel(axes[0], cost_panel(searches, tuned.cost), (4.2, 3.6))
     if with_front:
         _draw_front(axes[1], tuned)
@@ -87,15 +87,17 @@ def _draw_rows(axes: Axes, tuned: Tuned) -> None:
     width = 0.8 / len(tuned.rows)
     for at, row in enumerate(tuned.rows):
         costs = [row.scores[name].cost if name in row.scores else math.nan for name in columns]
-        lost = [
+        divergences = [
             bool(row.scores[name].diverged) if name in row.scores else False for name in columns
         ]
         places = np.arange(len(columns)) + (at - 0.5 * (len(tuned.rows) - 1)) * width
-        heights = [0.0 if gone else cost for cost, gone in zip(costs, lost, strict=True)]
+        heights = [
+            0.0 if diverges else cost for cost, diverges in zip(costs, divergences, strict=True)
+        ]
         colour = {"tuned": COLOURS[0], "as in the file": "#bbbbbb"}.get(row.name, COLOURS[1])
         axes.bar(places, heights, 0.92 * width, color=colour, label=row.name)
-        for place, gone in zip(places, lost, strict=True):
-            if gone:
+        for place, diverges in zip(places, divergences, strict=True):
+            if diverges:
                 axes.annotate("diverges", (place, 0.0), rotation=90, ha="center", fontsize=7)
     axes.set_xticks(np.arange(len(columns)), columns)
     axes.set_ylim(0.0, 1.2 * axes.get_ylim()[1])
