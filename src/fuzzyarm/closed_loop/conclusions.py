@@ -128,6 +128,7 @@ class Conclusions:
         if prover.without_value(region) is not None:
             raise LoopProofError(f"'{sheet.name}' has no rule for some of its inputs near rest")
         along = None
+        # One gain along the linear law is tighter than one along each input; it needs f(0) = 0.
         if choice.along and self.is_exact and not any(rest.values()) and value == 0:
             along = self._sector(prover, region, [n for n in inputs if not inputs[n].is_constant])
         if along is not None:
@@ -145,6 +146,7 @@ class Conclusions:
                     low, high = gains[name] = self._slopes(prover, region, name)
                     words = f"{sheet.name}, its slope along {name} in"
                     parts = parts.plus(_gain(algebra, variable.deviation, low, high, words))
+        # The range is kept as well: it bounds the output where gains times large inputs would not.
         ends = self._range(prover, region)
         moving = [name for name in inputs if not inputs[name].is_constant]
         if moving:
@@ -166,6 +168,7 @@ class Conclusions:
             if inputs[name].is_constant:
                 region[name] = (float(rest[name]), float(rest[name]))
                 continue
+            # A region symmetric about rest, so that it is a bound on the deviation alone.
             half = choice.share * min(high - rest[name], rest[name] - low)
             half = half if half <= 0 else Fraction(end_of(half, low=True))
             if half <= 0 or not low <= rest[name] - half <= rest[name] + half <= high:
@@ -198,6 +201,7 @@ class Conclusions:
             enclosure = sector(prover, weights, region)
         except (NoSectorError, UnprovableError):
             return None
+        # With slack the output is not exactly 0 where the sum is: then no gain along it is true.
         if enclosure.slack or not enclosure.complete:
             return None
         return weights, Fraction(enclosure.low), Fraction(enclosure.high)
@@ -248,6 +252,7 @@ def _gain(
     algebra: AffineAlgebra, signal: Affine, low: Fraction, high: Fraction, words: str
 ) -> Affine:
     """Return a signal times a gain between two numbers."""
+    # gain = middle + radius δ with |δ| ≤ 1: the second part is a block of the form.
     middle, radius = (low + high) / 2, (high - low) / 2
     form = signal.scaled(middle)
     if radius:

@@ -80,6 +80,7 @@ def _chosen(a: Slope, b: Slope, *, smaller: bool) -> Slope:
         return b
     pick = min if smaller else max
     value = Span(pick(a.value.low, b.value.low), pick(a.value.high, b.value.high))
+    # Either may be the one: its slopes are among the hull of both.
     names = {*a.along, *b.along}
     return Slope(value, {n: hull(a.along.get(n, ZERO), b.along.get(n, ZERO)) for n in names})
 
@@ -124,6 +125,7 @@ def applied(operation: str, arguments: Sequence[Slope]) -> Any:
     if operation in FUNCTIONS:
         return _function(operation, arguments[0])
     if operation == "power" and arguments[1].value.is_point and not arguments[1].along:
+        # A whole power by products; the checker reads no other.
         exponent = arguments[1].value.low
         if exponent.denominator == 1 and 0 < exponent <= 16:
             result = arguments[0]
@@ -161,6 +163,7 @@ def slopes_of(roots: Sequence[Node], values: Mapping[str, Slope]) -> list[Slope]
             arguments = [results[argument] for argument in node.arguments]
             if node.operation == "where":
                 results[node] = arguments[1] if arguments[0] else arguments[2]
+            # x · x of one x: intervals would take two independent factors and lose its sign.
             elif node.operation == "multiply" and node.arguments[0] is node.arguments[1]:
                 results[node] = _squared(arguments[0])
             else:
@@ -211,6 +214,7 @@ class SlopeNumbers:
         }
         region = {name: (x.value.low, x.value.high) for name, x in inputs.items()}
         result = Slope(pieces.value(region), {})
+        # Chain rule: the slope of the output along each input, over the region, times its slopes.
         for name, x in inputs.items():
             if x.along:
                 result = result.joined(x.scaled(x.value, pieces.slope(region, name)), result.value)

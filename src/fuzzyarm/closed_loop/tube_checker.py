@@ -130,6 +130,7 @@ class TubeLoop:
     def period(self, own: TubeSet, *, first: bool) -> Period:
         """Return what comes of a set in a period."""
         count = len(self.problem.states)
+        # Points of the set are c + W⁻¹ e with |e| ≤ 1: e are the coordinates of all slopes below.
         turn = _inverse(own.rows)
         names = [f"e{k}" for k in range(self.size)]
         whole = []
@@ -138,9 +139,11 @@ class TubeLoop:
             span = _rounded(Span(centre - half, centre + half))
             along = {name: exactly(x) for name, x in zip(names, row, strict=True) if x}
             whole.append(Slope(span, along))
+        # The mean value theorem needs the period twice: F at the centre, its slopes over the set.
         at = [Slope(exactly(x), {}) for x in own.centre]
         states = dict(zip(self.problem.states, whole[:count], strict=True))
         drives, after = self._controlled(states, whole[count:], first=first)
+        # What a walk reads depends on the branches it takes, so both walks are asked.
         names_read = set(self.walk.read)
         middle = dict(zip(self.problem.states, at[:count], strict=True))
         centre_drives, memory_lines = self._controlled(middle, at[count:], first=first)
@@ -211,6 +214,7 @@ class TubeLoop:
             )
             after = {}
             for key, rate, slope in zip(at, begin, over, strict=True):
+                # x'' = f'(x) f(x), over the box: the remainder of second order in Lagrange's form.
                 bend = dot([slope.along.get(k, ZERO) for k in at], [x.value for x in over])
                 half = bend.times(exactly(h * h / 2))
                 after[key] = at[key].plus(rate.value.times(exactly(h))).plus(half)
@@ -239,6 +243,7 @@ def _rounded(span: Span) -> Span:
 
 def _inverse(rows: Matrix) -> Matrix:
     size = len(rows)
+    # Gauss and Jordan in rationals: the first pivot that is not 0 will do, nothing is rounded.
     work = [[*row, *(Fraction(int(i == j)) for j in range(size))] for i, row in enumerate(rows)]
     for column in range(size):
         pivot = next((k for k in range(column, size) if work[k][column]), None)
@@ -303,6 +308,7 @@ def tube_refutation(loop: TubeLoop, claim: LoopClaim, port: str, boxes: Sequence
 
 def _is_all(paths: tuple[tuple[tuple[int, bool], ...], ...]) -> bool:
     """Tell whether paths of halvings lead to all parts of the whole."""
+    # Each halving must be answered by both halves, along the same dimension.
     if () in paths:
         return paths == ((),)
     if not paths or len({path[0][0] for path in paths}) != 1:
@@ -321,6 +327,7 @@ def _box_refutation(loop: TubeLoop, claim: LoopClaim, port: str, box: BoxProof) 
         if h * k >= Fraction(claim.end):
             break
         step = loop.period(tube_set, first=k == 0)
+        # Outputs are bounded over the whole period, so it counts as soon as it touches the claim.
         if h * (k + 1) > Fraction(claim.begin):
             where = step.outputs[port]
             if not (claim.low <= where.low and where.high <= claim.high):
@@ -336,6 +343,7 @@ def leads_into(step: Period, after: TubeSet) -> bool:
     for row in after.rows:
         weights = [exactly(x) for x in row]
         size = dot(weights, away).size
+        # |w (F(c) − c') + w G e| ≤ |w (F(c) − c')| + Σ |w Gₖ|, the largest over |e| ≤ 1.
         for column in zip(*step.spread, strict=True):
             size += dot(weights, list(column)).size
         if size > 1:

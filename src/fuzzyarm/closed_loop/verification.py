@@ -97,6 +97,7 @@ def _at_most(loop: CheckedLoop, p: Sequence[Sequence[Fraction]], z: Sequence[Fra
     doubt = [loop.doubt[name] for name in loop.names]
     total = _value(p, z)
     if any(doubt):
+        # (z + d)ᵀ P (z + d) ≤ zᵀPz + 2 |Pz|ᵀ |d| + |d|ᵀ |P| |d|, with |d| at most the doubt.
         slope = [abs(sum((w * x for w, x in zip(row, z, strict=True)), Fraction(0))) for row in p]
         sizes = [[abs(w) for w in row] for row in p]
         total += 2 * sum((s * r for s, r in zip(slope, doubt, strict=True)), Fraction(0))
@@ -128,6 +129,7 @@ def start_vertices(problem: LoopProblem, loop: CheckedLoop) -> list[tuple[Fracti
         )
         for name in problem.states
     ]
+    # V is convex, so its largest value over a box of starts is at a corner; 2ⁿ of them are tried.
     if 2 ** sum(len(end) > 1 for end in ends) > 4096:
         raise LoopProofError("a start of more than 12 intervals")
     return [
@@ -176,6 +178,7 @@ def start_quadric(
     base = np.array([float(x) for x in _with_memory(loop, rest)])
     ways = []
     for k in states:
+        # The way from a state to z is affine: one column of it for each unit step.
         shifted = {**rest, names[k]: rest[names[k]] + 1}
         ways.append(np.array([float(x) for x in _with_memory(loop, shifted)]) - base)
     way, plain = np.array(ways), np.array([[float(x) for x in row] for row in p])
@@ -192,6 +195,7 @@ def _along_alone(
     for k, name in enumerate(problem.states):
         quadratic, linear, c = start_quadric(problem, loop, p, (k,))
         a, b = float(quadratic[0, 0]), float(linear[0])
+        # V = 1 along one state is a quadratic; the smaller root bounds both directions.
         inside = b * b - 4.0 * a * c
         if c < 0.0 and inside >= 0.0:
             values[name] = min(
@@ -222,6 +226,8 @@ def _farthest(
     if not level or not any(row):
         return 0.0
     g = np.array([float(x) for x in row])
+    # max of |g z| where zᵀPz ≤ level, √(level gᵀP⁻¹g), in floats; a little more is then checked
+    # exactly, and the first that holds is taken.
     half = math.sqrt(float(level) * max(float(g @ inverse @ g), 0.0))
     for wider in (1.0 + 1e-9, 1.0 + 1e-6, 1.01, 2.0) if math.isfinite(half) else ():
         if is_inside(p, row, Fraction(half * wider), level):

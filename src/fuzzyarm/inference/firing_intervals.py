@@ -175,6 +175,7 @@ class _Doubling:
         return tuple(terms)
 
     def _read_twice(self, rule: Rule) -> list[Rule]:
+        # One rule becomes two: upper degrees to upper sets, lower degrees to lower ones.
         two_sided = [c for c in rule.consequents if c.variable in self.two_sided]
         if not two_sided:
             return [rule]

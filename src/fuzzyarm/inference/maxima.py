@@ -75,6 +75,7 @@ def _strongest(plan: OutputPlan, fired: Fired) -> Intervals:
     for index, strength in fold_at_point(plan, fired).items():
         member = plan.members[index]
         top = peak(member.pieces)
+        # The maximum of a set that is cut is its peak, cut: T-norms rise with the degree.
         height = TNORMS[member.implication].scalar(strength, top)
         levels = [low + rise * strength for low, rise in CLIPPING.get(member.implication, ())]
         clips = member.implication != "bounded" and height == strength < top
@@ -99,6 +100,7 @@ def _plateaus(plan: OutputPlan, fired: Fired) -> Intervals:
         edges |= {piece.x0 for piece in member.pieces}
         searched |= member.implication not in LINEAR
         searched |= any(not piece.straight for piece in member.pieces)
+        # A cut adds edges where the degree passes the strength (or what clips at it).
         for offset, factor in CLIPPING.get(member.implication, ()):
             for interval in cut(member.pieces, member.membership, offset + factor * strength):
                 edges |= {*interval}
@@ -147,6 +149,7 @@ def _cells_to_search(
             low = norm(low, implication(strength, least))
             high = norm(high, implication(strength, most))
         bounds.append((low, high, x0, x1))
+    # No cell whose upper bound is below the best height found can hold the maximum.
     reached = max(reached, *(low for low, _, _, _ in bounds))
     ceiling = max(high for _, high, _, _ in bounds)
     level: Heights = []
@@ -208,6 +211,7 @@ def _greatest_on_lines(plan: OutputPlan, fired: Fired, x0: float, x1: float) -> 
         sums = [(left, right)]
         if plan.output.aggregation == "nilpotent":
             sums = [(a[0] + b[0], a[1] + b[1]) for a, b in combinations(ends, 2)]
+        # A bounded sum bends where it reaches 1: one more edge inside the cell.
         shares |= {(1.0 - a) / (b - a) for a, b in sums if (a - 1.0) * (b - 1.0) < 0.0}
 
     def height(share: float) -> float:
@@ -263,6 +267,7 @@ def _widened(
             if all(value(a + share * (b - a)) >= greatest * (1.0 - SAME) for share in (0.3, 0.5)):
                 wide.append((a, b))
         step = (x1 - x0) / STEPS_OF_CURVES
+        # A curved top may be level beyond the last sample: how far, by bisection.
         for start, way in ((inside[0], -step), (inside[-1], step)) if inside else ():
             end = min(x1, max(x0, start + way))
             reach = bisect(lambda x: float(value(x) >= greatest), start, end, 0.5)

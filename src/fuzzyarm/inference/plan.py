@@ -285,9 +285,11 @@ def _order(rulebase: RuleBase) -> tuple[tuple[int | str, ...], tuple[PlannedRule
                 raise CyclicRulesError(
                     f"a rule uses '{name}' before all rules that conclude it are evaluated", (name,)
                 )
+            # Concluded by earlier blocks alone: its value is computed once, before this block.
             if last.get(name, -1) < number and name not in complete:
                 complete.add(name)
                 steps.append(name)
+        # Concluded by this block too: rules then read the degree of a term, not a value.
         open_outputs = frozenset(name for name in names if last.get(name, -1) == number)
         start = len(rules)
         rules += [
@@ -328,6 +330,7 @@ def _sorted_rules(block: RuleBlock, outputs: frozenset[str]) -> list[int]:
         return waiting
     ordered: list[int] = []
     while waiting:
+        # Rounds of Kahn's algorithm, over whole rounds so that rules keep their order.
         unfinished = {c.variable for i in waiting for c in block.rules[i].consequents}
         ready = [i for i in waiting if not _reads(block.rules[i], outputs) & unfinished]
         if not ready:
@@ -362,6 +365,7 @@ def _plan_output(rulebase: RuleBase, output: Output, doubled: Doubled | None = N
             for consequent in rule.consequents:
                 if consequent.variable == output.name:
                     cut = "" if weighs else block.implication
+                    # Rules with one key share a set: their strengths are folded before it is cut.
                     key = (consequent.term, consequent.hedges, cut)
                     if key not in keys:
                         implications.append(block.implication)
@@ -413,6 +417,7 @@ def _pairs(
     output: Output, members: tuple[Member, ...], sides: tuple[int, ...], doubled: Doubled
 ) -> tuple[tuple[int, int], ...]:
     """Return the upper and the lower member of each consequent: both come from one rule."""
+    # A lower term is found by the name of the upper one from which it was made.
     names = {lower: name for (of, name), lower in doubled.lower_names.items() if of == output.name}
     keys = [
         (names.get(entry.term.name, entry.term.name), entry.hedges, entry.implication)
@@ -589,6 +594,7 @@ def needed(made: Plan, names: Iterable[str]) -> tuple[set[str], set[int]]:
             for _, rule in made.outputs[name].contributions
             if made.rules[rule].rule.weight != 0.0
         }
+        # To a fixed point: what a needed output reads is needed as well.
         further = _read(made, outputs, more) & made.outputs.keys()
         if more == rules and further <= outputs:
             return outputs, rules
@@ -657,6 +663,7 @@ def _part_for(rulebase: RuleBase, wanted: tuple[str, ...]) -> RuleBase:
         i for i, readings_here in enumerate(plan_.readings) if needed_readings & set(readings_here)
     }
     names_read = _read(plan_, names, needed_readings)
+    # A linear consequent reads an input by its coefficient, not by its name.
     linear = [
         shape.parameters
         for output in rulebase.outputs

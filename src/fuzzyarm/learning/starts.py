@@ -63,6 +63,7 @@ def grid_premises(inputs: Array, counts: Sequence[int]) -> Premises:
     for k, count in enumerate(counts):
         if count < 2:
             continue
+        # Terms have their middles at even steps, and cross half-way between them.
         step = float(width[k]) / (count - 1)
         start = len(numbers)
         for i in range(count - 1):
@@ -136,6 +137,7 @@ def fuzzy_c_means(
     weights = np.empty((len(scaled), count))
     for _ in range(rounds):
         apart = np.maximum(_squared_distances(scaled, centres), 1e-18)
+        # Membership with the fuzzifier m = 2: 1/d² as a share of its sum, squared as a weight.
         share = 1.0 / apart
         weights = (share / share.sum(axis=1, keepdims=True)) ** 2
         new_centres = weights.T @ scaled / weights.sum(axis=0)[:, None]
@@ -143,6 +145,7 @@ def fuzzy_c_means(
             break
         centres = new_centres
     mass = weights.sum(axis=0)[:, None]
+    # E x² − (E x)², which rounding may take below 0.
     variance = (weights.T @ scaled**2 / mass) - centres**2
     return low + centres * width, np.sqrt(np.maximum(variance, 0.0)) * width
 
@@ -184,6 +187,7 @@ def subtractive_clusters(inputs: Array, radius: float, most: int) -> tuple[Array
     low, width = widths_of(inputs)
     scaled = (inputs - low) / width
     potential = np.zeros(len(scaled))
+    # By rows: all distances at once would be samples² numbers.
     for rows in np.array_split(np.arange(len(scaled)), max(1, len(scaled) // 512)):
         near = np.exp(-4.0 / radius**2 * _squared_distances(scaled[rows], scaled))
         potential[rows] = near.sum(axis=1)
@@ -196,6 +200,7 @@ def subtractive_clusters(inputs: Array, radius: float, most: int) -> tuple[Array
             break
         if share < 0.5 and centres:
             apart = math.sqrt(_squared_distances(scaled[[best]], scaled[centres]).min())
+            # Chiu's test between the two limits: far from the other centres, or enough potential.
             if apart / radius + share < 1.0:
                 potential[best] = 0.0
                 continue
@@ -267,6 +272,7 @@ def pruned(premises: Premises, inputs: Array, least: float = 1.0) -> Premises:
     least : float
         Samples' worth of firing strength that a rule needs.
     """
+    # Strengths of a sample add up to 1 over the rules, so a sum counts samples.
     support = premises.strengths(inputs).sum(axis=0)
     rules = [rule for rule, share in zip(premises.rules, support, strict=True) if share >= least]
     if not rules or len(rules) == len(premises.rules):

@@ -261,6 +261,7 @@ class _OfSamples(Crisp):
         ]
         may_lack = ~(weighted[UPPER][0] > 0.0).any(axis=1)
         positions = self.samples.positions
+        # The sampled bisector with midpoints takes the nearest sample, which sums do not bound.
         if self.nearest:
             half = self.nearest(positions, *weighted[UPPER])
             return *self.value({"half": half}), may_lack
@@ -354,6 +355,7 @@ class _OfNumbers(Crisp):
             a, b = coefficient * low[:, i], coefficient * high[:, i]
             least, most = least + np.minimum(a, b), most + np.maximum(a, b)
             size = size + np.maximum(np.abs(a), np.abs(b))
+        # Each product and sum rounds by 2⁻⁵³ of its size; 1e-14 covers some dozens of them.
         return least - 1e-14 * size, most + 1e-14 * size
 
     def _inverted(self, member: Member, strength: Interval) -> Interval:
@@ -363,11 +365,13 @@ class _OfNumbers(Crisp):
         is no first or last one.
         """
         degrees = strength[0] * (1.0 - SLACK), strength[1] * (1.0 + SLACK)
+        # Boxes share their ends: each degree is inverted once.
         distinct, back = np.unique(np.stack(degrees), return_inverse=True)
         at = np.array([self._positions(member, share) for share in distinct.tolist()])
         values = at[back.reshape(2, -1)]
         output = self.output.output
         sizes = [abs(x) for x in (*member.term.shape.parameters, output.low, output.high)]
+        # Inverses are formulas in floats; infinite positions stay infinite.
         slack = 1e-13 * (max(sizes) + np.where(np.isfinite(values), np.abs(values), 0.0))
         return (values - slack).min(axis=(0, 2)), (values + slack).max(axis=(0, 2))
 

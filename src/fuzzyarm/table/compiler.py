@@ -174,6 +174,7 @@ def over_inputs(table: LookupTable, inputs: Sequence[Input]) -> LookupTable:
         for variable in inputs
     ]
     shape = [len(axis.levels) if axis.name in axes_by_name else 1 for axis in axes]
+    # Known axes in the order of the inputs, new ones of length 1, which broadcasting repeats.
     order = [table.names.index(axis.name) for axis in axes if axis.name in axes_by_name]
     whole = [len(axis.levels) for axis in axes]
     spread = np.broadcast_to(table.values.transpose(order).reshape(shape), whole)
@@ -214,6 +215,7 @@ def choose_axes(
 
 
 def _axis(rulebase: RuleBase, variable: Input, levels: Levels | None) -> Axis:
+    # Bins belong to the levels of the file: other levels come without them.
     bins = None
     if levels is None:
         for axis in rulebase.lookup.axes if rulebase.lookup else ():
@@ -287,6 +289,7 @@ def evaluate(
     result = np.asarray(evaluator(inputs)[output], dtype=np.float64)
     values = np.broadcast_to(result, np.broadcast_shapes(*(array.shape for array in points)))
     if not np.isfinite(values).all():
+        # The first point without a value, for the message.
         where = tuple(np.argwhere(~np.isfinite(values))[0])
         spread = np.broadcast_arrays(*points)
         coordinates = [(name, x[where]) for name, x in zip(names, spread, strict=True)]
@@ -306,6 +309,7 @@ def round_to(values: NDArray[np.float64], step: float) -> NDArray[np.float64]:
     """
     if not (step > 0 and math.isfinite(step)):
         raise TableError(f"values are rounded to a positive step, not to {step:g}")
+    # 0.1 as 1/10: multiples / 10 is the float nearest to the decimal, multiples · 0.1 is not.
     exact = Fraction(repr(float(step)))
     multiples = np.rint(values / step)
     if exact.numerator < 2**20 and exact.denominator < 2**53:
