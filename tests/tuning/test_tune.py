@@ -259,7 +259,7 @@ def test_metrics_of_one_axis_and_functions_of_ones_own(tmp_path):
     assert made.row("tuned").scores["train"].cost <= made.found.trials[0].score.cost
     with pytest.raises(CostFormulaError, match=r"own.py:4: AttributeError"):
         heated(cost=f"{tmp_path / 'own.py'}:wrong", evals=2)
-    with pytest.raises(CostFormulaError, match="unknown function 'lat'"):
+    with pytest.raises(CostFormulaError, match="no function 'lat'"):
         read_cost(f"{tmp_path / 'own.py'}:lat")
     assert Cost("2*'room.rms'").of({"rms": 1.0, "room.rms": 3.0}) == 6.0
 
