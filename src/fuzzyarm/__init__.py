@@ -47,6 +47,7 @@ Lookup tables
     LookupTable         A grid of values over one or more inputs, with its meaning and its
                         origin.
     read_table          Return the table in a .lut, .csv, .npz or .json file.
+    export_file         Write a rule base, a table or a controller as source text or as a program.
     write_table         Write table whole or not at all; read_table gives back an equal table.
 
 Prove, and run on a plant
@@ -128,6 +129,7 @@ if TYPE_CHECKING:
         FileWarning,
         check_file,
         check_text,
+        export_file,
         load,
         load_controller,
         load_rulebase,
@@ -169,6 +171,7 @@ __all__ = [
     "compile_with_report",
     "compiled",
     "explain",
+    "export_file",
     "from_live",
     "infer",
     "infer_interval",
@@ -237,6 +240,7 @@ if not TYPE_CHECKING:
                 "FileWarning",
                 "check_file",
                 "check_text",
+                "export_file",
                 "load",
                 "load_controller",
                 "load_rulebase",

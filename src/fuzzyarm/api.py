@@ -7,9 +7,9 @@ import warnings
 from collections import Counter
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from fuzzyarm.errors import FuzzyarmError, WordError
+from fuzzyarm.errors import FuzzyarmError, UsageError, WordError
 from fuzzyarm.frozen import NamedTuple, replace
 from fuzzyarm.language import Parsed, parse, read_text
 from fuzzyarm.language.check import CHECKS, check, judged
@@ -23,10 +23,11 @@ from fuzzyarm.text.shown import one_line
 
 if TYPE_CHECKING:
     from fuzzyarm.controller.text import ControllerText
+    from fuzzyarm.export import Exported, ExportedController
     from fuzzyarm.model.controller import ControllerModel
     from fuzzyarm.plant.plant import Plant
     from fuzzyarm.proof import Verdict
-    from fuzzyarm.requests.making import CompileRequest
+    from fuzzyarm.requests.making import CompileRequest, ExportRequest
     from fuzzyarm.table import LookupTable
 
 
@@ -40,6 +41,7 @@ __all__ = [
     "check_file",
     "check_parsed",
     "check_text",
+    "export_file",
     "judge",
     "load",
     "load_controller",
@@ -272,6 +274,63 @@ def table_asked(asked: CompileRequest) -> LookupTable:
     rulebase = load_rules(asked.file, "compile_table")
     how = making_of(asked.as_kind(ExportRequest))
     return compiled(rulebase, asked.output, how).table
+
+
+def export_file(
+    file: str | os.PathLike[str] | ExportRequest, out: str | os.PathLike[str], **fields: Any
+) -> Exported | ExportedController:
+    """Write a rule base, a table or a controller as source text or as a program.
+
+    Parameters
+    ----------
+    file : str, path-like or ExportRequest
+        What is exported: a file, or a request that says how, too.
+    out : str or path-like
+        Its suffix is the language, as of ``fuzzyarm compile``: ``.h``, ``.c``, ``.st``, …
+    **fields
+        Of an `ExportRequest`, beside a file: ``q=15``, ``table=True``, ``name="servo"``, ….
+
+    Returns
+    -------
+    Exported or ExportedController
+        With the files that were written, and what their functions are called.
+
+    Raises
+    ------
+    ExportError
+        If something cannot be exported so.
+    RequestError
+        If there is no such field, or it does not take its value.
+
+    Examples
+    --------
+    >>> from fuzzyarm import shipped
+    >>> export_file(shipped("pd7.frb"), "pd7.h", q=15).calls
+    ('int16_t pd7_u(int16_t e, int16_t ce);',)
+    """
+    from pathlib import Path
+
+    from fuzzyarm.proof.compiled import making_of, program_of, source_of
+    from fuzzyarm.requests.making import ExportRequest
+    from fuzzyarm.text.files import write_atomically
+    from fuzzyarm.text.keywords import demand_alone
+
+    if isinstance(file, ExportRequest):
+        demand_alone("export_file", fields)
+        asked = file
+    else:
+        asked = ExportRequest(file=os.fspath(file), **fields)
+    if known := asked.given(("place", "board", "certificate")):
+        raise UsageError(f"{known.spelling} is an option of the command", hint="fuzzyarm compile")
+    controller, how = controller_if_any(asked.file), making_of(asked)
+    exported: Exported | ExportedController
+    if controller is not None:
+        exported, _ = program_of(controller, Path(out), how)
+    else:
+        exported, _ = source_of(load_sheet(asked.file), Path(out), how)
+    for path, content in exported.files:
+        write_atomically(path, content)
+    return exported
 
 
 def _name_and_suffix(path: str | os.PathLike[str]) -> tuple[str, str]:

@@ -12,6 +12,25 @@ from fuzzyarm.requests.fields import Request, RequestError, RequestField, fields
 AnyRequest = TypeVar("AnyRequest", bound=Request)
 
 
+WHICH_ONE = """\
+Which command to use:
+
+  sweep, simulate --sweep   how errors depend on gains, parameters and loads; no file changes
+  tune                      numbers of a file that make a cost small, in its loop or on samples
+  learn                     a table that fills itself while its controller runs on a plant
+  fit                       rules from a file of samples, without a plant
+
+"""
+"""Of the commands that look for numbers, on the help page of each."""
+
+_EXAMPLES = "Examples\n--------\n"
+
+
+def with_choice(description: str | None) -> str:
+    """Return a help text which says, before its examples, which of such commands is for what."""
+    return (description or "").replace(_EXAMPLES, WHICH_ONE + _EXAMPLES)
+
+
 def request_command(
     name: str, description: str | None, run: Callable[[AnyRequest], int], kind: type[AnyRequest]
 ) -> Command:

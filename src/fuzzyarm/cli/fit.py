@@ -25,7 +25,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fuzzyarm.cli.arguments import request_command
+from fuzzyarm.cli.arguments import request_command, with_choice
 from fuzzyarm.cli.command import (
     EXIT_INTERRUPTED,
     attempted,
@@ -200,4 +200,4 @@ def _pair(model: float, linear: float) -> tuple[str, str]:
     return f"{model:.4g}", f"{linear:.4g}"
 
 
-COMMANDS = (request_command("fit", __doc__, _run, FitWords),)
+COMMANDS = (request_command("fit", with_choice(__doc__), _run, FitWords),)

@@ -25,7 +25,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from fuzzyarm.cli.arguments import request_command
+from fuzzyarm.cli.arguments import request_command, with_choice
 from fuzzyarm.cli.command import (
     DIVERGED,
     EXIT_INTERRUPTED,
@@ -290,4 +290,4 @@ class _Watched:
         }
 
 
-COMMANDS = (request_command("learn", __doc__, _run, LearnWords),)
+COMMANDS = (request_command("learn", with_choice(__doc__), _run, LearnWords),)

@@ -31,7 +31,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fuzzyarm.cli.arguments import request_command
+from fuzzyarm.cli.arguments import request_command, with_choice
 from fuzzyarm.cli.command import (
     DIVERGED,
     UsageError,
@@ -389,4 +389,4 @@ def _list(as_json: bool) -> None:
     print("\n".join(in_columns(rows)))
 
 
-COMMANDS = (request_command("simulate", __doc__, _run, SimulateWords),)
+COMMANDS = (request_command("simulate", with_choice(__doc__), _run, SimulateWords),)

@@ -24,7 +24,7 @@ from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
-from fuzzyarm.cli.arguments import request_command
+from fuzzyarm.cli.arguments import request_command, with_choice
 from fuzzyarm.cli.command import (
     DIVERGED,
     EXIT_INTERRUPTED,
@@ -223,4 +223,4 @@ def _as_json(many: Many, plan: Sweep, asked: SweepWords) -> dict[str, Any]:
     return found
 
 
-COMMANDS = (request_command("sweep", __doc__, sweep, SweepWords),)
+COMMANDS = (request_command("sweep", with_choice(__doc__), sweep, SweepWords),)

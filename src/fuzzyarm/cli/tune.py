@@ -37,7 +37,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from fuzzyarm.cli.arguments import request_command
+from fuzzyarm.cli.arguments import request_command, with_choice
 from fuzzyarm.cli.command import (
     DIVERGED,
     EXIT_INTERRUPTED,
@@ -336,4 +336,4 @@ def _lines(tuned: Tuned, path: str, written: list[Path]) -> Iterator[str]:
         yield f"wrote {', '.join(map(os.fspath, written))}"
 
 
-COMMANDS = (request_command("tune", __doc__, _run, TuneWords),)
+COMMANDS = (request_command("tune", with_choice(__doc__), _run, TuneWords),)
