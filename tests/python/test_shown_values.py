@@ -66,7 +66,7 @@ def _fit(rulebase):
     shares = dict.fromkeys(("error", "error_of_numbers", "linear_error", "shrinkage"), 0.1)
     crossed = dict.fromkeys(("cross_validation", "linear_cross_validation"), 0.2)
     return Fit(
-        rulebase, str(rulebase), **shares, **crossed,
+        rulebase=rulebase, text=str(rulebase), **shares, **crossed,
         candidates=(), structure="grid of 7 and 7", support=(), digits=4,
     )  # fmt: skip
 

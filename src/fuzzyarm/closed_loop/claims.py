@@ -55,13 +55,11 @@ def read_claim(text: str, plant: str = "", argument: str = "") -> LoopClaim:
     wrong = tuple(diagnostic for diagnostic in document.diagnostics if diagnostic.line > 1)
     nodes = [s.node for s in document.statements if isinstance(s.node, LoopClaimNode)]
     if wrong or not nodes:
-        said = f"{argument} '{text.strip()}'"
+        said, hint = argument or f"'{text.strip()}'", _hint(text)
         raise RuleBaseError(
             [
-                replace(
-                    diagnostic, argument=said, hint=diagnostic.hint or _hint(text), span=NOWHERE
-                )
-                for diagnostic in wrong or document.diagnostics
+                replace(mistake, argument=said, hint=mistake.hint or hint, span=NOWHERE)
+                for mistake in wrong or document.diagnostics
             ]
         )
     return replace(nodes[0].claim, span=NOWHERE)

@@ -45,7 +45,7 @@ Progress = Callable[[float, int], None]
 # ── tubes ────────────────────────────────────────────────────────────────────────────
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Tube:
     """Where all runs are.
 
@@ -325,8 +325,18 @@ class _Search:
             for box in (*failed, *lost)
         )
         return Tube(
-            follower.problem, common * period, tuple(follower.labels),
-            np.asarray(begins, float), np.asarray(ends, float), low, high, low_at, high_at,
-            count, open_, not lost and bool(finished), clock.monotonic() - self.begun,
-            0.0 if follower.goal is None else max(lengths) * period,
-        )  # fmt: skip
+            problem=follower.problem,
+            duration=common * period,
+            ports=tuple(follower.labels),
+            begins=np.asarray(begins, float),
+            ends=np.asarray(ends, float),
+            low=low,
+            high=high,
+            low_at=low_at,
+            high_at=high_at,
+            boxes=count,
+            open=open_,
+            complete=not lost and bool(finished),
+            seconds=clock.monotonic() - self.begun,
+            arrival=0.0 if follower.goal is None else max(lengths) * period,
+        )

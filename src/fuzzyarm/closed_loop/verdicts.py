@@ -54,7 +54,7 @@ PROVED, REFUTED, UNDECIDED = "proved", "refuted", "undecided"
 Tell = Callable[[str, int, float], None]
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, kw_only=True)
 class LoopVerdict(Shown):
     """What is known of a claim about a loop.
 
@@ -310,8 +310,8 @@ class _Case:
 
     def _said(self, verdict: str, **facts: Any) -> LoopVerdict:
         return LoopVerdict(
-            self.statement,
-            verdict,
+            statement=self.statement,
+            verdict=verdict,
             pieces=self.attempts,
             seconds=time.monotonic() - self.started,
             line=0 if self.claim.span == NOWHERE else self.claim.span.line,
@@ -489,8 +489,8 @@ def _checked(
 ) -> LoopVerdict:
     verdict = UNDECIDED if against else PROVED
     return LoopVerdict(
-        statement,
-        verdict,
+        statement=statement,
+        verdict=verdict,
         certificate=certificate,
         claim=certificate.claim,
         reason=f"the certificate does not prove it: {against}" if against else "",

@@ -613,7 +613,7 @@ def _gains(model: ControllerModel) -> Iterator[Gain]:
 # --- What it has learned ---
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Learned:
     """Tables that a controller has learned.
 
@@ -696,9 +696,9 @@ def learned(law: TextLaw, arithmetic: Arithmetic, memory: Any = None) -> Learned
     values = [memory[place.values : place.values + place.count] for place in places]
     visits = [memory[place.visits : place.visits + place.count] for place in places]
     return Learned(
-        axes,
-        np.array(values).reshape(-1, *shape),
-        np.array(visits).astype(np.int64).reshape(-1, *shape),
+        axes=axes,
+        values=np.array(values).reshape(-1, *shape),
+        visits=np.array(visits).astype(np.int64).reshape(-1, *shape),
     )
 
 

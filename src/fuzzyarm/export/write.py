@@ -44,7 +44,7 @@ XML_FORMATS: Mapping[str, Callable[[Project], str]] = MappingProxyType(
 _STRUCTURED = (".st", ".xml", ".scl")
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Exported:
     """Files, not yet written.
 
@@ -159,21 +159,24 @@ def export_files(
     routine_list = tuple(routines)
     if suffix == ".py":
         text, calls = python_module(routine_list, path.stem)
-        return Exported(routine_list, ((path, text),), tuple(calls))
+        return Exported(routines=routine_list, files=((path, text),), calls=tuple(calls))
     if suffix == ".st":
         text, blocks = structured_text(routine_list, prefix)
-        return Exported(routine_list, ((path, text),), tuple(blocks))
+        return Exported(routines=routine_list, files=((path, text),), calls=tuple(blocks))
     if suffix in _STRUCTURED:
         project = routines_project(routine_list, prefix)
         return Exported(
-            routine_list, ((path, _project_text(project, suffix, xml)),), project.blocks
+            routines=routine_list,
+            files=((path, _project_text(project, suffix, xml)),),
+            calls=project.blocks,
         )
     if suffix == ".h":
         header, prototypes = c_header(routine_list, prefix, path.name)
-        return Exported(routine_list, ((path, header),), tuple(map(str, prototypes)))
+        files = ((path, header),)
+        return Exported(routines=routine_list, files=files, calls=tuple(map(str, prototypes)))
     header, source, prototypes = c_pair(routine_list, prefix, path.stem)
-    files = ((path, source), (path.with_suffix(".h"), header))
-    return Exported(routine_list, files, tuple(map(str, prototypes)))
+    pair = ((path, source), (path.with_suffix(".h"), header))
+    return Exported(routines=routine_list, files=pair, calls=tuple(map(str, prototypes)))
 
 
 def write_export(
@@ -237,7 +240,7 @@ def _suffix_and_prefix(path: Path, name: str | None, known: Sequence[str]) -> tu
 # --- Controllers ---
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ExportedController:
     """Files of a controller, not yet written.
 
@@ -297,20 +300,22 @@ def export_controller(
     suffix, prefix = _suffix_and_prefix(path, name, CONTROLLER_EXPORTS)
     if suffix == ".st":
         content, block = controller_st(program, prefix)
-        return ExportedController(program, ((path, content),), (block,))
+        return ExportedController(program=program, files=((path, content),), calls=(block,))
     if suffix in _STRUCTURED:
         project = controller_project(program, prefix)
         content = _project_text(project, suffix, xml)
-        return ExportedController(program, ((path, content),), project.blocks)
+        return ExportedController(program=program, files=((path, content),), calls=project.blocks)
     if suffix == ".py":
         text, calls = python_controller(program, path.stem)
-        return ExportedController(program, ((path, text),), calls)
+        return ExportedController(program=program, files=((path, text),), calls=calls)
     if suffix == ".fmu":
         targets = platforms_named(platforms, fmi) if platforms is not None else ()
         unit = controller_fmu(program, prefix, fmi, targets)
-        return ExportedController(program, ((path, unit),), ())
+        return ExportedController(program=program, files=((path, unit),), calls=())
     files, writer = controller_c(
         program.steps, prefix, path.stem, suffix, program.tried.vectors, program.head()
     )
     listed_files = tuple((path.with_suffix(end), content) for end, content in files.items())
-    return ExportedController(program, listed_files, tuple(writer.prototypes().values()))
+    return ExportedController(
+        program=program, files=listed_files, calls=tuple(writer.prototypes().values())
+    )

@@ -85,7 +85,7 @@ class FitError(FuzzyarmError, ValueError):
     """Samples or options from which no model can be made."""
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, kw_only=True)
 class Fit:
     """A learned rule base and what is known of it.
 
@@ -476,22 +476,24 @@ def _written(samples: Samples, options: Options, way: _Way, error: Error, clock:
         digits += 1
     strengths = premises.strengths(samples.inputs)
     fit = Fit(
-        rulebase,
-        "",
-        score(samples, samples.outputs - residual),
-        score(samples, numbers),
-        score(samples, linear_outputs(samples)),
-        error.value,
-        way.judge.linear_error(),
-        tuple((candidate.words, candidate.size, candidate.error) for candidate in way.tried),
-        best.words,
-        shrinkage,
-        tuple(strengths.sum(axis=0).tolist()),
-        digits,
-        not way.finished,
-        best.error,
-        error.judged,
-        tuple(_limits(way.finished, error, clock)),
+        rulebase=rulebase,
+        text="",
+        error=score(samples, samples.outputs - residual),
+        error_of_numbers=score(samples, numbers),
+        linear_error=score(samples, linear_outputs(samples)),
+        cross_validation=error.value,
+        linear_cross_validation=way.judge.linear_error(),
+        candidates=tuple(
+            (candidate.words, candidate.size, candidate.error) for candidate in way.tried
+        ),
+        structure=best.words,
+        shrinkage=shrinkage,
+        support=tuple(strengths.sum(axis=0).tolist()),
+        digits=digits,
+        interrupted=not way.finished,
+        choice=best.error,
+        judged=error.judged,
+        limits=tuple(_limits(way.finished, error, clock)),
     )
     comments = rule_comments(rulebase, samples, strengths, residual)
     return _with_text(fit, commented(rulebase, _head(samples, options, fit), comments))
@@ -566,22 +568,22 @@ def _fit_words(
     rulebase, support = wang_mendel(samples, chosen, layout)
     error = score(samples, outputs_of(rulebase, samples))
     fit = Fit(
-        rulebase,
-        "",
-        error,
-        error,
-        score(samples, linear_outputs(samples)),
-        judgement.value,
-        judge.linear_error(),
-        tuple((f"{words} words", words, squares) for words, squares in errors.items()),
-        f"{chosen} words of each variable, after Wang and Mendel",
-        math.nan,
-        tuple(map(float, support)),
-        0,
-        not finished,
-        errors[chosen],
-        judgement.judged,
-        tuple(_limits(finished, judgement, clock)),
+        rulebase=rulebase,
+        text="",
+        error=error,
+        error_of_numbers=error,
+        linear_error=score(samples, linear_outputs(samples)),
+        cross_validation=judgement.value,
+        linear_cross_validation=judge.linear_error(),
+        candidates=tuple((f"{words} words", words, squares) for words, squares in errors.items()),
+        structure=f"{chosen} words of each variable, after Wang and Mendel",
+        shrinkage=math.nan,
+        support=tuple(map(float, support)),
+        digits=0,
+        interrupted=not finished,
+        choice=errors[chosen],
+        judged=judgement.judged,
+        limits=tuple(_limits(finished, judgement, clock)),
     )
     head = _head(samples, options, fit)
     counts = np.asarray(support)

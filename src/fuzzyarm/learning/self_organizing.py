@@ -40,7 +40,7 @@ from fuzzyarm.version import __version__
 Vector = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Snapshot:
     """Training at some moment.
 
@@ -119,14 +119,14 @@ def trained(
                 loop(*inputs, *own, *record.outputs)
             lost = record.lost
             yield Snapshot(
-                passage,
-                float(motion.time[end - 1]),
-                end + count * (passage - 1),
-                learned(law, arithmetic, record.memory),
-                shown_errors(course, record.rows),
-                end == count or lost is not None,
-                None if lost is None else float(motion.time[lost]),
-                shown_units(course),
+                passage=passage,
+                time=float(motion.time[end - 1]),
+                points=end + count * (passage - 1),
+                learned=learned(law, arithmetic, record.memory),
+                errors=shown_errors(course, record.rows),
+                complete=end == count or lost is not None,
+                diverged=None if lost is None else float(motion.time[lost]),
+                units=shown_units(course),
             )
             if lost is not None:
                 return

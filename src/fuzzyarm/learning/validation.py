@@ -113,7 +113,7 @@ class Bin(NamedTuple):
     observed: float
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, kw_only=True)
 class Validation(Plotted):
     """What samples say of a rule base.
 

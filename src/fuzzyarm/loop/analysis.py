@@ -212,7 +212,7 @@ def nonlinearity(thing: AnyRuleBase | ControllerText) -> Any:
 # --- Phase portraits ---
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, kw_only=True)
 class Portrait(Plotted):
     """Motions from many starts in the plane of two quantities.
 
@@ -338,12 +338,12 @@ def _of_double_integrator(
     up = np.linspace(second.low, second.high, 25)
     e, ce = np.meshgrid(across, up)
     return Portrait(
-        f"{rulebase.name} on a double integrator",
-        first.name,
-        second.name,
-        paths,
-        (0.0, 0.0),
-        (across, up, ce, -answer(e, ce)),
+        name=f"{rulebase.name} on a double integrator",
+        x=first.name,
+        y=second.name,
+        paths=paths,
+        target=(0.0, 0.0),
+        field=(across, up, ce, -answer(e, ce)),
     )
 
 
@@ -394,4 +394,6 @@ def _on_plant(
         run = simulate(controller, there, reference=references, duration=duration, options=options)
         paths.append(np.column_stack([run.outputs[name] for name in pair]))
     across, up = (f"{name}, {port.unit}" for name, port in zip(pair, ports, strict=True))
-    return Portrait(f"{controller.name} on {plant.name}", across, up, paths, target)
+    return Portrait(
+        name=f"{controller.name} on {plant.name}", x=across, y=up, paths=paths, target=target
+    )

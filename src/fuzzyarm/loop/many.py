@@ -70,7 +70,7 @@ class SweepError(FuzzyarmError, ValueError):
 # --- What came of many runs ---
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, kw_only=True)
 class Many:
     """What came of many runs; ``many["rms"]`` is a metric of all of them.
 
@@ -478,16 +478,16 @@ def many_of(bench: Bench, changes: Columns, rows: Rows) -> Many:
     """Return what came of the first runs, of their rows."""
     loop, count = bench.loop, len(rows)
     return Many(
-        loop.controller.name,
-        loop.course.plant.name,
-        bench.motion.name,
-        bench.outputs,
-        bench.units,
-        {name: values[:count] for name, values in changes.items() if name != "seed"},
-        seeds_of(bench, changes, count),
-        rows[:, 0],
-        rows[:, 1:].reshape(count, len(bench.outputs), len(METRICS)),
-        bench.motion.along,
+        controller=loop.controller.name,
+        plant=loop.course.plant.name,
+        trajectory=bench.motion.name,
+        outputs=bench.outputs,
+        units=bench.units,
+        changes={name: values[:count] for name, values in changes.items() if name != "seed"},
+        seeds=seeds_of(bench, changes, count),
+        diverged=rows[:, 0],
+        values=rows[:, 1:].reshape(count, len(bench.outputs), len(METRICS)),
+        along=bench.motion.along,
     )
 
 

@@ -87,7 +87,7 @@ def metric_units(course: Course) -> dict[str, dict[str, str]]:
     return units
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, kw_only=True)
 class Run(Plotted):
     """What came of it; angles are shown in degrees, all else in the units of the plant.
 

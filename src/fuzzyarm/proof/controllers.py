@@ -84,7 +84,7 @@ class DriveSector:
     slack: float = 0.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class DriveProof:
     """What is proved of one drive.
 
@@ -171,10 +171,19 @@ class _Trial:
         at = clipped(law.at, actuator) if actuator is not None else law.at
         reached, where = self._reached(port, free, bound, first, zones)
         return DriveProof(
-            self.name, port, unit_text(unit) if unit else "", *at, (free.low, free.high),
-            None if bound is None else (bound.low, bound.high), reached, where,
-            gains, sectors, tuple(dict.fromkeys(open_)),
-        )  # fmt: skip
+            axis=self.name,
+            port=port,
+            unit=unit_text(unit) if unit else "",
+            low=at.low,
+            high=at.high,
+            free=(free.low, free.high),
+            limits=None if bound is None else (bound.low, bound.high),
+            reached=reached,
+            at=where,
+            gains=gains,
+            sectors=sectors,
+            open=tuple(dict.fromkeys(open_)),
+        )
 
     def _actuator(self, port: str) -> tuple[Interval | None, Unit | None]:
         if self.site is None:

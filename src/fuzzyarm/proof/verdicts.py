@@ -39,7 +39,7 @@ Tell = Callable[[str, int, float], None]
 """Called with the statement, the number of open pieces and the gap between the bounds."""
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, kw_only=True)
 class Verdict(Shown):
     """What is known of one statement.
 
@@ -295,7 +295,9 @@ class _Case:
             facts["points"] = tuple(self.failing)
         seconds = time.monotonic() - self.started
         line, output = max(0, self.claim.span.line), self.claim.output
-        return Verdict(self.text, verdict, seconds=seconds, line=line, output=output, **facts)
+        return Verdict(
+            statement=self.text, verdict=verdict, seconds=seconds, line=line, output=output, **facts
+        )
 
     def _because_of_boxes(self, before: str, after: str) -> str:
         reason = self.provers[self.claim.output].reason if self.provers else ""

@@ -74,7 +74,7 @@ CONDITIONS = {
 # --- Errors, and how much the torque changes ---
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Compared:
     """A controller under some conditions.
 
@@ -178,14 +178,14 @@ def compare(
             for way in ways
         ]
         yield Compared(
-            controller_.name,
-            tuple(unit for run in runs for unit in run.units),
-            tuple(error for run in runs for error in run.rms),
-            tuple(error for run in runs for error in run.rms_periods),
-            tuple(error for run in runs for error in run.rms_path),
-            tuple(change for run in runs for change in run.variation),
-            tuple(run.diverged for run in runs),
-            tuple(dict.fromkeys(note for run in runs for note in run.notes)),
+            name=controller_.name,
+            units=tuple(unit for run in runs for unit in run.units),
+            rms=tuple(error for run in runs for error in run.rms),
+            rms_periods=tuple(error for run in runs for error in run.rms_periods),
+            rms_path=tuple(error for run in runs for error in run.rms_path),
+            variation=tuple(change for run in runs for change in run.variation),
+            diverged=tuple(run.diverged for run in runs),
+            notes=tuple(dict.fromkeys(note for run in runs for note in run.notes)),
         )
 
 
@@ -217,7 +217,7 @@ def compared_along(asked: CompareRequest, plant: Plant) -> Sequence[Trajectory]:
     return compared_trajectories(plant, **arguments)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Watched:
     """What is compared of one run: see :class:`Compared`."""
 
@@ -261,20 +261,20 @@ def watched_run(
         return tuple(float(value) for value in values)
 
     return Watched(
-        shown_units(course),
-        plainly(rms(shown_errors(course, record.rows))),
-        plainly(shown_means(course, record, HELD)),
-        plainly(shown_means(course, record, LED)),
-        plainly(record.changes(MAGNITUDES)[first]),
-        record.diverged(),
-        loop.notes(),
+        units=shown_units(course),
+        rms=plainly(rms(shown_errors(course, record.rows))),
+        rms_periods=plainly(shown_means(course, record, HELD)),
+        rms_path=plainly(shown_means(course, record, LED)),
+        variation=plainly(record.changes(MAGNITUDES)[first]),
+        diverged=record.diverged(),
+        notes=loop.notes(),
     )
 
 
 # --- Cost ---
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Cost:
     """What a control step of a controller costs, both joints.
 
@@ -321,7 +321,10 @@ def cost_of(name: str, *, conventions: Conventions = PLAIN, timed: bool = True) 
     controller = find_controller(name)
     seconds = measure_time(controller, conventions=conventions) if timed else None
     return Cost(
-        controller.name, count_operations(controller), exported_operations(controller), seconds
+        name=controller.name,
+        operations=count_operations(controller),
+        exported=exported_operations(controller),
+        seconds=seconds,
     )
 
 

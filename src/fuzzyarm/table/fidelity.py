@@ -49,7 +49,7 @@ _CORNERS = 400_000_000
 """Points times corners of a cell between which the table interpolates."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Fidelity:
     """The difference between a table and direct inference over a dense grid.
 
@@ -247,7 +247,13 @@ class _Tally:
 
     def result(self, mode: str, names: Sequence[str], sizes: tuple[int, ...]) -> Fidelity:
         rms = math.sqrt(self.squares / self.weight) if self.weight else 0.0
-        return Fidelity(mode, self.worst, rms, tuple(zip(names, self.at, strict=True)), sizes)
+        return Fidelity(
+            mode=mode,
+            worst=self.worst,
+            rms=rms,
+            at=tuple(zip(names, self.at, strict=True)),
+            points=sizes,
+        )
 
 
 # --- Find the smallest even grid whose linear interpolation meets a tolerance ---
@@ -460,7 +466,7 @@ class _Probes:
 # --- Compile and say how good the table is; or find the smallest table that is good enough ---
 
 
-@dataclass(frozen=True, slots=True, repr=False)
+@dataclass(frozen=True, slots=True, repr=False, kw_only=True)
 class CompileReport:
     """A compiled table and what is known of its quality.
 
@@ -576,8 +582,8 @@ def compile_with_report(
         set(levels) if isinstance(levels, Mapping) else set(table.names if levels else ())
     )
     return CompileReport(
-        table.with_values(table.values, provenance),
-        fidelities,
+        table=table.with_values(table.values, provenance),
+        fidelities=fidelities,
         default_levels=bool(set(table.names) - axes_of_file - axes_by_levels),
         tolerance=tolerance,
         few_points=_even_points(part_for(rulebase, [table.output])) < _DENSE_POINTS,

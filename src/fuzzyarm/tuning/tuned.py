@@ -16,6 +16,7 @@ from fuzzyarm.requests.fields import read_fields
 from fuzzyarm.requests.tune import TuneRequest
 from fuzzyarm.text.files import write_atomically
 from fuzzyarm.text.jsonable import jsonable
+from fuzzyarm.text.shown import one_line
 from fuzzyarm.tuning.design import Candidate, Parameter, controller_at
 from fuzzyarm.tuning.examiner import Score
 from fuzzyarm.tuning.linear import NAME as LINEAR
@@ -86,7 +87,7 @@ class Row(NamedTuple):
     scores: dict[str, Score]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Tuned:
     """What came of tuning.
 
@@ -149,6 +150,12 @@ class Tuned:
     faults: tuple[str, ...] = ()
     alone: str = ""
     line: Candidate | None = None
+
+    def __repr__(self) -> str:
+        name = self.model.name if isinstance(self.model, RuleBase) else self.model.model.name
+        before, after = (trial.score.cost for trial in (self.found.trials[0], self.found.best))
+        words = f"{self.cost} {after:.4g}, as in the file {before:.4g}"
+        return one_line(self, f"{name}: {words}; {len(self.found.trials)} evaluations")
 
     @property
     def model(self) -> ControllerText | RuleBase:
