@@ -117,5 +117,5 @@ def test_the_program_inside_passes_in_the_interpreter(tmp_path, monkeypatch, nam
 def test_the_format_is_refused_for_other_files(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     words = ["compile", *CASES["bins"], "--format", "iec61131-10", "-o", "made.st"]
-    assert main(words) == 1
+    assert main(words) == 2
     assert "--format does not apply: made.st is not an .xml" in capsys.readouterr().err
