@@ -32,7 +32,6 @@ sweep servo.frb --sweep J=0.01..0.02:2 --map J,R
 compare servo.frb --plot x.xyz
 compile pd7.frb -o x.xyz
 compile pd7.frb -o x.h --table --direct
-compile pd7.frb -o x.lut --levels 9x
 learn --joint 1
 learn --freeze -o x.lut
 tune servo.frb --resume

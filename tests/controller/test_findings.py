@@ -304,7 +304,7 @@ def test_check_on_a_plant_by_the_command(tmp_path, capsys):
     assert main(["check", str(file), "--plant", f"{own}:Wheel"]) == 0
     assert "no-limits" in capsys.readouterr().out
     assert main(["check", str(file), "--plant", "moter"]) == 1
-    assert main(["check", str(file), "--connect", "speed=velocity"]) == 1
+    assert main(["check", str(file), "--connect", "speed=velocity"]) == 2
     assert "did you mean 'motor'" in capsys.readouterr().err
 
 

@@ -181,6 +181,16 @@ def test_a_training_that_diverges_exits_with_3(capsys, words):
     assert status == 3
 
 
+WRONG_USAGE = (
+    ["--plot", "x.gif"],
+    ["--freeze", "-o", "x.lut"],
+    ["--joint", "1"],
+    ["-o", "x.frb"],
+    ["pd", "--overview", "x.nothing"],
+)
+"""Words of ``learn`` and ``reproduce`` that are at fault themselves: exit status 2."""
+
+
 @pytest.mark.parametrize(
     "words",
     [
@@ -216,7 +226,8 @@ def test_a_training_that_diverges_exits_with_3(capsys, words):
 def test_bad_input_is_one_clear_line(capsys, words, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     status, out, err = run(capsys, *words)
-    assert status == 1
+    usage = words[1:] in WRONG_USAGE
+    assert status == (2 if usage else 1)
     assert out == ""
     assert err.startswith("fuzzyarm: ")
     assert err.count("\n") == 1

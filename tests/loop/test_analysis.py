@@ -126,4 +126,4 @@ def test_the_command_draws_both(tmp_path, capsys):
         assert path.stat().st_size > 5_000
     assert main(["plot", str(shipped("servo.frb")), "-o", str(path), "--what", "phase"]) == 1
     assert "needs a plant" in capsys.readouterr().err
-    assert main(["plot", str(shipped("pd7.frb")), "-o", str(path), "--plant", "motor"]) == 1
+    assert main(["plot", str(shipped("pd7.frb")), "-o", str(path), "--plant", "motor"]) == 2

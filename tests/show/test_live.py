@@ -179,7 +179,7 @@ def test_it_plays_as_long_as_the_run_and_stops_when_asked(cartpole, monkeypatch)
 
 @pytest.mark.parametrize("words", [[], ["--json"]])
 def test_watching_needs_a_terminal(capsys, words):
-    assert main(["simulate", "pd", "--watch", *words]) == 1
+    assert main(["simulate", "pd", "--watch", *words]) == 2
     out, err = capsys.readouterr()
     assert out == ""
     assert "--watch" in err

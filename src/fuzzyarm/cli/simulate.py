@@ -157,7 +157,9 @@ def _require_pictures(asked: SimulateWords) -> None:
 
         require_animation(asked.animate)
     if asked.watch and asked.json:
-        raise UsageError("--watch draws where --json prints: leave one of them out")
+        raise UsageError(
+            "--watch draws on the terminal, where --json prints: leave one of them out"
+        )
     if asked.watch and not sys.stdout.isatty():
         raise UsageError("--watch needs a terminal", hint="--animate FILE writes an animation")
 

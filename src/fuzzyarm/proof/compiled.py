@@ -137,7 +137,7 @@ def _levels(text: str) -> Levels | Mapping[str, Levels]:
         return read_levels(text)
     except TableError as error:
         message = error.message.removeprefix("levels ")
-        raise RequestError("levels", message, hint=error.hint, is_usage=True) from None
+        raise RequestError("levels", message, hint=error.hint) from None
 
 
 def infers(model: RuleBase | LookupTable, how: Making) -> bool:
