@@ -651,6 +651,7 @@ declare namespace Messages {
     low: number;
     high: number;
     logarithmic: boolean;
+    whole: boolean;
   }
 
   interface PartData {

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, Any, TypeAlias, TypedDict, TypeVar, cast
 
 from fuzzyarm.text.jsonable import jsonable
@@ -289,6 +289,8 @@ class Axis:
         Whether equal lengths are equal ratios.
     about : str
         What the name means.
+    whole : bool
+        Whether it counts: numbers between whole ones say nothing.
     """
 
     name: str = ""
@@ -297,6 +299,7 @@ class Axis:
     high: float | None = None
     logarithmic: bool = False
     about: str = ""
+    whole: bool = False
 
     @property
     def words(self) -> str:
@@ -482,6 +485,7 @@ class AxisData(TypedDict):
     low: float
     high: float
     logarithmic: bool
+    whole: bool
 
 
 PartData = TypedDict(
@@ -553,7 +557,10 @@ def _axis_data(axis: Axis, along: Iterable[float]) -> AxisData:
     high = max(usable, default=1.0) if axis.high is None else axis.high
     if not low < high:
         low, high = (0.5 * low, 2.0 * high) if axis.logarithmic else (low - 1.0, high + 1.0)
-    return {"words": axis.words, "low": low, "high": high, "logarithmic": axis.logarithmic}
+    return {
+        "words": axis.words, "low": low, "high": high, "logarithmic": axis.logarithmic,
+        "whole": axis.whole,
+    }  # fmt: skip
 
 
 def _chart_part_data(part: ChartPart) -> PartData:
@@ -564,6 +571,8 @@ def _chart_part_data(part: ChartPart) -> PartData:
             "value": _axis_data(part.value, values), "downward": part.downward,
             "signed": part.signed,
         })  # fmt: skip
+    if isinstance(part, Line) and part.steps:
+        part = _corners(part)
     words = {field.name: getattr(part, field.name) for field in fields(part)}
     data = {
         name: value if isinstance(value, str | bool | int) else
@@ -573,6 +582,15 @@ def _chart_part_data(part: ChartPart) -> PartData:
     tone = words["tone"]
     data["tone"] = f"series{COLOURS.index(tone)}" if tone in COLOURS else tone
     return cast(PartData, {"is": type(part).__name__.lower(), **data})
+
+
+def _corners(line: Line) -> Line:
+    """Return a line of steps without the points within its level stretches."""
+    y = _flat(line.y)
+    last = len(y) - 1
+    kept = [k for k, value in enumerate(y) if k in (0, last) or value != y[k - 1]]
+    x = _flat(line.x)
+    return replace(line, x=[x[k] for k in kept], y=[y[k] for k in kept])
 
 
 DIGITS = 9

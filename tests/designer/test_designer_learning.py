@@ -236,9 +236,12 @@ def test_tuned_in_a_page_the_text_is_that_of_the_command(page, monkeypatch, caps
     assert taken["written"] == []
     # Every candidate is told once, and where the best of them lies between its bounds.
     told = [news for news in heard if news.get("phase") == "search"]
-    assert sum(len(news["costs"]) for news in told) == report["trials"] == 12
-    costs = [cost for news in told for cost in news["costs"]]
-    assert np.minimum.accumulate(costs).tolist() == report["curve"]
+    assert told[-1]["count"] == report["trials"] == 12
+    panel = [news["panel"] for news in heard if "panel" in news][-1]
+    dots, line = panel["parts"]
+    assert (dots["is"], line["is"], line["steps"]) == ("dots", "line", True)
+    assert line["y"][-1] == pytest.approx(report["curve"][-1])
+    assert len(dots["x"]) <= 12
     assert told[-1]["best"] == report["curve"][-1]
     assert len(told[-1]["best_shares"]) == len(heard[0]["moving"]) == 3
     # It becomes one change of the text as it is meanwhile.
@@ -254,7 +257,7 @@ def test_tuned_in_a_page_the_text_is_that_of_the_command(page, monkeypatch, caps
 @pytest.mark.slow
 def test_a_search_that_is_stopped_keeps_the_best(page):
     def answer(news):
-        if news.get("phase") == "search" and len(news["costs"]) + news["from"] > 4:
+        if news.get("phase") == "search" and news["count"] > 4:
             return {"enough": True}
         return "close" if "report" in news else None
 

@@ -56,7 +56,8 @@ def test_all_that_is_drawn_lies_between_the_ends(x, y, upright):
 def test_ends_that_are_said_stay_and_a_logarithm_begins_above_zero():
     axis = Axis("cost", "V", 1.0, 2.0)
     data = panel_data(Panel([Line([0.0, 0.1, 1.0], [5.0, 6.0, 7.0])], Axis(logarithmic=True), axis))
-    assert data["up"] == {"words": "cost, V", "low": 1.0, "high": 2.0, "logarithmic": False}
+    assert data["up"] == {"words": "cost, V", "low": 1.0, "high": 2.0, "logarithmic": False,
+                          "whole": False}  # fmt: skip
     assert (data["across"]["low"], data["across"]["high"]) == (0.1, 1.0)
 
 

@@ -30,6 +30,10 @@ test("ticks lie within their axis", () => {
   }
 });
 
+test("an axis that counts has whole numbers alone", () => {
+  assert.deepEqual(ticksOf({ low: 0.5, high: 4.5, whole: true }, 8), [1, 2, 3, 4]);
+});
+
 test("cells meet in the middle between their places; edges are taken as they are", () => {
   assert.deepEqual(edgesOf([0, 1, 3], 3), [-0.5, 0.5, 2, 4]);
   assert.deepEqual(edgesOf([0, 1, 3], 2), [0, 1, 3]);

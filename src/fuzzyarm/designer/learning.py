@@ -27,6 +27,8 @@ from fuzzyarm.designer.requests import LearnWord, LearnWork, Nothing
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language import parse
 from fuzzyarm.lsp.session import Session
+from fuzzyarm.picture import panel_data
+from fuzzyarm.show.learning import error_panel
 
 if TYPE_CHECKING:
     from fuzzyarm.learning.self_organizing import Snapshot, Trainee
@@ -288,6 +290,9 @@ class Training:
             "words": error_words(snapshot),
             "units": list(snapshot.units),
             "errors": fresh,
+            "panel": panel_data(
+                error_panel(self.trainee.axes, snapshot.units, self.errors, self.limit)
+            ),
             "tables": [
                 {"values": values.ravel().tolist(), "visits": visits.ravel().tolist(), **count}
                 for (values, visits), count in zip(pages, counts, strict=True)

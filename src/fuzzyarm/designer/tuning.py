@@ -11,6 +11,7 @@ import contextlib
 import os
 import threading
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -30,8 +31,10 @@ from fuzzyarm.designer.requests import Nothing, TuneWord, TuneWork
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language import parse
 from fuzzyarm.lsp.session import Session
+from fuzzyarm.picture import Dots, panel_data
 from fuzzyarm.requests.tune import TuneRequest
 from fuzzyarm.shipped_files import shipped_folder
+from fuzzyarm.show.search import cost_panel
 from fuzzyarm.text.diagnostic import RuleBaseError
 from fuzzyarm.text.files import confined
 from fuzzyarm.text.jsonable import jsonable
@@ -54,6 +57,12 @@ TELL_EVERY = 0.1
 MOST_EVALS = 100_000
 MOST_SCENARIOS = 1_000
 SAMPLES = (".csv", ".parquet")
+MOST_DOTS = 2_000
+"""Of trials in the picture of a long search."""
+
+NAMES = {"search": "best so far", "linear": "linear PD"}
+"""What the lines of the phases are."""
+
 POLITE = 5
 """By how much the search gives way to the server."""
 
@@ -365,13 +374,19 @@ def _tuned(pipe: Connection, order: PageOrder, enough: threading.Event) -> dict[
     keywords.update({"watch": teller.search, "watch_linear": teller.linear, "text": order.text})
     keywords["take"] = lambda tuned: pipe.send({"kept": _reported(tuned)})
     tuned = tune_it(subject, **keywords)
-    teller.rest()
+    teller.end()
     return _reported(tuned)
 
 
 def _reported(tuned: Tuned) -> dict[str, Any]:
     files = [{"name": file.name, "new": file.new, "changed": file.changed} for file in tuned.files]
     return {**tuned.as_data(), "diff": tuned.diff(), "files": files}
+
+
+def _thinned(dots: Dots) -> Dots:
+    """Return some of the dots, evenly, where there are more than can be told apart."""
+    every = 1 + len(dots.x) // MOST_DOTS
+    return replace(dots, x=dots.x[::every], y=dots.y[::every])
 
 
 class Teller:
@@ -391,6 +406,7 @@ class Teller:
         self.pipe, self.design, self.enough = pipe, design, enough
         self.begin = time.monotonic()
         self.last = 0.0
+        self.drawn = self.drawing = 0.0  # when the costs were drawn, and how long that took, s
         self.told = {"search": 0, "linear": 0}
         self.found: dict[str, tuple[Found, float]] = {}
         """By phase, and when it was heard of."""
@@ -414,6 +430,23 @@ class Teller:
             if self.told[phase] < len(found.trials):
                 self._say(phase, found, when - self.begin)
 
+    def end(self) -> None:
+        """Say what has not been said, and draw the costs of all trials."""
+        self.rest()
+        self.pipe.send(self._picture(is_last=True))
+
+    def _picture(self, *, is_last: bool = False) -> dict[str, Any]:
+        """Return the picture of the costs, where it is time for one: it takes all trials."""
+        begin = time.monotonic()
+        if not is_last and begin - self.drawn < 20.0 * self.drawing:
+            return {}
+        searches = {NAMES[phase]: found for phase, (found, _) in self.found.items()}
+        panel = cost_panel(searches)
+        parts = [_thinned(part) if isinstance(part, Dots) else part for part in panel.parts]
+        data = panel_data(replace(panel, parts=parts, title=""))
+        self.drawn, self.drawing = begin, time.monotonic() - begin
+        return {"panel": data}
+
     def _hear(self, phase: str, found: Found) -> None:
         now = time.monotonic()
         self.found[phase] = found, now
@@ -424,12 +457,12 @@ class Teller:
             raise KeyboardInterrupt
 
     def _say(self, phase: str, found: Found, seconds: float) -> None:
-        trials, first = found.trials, self.told[phase]
+        trials = found.trials
         self.told[phase] = len(trials)
         news: dict[str, Any] = {
             "phase": phase,
-            "from": first,
-            "costs": jsonable([trial.score.cost for trial in trials[first:]]),
+            "count": len(trials),
+            **self._picture(),
             "best": jsonable(found.best.score.cost),
             "refused": found.refused,
             "seconds": round(seconds, 2),

@@ -42,8 +42,8 @@ def cost_panel(searches: Mapping[str, Found], cost: str = "cost") -> Panel:
         numbers = range(1, len(costs) + 1)
         parts.append(Line(numbers, best[name], COLOURS[k], 1.5, label=name, steps=True))
     high = ceiling if finite and max(finite) > ceiling else None
-    up = Axis(cost, high=high, logarithmic=spreads(finite))
-    return Panel(parts, Axis("trials"), up, "cost of trials, and the best so far", key="best")
+    across, up = Axis("trials", whole=True), Axis(cost, high=high, logarithmic=spreads(finite))
+    return Panel(parts, across, up, "cost of trials, and the best so far", key="best")
 
 
 def spreads(values: list[float]) -> bool:

@@ -1,9 +1,10 @@
 // Learn: an SOC table that grows cell by cell while passes run, its visits, the error of each pass.
 
 import { clean, el, pane, heat, shortNumber, SHADES } from "./draw.js";
-import { drawChart, field, inks, stage } from "./charts.js";
+import { field, inks, stage } from "./charts.js";
 import { confirm } from "./dialogs.js";
 import { Form, refill } from "./form.js";
+import { drawPanel } from "./panel.js";
 import { S } from "./strings.js";
 
 const ROOM = { left: 46, right: 10, top: 8, bottom: 34 };
@@ -110,15 +111,7 @@ class LearnPanes {
     this.right.bar.append(el("span", { class: "space" }), this.readout);
     this.values = stage(this.store, this.left.body, (paper) => this.cells(paper, this.paintValue));
     this.visits = stage(this.store, this.right.body, (paper) => this.cells(paper, this.paintVisits));
-    this.curve = stage(this.store, this.below.body, (paper) =>
-      drawChart(
-        paper,
-        this.begin
-          ? this.begin.axes.map((each, i) => ({ name: each, values: this.errors.map((row) => row[i] ?? null) }))
-          : [],
-        { across: S.pass, up: S.rms(this.news?.units[0] ?? ""), whole: true },
-      ),
-    );
+    this.curve = stage(this.store, this.below.body, () => this.news && drawPanel(this.curve.canvas, this.news.panel));
     for (const { canvas } of [this.values, this.visits]) {
       canvas.tabIndex = 0;
       canvas.addEventListener("keydown", this.moved);

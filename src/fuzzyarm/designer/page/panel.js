@@ -150,7 +150,7 @@ const PARTS = {
 };
 
 const SIGNS = {
-  ".": (g, x, y, r) => g.fillRect(x - 0.6 * r, y - 0.6 * r, 1.2 * r, 1.2 * r),
+  ".": (g, x, y, r) => g.fillRect(x - r, y - r, 2 * r, 2 * r),
   o(g, x, y, r) {
     g.beginPath();
     g.arc(x, y, r, 0, 2 * Math.PI);

@@ -507,8 +507,6 @@ export const S = {
   visits: "Visits",
   errorOfPasses: "Error of each pass",
   axis: "axis",
-  pass: "pass",
-  rms: (unit) => `RMS error${unit ? `, ${unit}` : ""}`,
   noTraining: "Nothing has been learned yet.",
   tableLabel: (axis, table, count) =>
     `Table of ${axis}: ${table.visited} of ${count} cells visited, ` +
@@ -528,7 +526,6 @@ export const S = {
     count === 1 ? "The text has one `prove` line." : `The text has ${count || "no"} \`prove\` lines.`,
   proveEnds: { done: "All is judged.", stopped: "Stopped." },
   tune: "Tune",
-  cost: "Cost",
   needsConnect: (name) => `${name} (other axes)`,
   asCompared: "the usual ones",
   fifth: "a fifth of them",
@@ -559,9 +556,6 @@ export const S = {
   searchState: (count, best, seconds) =>
     `${count} trials, ${seconds.toFixed(0)} s, best ${best === null ? "–" : best.toPrecision(4)}`,
   costOfTrials: "Cost of the trials",
-  trials: "trials",
-  best: "best so far",
-  linearPd: "linear PD",
   costLabel: (count, best) =>
     count
       ? `Cost of ${count} trials; the best so far costs ${best === null ? "nothing known" : best.toPrecision(4)}.`

@@ -374,9 +374,9 @@ class ErrorPane {
     const values = Array((x.length - 1) * (y.length - 1)).fill(null);
     for (const [i, j, value] of this.found.cells.map(this.cellOf(map))) values[j * (x.length - 1) + i] = value;
     const high = Math.max(...values) || 1;
-    const value = { words: "", low: -high, high, logarithmic: false };
-    const across = { words: map.x, low: x[0], high: x.at(-1), logarithmic: false };
-    const up = { words: map.y, low: y[0], high: y.at(-1), logarithmic: false };
+    const value = { words: "", low: -high, high, logarithmic: false, whole: false };
+    const across = { words: map.x, low: x[0], high: x.at(-1), logarithmic: false, whole: false };
+    const up = { words: map.y, low: y[0], high: y.at(-1), logarithmic: false, whole: false };
     return { title: "", across, up, parts: [{ is: "cells", x, y, values, value, signed: true }] };
   }
 }

@@ -1,9 +1,10 @@
 // Tune: the search of `fuzzyarm tune` on the text that is open, its cost as it falls, what came of it.
 
 import { clean, el, pane, shortNumber } from "./draw.js";
-import { drawChart, stage } from "./charts.js";
+import { stage } from "./charts.js";
 import { confirm } from "./dialogs.js";
 import { Form } from "./form.js";
+import { drawPanel } from "./panel.js";
 import { S } from "./strings.js";
 
 const MOST_ROWS = 120; // of numbers that move
@@ -11,7 +12,6 @@ const MOST_ROWS = 120; // of numbers that move
 const AROUND = ["connect", "noise", "quantise", "sensor_delay", "difference", "actuator", "disturb", "interpolate"];
 const IN_LOOP = ["plant", "scenarios", "vary", "over", "linear", ...AROUND];
 const ON_SAMPLES = ["data", "test", "target"];
-const LOST = 1e6; // what a run that diverges costs, at least
 
 export const TUNE = {
   name: "tune",
@@ -46,7 +46,8 @@ class TunePanes {
     this.running = false;
     this.ending = false; // a hand has said that it is enough
     this.moving = []; // the numbers that move
-    this.costs = { search: [], linear: [] };
+    this.counts = { search: 0, linear: 0 }; // of trials
+    this.panel = null; // the picture of their costs
     this.state = null; // the last word of the search
     this.phase = "search";
     this.report = null;
@@ -88,22 +89,7 @@ class TunePanes {
     this.below = pane("report", S.whatCameOfIt);
     this.counted = el("span", { class: "readout" });
     this.left.bar.append(el("span", { class: "space" }), this.counted);
-    this.curve = stage(this.store, this.left.body, (paper) => {
-      const best = this.falling(this.costs.search);
-      const least = best.filter((v) => v !== null).at(-1) ?? 1;
-      const shown = (v) => (v !== null && v < LOST && v <= 20 * least ? v : null);
-      const spread = Math.max(...best.filter((v) => v !== null && v < LOST), least) / least;
-      const others = this.falling(this.costs.linear).map(shown);
-      drawChart(
-        paper,
-        [
-          { dots: true, values: this.costs.search.map(shown), line: 0 },
-          { name: S.best, steps: true, values: best.map(shown), line: 0 },
-          ...(others.length ? [{ name: S.linearPd, steps: true, values: others, line: 1 }] : []),
-        ],
-        { across: S.trials, up: S.cost, logarithmic: least > 0 && spread > 5 },
-      );
-    });
+    this.curve = stage(this.store, this.left.body, () => this.panel && drawPanel(this.curve.canvas, this.panel));
 
     this.rows = [];
 
@@ -177,7 +163,8 @@ class TunePanes {
   begin = () => {
     this.job?.stop();
     this.moving = [];
-    this.costs = { search: [], linear: [] };
+    this.counts = { search: 0, linear: 0 };
+    this.panel = null;
     this.state = this.report = null;
     this.phase = "search";
     this.running = true;
@@ -198,6 +185,7 @@ class TunePanes {
   };
 
   hear = (message) => {
+    if (message.panel) this.panel = message.panel;
     if (message.end) {
       this.job = null;
       this.running = false;
@@ -218,7 +206,7 @@ class TunePanes {
   };
 
   take = (message) => {
-    this.costs[message.phase].push(...message.costs);
+    this.counts[message.phase] = message.count;
     if (message.phase === "search") this.state = message;
     const turned = this.phase !== message.phase;
     this.phase = message.phase;
@@ -226,7 +214,7 @@ class TunePanes {
     if (!this.ending && (turned || performance.now() - this.told > 5000)) {
       this.told = performance.now();
       this.said.textContent = clean(
-        S.searching(this.phase, this.costs[this.phase].length, message.best, Number(this.form.shown("evals"))),
+        S.searching(this.phase, this.counts[this.phase], message.best, Number(this.form.shown("evals"))),
       );
     }
   };
@@ -247,24 +235,12 @@ class TunePanes {
     this.stop.disabled = !this.running || this.ending;
     this.form.lock(this.running);
     this.counted.textContent = clean(
-      this.state ? S.searchState(this.costs.search.length, this.state.best, this.state.seconds) : "",
+      this.state ? S.searchState(this.counts.search, this.state.best, this.state.seconds) : "",
     );
-    this.curve.canvas.setAttribute(
-      "aria-label",
-      clean(S.costLabel(this.costs.search.length, this.state?.best ?? null)),
-    );
+    this.curve.canvas.setAttribute("aria-label", clean(S.costLabel(this.counts.search, this.state?.best ?? null)));
     this.curve.redraw();
     this.drawNumbers();
     this.drawReport();
-  };
-
-  /** The best cost after each trial. */
-  falling = (trials) => {
-    let best = null;
-    return trials.map((v) => {
-      if (v !== null && (best === null || v < best)) best = v;
-      return best;
-    });
   };
 
   drawNumbers = () => {

@@ -12,17 +12,17 @@ import numpy as np
 from fuzzyarm.show.drawing import number_words, scale_of
 from fuzzyarm.show.figures.animation import write_film
 from fuzzyarm.show.figures.labels import thin_ticks, wrapped
+from fuzzyarm.show.figures.panels import draw_panel
 from fuzzyarm.show.figures.style import (
     LABEL,
     colour_bar,
     colour_map,
     head,
     label_axes,
-    line_style,
     new_figure,
     safe,
-    tidy,
 )
+from fuzzyarm.show.learning import error_panel
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -193,23 +193,17 @@ def _level(x: float) -> str:
 def _draw_errors(axes: Axes, training: Training, index: int) -> None:
     """Draw the RMS error of the passes that are over at a snapshot, one line for each output."""
     axes.clear()
-    tidy(axes)
     over = [snapshot for snapshot in training.snapshots[: index + 1] if snapshot.complete]
-    errors = np.array([passage.rms for passage in training.passes])
-    number = [passage.passage for passage in over]
-    for column, unit in enumerate(training.snapshots[-1].units):
-        name = training.axes[column] if column < len(training.axes) else f"output {column + 1}"
-        axes.plot(
-            number, errors[: len(over), column], "o", markersize=4, label=safe(f"{name}, {unit}"),
-            **line_style(column),
-        )  # fmt: skip
-    last = training.snapshots[-1].passage
-    axes.set_xlim(0.5, last + 0.5)
+    units, last = training.snapshots[-1].units, training.snapshots[-1].passage
+    names = [
+        training.axes[column] if column < len(training.axes) else f"output {column + 1}"
+        for column in range(len(units))
+    ]
+    draw_panel(axes, error_panel(names, units, [passage.rms for passage in over], last))
     axes.set_xticks(_passes(last))
-    if errors.size and np.isfinite(errors).all():
+    errors = np.array([passage.rms for passage in training.passes])
+    if errors.size and np.isfinite(errors).all():  # the scale of the end, for a film
         axes.set_ylim(0.0, 1.08 * float(errors.max()) or 1.0)
-    label_axes(axes, "pass", "RMS error")
-    axes.legend(fontsize=8, frameon=False, loc="lower left")
 
 
 def _passes(last: int) -> list[int]:

@@ -186,10 +186,10 @@
     const [a, b] = [measure(low), measure(high)];
     return (value) => from + (to3 - from) * (measure(value) - a) / (b - a);
   }
-  function ticksOf({ low, high, logarithmic = false }, wanted) {
+  function ticksOf({ low, high, logarithmic = false, whole = false }, wanted) {
     const found = logarithmic ? decades(low, high) : ticks(low, high, wanted);
     return found.filter(
-      (value) => value >= low * (1 - 1e-9 * Math.sign(low)) && value <= high * (1 + 1e-9 * Math.sign(high))
+      (value) => (!whole || Number.isInteger(value)) && value >= low * (1 - 1e-9 * Math.sign(low)) && value <= high * (1 + 1e-9 * Math.sign(high))
     );
   }
   function edgesOf(places, count) {
@@ -345,7 +345,7 @@
     }
   };
   var SIGNS = {
-    ".": (g, x2, y, r) => g.fillRect(x2 - 0.6 * r, y - 0.6 * r, 1.2 * r, 1.2 * r),
+    ".": (g, x2, y, r) => g.fillRect(x2 - r, y - r, 2 * r, 2 * r),
     o(g, x2, y, r) {
       g.beginPath();
       g.arc(x2, y, r, 0, 2 * Math.PI);
@@ -927,8 +927,6 @@
     visits: "Visits",
     errorOfPasses: "Error of each pass",
     axis: "axis",
-    pass: "pass",
-    rms: (unit) => `RMS error${unit ? `, ${unit}` : ""}`,
     noTraining: "Nothing has been learned yet.",
     tableLabel: (axis, table, count) => `Table of ${axis}: ${table.visited} of ${count} cells visited, ${table.changed} changed, values from ${Math.min(...table.values)} to ${Math.max(...table.values)}. Arrow keys read the cells; those that were never visited are hatched.`,
     visitsLabel: (axis, most) => `How often each cell of ${axis} was used, ${most} times at most. Arrow keys read the cells.`,
@@ -939,7 +937,6 @@
     proveLines: (count) => count === 1 ? "The text has one `prove` line." : `The text has ${count || "no"} \`prove\` lines.`,
     proveEnds: { done: "All is judged.", stopped: "Stopped." },
     tune: "Tune",
-    cost: "Cost",
     needsConnect: (name) => `${name} (other axes)`,
     asCompared: "the usual ones",
     fifth: "a fifth of them",
@@ -957,9 +954,6 @@
     tuned: (report) => `${report.trials} trials in ${report.seconds.toFixed(1)} s.`,
     searchState: (count, best, seconds) => `${count} trials, ${seconds.toFixed(0)} s, best ${best === null ? "\u2013" : best.toPrecision(4)}`,
     costOfTrials: "Cost of the trials",
-    trials: "trials",
-    best: "best so far",
-    linearPd: "linear PD",
     costLabel: (count, best) => count ? `Cost of ${count} trials; the best so far costs ${best === null ? "nothing known" : best.toPrecision(4)}.` : "No trial yet.",
     numbersThatMove: "Numbers that move, between their bounds",
     numberLabel: (name, value, low, high, start2) => `${name}: ${value}, between ${low} and ${high}; ${start2} in the file`,
@@ -1940,9 +1934,9 @@
       const values = Array((x2.length - 1) * (y.length - 1)).fill(null);
       for (const [i, j2, value2] of this.found.cells.map(this.cellOf(map))) values[j2 * (x2.length - 1) + i] = value2;
       const high = Math.max(...values) || 1;
-      const value = { words: "", low: -high, high, logarithmic: false };
-      const across = { words: map.x, low: x2[0], high: x2.at(-1), logarithmic: false };
-      const up2 = { words: map.y, low: y[0], high: y.at(-1), logarithmic: false };
+      const value = { words: "", low: -high, high, logarithmic: false, whole: false };
+      const across = { words: map.x, low: x2[0], high: x2.at(-1), logarithmic: false, whole: false };
+      const up2 = { words: map.y, low: y[0], high: y.at(-1), logarithmic: false, whole: false };
       return { title: "", across, up: up2, parts: [{ is: "cells", x: x2, y, values, value, signed: true }] };
     }
   };

@@ -1,4 +1,4 @@
-// Where a chart over 1, 2, 3 … has its values: no drawing, no elements.
+// Round numbers along an axis, and between what a plot of values goes: no drawing, no elements.
 
 /** Round numbers between two, about so many. */
 export function ticks(low, high, wanted = 5) {
@@ -10,34 +10,6 @@ export function ticks(low, high, wanted = 5) {
     found.push(Number((x * step).toPrecision(12)));
   }
   return found;
-}
-
-/**
- * The scales of a chart.
- *
- * @param {Array<{ values: Array<number | null> }>} series
- * @param {{ x0: number, x1: number, y0: number, y1: number }} plot left, right, bottom and top in pixels
- * @param {boolean} logarithmic
- */
-export function chartScales(series, plot, logarithmic) {
-  const all = series.flatMap((each) => each.values.filter((v) => v !== null && (!logarithmic || v > 0)));
-  const count = Math.max(2, ...series.map((each) => each.values.length));
-  const scale = logarithmic ? Math.log10 : (v) => v;
-  let [low, high] = all.reduce(([a, b], v) => [Math.min(a, v), Math.max(b, v)], [Infinity, -Infinity]);
-  if (!all.length) [low, high] = logarithmic ? [0.1, 1] : [0, 1];
-  if (!logarithmic) low = Math.min(0, low);
-  if (!(scale(high) > scale(low))) [low, high] = logarithmic ? [low / 2, high * 2] : [low, low + 1];
-  const margin = logarithmic ? 0.06 * (scale(high) - scale(low)) : 0;
-  const [from, to] = [scale(low) - margin, scale(high) + 0.06 * (scale(high) - scale(low))];
-  return {
-    count,
-    low,
-    high,
-    to,
-    scale,
-    toX: (i) => plot.x0 + ((plot.x1 - plot.x0) * (i + 0.5)) / count,
-    toY: (v) => plot.y0 - ((plot.y0 - plot.y1) * (scale(v) - from)) / (to - from),
-  };
 }
 
 /** Round numbers between two, a few in each power of ten. */

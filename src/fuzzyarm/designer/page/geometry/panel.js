@@ -2,7 +2,7 @@
 
 import { decades, ticks } from "./chart.js";
 
-/** @typedef {{ low: number, high: number, logarithmic?: boolean, words?: string }} Axis */
+/** @typedef {{ low: number, high: number, logarithmic?: boolean, whole?: boolean, words?: string }} Axis */
 
 /**
  * The scale of an axis, from a value to a pixel.
@@ -23,10 +23,13 @@ export function scaleOf({ low, high, logarithmic = false }, from, to) {
  * @param {Axis} axis
  * @param {number} wanted
  */
-export function ticksOf({ low, high, logarithmic = false }, wanted) {
+export function ticksOf({ low, high, logarithmic = false, whole = false }, wanted) {
   const found = logarithmic ? decades(low, high) : ticks(low, high, wanted);
   return found.filter(
-    (value) => value >= low * (1 - 1e-9 * Math.sign(low)) && value <= high * (1 + 1e-9 * Math.sign(high)),
+    (value) =>
+      (!whole || Number.isInteger(value)) &&
+      value >= low * (1 - 1e-9 * Math.sign(low)) &&
+      value <= high * (1 + 1e-9 * Math.sign(high)),
   );
 }
 
