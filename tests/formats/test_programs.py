@@ -82,7 +82,7 @@ def run(
     stem: str, folder: Path, call: str | None = None
 ) -> tuple[tuple[System, ...], tuple[Diagnostic, ...]]:
     script = Path(shutil.copy(PROGRAMS / f"{stem}.py", folder))
-    seconds = 3.0 if stem in ENDLESS else 120.0
+    seconds = 1.0 if stem in ENDLESS else 120.0
     return read_script(script, seconds=seconds, call=call)
 
 

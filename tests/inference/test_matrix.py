@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from budget import cases
+from budget import cases, part
 
 from fuzzyarm.controller.program import rule_block
 from fuzzyarm.export import export_files, routines_of
@@ -209,7 +209,7 @@ def test_c_has_the_bits_of_a_point(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("case", CASES, ids=str)
+@pytest.mark.parametrize("case", part(CASES, 2), ids=str)
 def test_structured_text_has_the_bits_of_a_point(case: Case) -> None:
     rulebase = case.rulebase()
     columns = points(cases(4, 7))

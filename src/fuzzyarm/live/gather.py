@@ -31,7 +31,10 @@ GRACE = 5.0
 a script that is given less than that waits no longer than it was given."""
 
 LOADING = 30.0
-"""Seconds for the libraries of a script beyond its time, at most."""
+"""Seconds for the libraries of a script, which do not count as its own, at most."""
+
+GLANCE = 0.1
+"""Seconds from one look at what the script does to the next."""
 
 MOST_MADE = 1000
 """Systems that are kept alive though the script has dropped them."""
@@ -215,36 +218,41 @@ class _Finder(importlib.abc.MetaPathFinder):
 class _Interrupt:
     """Interrupts the script after `seconds`; if that does not help, holds it and calls `end`.
 
-    A script that still loads its libraries then is given its time anew: on a busy machine they
-    alone may take it, and an interrupt among them leaves nothing to gather.
+    The time begins when the script has loaded its libraries: on a busy machine they alone may
+    take it, and an interrupt among them leaves nothing to gather.
     """
 
     def __init__(self, seconds: float, end: Callable[[], None]) -> None:
         self.happened = False
         self._end = end
         self._seconds = seconds
-        self._loading_ends = time.monotonic() + seconds + LOADING
+        self._deadline = time.monotonic() + seconds
+        self._loading_ends = time.monotonic() + LOADING
         self._over = False
         # A process started in the background of a shell ignores interrupts.
         signal.signal(signal.SIGINT, signal.default_int_handler)
         self._held = threading.Event()
         if hasattr(signal, "pthread_kill"):
             signal.signal(signal.SIGUSR1, self._hold)
-        self._later(seconds, self._interrupt)
+        self._watch()
 
     def _later(self, seconds: float, act: Callable[[], None]) -> None:
         self._timer = threading.Timer(seconds, act)
         self._timer.daemon = True
         self._timer.start()
 
+    def _watch(self) -> None:
+        now = time.monotonic()
+        if _is_importing() and now < self._loading_ends:
+            self._deadline = now + self._seconds
+        if now < self._deadline:
+            self._later(min(GLANCE, self._deadline - now), self._watch)
+        elif not self._over:
+            self._interrupt()
+
     def _interrupt(self) -> None:
         import _thread
 
-        if self._over:
-            return
-        if _is_importing() and time.monotonic() + self._seconds < self._loading_ends:
-            self._later(self._seconds, self._interrupt)
-            return
         self.happened = True
         self._later(min(GRACE, self._seconds), self._take_over)
         if hasattr(signal, "pthread_kill"):

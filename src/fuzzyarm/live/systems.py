@@ -273,7 +273,7 @@ def read_script(
     path : path-like
         A Python script.
     seconds : float
-        Time for the script; anew where it still imports something then, for 30 s at most.
+        Time for the script; what it imports takes 30 s more, at most.
     python : path-like, optional
         Another interpreter (3.11 or newer), for libraries that cannot be installed beside
         fuzzyarm; this one by default.
