@@ -111,7 +111,7 @@ def test_watch_once_writes_table_and_figure(
     ("words", "status"),
     [
         (["nowhere.frb", "--once"], 1),
-        (["{pd7}", "--once", "--figure", "x.docx"], 1),
+        (["{pd7}", "--once", "--figure", "x.docx"], 2),
         (["{lut}", "--once", "--table", "x.lut"], 1),
         (["{pd7}", "--once", "--at", "zz=1"], 1),
         (["README.md", "--once"], 1),
