@@ -150,7 +150,7 @@ def test_corners_move_by_keyboard_with_their_neighbours(served, window):
     page.get_by_label("u PM: corner 2").focus()
     page.keyboard.press("ArrowRight")
     page.keyboard.press("ArrowRight")
-    until(lambda: "term u PM" in text_of(page), "the term")
+    until(lambda: "term u PM: triangle 2 4.2 6" in text_of(page), "two steps")
     lines = [line for line in text_of(page).splitlines() if line.startswith("term u")]
     assert lines == [
         "term u PS: triangle 0 2 4.2",
