@@ -168,6 +168,9 @@ def main(words: list[str]) -> int:
         known = ", ".join(page.stem for page in PAGES)
         print(f"no such page: {' '.join(words[1:])}; there are {known}", file=sys.stderr)
         return 1
+    if target.exists() and not target.is_dir():
+        print(f"{target} is not a folder", file=sys.stderr)
+        return 1
     target.mkdir(parents=True, exist_ok=True)
     for page in chosen:
         (target / f"{page.stem}.ipynb").write_text(notebook(page), encoding="utf-8")

@@ -6,6 +6,7 @@ started anew for each of them.
 
 import functools
 import http.server
+import json
 import re
 import shutil
 import subprocess
@@ -143,6 +144,8 @@ rule if heat is mild then speed is middle
 rule if heat is hot then speed is fast
 """
 
+SCENE = "() => JSON.stringify(window.designer.store.scene)"
+
 NUMBERS = """() => {
   const engine = window.designer.store.engine, found = [];
   for (let k = 0; k < 1000; k++) found.push(engine.at([k * 40 / 999])[0]);
@@ -163,7 +166,7 @@ def test_a_rule_base_from_nothing_to_c(page, tmp_path):
     page.get_by_role("button", name="New file").click()
     page.locator("dialog input[name=name]").fill("fan")
     page.get_by_role("button", name="Create").click()
-    until(page, "document.title.startsWith('fan.frb')")
+    until(page, "document.title.startsWith('fan.frb') && !!window.designer.text.state().epoch")
     page.get_by_role("tab", name="Design").click()
     typed(page, RULES)
     until(page, "window.designer.store.sound && window.designer.store.scene?.name === 'cooler'")
@@ -176,6 +179,7 @@ def test_a_rule_base_from_nothing_to_c(page, tmp_path):
     until(page, "window.designer.store.sound")
 
     # A term is moved by hand, and the text follows.
+    before = page.evaluate(SCENE)
     handle = page.locator(".view-design svg circle").nth(1)
     box = handle.bounding_box()
     x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
@@ -184,20 +188,19 @@ def test_a_rule_base_from_nothing_to_c(page, tmp_path):
     page.mouse.move(x + 25, y, steps=5)
     page.mouse.up()
     until(page, f"window.designer.text.state().text !== {RULES!r}")
-    until(page, "window.designer.text.settled() && window.designer.store.sound")
+    until(page, f"window.designer.text.settled() && ({SCENE})() !== {json.dumps(before)}")
     assert "term heat mild" in page.evaluate("window.designer.text.state().text")
-    numbers = page.evaluate(NUMBERS)
 
     # The C of the page, compiled, has the numbers of the page.
     page.get_by_role("tab", name="Files").click()
     page.get_by_role("button", name="C header").click()
-    page.locator("dialog select[name=way]").select_option("direct")
-    page.locator("dialog select[name=precision]").select_option("float64")
+    page.locator("dialog").get_by_label("Direct").check()
+    page.locator("dialog").get_by_label("Precision").select_option("float64")
     with page.expect_download() as loading:
         page.get_by_role("button", name="Export", exact=True).click()
     loading.value.save_as(tmp_path / "fan.h")
     page.get_by_role("button", name="Close").click()
-    assert printed(tmp_path, "fan_speed") == numbers
+    assert printed(tmp_path, "fan_speed") == page.evaluate(NUMBERS)
 
 
 def printed(folder, call):
