@@ -23,6 +23,7 @@ from fuzzyarm.closed_loop.checker import is_positive_definite, refutation
 from fuzzyarm.closed_loop.claims import problem_of
 from fuzzyarm.closed_loop.form import Form
 from fuzzyarm.closed_loop.linear import candidate
+from fuzzyarm.closed_loop.pictures import region_planes
 from fuzzyarm.closed_loop.verification import port_within, verified
 from fuzzyarm.controller import ControllerText
 from fuzzyarm.language import parse
@@ -517,3 +518,13 @@ def test_parameters_as_intervals_are_proved_and_checked(servo):
     verdict = prove_loop(servo, read_claim("stable on motor with J in 0.009 .. 0.011"), budget=60.0)
     assert verdict.proved
     assert verdict.region["position"][1] > 0.31
+
+
+def test_the_picture_of_a_loop_whose_memory_starts_alone_claims_no_starts():
+    text = load(shipped("heater.frb"))
+    verdict = prove(text, "stable at temperature = 21", plant="room")
+    assert not verdict.start_region
+    (plane,) = region_planes(text, verdict)
+    assert plane.covered is None
+    assert not len(plane.start) and not plane.runs
+    assert len(plane.shadow)

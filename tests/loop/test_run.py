@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 from budget import cases
 
+from fuzzyarm import kernels
 from fuzzyarm.controller import CATALOGUE, Controller, controller
-from fuzzyarm.loop import Options, Sensor, simulate
+from fuzzyarm.loop import Options, Sensor, program, simulate
 from fuzzyarm.loop.many import Bench, Experiment
 from fuzzyarm.loop.program import Record, loop_for
 from fuzzyarm.plant import (
@@ -27,6 +28,26 @@ from fuzzyarm.plant import (
 from fuzzyarm.plant.arm import forward_dynamics
 
 INTERPRETED = Options(compiled=False)
+
+
+@pytest.mark.parametrize("name", ["pd", "fuzzy-lut", "soc-zero", "fuzzy-direct", "cdid"])
+def test_a_plant_compiled_into_its_loop_is_the_one_called_by_address(name, monkeypatch):
+    followed = reach_return((40, -25), 0.3, 0.2)
+    compiled_in = simulate(controller(name), followed, payload=True)
+    inner = []
+
+    def is_built(function, arrays, bindings):
+        inner.append("plant_kernel" in bindings or "summed_drives" in bindings)
+        return not inner[-1] and kernels.is_built(function, arrays, bindings)
+
+    monkeypatch.setattr(program, "is_built", is_built)
+    by_address = simulate(controller(name), followed, payload=True)
+    assert compiled_in.compiled and by_address.compiled
+    assert inner[0]
+    for kept in ("outputs", "drives"):
+        columns, others = getattr(compiled_in, kept), getattr(by_address, kept)
+        assert columns.keys() == others.keys()
+        assert all(columns[port].tobytes() == others[port].tobytes() for port in columns)
 
 
 def straight_loop(segments, kp, kd, ki, whole_run):

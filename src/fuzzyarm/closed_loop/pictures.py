@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +14,7 @@ from fuzzyarm.closed_loop.checked_loop import CheckedLoop
 from fuzzyarm.closed_loop.claims import problem_of
 from fuzzyarm.closed_loop.problem import LoopProblem
 from fuzzyarm.closed_loop.verdicts import LoopVerdict
-from fuzzyarm.closed_loop.verification import start_quadric, verified
+from fuzzyarm.closed_loop.verification import has_known_start, start_quadric, verified
 from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.loop.course import Options
 from fuzzyarm.loop.run import Run
@@ -39,13 +40,14 @@ class RegionPlane:
     shadow : ndarray, shape (n, 2)
         The outline of all that the region holds.
     start : ndarray, shape (n, 2)
-        The outline of the starts that are proved, the other states at rest.
+        The outline of the starts that are proved, the other states at rest. Empty where the region
+        holds none of them, or says nothing of what the controller has in memory at the start.
     runs : tuple of ndarray, shape (m, 2)
         Runs from the border of those starts.
     settled, lost : ndarray, shape (k, 2)
         Starts on a grid whose runs came to rest in the time of a run, and those that did not.
-    covered : float
-        Share of the settled ones that is proved.
+    covered : float or None
+        Share of the settled ones that is proved; None where memory has a start of its own.
     """
 
     names: tuple[str, str]
@@ -55,7 +57,7 @@ class RegionPlane:
     runs: tuple[Vector, ...]
     settled: Vector
     lost: Vector
-    covered: float
+    covered: float | None
 
 
 def region_planes(
@@ -104,8 +106,7 @@ def _plane(
     circle = np.stack([np.cos(angle), np.sin(angle)])
     root = np.linalg.inv(np.linalg.cholesky(shadow)).T
     outline = (root @ circle).T + middle
-    quadratic, linear, constant = start_quadric(problem, loop, certificate.p, (first, second))
-    start = _outline(quadratic, linear, constant, circle)
+    start, within = _starts(problem, loop, certificate, (first, second), circle)
     runs = []
     for way in start[:: max(1, len(start) // RUNS)][:RUNS]:
         run = _run(problem, _at(rest, first, second, middle + 0.999 * way))
@@ -116,13 +117,33 @@ def _plane(
     settled = np.array(
         [_settles(problem, _at(rest, first, second, middle + z), rest) for z in grid], bool
     )
-    proved = np.array([z @ quadratic @ z + linear @ z + constant <= 0.0 for z in grid])
-    covered = float((proved & settled).sum() / max(1, settled.sum()))
+    covered = None
+    if within is not None:
+        proved = np.array([within(z) for z in grid])
+        covered = float((proved & settled).sum() / max(1, settled.sum()))
     units = [problem.plant.states[name] for name in names]
     return RegionPlane(
         names, (units[0], units[1]), outline, start + middle, tuple(runs),
         grid[settled] + middle, grid[~settled] + middle, covered,
     )  # fmt: skip
+
+
+def _starts(
+    problem: LoopProblem,
+    loop: CheckedLoop,
+    certificate: Certificate,
+    plane: tuple[int, int],
+    circle: Vector,
+) -> tuple[Vector, Callable[[Vector], bool] | None]:
+    """Return the outline of the proved starts in a plane, and whether a start is one of them."""
+    if not has_known_start(problem, loop):
+        return np.zeros((0, 2)), None
+    quadratic, linear, constant = start_quadric(problem, loop, certificate.p, plane)
+
+    def within(z: Vector) -> bool:
+        return bool(z @ quadratic @ z + linear @ z + constant <= 0.0)
+
+    return _outline(quadratic, linear, constant, circle), within
 
 
 def _outline(quadratic: Vector, linear: Vector, constant: float, circle: Vector) -> Vector:
@@ -181,7 +202,10 @@ def _state(problem: LoopProblem, run: Run, name: str) -> Vector:
 
 
 def _settles(problem: LoopProblem, states: Vector, rest: Vector) -> bool:
-    """Tell whether a run comes within a tenth of the way that it began away from rest."""
+    """Tell whether a run comes within a tenth of the way that it began away from rest.
+
+    A start whose outputs are at rest has to come within a thousandth of their ranges.
+    """
     run = _run(problem, states)
     if run.diverged is not None:
         return False
@@ -194,4 +218,4 @@ def _settles(problem: LoopProblem, states: Vector, rest: Vector) -> bool:
         values = _state(problem, run, name)
         distance = max(distance, abs(values[-1] - rest[k]) / wide)
         begun = max(begun, abs(states[k] - rest[k]) / wide)
-    return distance <= 0.1 * begun + 1e-6
+    return distance <= max(0.1 * begun, 1e-3)

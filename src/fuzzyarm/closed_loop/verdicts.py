@@ -144,6 +144,10 @@ class LoopVerdict(Shown):
                 alone = self.start_region.get(name)
                 words = "" if alone is None else f" (± {alone:.4g} along it alone)"
                 lines.append(f"    {name} in {low:.4g} .. {high:.4g}{words}")
+            if self.tube is None and not self.start_region:
+                lines.append(
+                    "  not at several of these ends at once; what memory starts as counts, too"
+                )
         if self.reason:
             lines.append(f"  {self.reason}")
         return "\n".join([*lines, *(f"  {line}" for line in self.evidence)])

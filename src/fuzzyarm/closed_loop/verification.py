@@ -24,7 +24,15 @@ from fuzzyarm.closed_loop.problem import LoopProblem, LoopProofError
 from fuzzyarm.closed_loop.spans import Span
 from fuzzyarm.plant.plant import Address
 
-__all__ = ["port_within", "power_up", "reach_of", "start_quadric", "start_vertices", "verified"]
+__all__ = [
+    "has_known_start",
+    "port_within",
+    "power_up",
+    "reach_of",
+    "start_quadric",
+    "start_vertices",
+    "verified",
+]
 
 
 def _plain(values: Mapping[str, Fraction]) -> dict[str, float]:
@@ -157,6 +165,14 @@ def _with_memory(loop: CheckedLoop, states: Mapping[str, Fraction]) -> tuple[Fra
     return tuple(values)
 
 
+def has_known_start(problem: LoopProblem, loop: CheckedLoop) -> bool:
+    """Tell whether states of the plant say what all memory starts as.
+
+    What a `rate of` holds before its first sample is not a function of them.
+    """
+    return not set(loop.names) - {*problem.states, *loop.seeds, *loop.begin}
+
+
 def start_quadric(
     problem: LoopProblem, loop: CheckedLoop, p: Sequence[Sequence[Fraction]], states: Sequence[int]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], float]:
@@ -190,7 +206,7 @@ def _along_alone(
 ) -> dict[str, float]:
     """Return how far the loop may start along each state, the memory as it is at the start."""
     values: dict[str, float] = {}
-    if set(loop.names) - {*problem.states, *loop.seeds, *loop.begin}:
+    if not has_known_start(problem, loop):
         return values
     for k, name in enumerate(problem.states):
         quadratic, linear, c = start_quadric(problem, loop, p, (k,))

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 
 from fuzzyarm.closed_loop.certificate import Certificate
 from fuzzyarm.closed_loop.checked_loop import CheckedLoop
-from fuzzyarm.closed_loop.problem import LoopProblem, LoopProofError
+from fuzzyarm.closed_loop.problem import LoopProblem
 from fuzzyarm.closed_loop.runs import run_of
-from fuzzyarm.closed_loop.verification import start_quadric
+from fuzzyarm.closed_loop.verification import has_known_start, start_quadric
 from fuzzyarm.loop.run import Run
 
 __all__ = ["WITNESSES", "contradiction"]
@@ -71,10 +71,9 @@ def _starts(
 ) -> Iterator[tuple[dict[str, float], dict[str, float]]]:
     """Yield starts at the border of those that the region holds, and parameters."""
     names = problem.states
-    try:
-        quadratic, linear, constant = start_quadric(problem, loop, certificate.p, range(len(names)))
-    except LoopProofError:  # it has its own start
+    if not has_known_start(problem, loop):
         return
+    quadratic, linear, constant = start_quadric(problem, loop, certificate.p, range(len(names)))
     centre = -0.5 * np.linalg.solve(quadratic, linear)
     level = -(constant + 0.5 * float(linear @ centre))
     if level <= 0.0:

@@ -54,5 +54,7 @@ def _panel(plane: RegionPlane) -> Panel:
         label = "" if k else "runs"
         parts.append(Line(run[:, 0], run[:, 1], "ink", 0.7, label=label, opacity=0.8))
     across, up = map(Axis, plane.names, plane.units)
-    covered = f"{100.0 * plane.covered:.0f} % of the settled starts shown are proved"
+    covered = "says nothing of starts: memory has a start of its own"
+    if plane.covered is not None:
+        covered = f"{100.0 * plane.covered:.0f} % of the settled starts shown are proved"
     return Panel(parts, across, up, covered)
