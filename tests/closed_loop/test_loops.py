@@ -526,5 +526,6 @@ def test_the_picture_of_a_loop_whose_memory_starts_alone_claims_no_starts():
     assert not verdict.start_region
     (plane,) = region_planes(text, verdict)
     assert plane.covered is None
-    assert not len(plane.start) and not plane.runs
+    assert not len(plane.start)
+    assert not plane.runs
     assert len(plane.shadow)

@@ -42,7 +42,8 @@ def test_a_plant_compiled_into_its_loop_is_the_one_called_by_address(name, monke
 
     monkeypatch.setattr(program, "is_built", is_built)
     by_address = simulate(controller(name), followed, payload=True)
-    assert compiled_in.compiled and by_address.compiled
+    assert compiled_in.compiled
+    assert by_address.compiled
     assert inner[0]
     for kept in ("outputs", "drives"):
         columns, others = getattr(compiled_in, kept), getattr(by_address, kept)

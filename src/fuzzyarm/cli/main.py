@@ -27,6 +27,7 @@ from fuzzyarm.cli.command import (
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.text.columns import in_columns
 from fuzzyarm.text.diagnostic import RuleBaseError
+from fuzzyarm.text.protected import sources_kept
 
 COMMANDS: dict[str, tuple[str, str]] = {
     "new": ("start", "a commented rule base to start from"),
@@ -61,6 +62,11 @@ COMMANDS: dict[str, tuple[str, str]] = {
 
 A module is imported when one of its commands is called; its `COMMANDS` are the records.
 """
+
+REWRITING = frozenset(
+    {"fmt", "lsp", "watch", "designer", "new", "shipped", "learn", "tune", "convert"}
+)
+"""Commands that may write over what they read; `tune` and `convert` see to it themselves."""
 
 HEADINGS = {
     "new": "Start",
@@ -213,7 +219,8 @@ def _run(words: list[str]) -> int:
     try:
         with announced(f"at work on: {_shortened(words)}"):
             command = find_command(name)
-            return command.run(_parse(command.parser(), words[1:]))
+            with contextlib.nullcontext() if name in REWRITING else sources_kept():
+                return command.run(_parse(command.parser(), words[1:]))
     except SystemExit as stop:  # argparse leaves this way after --help or a usage error
         return stop.code if isinstance(stop.code, int) else EXIT_USAGE
 

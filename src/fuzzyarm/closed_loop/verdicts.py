@@ -146,7 +146,7 @@ class LoopVerdict(Shown):
                 lines.append(f"    {name} in {low:.4g} .. {high:.4g}{words}")
             if self.tube is None and not self.start_region:
                 lines.append(
-                    "  not at several of these ends at once; what memory starts as counts, too"
+                    "  these are its farthest points; what memory starts as counts as well"
                 )
         if self.reason:
             lines.append(f"  {self.reason}")

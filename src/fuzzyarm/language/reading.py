@@ -24,6 +24,7 @@ from fuzzyarm.text.diagnostic import (
     RuleBaseError,
     Span,
 )
+from fuzzyarm.text.protected import note_source
 from fuzzyarm.text.shown import one_line
 
 if TYPE_CHECKING:
@@ -161,6 +162,7 @@ def read_text(path: str | os.PathLike[str]) -> str:
     RuleBaseError
         If it is too large or not UTF-8; the diagnostic points at the first bad byte.
     """
+    note_source(path)
     with open(path, "rb") as file:
         return decoded(file.read(4 * MAX_CHARACTERS + 1), os.fspath(path))
 

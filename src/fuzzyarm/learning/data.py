@@ -30,6 +30,7 @@ from fuzzyarm.text.diagnostic import (
     split_lines,
 )
 from fuzzyarm.text.names import near_hint
+from fuzzyarm.text.protected import note_source
 from fuzzyarm.text.shown import one_line
 
 if TYPE_CHECKING:
@@ -357,6 +358,7 @@ def read_samples(path: str | os.PathLike[str], columns: Columns = LAST) -> Sampl
         If the file cannot be read.
     """
     name = os.fspath(path)
+    note_source(path)
     if name.lower().endswith(".parquet"):
         return frame_samples(_frame(name), columns, name)
     with open(path, "rb") as file:

@@ -19,6 +19,7 @@ from fuzzyarm.errors import UsageError
 from fuzzyarm.model.controller import TIMES
 from fuzzyarm.plant.plant import PlantError
 from fuzzyarm.text.names import near_hint
+from fuzzyarm.text.protected import note_source
 
 Vector = NDArray[np.float64]
 
@@ -224,6 +225,7 @@ KINDS = {
 def _from_file(path: str, time: Vector) -> Derivatives:
     """Read ``time,value`` lines; between them the reference is a straight line."""
     rows: list[tuple[float, float]] = []
+    note_source(path)
     text = Path(path).read_text(encoding="utf-8", errors="replace")
     for number, line in enumerate(text.splitlines(), 1):
         if not line.strip() or (number == 1 and any(c.isalpha() for c in line)):

@@ -38,6 +38,7 @@ from fuzzyarm.plant.library import LIBRARY
 from fuzzyarm.plant.plant import Plant, PlantError, is_compiled
 from fuzzyarm.plant.tried import HOME, Home, lacks, require_sound
 from fuzzyarm.text.names import near_hint
+from fuzzyarm.text.protected import note_source
 
 PLANTS: dict[str, type[Plant]] = {Arm.name: Arm, **LIBRARY}
 """Every shipped plant by its name."""
@@ -207,6 +208,7 @@ def executed(path: str, fault: Callable[[str], Exception], source: str | None = 
         Its text, where the file itself may be on another machine.
     """
     if source is None:
+        note_source(path)
         try:
             source = Path(path).read_text(encoding="utf-8")
         except UnicodeDecodeError as error:

@@ -39,6 +39,7 @@ from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Span, split_line
 from fuzzyarm.text.files import write_atomically
 from fuzzyarm.text.jsonable import jsonable
 from fuzzyarm.text.numbers import column_of_numbers, number_text
+from fuzzyarm.text.protected import note_source
 
 if TYPE_CHECKING:
     from fuzzyarm.table.table import LookupTable
@@ -74,6 +75,7 @@ def read_table(path: str | Path) -> LookupTable:
     path = Path(path)
     if path.suffix.lower() not in SUFFIXES:
         raise _unknown_suffix(path)
+    note_source(path)
     if path.suffix.lower() == ".npz":
         return _read_npz(path.read_bytes(), str(path))
     parsed = parse_table(path.read_bytes(), str(path))

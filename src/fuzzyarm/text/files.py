@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.text.protected import demand_no_source
 
 _roots: list[Path] = []
 """Folders of which this process may use files; all, where there are none here."""
@@ -69,6 +70,8 @@ def write_atomically(path: str | Path, content: str | bytes) -> Stamp:
     OSError
         If the folder or the file cannot be written, or `path` is a folder; what is there is
         then untouched.
+    SourceFileError
+        If the command that writes has read the file.
     """
     _demand_leave(path)
     data = content.encode() if isinstance(content, str) else content
@@ -93,6 +96,7 @@ def demand_writable(path: str | Path) -> None:
 
 
 def _demand_leave(path: str | Path) -> None:
+    demand_no_source(path)
     # Replacing needs no leave from the old file, so a file that may not be written is asked.
     if os.path.isdir(path):
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))

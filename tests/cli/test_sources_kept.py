@@ -1,0 +1,51 @@
+"""What a command reads is never written over by its results."""
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from fuzzyarm.cli.main import main
+from fuzzyarm.text.files import write_atomically
+from fuzzyarm.text.protected import SourceFileError, note_source, sources_kept
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    shutil.copy(ROOT / "rulebases/pd7.frb", "rules.frb")
+    shutil.copy(ROOT / "rulebases/servo.frb", "servo.frb")
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["simulate", "servo.frb", "--plant", "motor", "--for", "20ms", "--csv", "servo.frb"],
+        ["sweep", "servo.frb", "--plant", "motor", "--random", "2", "-o", "servo.frb"],
+        ["prove", "servo.frb", "--plant", "motor", "--stable", "--certificate", "servo.frb"],
+        ["fit", "rules.frb", "-o", "rules.frb", "--terms", "3,3"],
+    ],
+    ids=lambda words: words[0],
+)  # fmt: skip
+def test_a_result_is_not_written_over_its_source(folder, capsys, words):
+    name = words[-1] if words[-1].endswith(".frb") else "rules.frb"
+    before = Path(name).read_bytes()
+    assert main(words) == 1
+    assert f"{name} is not written: this command reads it" in capsys.readouterr().err
+    assert Path(name).read_bytes() == before
+
+
+def test_links_to_a_source_are_that_source(tmp_path):
+    source, link = tmp_path / "a.csv", tmp_path / "b.csv"
+    source.write_text("1\n")
+    link.symlink_to(source)
+    with sources_kept():
+        note_source(source)
+        with pytest.raises(SourceFileError, match=r"b\.csv"):
+            write_atomically(link, "2\n")
+        write_atomically(tmp_path / "c.csv", "3\n")
+    write_atomically(link, "4\n")
+    assert source.read_text() == "4\n"
