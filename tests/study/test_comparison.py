@@ -308,7 +308,8 @@ def test_compare_prints_a_line_for_each(capsys, tmp_path):
     assert main(words) == 0
     conditions, *lines = capsys.readouterr().out.splitlines()
     assert conditions == (
-        "reach-return and pick-and-place with load, plain conventions, float64, π 3.141593"
+        "reach-return and pick-and-place with load, interpolate, plain conventions, float64, "
+        "π 3.141593"
     )
     errors = ["set points", "all periods", "path"]
     names = ["controller", "pd", "", "", "pd-motor", "", "", "dac", "", ""]
