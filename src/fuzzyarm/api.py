@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import warnings
 from collections import Counter
@@ -306,7 +307,7 @@ def export_file(
     --------
     >>> from fuzzyarm import shipped
     >>> export_file(shipped("pd7.frb"), "pd7.h", q=15).calls
-    ('int16_t pd7_u(int16_t e, int16_t ce);',)
+    ('int16_t pd7_u(int16_t e, int16_t ce)',)
     """
     from pathlib import Path
 
@@ -353,6 +354,8 @@ def _controller(model: ControllerModel, source: str, name: str) -> ControllerTex
 def _foreign(path: str | os.PathLike[str], suffix: str, *, stacklevel: int) -> RuleBase:
     """Return the rule base in a file of another program; `stacklevel` is that of a warning."""
     if suffix not in READABLE:
+        if not suffix and not os.path.exists(path):
+            raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), os.fspath(path))
         raise UnknownKindError(os.fspath(path))
     from fuzzyarm.formats import read
 

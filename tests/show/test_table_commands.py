@@ -243,7 +243,9 @@ def test_plot_writes_figures(capsys, tmp_path, frb):
         assert out.stat().st_size > 5_000
     capsys.readouterr()
     bad = str(tmp_path / "x.bmp")
-    assert "does not have the suffix of a figure" in complaint(capsys, "plot", frb, "-o", bad)
+    assert "does not have the suffix of a figure" in complaint(
+        capsys, "plot", frb, "-o", bad, status=2
+    )
     good = str(tmp_path / "x.png")
     assert "no output 'z'" in complaint(capsys, "plot", frb, "-o", good, "--output", "z")
     assert "for rule bases" in complaint(capsys, "plot", TABLE, "-o", good, "--what", "terms")

@@ -88,7 +88,7 @@ GONE = {
 EXIT_INPUT = 1
 
 ENDINGS = {
-    EXIT_INPUT: "refused: what was found says why",
+    EXIT_INPUT: "not accepted: the output above says why",
     3: "a run diverged: its figures are those until then",
     4: "not everything is decided: what was printed says what is open",
 }
