@@ -34,14 +34,18 @@ from fuzzyarm.api import controller_if_any
 from fuzzyarm.cli.arguments import request_command
 from fuzzyarm.cli.command import UsageError, demand_figure, demand_places, print_json, say
 from fuzzyarm.cli.prove_loops import check, loop_data, print_loops, prove_loops
-from fuzzyarm.cli.prove_sectors import ProveWords, print_drives, print_sectors, progress
+from fuzzyarm.cli.prove_sectors import (
+    EXIT_REFUTED,
+    EXIT_UNDECIDED,
+    ProveWords,
+    print_drives,
+    print_sectors,
+    progress,
+)
 
 if TYPE_CHECKING:
     from fuzzyarm.closed_loop import LoopVerdict
     from fuzzyarm.proof import Bounds, Verdict
-
-EXIT_REFUTED = 1
-EXIT_UNDECIDED = 4
 
 
 def _run(asked: ProveWords) -> int:
@@ -77,8 +81,7 @@ def _require_use(asked: ProveWords, *, of: bool) -> None:
 
 def _files(asked: ProveWords) -> int:
     from fuzzyarm.api import load_rules
-    from fuzzyarm.closed_loop.orders import budget_of
-    from fuzzyarm.proof import prove_all
+    from fuzzyarm.closed_loop.orders import rules_of
 
     verdicts: list[Verdict | LoopVerdict] = []
     data: list[dict[str, Any]] = []
@@ -91,16 +94,12 @@ def _files(asked: ProveWords) -> int:
             say(f"{path}: no `prove` lines", to_errors=True)
         file = {"file": path} if len(asked.files) > 1 else {}
         with progress() as tell:
-            for rulebase in rulebases:
-                for verdict in prove_all(
-                    rulebase, tolerance=asked.tolerance, budget=budget_of(asked),
-                    exact=asked.exact, tell=tell,
-                ):  # fmt: skip
-                    verdicts.append(verdict)
-                    data.append(file | _data(verdict))
-                    if not asked.json:
-                        tell("", 0, 0.0)
-                        say(*_lines(path, verdict))
+            for verdict in rules_of(asked, rulebases, tell):
+                verdicts.append(verdict)
+                data.append(file | _data(verdict))
+                if not asked.json:
+                    tell("", 0, 0.0)
+                    say(*_lines(path, verdict))
         if controller is not None:
             for loop in print_loops(asked, path, controller, claims):
                 verdicts.append(loop)
@@ -150,10 +149,10 @@ def _single(asked: ProveWords) -> int:
     from fuzzyarm.api import load_rules
     from fuzzyarm.closed_loop.orders import bounds_of, only_output
 
-    path = asked.files[0]
-    name = only_output(load_rules(path, "prove"), asked.output)
+    rulebase = load_rules(asked.files[0], "prove")
+    name = only_output(rulebase, asked.output)
     with progress() as tell:
-        results = bounds_of(asked, path, tell)
+        results = bounds_of(asked, rulebase, tell)
     if asked.json:
         _print_single(results)
     else:

@@ -7,14 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.api import controller_if_any
 from fuzzyarm.cli.command import UsageError, WordError, print_json, say
-from fuzzyarm.cli.prove_sectors import EXIT_UNDECIDED, ProveWords, progress
+from fuzzyarm.cli.prove_sectors import EXIT_REFUTED, EXIT_UNDECIDED, ProveWords, progress
 
 if TYPE_CHECKING:
     from fuzzyarm.closed_loop import LoopVerdict, Tube
     from fuzzyarm.controller.text import ControllerText
     from fuzzyarm.model.claims import LoopClaim
-
-EXIT_REFUTED = 1
 
 
 def prove_loops(asked: ProveWords) -> int:

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from fuzzyarm.proof.controllers import DriveProof, DriveSector
     from fuzzyarm.proof.sector import Sector
 
+EXIT_REFUTED = 1
 EXIT_UNDECIDED = 4
 
 
@@ -85,9 +86,9 @@ def print_sectors(asked: ProveWords) -> int:
 def _of_rulebase(asked: ProveWords, path: str) -> int:
     from fuzzyarm.closed_loop.orders import only_output, sectors_of
 
-    with progress() as tell:
-        sectors, failed = sectors_of(asked, path, tell)
     rulebase = load_rules(path, "prove")
+    with progress() as tell:
+        sectors, failed = sectors_of(asked, rulebase, tell)
     name = only_output(rulebase, asked.output)
     if asked.plot is not None and sectors:
         from fuzzyarm.figure_files import save_figure

@@ -76,7 +76,7 @@ def _single(asked: ProveRequest, path: str, tell: Tell) -> Iterable[Proof]:
     if asked.check is not None:
         return [check_certificate(asked.check, controller)]
     if bounds_one(asked):
-        return bounds_of(asked, path, tell).values()
+        return bounds_of(asked, load_rules(path, "prove"), tell).values()
     if not asked.sector:
         loop = loop_of(asked, controller)
         if not asked.stable and asked.claim is None:
@@ -84,7 +84,7 @@ def _single(asked: ProveRequest, path: str, tell: Tell) -> Iterable[Proof]:
         return loops_of(asked, loop, (claim_of(asked),), tell)
     if controller is not None:
         return drives_of(asked, controller, tell)
-    sectors, failed = sectors_of(asked, path, tell)
+    sectors, failed = sectors_of(asked, load_rules(path, "prove"), tell)
     if not sectors:
         raise WordError(f"no sector {failed[0]}")
     return sectors
@@ -151,14 +151,21 @@ def lines_of(
 ) -> Iterator[Verdict | LoopVerdict | DriveProof]:
     """Judge the ``prove`` lines of a file; of a controller what holds of its drives, too."""
     rulebases = controller.model.rulebases if controller else (load_rules(path, "prove"),)
+    yield from rules_of(asked, rulebases, tell)
+    if controller is not None:
+        yield from loops_of(asked, controller, controller.model.claims, tell)
+        yield from drives_of(asked, controller, tell)
+
+
+def rules_of(
+    asked: ProveRequest, rulebases: Iterable[RuleBase], tell: Tell = _unheard
+) -> Iterator[Verdict]:
+    """Judge the ``prove`` lines of rule bases."""
     for rulebase in rulebases:
         yield from prove_all(
             rulebase, tolerance=asked.tolerance, budget=budget_of(asked), exact=asked.exact,
             tell=tell,
         )  # fmt: skip
-    if controller is not None:
-        yield from loops_of(asked, controller, controller.model.claims, tell)
-        yield from drives_of(asked, controller, tell)
 
 
 def budget_of(asked: ProveRequest) -> float:
@@ -169,9 +176,9 @@ def budget_of(asked: ProveRequest) -> float:
 # --- One number ---
 
 
-def bounds_of(asked: ProveRequest, path: str, tell: Tell = _unheard) -> dict[str, Bounds]:
+def bounds_of(asked: ProveRequest, rulebase: RuleBase, tell: Tell = _unheard) -> dict[str, Bounds]:
     """Bound the values, the slopes or the error of a table, by what they are called."""
-    prover = _prover(asked, path, tell)
+    prover = prover_of(asked, rulebase, only_output(rulebase, asked.output), tell)
     if asked.table is not None:
         return {"worst": _error_of_table(prover, asked.table)}
     if asked.range:
@@ -179,12 +186,12 @@ def bounds_of(asked: ProveRequest, path: str, tell: Tell = _unheard) -> dict[str
     return {name: prover.slope({}, name) for name in prover.names}
 
 
-def _prover(asked: ProveRequest, path: str, tell: Tell) -> Prover:
-    rulebase = load_rules(path, "prove")
-    stop = Stop(budget_of(asked), lambda count, gap: tell(path, count, gap))
+def prover_of(asked: ProveRequest, rulebase: RuleBase, output: str, tell: Tell) -> Prover:
+    """Return what bounds an output as a request says; it tells of its file, or of the output."""
+    what = asked.files[0] if asked.files else output
+    stop = Stop(budget_of(asked), lambda count, gap: tell(what, count, gap))
     stop.say(0)
-    name = only_output(rulebase, asked.output)
-    return Prover(rulebase, name, tolerance=asked.tolerance, stop=stop, exact=asked.exact)
+    return Prover(rulebase, output, tolerance=asked.tolerance, stop=stop, exact=asked.exact)
 
 
 def only_output(rulebase: RuleBase, name: str | None) -> str:
@@ -210,12 +217,12 @@ def _error_of_table(prover: Prover, which: str) -> Bounds:
 
 
 def sectors_of(
-    asked: ProveRequest, path: str, tell: Tell = _unheard
+    asked: ProveRequest, rulebase: RuleBase, tell: Tell = _unheard
 ) -> tuple[list[Sector], list[str]]:
     """Return the sectors of an output, and in words along what there is none."""
     if asked.plant is not None:
         raise UsageError("--plant is for controllers, not for rule bases")
-    prover = _prover(asked, path, tell)
+    prover = prover_of(asked, rulebase, only_output(rulebase, asked.output), tell)
     sectors, failed = list[Sector](), list[str]()
     for weights in _forms(prover, asked.along, failed):
         try:

@@ -100,10 +100,9 @@ def _told(job: Job) -> Any:
 
 
 def _prove_rules(rulebase: RuleBase, asked: ProveRequest, job: Job) -> None:
-    from fuzzyarm.proof import prove_all
+    from fuzzyarm.closed_loop.orders import bounds_one, rules_of
 
-    budget = asked.budget or math.inf
-    if asked.range or asked.slope:
+    if bounds_one(asked):
         for what, bounds in _bounded(rulebase, asked, job):
             verdict = "proved" if bounds.complete else "undecided"
             _tell_line(job, verdict, [_bound_line(what, bounds)])
@@ -112,24 +111,17 @@ def _prove_rules(rulebase: RuleBase, asked: ProveRequest, job: Job) -> None:
         raise TextRefusedError(
             "the text has no `prove` lines", hint="write one, or have a range or slopes bounded"
         )
-    for judged in prove_all(
-        rulebase, tolerance=asked.tolerance, budget=budget, exact=asked.exact, tell=_told(job)
-    ):
+    for judged in rules_of(asked, (rulebase,), _told(job)):
         _tell_line(job, judged.verdict, _verdict_lines(judged))
 
 
 def _bounded(rulebase: RuleBase, asked: ProveRequest, job: Job) -> Iterator[tuple[str, Bounds]]:
     """Yield what is bounded of an output: its range, or its slope along each input."""
-    from fuzzyarm.proof import Prover
-    from fuzzyarm.proof.arithmetic import Stop
+    from fuzzyarm.closed_loop.orders import only_output, prover_of
 
-    names = [output.name for output in rulebase.outputs]
-    name = asked.output or names[0]
-    if name not in names:
-        raise FieldError(f"no output is called '{name}'", field="output")
-    tell = _told(job)
-    stop = Stop(asked.budget or math.inf, lambda count, gap: tell(name, count, gap))
-    prover = Prover(rulebase, name, tolerance=asked.tolerance, stop=stop, exact=asked.exact)
+    with at_field("output"):
+        name = only_output(rulebase, asked.output or rulebase.outputs[0].name)
+    prover = prover_of(asked, rulebase, name, _told(job))
     if asked.range:
         yield name, prover.value({})
     if asked.slope:
@@ -154,6 +146,7 @@ def _verdict_lines(verdict: Verdict | LoopVerdict) -> list[str]:
 
 def _prove_loop(text: ControllerText, asked: ProveRequest, job: Job) -> None:
     from fuzzyarm.closed_loop import prove_loop, read_claim
+    from fuzzyarm.closed_loop.orders import budget_of
 
     claims = list(text.model.claims)
     if asked.claim is not None or asked.stable:
@@ -168,7 +161,7 @@ def _prove_loop(text: ControllerText, asked: ProveRequest, job: Job) -> None:
             raise FieldError(f"there is no plant '{claim.plant}' here", field="plant")
         plant = job.plants.new(claim.plant)
         verdict = prove_loop(
-            text, claim, plant=plant, budget=asked.budget or math.inf,
+            text, claim, plant=plant, budget=budget_of(asked),
             continuous=asked.continuous, tell=_told(job),
         )  # fmt: skip
         _tell_line(job, verdict.verdict, _verdict_lines(verdict), _charts(text, verdict, plant))
