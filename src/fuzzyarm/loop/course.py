@@ -357,6 +357,11 @@ class Course:
         Arrays, or views for the interpreter.
     connect : mapping of str to str, optional
         From names of the controller to ports of the plant, where they differ.
+
+    Attributes
+    ----------
+    dynamics : Dynamics or None
+        The kernel of the plant, and of all plants of the kind; None of one in plain Python.
     """
 
     def __init__(
@@ -378,6 +383,7 @@ class Course:
         self.arithmetic = self.options.arithmetic(conventions)._replace(compiled=as_array)
         self.driven = driven
         self.steps = int(motion.iterations.sum())
+        self.dynamics = self._dynamics()
         self._links = self._write_links()
         self._points = (
             self._flat(motion.references),
@@ -445,9 +451,7 @@ class Course:
             return [0, size, 0, 0]
         return [dynamics.address, size, int(dynamics.actuates), int(dynamics.extra > 0)]
 
-    @property
-    def dynamics(self) -> Dynamics | None:
-        """The kernel of the plant; None of one in plain Python."""
+    def _dynamics(self) -> Dynamics | None:
         if not is_compiled(self.plant):
             return None
         finely = self.options.runge_kutta > 0
