@@ -38,6 +38,17 @@ def test_a_result_is_not_written_over_its_source(folder, capsys, words):
     assert Path(name).read_bytes() == before
 
 
+def test_a_tuned_controller_is_not_written_over_rules_that_it_uses(folder, capsys):
+    for name in ("fuzzy-direct.frb", "pd7-study.frb"):  # the rules stay as they are
+        shutil.copy(ROOT / "rulebases" / name, name)
+    before = Path("pd7-study.frb").read_bytes()
+    words = ["tune", "fuzzy-direct.frb", "--evals", "3", "--journal", "trials", "-o"]
+    assert main([*words, "pd7-study.frb"]) == 1
+    assert "pd7-study.frb is not written" in capsys.readouterr().err
+    assert Path("pd7-study.frb").read_bytes() == before
+    assert not Path("trials").exists()  # it was refused before the search
+
+
 def test_links_to_a_source_are_that_source(tmp_path):
     source, link = tmp_path / "a.csv", tmp_path / "b.csv"
     source.write_text("1\n")

@@ -32,6 +32,7 @@ from fuzzyarm.requests.tune import TuneRequest
 from fuzzyarm.shipped_files import shipped, shipped_names
 from fuzzyarm.tuning.scenarios import Scenario, Stage, plant_scenarios, scenario_along
 from fuzzyarm.tuning.search import Journal
+from fuzzyarm.tuning.text import demand_not_used
 
 
 class Order(NamedTuple):
@@ -71,6 +72,8 @@ def order_of(asked: TuneRequest) -> Order:
     """
     require_sensible(asked)
     path, subject = _subject(asked.file)
+    if asked.out is not None:  # before the search, whose result would be lost
+        demand_not_used(asked.out, subject, path)
     stage, samples = None, dict[str, Samples]()
     if isinstance(subject, ControllerText):
         if asked.data:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
-from fuzzyarm.controller.text import ControllerText, sheet_path
+from fuzzyarm.controller.text import ControllerText, files_of, sheet_path
 from fuzzyarm.language.document import Document
 from fuzzyarm.language.phrases import ShapeNode, aligned
 from fuzzyarm.language.queries.fixes import Edit, apply_edits
@@ -23,6 +23,7 @@ from fuzzyarm.text.diagnostic import Span, split_lines
 from fuzzyarm.text.names import quote
 from fuzzyarm.text.numbers import number_text
 from fuzzyarm.text.placed import Figure, Word, span_of
+from fuzzyarm.text.protected import SourceFileError
 from fuzzyarm.tuning.design import Candidate
 
 MARK = "# tuned: "
@@ -327,6 +328,19 @@ def _note_edits(document: Document, text: str, notes: Sequence[str]) -> Iterator
 
 
 # --- Other files in place of those that are used ---
+
+
+def demand_not_used(out: str | Path, subject: ControllerText | RuleBase, path: str) -> None:
+    """Raise SourceFileError where a controller would be written over a file that it uses.
+
+    Its own file is among those of `path`, and may be written.
+    """
+    if not isinstance(subject, ControllerText):
+        return
+    own = Path(out).resolve()
+    files = {file.resolve() for file in files_of(subject.model, path).values()}
+    if own in files - {Path(path).resolve()}:
+        raise SourceFileError(str(out))
 
 
 def with_files(text: str, files: Mapping[str, str]) -> str:

@@ -16,14 +16,13 @@ from fuzzyarm.requests.fields import read_fields
 from fuzzyarm.requests.tune import TuneRequest
 from fuzzyarm.text.files import write_atomically
 from fuzzyarm.text.jsonable import jsonable
-from fuzzyarm.text.protected import SourceFileError
 from fuzzyarm.text.shown import one_line
 from fuzzyarm.tuning.design import Candidate, Parameter, controller_at
 from fuzzyarm.tuning.examiner import Score
 from fuzzyarm.tuning.linear import NAME as LINEAR
 from fuzzyarm.tuning.movement import TuneError
 from fuzzyarm.tuning.search import Budget, Found
-from fuzzyarm.tuning.text import Change, Rewritten, with_files
+from fuzzyarm.tuning.text import Change, Rewritten, demand_not_used, with_files
 
 Method = Literal["nelder-mead", "cma-es", "evolution"]
 
@@ -460,9 +459,7 @@ def _write(tuned: Tuned, out: Path) -> list[Path]:
     first, *others = tuned.files
     origin = Path(first.path) if first.path else None
     over = origin is not None and out.exists() and out.resolve() == origin.resolve()
-    for file in others if not over else ():
-        if file.path and out.exists() and out.resolve() == Path(file.path).resolve():
-            raise SourceFileError(str(out))
+    demand_not_used(out, tuned.subject, first.path)
     paths, names = [], {}
     for file in others:
         beside = file.path and Path(file.path).resolve().parent == out.resolve().parent
