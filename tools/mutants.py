@@ -47,7 +47,10 @@ TESTS = {
     "expression/norms.py": [f"tests/expression/test_{each}.py" for each in _DEFINITIONS],
     "expression/formulas.py": ["tests/expression/test_formulas.py"],
     "expression/": ["tests/expression"],
-    "inference/kernel": ["tests/inference/test_compiled.py", "tests/inference/test_engines.py"],
+    **{
+        f"inference/{name}": [f"tests/inference/test_{each}.py" for each in ("compiled", "engines")]
+        for name in ("kernel", "firing_strengths", "closed_form")
+    },
     "inference/": ["tests/inference", "tests/expression/test_norms.py"],
     "table/lookup.py": [f"tests/table/test_{each}.py" for each in _LOOKUP],
     "table/": ["tests/table"],

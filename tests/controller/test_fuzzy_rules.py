@@ -9,7 +9,7 @@ from rule_bases import rule_bases
 from fuzzyarm.controller import Sources, controller
 from fuzzyarm.controller.program import SourceError, evaluate_view, rule_block
 from fuzzyarm.inference import InferenceError, infer
-from fuzzyarm.inference import kernel as block_of
+from fuzzyarm.inference import kernel as inference_kernel
 from fuzzyarm.kernels import routine
 from fuzzyarm.language import load_rulebase, parse
 from fuzzyarm.loop import Options, simulate
@@ -24,7 +24,7 @@ POINTS = st.one_of(
 
 def evaluated(rulebase, points, *, compiled=False, bindings=None):
     numbers, first, result, _ = rule_block(rulebase, compiled=compiled)
-    function = block_of.evaluate if compiled or bindings else evaluate_view
+    function = inference_kernel.evaluate if compiled or bindings else evaluate_view
     conclude = routine(function, 1, bindings, compiled=compiled)
     values = []
     for point in points:
@@ -39,15 +39,15 @@ def evaluated(rulebase, points, *, compiled=False, bindings=None):
 @pytest.mark.parametrize("compiled", [False, True])
 def test_what_is_made_for_grids_has_the_bits_of_what_is_made_for_all(compiled):
     rulebase = load_rulebase(shipped("pd7.frb"))
-    assert block_of.is_grid(rule_block(rulebase, compiled=compiled).numbers)
+    assert inference_kernel.is_grid(rule_block(rulebase, compiled=compiled).numbers)
     points = np.random.default_rng(3).uniform(-7, 7, (40, 2))
-    other = evaluated(rulebase, points, compiled=compiled, bindings=block_of.GRID)
+    other = evaluated(rulebase, points, compiled=compiled, bindings=inference_kernel.GRID)
     assert evaluated(rulebase, points, compiled=compiled) == other
 
 
 @pytest.mark.parametrize("name", ["pd7-study", "tipper"])
 def test_what_is_not_such_a_grid_is_not_taken_for_one(name):
-    assert not block_of.is_grid(
+    assert not inference_kernel.is_grid(
         rule_block(load_rulebase(shipped(f"{name}.frb")), compiled=False).numbers
     )
 

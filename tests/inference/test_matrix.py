@@ -21,7 +21,7 @@ from fuzzyarm.export import export_files, routines_of
 from fuzzyarm.export.javascript import rule_base_module
 from fuzzyarm.formats import PRODUCERS, write
 from fuzzyarm.inference import compiled, prepare
-from fuzzyarm.inference import kernel as block_of
+from fuzzyarm.inference import kernel as inference_kernel
 from fuzzyarm.inference.arrays import infer_arrays
 from fuzzyarm.kernels import has_machine_code, routine
 from fuzzyarm.language import parse
@@ -188,7 +188,7 @@ def test_arrays_kernel_and_loop_have_the_bits_of_a_point(case: Case) -> None:
     assert not fast.reason
     demand_same(case, fast(columns)["u"], wanted, close)
     block = rule_block(rulebase, compiled=has_machine_code())
-    evaluate = routine(block_of.evaluate, 1, compiled=has_machine_code())
+    evaluate = routine(inference_kernel.evaluate, 1, compiled=has_machine_code())
     found = []
     for v, w in zip(columns["v"], columns["w"], strict=True):
         block.numbers[block.first_input : block.first_input + 2] = v, w

@@ -119,7 +119,7 @@ def program_address(root):
 
 def call_by_address(address, a, b, numbers, into):
     """Have machine code call an address with rows: the kernel of a norm under hedges does."""
-    from fuzzyarm.inference.kernel import MAX  # any of its own norms is below 4
+    from fuzzyarm.inference.block import MAX  # any of its own norms is below 4
 
     assert address > MAX
     machine().walk(address, (a, b, numbers, into))

@@ -8,7 +8,7 @@ numbers        gains and written numbers
 signals        of every axis, and intermediate values
 frames         of sources (:mod:`fuzzyarm.controller.updates`); states of limits, rings of learners
 tables         grids and values; visits of tables that learn
-rule bases     a block each, see :mod:`fuzzyarm.inference.kernel`
+rule bases     a block each, see :mod:`fuzzyarm.inference.block`
 =============  ============================================================================
 
 The **code** ``k`` is the number of instructions, then six whole numbers for each: what to do, the

@@ -18,8 +18,8 @@ from fuzzyarm.controller.law import Block
 from fuzzyarm.controller.updates import update_address
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.expression.sources import SourceKind
-from fuzzyarm.inference import kernel as block_of
-from fuzzyarm.inference.block import NotCoveredError, make_block
+from fuzzyarm.inference import kernel as inference_kernel
+from fuzzyarm.inference.block import COLUMNS, RESULTS, NotCoveredError, make_block
 from fuzzyarm.inference.layout import lay_out
 from fuzzyarm.inference.plan import plan
 from fuzzyarm.kernels import address_of
@@ -637,22 +637,22 @@ def rule_block(rulebase: RuleBase, *, compiled: bool) -> RuleBlock:
         ) from None
     numbers = make_block(layout, 1).numbers
     whole = numbers.view(np.int64)
-    first_input, first_result = int(whole[block_of.COLUMNS]), int(whole[block_of.RESULTS])
+    first_input, first_result = int(whole[COLUMNS]), int(whole[RESULTS])
     address = inference_address(numbers, compiled=compiled)
     return RuleBlock(numbers, first_input, first_result, address)
 
 
 def evaluate_view(block: Any) -> None:
     """Evaluate a rule base as plain Python, its block a view as an interpreted loop has it."""
-    block_of.evaluate(np.asanyarray(block))
+    inference_kernel.evaluate(np.asanyarray(block))
 
 
 def inference_address(numbers: NDArray[np.float64], *, compiled: bool) -> int:
     """Return where a controller finds the inference kernel for a rule base."""
     if not compiled:
         return address_of(evaluate_view, 1, compiled=False)
-    bindings = block_of.GRID if block_of.is_grid(numbers) else {}
-    return address_of(block_of.evaluate, 1, bindings, compiled=True)
+    bindings = inference_kernel.GRID if inference_kernel.is_grid(numbers) else {}
+    return address_of(inference_kernel.evaluate, 1, bindings, compiled=True)
 
 
 def of_axis(table: LookupTable, index: int) -> tuple[list[Axis], NDArray[np.float64]]:

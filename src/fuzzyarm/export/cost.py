@@ -16,7 +16,7 @@ from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.export.listing import operations_of
 from fuzzyarm.export.rulebase import DirectRoutine
 from fuzzyarm.export.steps import Ask, Find, Set, Step, Steps, Teach, steps_of
-from fuzzyarm.inference import kernel as at
+from fuzzyarm.inference import block as at
 from fuzzyarm.inference.block import Layout
 from fuzzyarm.inference.layout import lay_out
 from fuzzyarm.inference.plan import plan
@@ -140,7 +140,7 @@ def rule_cost(rulebase: RuleBase) -> tuple[Operations, Operations]:
 
 
 class _Programs:
-    """The programs of a block; see :mod:`fuzzyarm.inference.kernel` for how they lie."""
+    """The programs of a block; see :mod:`fuzzyarm.inference.block` for how they lie."""
 
     def __init__(self, layout: Layout) -> None:
         self.k, self.f, self.count = layout.whole, layout.floats, layout.programs

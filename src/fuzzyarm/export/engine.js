@@ -1,7 +1,7 @@
 // The kernel of fuzzyarm around a rule base: blocks of numbers, points, grids, what fires.
 //
 // The functions of the kernel stand above, translated from their Python; the constants that
-// name places in a block are theirs. See fuzzyarm/inference/kernel.py for the picture of a block.
+// name places in a block are theirs. See fuzzyarm/inference/block.py for the picture of a block.
 
 /** Functions by their number while an engine runs: a program calls them so. */
 let table = [];

@@ -26,7 +26,7 @@ from fuzzyarm.expression.nodes import Constant, Node, Symbol, children, replace,
 from fuzzyarm.expression.operations import OPERATIONS
 from fuzzyarm.expression.printing import JAVASCRIPT, printed
 from fuzzyarm.expression.records import Kind
-from fuzzyarm.inference import kernel
+from fuzzyarm.inference import block
 from fuzzyarm.inference.block import Layout, NotCoveredError
 from fuzzyarm.inference.layout import lay_out
 from fuzzyarm.inference.plan import Plan, plan
@@ -174,7 +174,7 @@ def numbers_of(
 
 def _first_weight(made: Plan, layout: Layout) -> int:
     """Return where the weights of the rules begin in the floats: in front of the first output's."""
-    first = layout.whole[layout.whole[kernel.OUTPUTS_AT] + kernel.FLOATS_AT]
+    first = layout.whole[layout.whole[block.OUTPUTS_AT] + block.FLOATS_AT]
     return first - 2 * len(made.rules)
 
 
@@ -232,13 +232,13 @@ def kernel_source() -> str:
 
 
 def _constants() -> str:
-    """Return the names of the places in a block, by the kernel's own."""
+    """Return what stands where in a block, by name."""
     names = (
         "INPUTS OUTPUTS OPERANDS PROGRAMS_AT OUTPUTS_AT POINTS WIDTH FLOATS ROOM COLUMNS RESULTS"
         " ORDERED ORDER ENDS SIZE AGGREGATION DEFUZZIFIER OUTPUT_HEAD GROUP_HEAD RULE_HEAD"
         " TRUTH_HEAD ONES PROGRAM FLOATS_AT DETAIL OUTPUT_RANGE"
     )
-    listed = [f"{name} = {getattr(kernel, name)}" for name in names.split()]
+    listed = [f"{name} = {getattr(block, name)}" for name in names.split()]
     return f"const {', '.join(listed)};\n"
 
 

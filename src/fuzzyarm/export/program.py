@@ -52,7 +52,7 @@ from fuzzyarm.expression.nodes import (
     symbol,
 )
 from fuzzyarm.expression.printing import Assign
-from fuzzyarm.inference import kernel as at
+from fuzzyarm.inference import block as at
 from fuzzyarm.inference.block import NotCoveredError
 from fuzzyarm.inference.errors import InferenceError
 from fuzzyarm.inference.firing_intervals import LOWER, UPPER

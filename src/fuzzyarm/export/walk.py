@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from fuzzyarm.expression.evaluation import evaluate_arrays
 from fuzzyarm.expression.kinds import SHAPES, Norm
 from fuzzyarm.expression.nodes import Node
-from fuzzyarm.inference import kernel as at
+from fuzzyarm.inference import block as at
 from fuzzyarm.inference.plan import Plan
 from fuzzyarm.inference.programs import Program
 from fuzzyarm.inference.row_functions import (

@@ -1,14 +1,120 @@
-"""The numbers of a rule base, and the block of memory in which the kernel reads them."""
+"""The block: the numbers of a rule base in the memory from which the kernel reads them.
+
+Everything stands in one array of floats, so that one array is all there is to hand over; parts of
+it are read as whole numbers. In the order of memory:
+
+====================  =======================================================================
+whole numbers ``k``   head (below), inputs, outputs, programs; row functions by address
+floats ``f``          ranges, edges of cells, lines, weights, layers, samples, consequents
+rows ``room``         to work in, each as long as there are points: ones, zeros, degrees,
+                      heights of sets, strength, total, moment; behind them one row of samples
+columns               the inputs, one row each
+results               the outputs, one row each
+ordered               the inputs once more, points of one program together
+order                 for each point its program, and where it came from
+ends                  where the points of each program end
+====================  =======================================================================
+
+A program is a stretch of whole numbers::
+
+    for each input:   where its lines begin in f, and how many there are
+    number of expressions in parentheses, inner ones first
+                      for each: its row, norm, hedges by address (or 0), operands: how many, rows
+    for each output:  number of sets that may fire (groups)
+                      for each group: rules, where its consequent begins
+                          for each rule: norm, where its weight and threshold are, operands
+                      then what its defuzzifier reads
+
+The names below say what stands where. :mod:`fuzzyarm.inference.layout` writes the whole
+numbers and the floats, :mod:`fuzzyarm.inference.kernel` reads them; what a defuzzifier reads is
+described in its own module.
+"""
 
 from __future__ import annotations
 
 from itertools import accumulate
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzyarm.inference import kernel as at
+from fuzzyarm.kernels import kernel
+
+# ── what stands where, by name ───────────────────────────────────────────────────────
+
+# Head of the whole numbers: counts; first rows; where programs and outputs begin;
+INPUTS, OUTPUTS, OPERANDS, HEIGHTS, WORK, PROGRAMS_AT, OUTPUTS_AT, PROGRAMS, SAMPLES = range(9)
+# points and length of a row; where the parts of the block begin, and its end;
+POINTS, WIDTH, FLOATS, ROOM, COLUMNS, RESULTS, ORDERED, ORDER, ENDS, SIZE = range(9, 19)
+# address of `run`, and what it and the defuzzifiers are called with: where in the block the
+# inputs stand, where the program is, first point and number of points (in `order`), how many
+# outputs were NaN; where the groups of an output are, where its program goes on, its head.
+RUN, INPUT_ROWS, PROGRAM, FIRST, COUNT, MISSING, GROUPS, NEXT, OUTPUT = range(19, 28)
+HEAD = 28
+
+# For each input, from HEAD on: whether it is clamped; buckets that lead to its cells; its
+# first row of degrees and the most lines of a cell; its curved terms: how many, and where
+# (for each an address, where its numbers are, and how many); the cell of the last point.
+CLAMPED, BUCKETS, STARTS_AT, EDGES_AT, STRIDE, SLOT, MOST_LINES, CURVES, CURVES_AT = range(9)
+LAST_CELL = 9
+INPUT_HEAD = 10
+CURVE = 3
+
+# For each output, from OUTPUTS_AT on: its defuzzifier by address, its floats, how strengths
+# and sets are folded, what happens outside its range, a number for the defuzzifier, whether
+# its value is a mean, whether the defuzzifier is `closed_centroid`, and whether all rules are
+# ``a and b …`` under min, of weight 1, united by max; by address, what is made of the number that
+# the defuzzifier finds, and what it makes of several itself (0: nothing, and one of them).
+DEFUZZIFIER, FLOATS_AT, AGGREGATION, OUT_MODE, DETAIL, IS_MEAN, IS_CLOSED, IS_MAX_MIN = range(8)
+FINISH, CHOICE = 8, 9
+OUTPUT_HEAD = 10
+CLAMP, EXTEND, ERROR = range(3)
+
+RANGE = 4
+"""Floats of an input: low, high, first bucket, buckets per unit."""
+
+OUTPUT_RANGE = 4
+"""Floats of an output: low, high, value where no rule fires, centre of the moments.
+
+Where the defuzzifier finds the value itself the last says which number is wanted: of
+:mod:`.positions` one of its names; of :mod:`.reduced` -1 for the left end of a centroid, 1 for the
+right one, 0 for both.
+"""
+
+LINE = 3
+"""Floats of a straight line: y0, x0, slope."""
+
+LAYER = 7
+"""Floats of a layer of the closed form."""
+
+GROUP_HEAD = 2
+"""Whole numbers in front of the rules of a group: how many, where its consequent begins."""
+
+RULE_HEAD = 2
+"""Whole numbers in front of the operands of a rule: norm, where its weight is."""
+
+TRUTH_HEAD = 4
+"""Whole numbers in front of the operands of an expression in parentheses."""
+
+BY_ITSELF = MIN, PRODUCT, MAX, SUM = range(4)
+"""Norms that the kernel does by itself; any other number is the address of one."""
+
+ONES = 0
+"""Row of ones; behind it one of zeros."""
+
+STRENGTH, TOTAL, MOMENT = range(3)
+"""Rows from WORK on: strength of a rule, area (or weight), moment about the centre."""
+
+WORK_ROWS = 3
+
+CHOICE_ROOM = 4
+"""Floats at the end of the heap for what a value is made of."""
+
+FAILED = -1
+"""The program of a point whose inputs are not numbers, or out of range."""
+
+
+# ── making and reading one ───────────────────────────────────────────────────────────
 
 
 class NotCoveredError(Exception):
@@ -92,31 +198,40 @@ the cache, and a program works in more rows at once than a line has places."""
 
 def make_block(layout: Layout, points: int) -> Block:
     """Give the numbers of a rule base room for so many points."""
-    inputs, outputs = layout.whole[at.INPUTS], layout.whole[at.OUTPUTS]
+    inputs, outputs = layout.whole[INPUTS], layout.whole[OUTPUTS]
     width = points if points == 1 else points + GAP
     # In the order of memory: each name is where the next part begins.
     lengths = {
-        at.FLOATS: len(layout.whole),
-        at.ROOM: len(layout.floats),
-        at.COLUMNS: layout.rows * width + 2 * layout.samples,
-        at.RESULTS: inputs * width,
-        at.ORDERED: outputs * width,
-        at.ORDER: inputs * width,
-        at.ENDS: 2 * width,
-        at.SIZE: layout.programs + 2,
+        FLOATS: len(layout.whole),
+        ROOM: len(layout.floats),
+        COLUMNS: layout.rows * width + 2 * layout.samples,
+        RESULTS: inputs * width,
+        ORDERED: outputs * width,
+        ORDER: inputs * width,
+        ENDS: 2 * width,
+        SIZE: layout.programs + 2,
     }
     ends = dict(zip(lengths, accumulate(lengths.values()), strict=True))
-    numbers = np.zeros(ends[at.SIZE])
+    numbers = np.zeros(ends[SIZE])
     whole = numbers.view(np.int64)
     whole[: len(layout.whole)] = layout.whole
-    whole[at.POINTS], whole[at.WIDTH] = points, width
+    whole[POINTS], whole[WIDTH] = points, width
     for name, end in ends.items():
         whole[name] = end
-    numbers[ends[at.FLOATS] : ends[at.ROOM]] = layout.floats
-    ones = ends[at.ROOM] + at.ONES * width
+    numbers[ends[FLOATS] : ends[ROOM]] = layout.floats
+    ones = ends[ROOM] + ONES * width
     numbers[ones : ones + points] = 1.0
-    columns = numbers[ends[at.COLUMNS] : ends[at.RESULTS]].reshape(inputs, width)
-    results = numbers[ends[at.RESULTS] : ends[at.ORDERED]].reshape(outputs, width)
-    return Block(
-        numbers, columns[:, :points], results[:, :points], whole[at.POINTS : at.POINTS + 1]
-    )
+    columns = numbers[ends[COLUMNS] : ends[RESULTS]].reshape(inputs, width)
+    results = numbers[ends[RESULTS] : ends[ORDERED]].reshape(outputs, width)
+    return Block(numbers, columns[:, :points], results[:, :points], whole[POINTS : POINTS + 1])
+
+
+@kernel
+def parts_of(block: Any) -> Any:
+    """Return whole numbers, floats and rows of a block, and of its rows TOTAL and MOMENT."""
+    k = block.view(np.int64)
+    room = block[k[ROOM] : k[COLUMNS]]
+    begin = (k[WORK] + TOTAL) * k[WIDTH]
+    total = room[begin : begin + k[COUNT]]
+    begin = (k[WORK] + MOMENT) * k[WIDTH]
+    return k, block[k[FLOATS] : k[ROOM]], room, total, room[begin : begin + k[COUNT]]

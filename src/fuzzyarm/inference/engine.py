@@ -14,14 +14,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.inference.arrays import blocks, infer_arrays, part_of, working_shape
-from fuzzyarm.inference.block import Block, Layout, NotCoveredError, make_block
-from fuzzyarm.inference.errors import NotANumberError
-from fuzzyarm.inference.kernel import (
+from fuzzyarm.inference.block import (
     COLUMNS,
     MISSING,
     POINTS,
     RESULTS,
     WIDTH,
+    Block,
+    Layout,
+    NotCoveredError,
+    make_block,
+)
+from fuzzyarm.inference.errors import NotANumberError
+from fuzzyarm.inference.kernel import (
     evaluate,
     sweep,
 )

@@ -9,8 +9,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from fuzzyarm.inference.envelope import cut_pieces, envelope_of, whole_of
-from fuzzyarm.inference.kernel import (
+from fuzzyarm.inference.block import (
     AGGREGATION,
     DETAIL,
     FLOATS_AT,
@@ -27,8 +26,11 @@ from fuzzyarm.inference.kernel import (
     WIDTH,
     WORK,
     WORK_ROWS,
-    join,
     parts_of,
+)
+from fuzzyarm.inference.envelope import cut_pieces, envelope_of, whole_of
+from fuzzyarm.inference.firing_strengths import (
+    join,
 )
 from fuzzyarm.kernels import kernel
 

@@ -19,9 +19,7 @@ import math
 from typing import Any
 
 from fuzzyarm.inference.bisector import SAME_HALF, STEPS
-from fuzzyarm.inference.envelope import insert
-from fuzzyarm.inference.enveloped import cut_in
-from fuzzyarm.inference.kernel import (
+from fuzzyarm.inference.block import (
     AGGREGATION,
     DETAIL,
     FLOATS_AT,
@@ -33,6 +31,8 @@ from fuzzyarm.inference.kernel import (
     RULE_HEAD,
     WIDTH,
 )
+from fuzzyarm.inference.envelope import insert
+from fuzzyarm.inference.enveloped import cut_in
 from fuzzyarm.inference.sets import BELOW_ONE
 from fuzzyarm.kernels import call, kernel
 

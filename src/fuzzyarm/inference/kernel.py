@@ -1,35 +1,11 @@
 """The kernel: a rule base as numbers, evaluated at one point or at many.
 
-Everything stands in one array of floats, the **block**, so that one array is all there is
-to hand over; parts of it are read as whole numbers. In the order of memory:
-
-====================  =======================================================================
-whole numbers ``k``   head (below), inputs, outputs, programs; row functions by address
-floats ``f``          ranges, edges of cells, lines, weights, layers, samples, consequents
-rows ``room``         to work in, each as long as there are points: ones, zeros, degrees,
-                      heights of sets, strength, total, moment; behind them one row of samples
-columns               the inputs, one row each
-results               the outputs, one row each
-ordered               the inputs once more, points of one program together
-order                 for each point its program, and where it came from
-ends                  where the points of each program end
-====================  =======================================================================
-
-:mod:`fuzzyarm.inference.layout` writes it. Every input finds its cell between the
-corners of its terms; the cells together name a **program**, which lists the rules that can
-fire there and what to integrate. So nothing is searched, and the cost grows with the rules
-that fire, not with the rules. Points are sorted by their program; what a program does it
-does to all of its points in a row, which the processor takes several at a time.
-
-A program is a stretch of whole numbers::
-
-    for each input:   where its lines begin in f, and how many there are
-    number of expressions in parentheses, inner ones first
-                      for each: its row, norm, hedges by address (or 0), operands: how many, rows
-    for each output:  number of sets that may fire (groups)
-                      for each group: rules, where its consequent begins
-                          for each rule: norm, where its weight and threshold are, operands
-                      then what its defuzzifier reads
+All that it reads and writes stands in one array of floats, the **block**, whose picture is in
+:mod:`fuzzyarm.inference.block`. Every input finds its cell between the corners of its terms; the
+cells together name a **program**, which lists the rules that can fire there and what to integrate.
+So nothing is searched, and the cost grows with the rules that fire, not with the rules. Points are
+sorted by their program; what a program does it does to all of its points in a row, which the
+processor takes several at a time.
 
 What a program does with a row beside min, max, product and sum (other norms, curved terms,
 the defuzzifiers) it calls by address.
@@ -37,9 +13,9 @@ the defuzzifiers) it calls by address.
 A closed loop asks for one point at a time, millions of times. There half of the work would be to
 find rows that are one number long, so :func:`evaluate` walks a program by itself, number by
 number. What is added and multiplied, in which order, stands in functions that both walks share
-(`cell_of`, `on_line`, `weighed`, `layer_area`, `layer_moment`, `mean_of`, `settled`), and the bits
-are the same; norms beside the four, curved terms, expressions in parentheses and the other
-defuzzifiers are asked with rows of length one.
+(`bucket_of`, `on_line` and `settled` here, `weighed` of :mod:`.firing_strengths`, `layer_area` and
+`layer_moment` of :mod:`.closed_form`), and the bits are the same; norms beside the four, curved
+terms, expressions in parentheses and the other defuzzifiers are asked with rows of length one.
 
 Where there is no ordinary value (not a number, outside a range that forbids it, no rule
 fires and nothing is stated) the output is NaN; the caller asks another engine then.
@@ -54,79 +30,77 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from fuzzyarm.inference.block import (
+    AGGREGATION,
+    BUCKETS,
+    CHOICE,
+    CHOICE_ROOM,
+    CLAMP,
+    CLAMPED,
+    COLUMNS,
+    COUNT,
+    CURVE,
+    CURVES,
+    CURVES_AT,
+    DEFUZZIFIER,
+    EDGES_AT,
+    ENDS,
+    ERROR,
+    FAILED,
+    FINISH,
+    FIRST,
+    FLOATS,
+    FLOATS_AT,
+    GROUPS,
+    HEAD,
+    HEIGHTS,
+    INPUT_HEAD,
+    INPUT_ROWS,
+    INPUTS,
+    IS_CLOSED,
+    IS_MAX_MIN,
+    IS_MEAN,
+    LAST_CELL,
+    LINE,
+    MISSING,
+    MOMENT,
+    MOST_LINES,
+    NEXT,
+    OPERANDS,
+    ORDER,
+    ORDERED,
+    OUT_MODE,
+    OUTPUT,
+    OUTPUT_HEAD,
+    OUTPUT_RANGE,
+    OUTPUTS,
+    OUTPUTS_AT,
+    POINTS,
+    PROGRAM,
+    PROGRAMS,
+    PROGRAMS_AT,
+    RANGE,
+    RESULTS,
+    ROOM,
+    RUN,
+    SLOT,
+    STARTS_AT,
+    STRIDE,
+    TOTAL,
+    WIDTH,
+    WORK,
+    WORK_ROWS,
+    parts_of,
+)
+from fuzzyarm.inference.closed_form import closed_centroid_at_point
+from fuzzyarm.inference.firing_strengths import (
+    fold_heights,
+    fold_heights_of_point,
+    join_expressions,
+    unite_rules,
+    unite_rules_of_point,
+)
 from fuzzyarm.kernels import call, kernel
-
-# Head of the whole numbers: counts; first rows; where programs and outputs begin;
-INPUTS, OUTPUTS, OPERANDS, HEIGHTS, WORK, PROGRAMS_AT, OUTPUTS_AT, PROGRAMS, SAMPLES = range(9)
-# points and length of a row; where the parts of the block begin, and its end;
-POINTS, WIDTH, FLOATS, ROOM, COLUMNS, RESULTS, ORDERED, ORDER, ENDS, SIZE = range(9, 19)
-# address of `run`, and what it and the defuzzifiers are called with: where in the block the
-# inputs stand, where the program is, first point and number of points (in `order`), how many
-# outputs were NaN; where the groups of an output are, where its program goes on, its head.
-RUN, INPUT_ROWS, PROGRAM, FIRST, COUNT, MISSING, GROUPS, NEXT, OUTPUT = range(19, 28)
-HEAD = 28
-
-# For each input, from HEAD on: whether it is clamped; buckets that lead to its cells; its
-# first row of degrees and the most lines of a cell; its curved terms: how many, and where
-# (for each an address, where its numbers are, and how many); the cell of the last point.
-CLAMPED, BUCKETS, STARTS_AT, EDGES_AT, STRIDE, SLOT, MOST_LINES, CURVES, CURVES_AT = range(9)
-LAST_CELL = 9
-INPUT_HEAD = 10
-CURVE = 3
-
-# For each output, from OUTPUTS_AT on: its defuzzifier by address, its floats, how strengths
-# and sets are folded, what happens outside its range, a number for the defuzzifier, whether
-# its value is a mean, whether the defuzzifier is `closed_centroid`, and whether all rules are
-# ``a and b …`` under min, of weight 1, united by max; by address, what is made of the number that
-# the defuzzifier finds, and what it makes of several itself (0: nothing, and one of them).
-DEFUZZIFIER, FLOATS_AT, AGGREGATION, OUT_MODE, DETAIL, IS_MEAN, IS_CLOSED, IS_MAX_MIN = range(8)
-FINISH, CHOICE = 8, 9
-OUTPUT_HEAD = 10
-CLAMP, EXTEND, ERROR = range(3)
-
-RANGE = 4
-"""Floats of an input: low, high, first bucket, buckets per unit."""
-
-OUTPUT_RANGE = 4
-"""Floats of an output: low, high, value where no rule fires, centre of the moments.
-
-Where the defuzzifier finds the value itself the last says which number is wanted: of
-:mod:`.positions` one of its names; of :mod:`.reduced` -1 for the left end of a centroid, 1 for the
-right one, 0 for both.
-"""
-
-LINE = 3
-"""Floats of a straight line: y0, x0, slope."""
-
-LAYER = 7
-"""Floats of a layer of the closed form."""
-
-GROUP_HEAD = 2
-"""Whole numbers in front of the rules of a group: how many, where its consequent begins."""
-
-RULE_HEAD = 2
-"""Whole numbers in front of the operands of a rule: norm, where its weight is."""
-
-TRUTH_HEAD = 4
-"""Whole numbers in front of the operands of an expression in parentheses."""
-
-BY_ITSELF = MIN, PRODUCT, MAX, SUM = range(4)
-"""Norms that the kernel does by itself; any other number is the address of one."""
-
-ONES = 0
-"""Row of ones; behind it one of zeros."""
-
-STRENGTH, TOTAL, MOMENT = range(3)
-"""Rows from WORK on: strength of a rule, area (or weight), moment about the centre."""
-
-WORK_ROWS = 3
-
-CHOICE_ROOM = 4
-"""Floats at the end of the heap for what a value is made of."""
-
-FAILED = -1
-"""The program of a point whose inputs are not numbers, or out of range."""
-
 
 # ── points ───────────────────────────────────────────────────────────────────────────
 
@@ -209,17 +183,17 @@ def evaluate(block: Any) -> None:
             _fuzzify_curves(k, f, room, head, block[column : column + 1])
         head += INPUT_HEAD
         at += 2
-    at = at + 1 if form.grid or k[at] == 0 else _join_expressions(k, f, room, at, 1)
+    at = at + 1 if form.grid or k[at] == 0 else join_expressions(k, f, room, at, 1)
     head = k[OUTPUTS_AT]
     for o in range(outputs):
         groups = at
         if form.grid or k[head + IS_MAX_MIN] != 0:
-            at = _unite_rules_of_point(k, room, at, heights, operands)
+            at = unite_rules_of_point(k, room, at, heights, operands)
         else:
-            at = _fold_heights_of_point(k, f, room, at, k[head + AGGREGATION], heights, operands)
+            at = fold_heights_of_point(k, f, room, at, k[head + AGGREGATION], heights, operands)
         bounds = k[head + FLOATS_AT]
         if form.grid or k[head + IS_CLOSED] != 0:
-            total, moment, at = _closed_at_point(k, f, room[heights:], k[groups], at)
+            total, moment, at = closed_centroid_at_point(k, f, room[heights:], k[groups], at)
         else:
             total, moment, at = _defuzzified_point(block, k, room, head, groups, at)
         value = _value_of_output(k, f, room, head, total, moment, form.grid)
@@ -413,7 +387,7 @@ def run(block: Any) -> None:
         begin = k[INPUT_ROWS] + i * width
         fuzzify(k, f, room, i, k[at], k[at + 1], block[begin : begin + count])
         at += 2
-    at = _join_expressions(k, f, room, at, count)
+    at = join_expressions(k, f, room, at, count)
     begin = (k[WORK] + TOTAL) * width
     total = room[begin : begin + count]
     begin = (k[WORK] + MOMENT) * width
@@ -428,9 +402,9 @@ def run(block: Any) -> None:
         k[GROUPS] = at
         k[OUTPUT] = head
         if k[head + IS_MAX_MIN] != 0 and k[OPERANDS] == 2:
-            k[NEXT] = _unite_rules(k, room, at, count)
+            k[NEXT] = unite_rules(k, room, at, count)
         else:
-            k[NEXT] = _fold_heights(k, f, room, at, k[head + AGGREGATION], count)
+            k[NEXT] = fold_heights(k, f, room, at, k[head + AGGREGATION], count)
         call(k[head + DEFUZZIFIER], block)  # fills total and moment; moves k[NEXT]
         at = k[NEXT]
         begin = k[head + FLOATS_AT]
@@ -503,219 +477,6 @@ def _fuzzify_point(
 
 
 @kernel
-def _join_expressions(k: Any, f: Any, room: Any, at: int, count: int) -> int:
-    """Write down the truth of the expressions in parentheses; return what is behind."""
-    width = k[WIDTH]
-    expressions = k[at]
-    at += 1
-    for _ in range(expressions):
-        begin = k[at] * width
-        truth = room[begin : begin + count]
-        norm, hedges, operands = k[at + 1], k[at + 2], k[at + 3]
-        at += TRUTH_HEAD
-        begin = k[at] * width
-        degrees = room[begin : begin + count]
-        for operand in range(at + 1, at + operands):
-            begin = k[operand] * width
-            join(norm, degrees, room[begin : begin + count], truth)
-            degrees = truth
-        if hedges != 0:
-            call(hedges, degrees, f[0:0], truth)
-        at += operands
-    return at
-
-
-@kernel
-def _fold_heights(k: Any, f: Any, room: Any, at: int, fold: int, count: int) -> int:
-    """Fold the strengths of the rules of each group, one row each; return what is behind."""
-    width = k[WIDTH]
-    groups = k[at]
-    at += 1
-    begin = (k[WORK] + STRENGTH) * width
-    strength = room[begin : begin + count]
-    # A group is a set with the rules that assert it in this cell. The first strength goes into
-    # the row of its height at once; the norm is the output's, max nearly always.
-    for group in range(k[HEIGHTS], k[HEIGHTS] + groups):
-        begin = group * width
-        folded = room[begin : begin + count]
-        rules = k[at]
-        at += GROUP_HEAD
-        for i in range(rules):
-            fire(k, f, room, at, strength if i else folded)
-            at += RULE_HEAD + k[OPERANDS]
-            if i:
-                join(fold, folded, strength, folded)
-    return at
-
-
-@kernel
-def _unite_rules(k: Any, room: Any, at: int, count: int) -> int:
-    """Do what :func:`_fold_heights` does for a grid of rules of two operands, as nearly all are."""
-    width = k[WIDTH]
-    groups = k[at]
-    at += 1
-    for group in range(k[HEIGHTS], k[HEIGHTS] + groups):
-        begin = group * width
-        folded = room[begin : begin + count]
-        rules = k[at]
-        at += GROUP_HEAD
-        for i in range(rules):
-            begin = k[at + RULE_HEAD] * width
-            one = room[begin : begin + count]
-            begin = k[at + RULE_HEAD + 1] * width
-            other = room[begin : begin + count]
-            at += RULE_HEAD + 2
-            if i:
-                for point in range(count):
-                    folded[point] = max(folded[point], min(one[point], other[point]))
-            else:
-                for point in range(count):
-                    folded[point] = min(one[point], other[point])
-    return at
-
-
-@kernel
-def _fold_heights_of_point(
-    k: Any, f: Any, room: Any, at: int, fold: int, heights: int, operands: int
-) -> int:
-    """Fold the strengths of the rules of each group at a point; return what is behind."""
-    groups = k[at]
-    at += 1
-    for group in range(heights, heights + groups):
-        rules = k[at]
-        at += GROUP_HEAD
-        folded = _fired(k, f, room, at, operands)
-        at += RULE_HEAD + operands
-        for _ in range(rules - 1):
-            strength = _fired(k, f, room, at, operands)
-            folded = joined(k, room, fold, folded, strength)
-            at += RULE_HEAD + operands
-        room[group] = folded
-    return at
-
-
-@kernel
-def _unite_rules_of_point(k: Any, room: Any, at: int, heights: int, operands: int) -> int:
-    """Do what :func:`_fold_heights_of_point` does for a grid of rules as nearly all are."""
-    # Neither norms nor weights are read, which are half of the work of a rule.
-    groups = k[at]
-    at += 1
-    for group in range(heights, heights + groups):
-        rules = k[at]
-        at += GROUP_HEAD + RULE_HEAD
-        folded = 0.0  # below which no strength is
-        if operands == 2:
-            for _ in range(rules):
-                folded = max(folded, min(room[k[at]], room[k[at + 1]]))
-                at += RULE_HEAD + 2
-        else:
-            for _ in range(rules):
-                strength = min(room[k[at]], room[k[at + 1]])
-                for operand in range(at + 2, at + operands):
-                    strength = min(strength, room[k[operand]])
-                folded = max(folded, strength)
-                at += RULE_HEAD + operands
-        at -= RULE_HEAD
-        room[group] = folded
-    return at
-
-
-@kernel
-def _fired(k: Any, f: Any, room: Any, rule: int, operands: int) -> float:
-    """Return how far a rule fires at a point; see :func:`fire`."""
-    norm = k[rule]
-    weight, threshold = f[k[rule + 1]], f[k[rule + 1] + 1]
-    first = rule + RULE_HEAD
-    strength: float = room[k[first]]
-    for operand in range(min(first + 1, first + operands - 1), first + operands):
-        if is_joined(norm, k[operand]):
-            strength = joined(k, room, norm, strength, room[k[operand]])
-    if weight != 1.0 or threshold > 0.0:
-        strength = weighed(strength, weight, threshold)
-    return strength
-
-
-@kernel
-def is_joined(norm: int, row: int) -> bool:
-    """Whether an operand is one, and does not stand for those that a rule has fewer than others.
-
-    The norms that the kernel does by itself leave the bits of what a neutral one joins.
-    """
-    return row != ONES or MIN <= norm <= SUM
-
-
-@kernel
-def weighed(strength: float, weight: float, threshold: float) -> float:
-    """Return a strength times the weight of its rule; 0 up to the threshold."""
-    part = strength * weight
-    return part if part > threshold else 0.0
-
-
-@kernel
-def joined(k: Any, room: Any, norm: int, a: float, b: float) -> float:
-    """Return the norm of two numbers; see :func:`join`."""
-    value = a
-    if norm == MIN:
-        value = min(a, b)
-    elif norm == MAX:
-        value = max(a, b)
-    elif norm == PRODUCT:
-        value = a * b
-    elif norm == SUM:
-        value = a + b
-    else:  # in the rows to work in, which nobody uses before the defuzzifier
-        at = k[WORK]
-        room[at] = a
-        room[at + 1] = b
-        one, other = room[at : at + 1], room[at + 1 : at + 2]
-        call(norm, one, other, room[0:0], one)
-        value = room[at]
-    return value
-
-
-@kernel
-def fire(k: Any, f: Any, room: Any, rule: int, strength: Any) -> None:
-    """Write down how far a rule fires: its operands under its norm, times its weight."""
-    count = strength.shape[0]
-    width = k[WIDTH]
-    norm = k[rule]
-    weight, threshold = f[k[rule + 1]], f[k[rule + 1] + 1]
-    first = rule + RULE_HEAD
-    begin = k[first] * width
-    degrees = room[begin : begin + count]
-    # A rule of one operand has a neutral second one under min: the strength is always written.
-    for operand in range(min(first + 1, first + k[OPERANDS] - 1), first + k[OPERANDS]):
-        if is_joined(norm, k[operand]):
-            begin = k[operand] * width
-            join(norm, degrees, room[begin : begin + count], strength)
-            degrees = strength
-    # At weight 1 and threshold 0 this changes nothing, and most rules are so.
-    if weight != 1.0 or threshold > 0.0:
-        for point in range(count):
-            strength[point] = weighed(strength[point], weight, threshold)
-
-
-@kernel
-def join(norm: int, a: Any, b: Any, into: Any) -> None:
-    """Take the norm of two rows; `into` may be one of them."""
-    # The choice stands outside the loops: inside it would keep them from being vectorised.
-    if norm == MIN:
-        for point in range(into.shape[0]):
-            into[point] = min(a[point], b[point])
-    elif norm == PRODUCT:
-        for point in range(into.shape[0]):
-            into[point] = a[point] * b[point]
-    elif norm == MAX:
-        for point in range(into.shape[0]):
-            into[point] = max(a[point], b[point])
-    elif norm == SUM:
-        for point in range(into.shape[0]):
-            into[point] = a[point] + b[point]
-    else:
-        call(norm, a, b, a[0:0], into)
-
-
-@kernel
 def settle(mode: int, bounds: Any, total: Any, value: Any, result: Any, origin: Any) -> int:
     """Bring values into the range, say what holds where nothing fired; count the NaN."""
     low, high, silent = bounds[0], bounds[1], bounds[2]
@@ -752,22 +513,11 @@ def mean_of(centre: float, moment: float, total: float) -> float:
     return centre + moment / total
 
 
-# ── defuzzifiers ─────────────────────────────────────────────────────────────────────
+# ── defuzzifiers by address ──────────────────────────────────────────────────────────
 #
 # Each adds up, for the points of a program, the area (or the weight) of the output in the
 # row TOTAL and the moment about the centre in the row MOMENT. The heights of the groups
 # stand in the rows from HEIGHTS on.
-
-
-@kernel
-def parts_of(block: Any) -> Any:
-    """Return whole numbers, floats and rows of a block, and of its rows TOTAL and MOMENT."""
-    k = block.view(np.int64)
-    room = block[k[ROOM] : k[COLUMNS]]
-    begin = (k[WORK] + TOTAL) * k[WIDTH]
-    total = room[begin : begin + k[COUNT]]
-    begin = (k[WORK] + MOMENT) * k[WIDTH]
-    return k, block[k[FLOATS] : k[ROOM]], room, total, room[begin : begin + k[COUNT]]
 
 
 @kernel
@@ -801,103 +551,6 @@ def made_of(k: Any, heap: Any, first: float, second: float, third: float) -> flo
 
 
 @kernel
-def closed_centroid(block: Any) -> None:
-    """Add up area and moment of straight sets; see :mod:`fuzzyarm.inference.overlap`.
-
-    Reads from ``k[NEXT]`` on: unions of heights (how many; each a count and its rows), then
-    terms (how many; each two rows, of which the smaller counts, and where its layer is).
-    """
-    k, f, room, total, moment = parts_of(block)
-    count, width = k[COUNT], k[WIDTH]
-    groups = k[k[GROUPS]]
-    first = k[HEIGHTS] * width
-    # The rows of unions stand behind those of the groups; several overlaps may share one.
-    at = k[NEXT]
-    unions = k[at]
-    at += 1
-    for union in range(groups, groups + unions):
-        others = k[at]
-        begin = first + union * width
-        most = room[begin : begin + count]
-        for point in range(count):
-            most[point] = 0.0
-        for other in range(at + 1, at + 1 + others):
-            begin = first + k[other] * width
-            height = room[begin : begin + count]
-            for point in range(count):
-                most[point] = max(most[point], height[point])
-        at += 1 + others
-    # A term is F(hₖ), or −F(min(hₖ, Hₖ)) with its sign in the layer: rows of which the smaller
-    # counts, for a set itself twice the same.
-    terms = k[at]
-    at += 1
-    for _ in range(terms):
-        begin = first + k[at] * width
-        one = room[begin : begin + count]
-        begin = first + k[at + 1] * width
-        second = room[begin : begin + count]
-        _add_layer(f[k[at + 2] : k[at + 2] + LAYER], one, second, total, moment)
-        at += 3
-    k[NEXT] = at
-
-
-@kernel
-def _add_layer(layer: Any, one: Any, other: Any, total: Any, moment: Any) -> None:
-    """Add a layer of the closed form at the smaller of two heights."""
-    start, depth, a1, a2 = layer[0], layer[1], layer[2], layer[3]
-    b1, b2, b3 = layer[4], layer[5], layer[6]
-    for point in range(total.shape[0]):
-        x = part_of_layer(one[point], other[point], start, depth)
-        total[point] += layer_area(x, a1, a2)
-        moment[point] += layer_moment(x, b1, b2, b3)
-
-
-@kernel
-def part_of_layer(one: float, other: float, start: float, depth: float) -> float:
-    """Return how far the smaller of two heights reaches into a layer."""
-    return min(max(min(one, other) - start, 0.0), depth)
-
-
-@kernel
-def layer_area(x: float, a1: float, a2: float) -> float:
-    """Return the area of a layer up to x; see :class:`fuzzyarm.inference.overlap.Layer`."""
-    return x * (a1 + a2 * x)
-
-
-@kernel
-def layer_moment(x: float, b1: float, b2: float, b3: float) -> float:
-    """Return the moment of a layer up to x."""
-    return x * (b1 + x * (b2 + b3 * x))
-
-
-@kernel
-def _closed_at_point(
-    k: Any, f: Any, heights: Any, groups: int, at: int
-) -> tuple[float, float, int]:
-    """Return area and moment at a point, and what is behind; see :func:`closed_centroid`."""
-    unions = k[at]
-    at += 1
-    for union in range(groups, groups + unions):
-        others = k[at]
-        most = 0.0
-        for other in range(at + 1, at + 1 + others):
-            most = max(most, heights[k[other]])
-        heights[union] = most
-        at += 1 + others
-    total = 0.0
-    moment = 0.0
-    terms = k[at]
-    at += 1
-    for _ in range(terms):
-        layer = k[at + 2]
-        x = part_of_layer(heights[k[at]], heights[k[at + 1]], f[layer], f[layer + 1])
-        total += layer_area(x, f[layer + 2], f[layer + 3])
-        moment += layer_moment(x, f[layer + 4], f[layer + 5], f[layer + 6])
-        at += 3
-    return total, moment, at
-
-
-@kernel
 def _defuzzified_point(
     block: Any, k: Any, room: Any, head: int, groups: int, at: int
 ) -> tuple[float, float, int]:
@@ -927,34 +580,3 @@ def _value_of_output(
         call(k[head + FINISH], room[at : at + 1], f[0:0], room[at : at + 1])
         value = room[at]
     return value
-
-
-@kernel
-def weighted(block: Any) -> None:
-    """Add up the strengths, and the strengths times the values of the consequents.
-
-    A value is linear in the first ``k[DETAIL]`` inputs: constant, then coefficients in f.
-    """
-    k, f, room, total, moment = parts_of(block)
-    count, width = k[COUNT], k[WIDTH]
-    begin = (k[WORK] + STRENGTH) * width
-    value = room[begin : begin + count]
-    linear = k[k[OUTPUT] + DETAIL]
-    at = k[GROUPS] + 1
-    for group in range(k[HEIGHTS], k[HEIGHTS] + k[k[GROUPS]]):
-        begin = group * width
-        weight = room[begin : begin + count]
-        values = k[at + 1]
-        at += GROUP_HEAD + k[at] * (RULE_HEAD + k[OPERANDS])
-        for point in range(count):
-            value[point] = f[values]
-        for i in range(linear):
-            begin = k[INPUT_ROWS] + i * width
-            inputs = block[begin : begin + count]
-            for point in range(count):
-                value[point] += f[values + 1 + i] * inputs[point]
-        # Not times 0: a linear value may be infinite where its rule does not fire.
-        for point in range(count):
-            if weight[point] > 0.0:
-                total[point] += weight[point]
-                moment[point] += weight[point] * value[point]

@@ -1,4 +1,4 @@
-"""A rule base as the numbers that the kernel reads: the picture of the block is there.
+"""A rule base as the numbers that the kernel reads: its picture is in :mod:`.block`.
 
 The writer goes through a plan once: inputs are cut into cells, each combination of cells
 becomes a program with the rules that can fire in it, and every output adds what its
@@ -13,7 +13,7 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from fuzzyarm.expression.kinds import SNORMS, TNORMS, Norm
-from fuzzyarm.inference import kernel as at
+from fuzzyarm.inference import block as at
 from fuzzyarm.inference.block import Layout, Mark, NotCoveredError
 from fuzzyarm.inference.cells import Cells, cut_into_cells
 from fuzzyarm.inference.output_layout import LaidRule, OutputWriter

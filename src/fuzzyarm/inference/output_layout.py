@@ -1,7 +1,7 @@
 """What an output adds to a layout: its head, and what its defuzzifier reads.
 
 The picture of each stretch of numbers stands in the module of the kernel that reads it:
-:mod:`.kernel`, :mod:`.enveloped`, :mod:`.integrated`, :mod:`.positions`, :mod:`.reduced`.
+:mod:`.closed_form`, :mod:`.enveloped`, :mod:`.integrated`, :mod:`.positions`, :mod:`.reduced`.
 """
 
 from __future__ import annotations
@@ -12,8 +12,8 @@ from typing import NamedTuple, Protocol
 
 from fuzzyarm.expression.kinds import SHAPES, SNORMS, TNORMS, Norm
 from fuzzyarm.expression.nodes import Node, replace, symbol, trace
+from fuzzyarm.inference import block as at
 from fuzzyarm.inference import envelope, firing_intervals, integrated, positions, reduced
-from fuzzyarm.inference import kernel as at
 from fuzzyarm.inference.aggregate import sample_positions, sampled_set, weights
 from fuzzyarm.inference.block import Mark
 from fuzzyarm.inference.overlap import Layers

@@ -30,9 +30,7 @@ import math
 from typing import Any
 
 from fuzzyarm.inference.bisector import SAME_HALF
-from fuzzyarm.inference.envelope import insert
-from fuzzyarm.inference.enveloped import cut_in, sample
-from fuzzyarm.inference.kernel import (
+from fuzzyarm.inference.block import (
     AGGREGATION,
     DETAIL,
     FLOATS_AT,
@@ -49,9 +47,15 @@ from fuzzyarm.inference.kernel import (
     WIDTH,
     WORK,
     WORK_ROWS,
-    join,
-    made_of,
     parts_of,
+)
+from fuzzyarm.inference.envelope import insert
+from fuzzyarm.inference.enveloped import cut_in, sample
+from fuzzyarm.inference.firing_strengths import (
+    join,
+)
+from fuzzyarm.inference.kernel import (
+    made_of,
 )
 from fuzzyarm.inference.maxima import SAME
 from fuzzyarm.inference.reduced import value_of

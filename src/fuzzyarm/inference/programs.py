@@ -12,7 +12,7 @@ from typing import Any, Literal, NamedTuple
 
 from fuzzyarm.expression.formulas import CONSTANTS
 from fuzzyarm.expression.kinds import SHAPES, TNORMS
-from fuzzyarm.inference import enveloped, integrated, kernel, positions, reduced
+from fuzzyarm.inference import closed_form, enveloped, integrated, kernel, positions, reduced
 from fuzzyarm.inference.block import NotCoveredError
 from fuzzyarm.inference.errors import InferenceError
 from fuzzyarm.inference.plan import Member, OutputPlan, has_envelope
@@ -65,8 +65,8 @@ class Program(NamedTuple):
 
 RUN = Program(kernel.run, "", whole=True)
 
-CLOSED = Program(kernel.closed_centroid, "layers", "own", whole=True)
-WEIGHTED = Program(kernel.weighted, "values", "zero", whole=True)
+CLOSED = Program(closed_form.closed_centroid, "layers", "own", whole=True)
+WEIGHTED = Program(closed_form.weighted, "values", "zero", whole=True)
 WEIGHTED_NUMBERS = Program(positions.weighted_values, "numbers", "zero", whole=True)
 POSITION_OF_NUMBERS = Program(positions.position_of_values, "numbers", whole=True)
 ENDS_OF_PAIRS = Program(reduced.karnik_mendel_values, "pairs", whole=True)

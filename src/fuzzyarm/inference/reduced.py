@@ -15,10 +15,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from fuzzyarm.inference.envelope import STEPS, add_up, reach_end
-from fuzzyarm.inference.enveloped import add_samples, envelop, sample
-from fuzzyarm.inference.integrated import integrate
-from fuzzyarm.inference.kernel import (
+from fuzzyarm.inference.block import (
     CHOICE,
     DETAIL,
     FLOATS_AT,
@@ -34,8 +31,13 @@ from fuzzyarm.inference.kernel import (
     WIDTH,
     WORK,
     WORK_ROWS,
-    made_of,
     parts_of,
+)
+from fuzzyarm.inference.envelope import STEPS, add_up, reach_end
+from fuzzyarm.inference.enveloped import add_samples, envelop, sample
+from fuzzyarm.inference.integrated import integrate
+from fuzzyarm.inference.kernel import (
+    made_of,
 )
 from fuzzyarm.inference.type_reduction import end_of_average
 from fuzzyarm.kernels import kernel

@@ -19,7 +19,7 @@ from fuzzyarm.expression.lines import degree_on_corners
 from fuzzyarm.expression.nodes import Node, constant, replace, symbol
 from fuzzyarm.expression.printing import PYTHON, printed
 from fuzzyarm.expression.programs import program_of
-from fuzzyarm.inference import kernel as at
+from fuzzyarm.inference import block as at
 from fuzzyarm.inference.programs import Program
 from fuzzyarm.inference.sets import degree_formula
 from fuzzyarm.kernels import address_of, call, kernel

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
-from fuzzyarm.inference import kernel as at
+from fuzzyarm.inference import block as at
 from fuzzyarm.inference import reduced
 from fuzzyarm.inference.block import Mark
 from fuzzyarm.inference.output_layout import LaidRule, OutputWriter, made_by, wanted

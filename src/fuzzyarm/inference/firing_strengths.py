@@ -1,0 +1,243 @@
+"""Firing strengths in the kernel: of expressions in parentheses, of rules, and of whole sets.
+
+Each twice, over the rows of a program and at one point; a number is joined, weighed and folded by
+the same functions, in the same order, so the bits are the same. A **group** is a set with the rules
+that assert it in a cell; its height is folded from their strengths.
+
+A rule is a stretch of whole numbers: its norm, where its weight and its threshold stand in the
+floats, and the row of each operand (see :mod:`fuzzyarm.inference.block`).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fuzzyarm.inference.block import (
+    GROUP_HEAD,
+    HEIGHTS,
+    MAX,
+    MIN,
+    ONES,
+    OPERANDS,
+    PRODUCT,
+    RULE_HEAD,
+    STRENGTH,
+    SUM,
+    TRUTH_HEAD,
+    WIDTH,
+    WORK,
+)
+from fuzzyarm.kernels import call, kernel
+
+
+@kernel
+def join_expressions(k: Any, f: Any, room: Any, at: int, count: int) -> int:
+    """Write down the truth of the expressions in parentheses; return what is behind."""
+    width = k[WIDTH]
+    expressions = k[at]
+    at += 1
+    for _ in range(expressions):
+        begin = k[at] * width
+        truth = room[begin : begin + count]
+        norm, hedges, operands = k[at + 1], k[at + 2], k[at + 3]
+        at += TRUTH_HEAD
+        begin = k[at] * width
+        degrees = room[begin : begin + count]
+        for operand in range(at + 1, at + operands):
+            begin = k[operand] * width
+            join(norm, degrees, room[begin : begin + count], truth)
+            degrees = truth
+        if hedges != 0:
+            call(hedges, degrees, f[0:0], truth)
+        at += operands
+    return at
+
+
+@kernel
+def fold_heights(k: Any, f: Any, room: Any, at: int, fold: int, count: int) -> int:
+    """Fold the strengths of the rules of each group, one row each; return what is behind."""
+    width = k[WIDTH]
+    groups = k[at]
+    at += 1
+    begin = (k[WORK] + STRENGTH) * width
+    strength = room[begin : begin + count]
+    # A group is a set with the rules that assert it in this cell. The first strength goes into
+    # the row of its height at once; the norm is the output's, max nearly always.
+    for group in range(k[HEIGHTS], k[HEIGHTS] + groups):
+        begin = group * width
+        folded = room[begin : begin + count]
+        rules = k[at]
+        at += GROUP_HEAD
+        for i in range(rules):
+            fire(k, f, room, at, strength if i else folded)
+            at += RULE_HEAD + k[OPERANDS]
+            if i:
+                join(fold, folded, strength, folded)
+    return at
+
+
+@kernel
+def unite_rules(k: Any, room: Any, at: int, count: int) -> int:
+    """Do what :func:`fold_heights` does for a grid of rules of two operands, as nearly all are."""
+    width = k[WIDTH]
+    groups = k[at]
+    at += 1
+    for group in range(k[HEIGHTS], k[HEIGHTS] + groups):
+        begin = group * width
+        folded = room[begin : begin + count]
+        rules = k[at]
+        at += GROUP_HEAD
+        for i in range(rules):
+            begin = k[at + RULE_HEAD] * width
+            one = room[begin : begin + count]
+            begin = k[at + RULE_HEAD + 1] * width
+            other = room[begin : begin + count]
+            at += RULE_HEAD + 2
+            if i:
+                for point in range(count):
+                    folded[point] = max(folded[point], min(one[point], other[point]))
+            else:
+                for point in range(count):
+                    folded[point] = min(one[point], other[point])
+    return at
+
+
+@kernel
+def fold_heights_of_point(
+    k: Any, f: Any, room: Any, at: int, fold: int, heights: int, operands: int
+) -> int:
+    """Fold the strengths of the rules of each group at a point; return what is behind."""
+    groups = k[at]
+    at += 1
+    for group in range(heights, heights + groups):
+        rules = k[at]
+        at += GROUP_HEAD
+        folded = _fired(k, f, room, at, operands)
+        at += RULE_HEAD + operands
+        for _ in range(rules - 1):
+            strength = _fired(k, f, room, at, operands)
+            folded = joined(k, room, fold, folded, strength)
+            at += RULE_HEAD + operands
+        room[group] = folded
+    return at
+
+
+@kernel
+def unite_rules_of_point(k: Any, room: Any, at: int, heights: int, operands: int) -> int:
+    """Do what :func:`fold_heights_of_point` does for a grid of rules as nearly all are."""
+    # Neither norms nor weights are read, which are half of the work of a rule.
+    groups = k[at]
+    at += 1
+    for group in range(heights, heights + groups):
+        rules = k[at]
+        at += GROUP_HEAD + RULE_HEAD
+        folded = 0.0  # below which no strength is
+        if operands == 2:
+            for _ in range(rules):
+                folded = max(folded, min(room[k[at]], room[k[at + 1]]))
+                at += RULE_HEAD + 2
+        else:
+            for _ in range(rules):
+                strength = min(room[k[at]], room[k[at + 1]])
+                for operand in range(at + 2, at + operands):
+                    strength = min(strength, room[k[operand]])
+                folded = max(folded, strength)
+                at += RULE_HEAD + operands
+        at -= RULE_HEAD
+        room[group] = folded
+    return at
+
+
+@kernel
+def _fired(k: Any, f: Any, room: Any, rule: int, operands: int) -> float:
+    """Return how far a rule fires at a point; see :func:`fire`."""
+    norm = k[rule]
+    weight, threshold = f[k[rule + 1]], f[k[rule + 1] + 1]
+    first = rule + RULE_HEAD
+    strength: float = room[k[first]]
+    for operand in range(min(first + 1, first + operands - 1), first + operands):
+        if is_joined(norm, k[operand]):
+            strength = joined(k, room, norm, strength, room[k[operand]])
+    if weight != 1.0 or threshold > 0.0:
+        strength = weighed(strength, weight, threshold)
+    return strength
+
+
+@kernel
+def is_joined(norm: int, row: int) -> bool:
+    """Whether an operand is one, and does not stand for those that a rule has fewer than others.
+
+    The norms that the kernel does by itself leave the bits of what a neutral one joins.
+    """
+    return row != ONES or MIN <= norm <= SUM
+
+
+@kernel
+def weighed(strength: float, weight: float, threshold: float) -> float:
+    """Return a strength times the weight of its rule; 0 up to the threshold."""
+    part = strength * weight
+    return part if part > threshold else 0.0
+
+
+@kernel
+def joined(k: Any, room: Any, norm: int, a: float, b: float) -> float:
+    """Return the norm of two numbers; see :func:`join`."""
+    value = a
+    if norm == MIN:
+        value = min(a, b)
+    elif norm == MAX:
+        value = max(a, b)
+    elif norm == PRODUCT:
+        value = a * b
+    elif norm == SUM:
+        value = a + b
+    else:  # in the rows to work in, which nobody uses before the defuzzifier
+        at = k[WORK]
+        room[at] = a
+        room[at + 1] = b
+        one, other = room[at : at + 1], room[at + 1 : at + 2]
+        call(norm, one, other, room[0:0], one)
+        value = room[at]
+    return value
+
+
+@kernel
+def fire(k: Any, f: Any, room: Any, rule: int, strength: Any) -> None:
+    """Write down how far a rule fires: its operands under its norm, times its weight."""
+    count = strength.shape[0]
+    width = k[WIDTH]
+    norm = k[rule]
+    weight, threshold = f[k[rule + 1]], f[k[rule + 1] + 1]
+    first = rule + RULE_HEAD
+    begin = k[first] * width
+    degrees = room[begin : begin + count]
+    # A rule of one operand has a neutral second one under min: the strength is always written.
+    for operand in range(min(first + 1, first + k[OPERANDS] - 1), first + k[OPERANDS]):
+        if is_joined(norm, k[operand]):
+            begin = k[operand] * width
+            join(norm, degrees, room[begin : begin + count], strength)
+            degrees = strength
+    # At weight 1 and threshold 0 this changes nothing, and most rules are so.
+    if weight != 1.0 or threshold > 0.0:
+        for point in range(count):
+            strength[point] = weighed(strength[point], weight, threshold)
+
+
+@kernel
+def join(norm: int, a: Any, b: Any, into: Any) -> None:
+    """Take the norm of two rows; `into` may be one of them."""
+    # The choice stands outside the loops: inside it would keep them from being vectorised.
+    if norm == MIN:
+        for point in range(into.shape[0]):
+            into[point] = min(a[point], b[point])
+    elif norm == PRODUCT:
+        for point in range(into.shape[0]):
+            into[point] = a[point] * b[point]
+    elif norm == MAX:
+        for point in range(into.shape[0]):
+            into[point] = max(a[point], b[point])
+    elif norm == SUM:
+        for point in range(into.shape[0]):
+            into[point] = a[point] + b[point]
+    else:
+        call(norm, a, b, a[0:0], into)
