@@ -675,6 +675,7 @@ declare namespace Messages {
     value?: AxisData;
     downward?: boolean;
     signed?: boolean;
+    missing?: string;
   }
 
   /** A panel as a page draws it. */

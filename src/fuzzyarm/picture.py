@@ -110,12 +110,15 @@ class Area:
         Its colour.
     opacity : float
         From 0 to 1; in a chart.
+    label : str
+        What it is; empty where that need not be said.
     """
 
     x: Numbers
     y: Numbers
     tone: str = "first"
     opacity: float = 1.0
+    label: str = ""
 
 
 @dataclass(frozen=True)
@@ -315,8 +318,8 @@ class Cells:
     Parameters
     ----------
     x, y : sequence of float
-        Where the columns and the rows stand.
-    values : array_like
+        Where the columns and the rows stand; of cells of uneven widths their edges, one more.
+    values : array_like, shape (rows, columns)
         Row by row; NaN where there is none.
     value : Axis
         What they are, and between what colours are spread at least.
@@ -324,6 +327,9 @@ class Cells:
         Whether the first row stands at the top, as in a file.
     signed : bool
         Whether they are differences, whose colours part at zero.
+    missing : str
+        What a cell without a value means, as in ``diverged``: such cells are hatched. Empty
+        where they stay blank.
     """
 
     x: Numbers
@@ -332,6 +338,17 @@ class Cells:
     value: Axis
     downward: bool = False
     signed: bool = False
+    missing: str = ""
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """How many columns and rows there are."""
+        return len(self.values[0]), len(self.values)
+
+    @property
+    def has_edges(self) -> bool:
+        """Whether `x` and `y` are the edges of the cells, not their middles."""
+        return (len(self.x), len(self.y)) != self.size
 
 
 _Kind = TypeVar("_Kind")
@@ -394,6 +411,8 @@ class Chart:
         own.
     heading : bool
         Whether the title is a heading, in larger letters.
+    stretched : bool
+        Whether a row of one panel has the whole width.
     """
 
     rows: Sequence[Sequence[Panel | None]]
@@ -402,6 +421,12 @@ class Chart:
     key: bool = False
     below: str = ""
     heading: bool = False
+    stretched: bool = False
+
+    @property
+    def panels(self) -> list[Panel]:
+        """All panels, row by row."""
+        return [panel for row in self.rows for panel in row if panel is not None]
 
 
 def series(index: int) -> tuple[str, str]:
@@ -511,6 +536,7 @@ PartData = TypedDict(
         "value": AxisData,
         "downward": bool,
         "signed": bool,
+        "missing": str,
     },
     total=False,
 )
@@ -532,13 +558,28 @@ class PanelData(TypedDict):
 
 def panel_data(panel: Panel) -> PanelData:
     """Return a panel fit for JSON: its parts, and its axes with both ends."""
-    along = [_reach_of(part) for part in panel.parts]
+    across, up = with_ends(panel)
     return {
         "title": panel.title,
-        "across": _axis_data(panel.across, [x for xs, _ in along for x in xs]),
-        "up": _axis_data(panel.up, [y for _, ys in along for y in ys]),
+        "across": _axis_data(across),
+        "up": _axis_data(up),
         "parts": list(map(_chart_part_data, panel.parts)),
     }
+
+
+def chart_data(chart: Chart) -> list[PanelData]:
+    """Return the panels of a chart fit for JSON; those without a title have that of the chart."""
+    panels = map(panel_data, chart.panels)
+    return [{**data, "title": data["title"] or chart.title} for data in panels]
+
+
+def with_ends(panel: Panel) -> tuple[Axis, Axis]:
+    """Return both axes of a panel with both ends: those that they say, or those of its parts."""
+    along = [_reach_of(part) for part in panel.parts]
+    return (
+        _with_ends(panel.across, [x for xs, _ in along for x in xs]),
+        _with_ends(panel.up, [y for _, ys in along for y in ys]),
+    )
 
 
 def _reach_of(part: ChartPart) -> tuple[list[float], list[float]]:
@@ -550,16 +591,22 @@ def _reach_of(part: ChartPart) -> tuple[list[float], list[float]]:
     return _flat(part.x), _flat(part.y)
 
 
-def _axis_data(axis: Axis, along: Iterable[float]) -> AxisData:
+def _with_ends(axis: Axis, along: Iterable[float]) -> Axis:
     """Return an axis with the ends that it says, or those of what lies along it."""
     usable = [x for x in along if math.isfinite(x) and (x > 0.0 or not axis.logarithmic)]
     low = min(usable, default=0.1 if axis.logarithmic else 0.0) if axis.low is None else axis.low
     high = max(usable, default=1.0) if axis.high is None else axis.high
     if not low < high:
         low, high = (0.5 * low, 2.0 * high) if axis.logarithmic else (low - 1.0, high + 1.0)
+    return replace(axis, low=low, high=high)
+
+
+def _axis_data(axis: Axis) -> AxisData:
+    assert axis.low is not None
+    assert axis.high is not None
     return {
-        "words": axis.words, "low": low, "high": high, "logarithmic": axis.logarithmic,
-        "whole": axis.whole,
+        "words": axis.words, "low": axis.low, "high": axis.high,
+        "logarithmic": axis.logarithmic, "whole": axis.whole,
     }  # fmt: skip
 
 
@@ -568,8 +615,8 @@ def _chart_part_data(part: ChartPart) -> PartData:
         values = _flat(part.values)
         return cast(PartData, {
             "is": "cells", "x": _shorts(part.x), "y": _shorts(part.y), "values": _shorts(values),
-            "value": _axis_data(part.value, values), "downward": part.downward,
-            "signed": part.signed,
+            "value": _axis_data(_with_ends(part.value, values)), "downward": part.downward,
+            "signed": part.signed, "missing": part.missing,
         })  # fmt: skip
     if isinstance(part, Line) and part.steps:
         part = _corners(part)

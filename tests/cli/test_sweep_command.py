@@ -222,7 +222,8 @@ def test_drawn_runs_on_a_plant(tmp_path, capsys, monkeypatch):
 
 @pytest.mark.parametrize("names", [["payload"], ["payload", "K_I"]])
 def test_figures_show_where_runs_diverge(tmp_path, capsys, names):
-    from fuzzyarm.show.figures.sweep import sweep_figure, worst
+    from fuzzyarm.show.figures.sweep import sweep_figure
+    from fuzzyarm.show.sweep import worst
 
     ranges = [Range("payload", 0.0, 2.0, 3), Range("K_I", 1.0, 1e4, 4, log=True)]
     many = simulate_many("pid", reach_return(segment=0.3, hold=0.1), grid(ranges))

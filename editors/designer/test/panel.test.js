@@ -1,7 +1,15 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { edgesOf, scaleOf, shareOf, strokesOf, ticksOf } from "../../../src/fuzzyarm/designer/page/geometry/panel.js";
+import {
+  edgesOf,
+  layoutOf,
+  scaleOf,
+  shareOf,
+  strokesOf,
+  ticksOf,
+  valueAt,
+} from "../../../src/fuzzyarm/designer/page/geometry/panel.js";
 
 test("a scale takes the ends of its axis to those of the plot, also where ratios are equal lengths", () => {
   for (const logarithmic of [false, true]) {
@@ -62,4 +70,25 @@ test("the share of a value is between 0 and 1", () => {
     [-9, -1, 0, 1, 9].map((value) => shareOf(value, { low: -1, high: 1 })),
     [0, 0, 0.5, 1, 1],
   );
+});
+
+test("a pixel leads back to its value, and no further than the ends", () => {
+  for (const axis of [
+    { low: -2, high: 6 },
+    { low: 0.1, high: 100, logarithmic: true },
+  ]) {
+    const [to, back] = [scaleOf(axis, 300, 10), valueAt(axis, 300, 10)];
+    for (const value of [axis.low, 1, 5, axis.high]) assert.ok(Math.abs(back(to(value)) - value) < 1e-9 * axis.high);
+    assert.ok(Math.abs(back(0) - axis.high) < 1e-9 * axis.high && Math.abs(back(999) - axis.low) < 1e-9);
+  }
+});
+
+test("cells whose first row stands at the top turn the axis over, and have a bar where there is room", () => {
+  const axis = { low: 0, high: 1, words: "", logarithmic: false, whole: false };
+  const panelOf = (downward) => ({ title: "t", across: axis, up: axis, parts: [{ is: "cells", downward }] });
+  const [upward, turned] = [false, true].map((downward) => layoutOf(panelOf(downward), 400, 200, 1));
+  assert.ok(upward.toY(1) < upward.toY(0) && turned.toY(1) > turned.toY(0));
+  assert.equal(turned.yAt(turned.toY(0.25)), 0.25);
+  assert.ok(upward.hasBar && !layoutOf(panelOf(false), 200, 200, 0).hasBar);
+  assert.ok(upward.inside.right < 400 - 60);
 });

@@ -5,7 +5,10 @@ import {
   farToNear,
   fillTriangle,
   limitsOf,
+  linePanel,
+  planePanel,
   projectionOf,
+  spotsOf,
 } from "../../../src/fuzzyarm/designer/page/geometry/surface.js";
 
 test("a triangle fills as many pixels as it has area, and a shared side is filled once", () => {
@@ -69,4 +72,46 @@ test("a level of a plane is a straight line", () => {
 
 test("a level beyond all values crosses nothing", () => {
   assert.deepEqual(crossings([0, 1, 2, 3], 2, 9), []);
+});
+
+test("over one input an output is a line with the point; a value that is missing is a gap", () => {
+  const input = { name: "e", range: /** @type {[number, number]} */ ([-1, 1]), at: 0.5 };
+  const panel = linePanel({ xs: [-1, 0, 1], z: [2, NaN, 4] }, input, { name: "u", range: [0, 5], at: 3 });
+  assert.deepEqual(
+    panel.parts.map((part) => part.is),
+    ["line", "level", "dots"],
+  );
+  assert.deepEqual(panel.parts[0].y, [2, null, 4]);
+  assert.deepEqual([panel.across.low, panel.up.high, panel.parts[1].at, panel.parts[2].y], [-1, 5, 0.5, [3]]);
+});
+
+test("over two inputs an output is cells, and a cut along one stands out", () => {
+  const inputs = ["e", "ce"].map((name, k) => ({
+    name,
+    range: /** @type {[number, number]} */ ([k, k + 1]),
+    at: k + 0.25,
+    isCut: k === 1,
+  }));
+  const panel = planePanel({ xs: [0, 1], ys: [1, 2], z: [1, 2, 3, NaN] }, inputs, { name: "u", range: [1, 3] });
+  const [cells, across, up, mark] = panel.parts;
+  assert.deepEqual([cells.values, cells.value.low, cells.value.high], [[1, 2, 3, null], 1, 3]);
+  assert.deepEqual([across.upright, across.at, up.upright, up.at], [true, 0.25, false, 1.25]);
+  assert.ok(up.width > across.width && up.dash === "-");
+  assert.deepEqual([mark.x, mark.y, panel.up.words], [[0.25], [1.25], "ce"]);
+});
+
+test("a level of a plane that is not square is straight, too", () => {
+  const z = Array.from({ length: 3 * 5 }, (_, k) => k % 3); // three columns, five rows
+  for (const ends of crossings(z, 3, 0.5, 5)) for (const [i] of ends) assert.ok(Math.abs(i - 0.5) < 1e-12);
+  assert.equal(crossings(z, 3, 0.5, 5).length, 4);
+});
+
+test("the number of a level stands inside, away from others, at most twice", () => {
+  const inside = { left: 0, top: 0, right: 300, bottom: 200 };
+  const line = Array.from({ length: 100 }, (_, i) => [3 * i, 100]);
+  const spots = spotsOf(line, inside, [[150, 100]]);
+  assert.equal(spots.length, 2);
+  for (const [x] of spots) assert.ok(x > 16 && x < 284 && Math.abs(x - 150) >= 42);
+  assert.ok(Math.abs(spots[0][0] - spots[1][0]) >= 42);
+  assert.deepEqual(spotsOf([[1, 1]], inside, []), []);
 });

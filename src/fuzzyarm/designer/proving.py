@@ -20,7 +20,7 @@ from fuzzyarm.designer.requests import Nothing, ProveWork
 from fuzzyarm.language.queries import Reading
 from fuzzyarm.lsp.session import Session
 from fuzzyarm.model.rulebase import RuleBase
-from fuzzyarm.picture import Chart, panel_data
+from fuzzyarm.picture import Chart, chart_data
 from fuzzyarm.requests.prove import ProveRequest
 
 if TYPE_CHECKING:
@@ -76,13 +76,7 @@ def prove(session: Session, asked: ProveWork, job: Job) -> None:
 
 def _tell_line(job: Job, verdict: str, lines: list[str], charts: list[Chart] | None = None) -> None:
     """Tell a verdict, in words and as pictures."""
-    panels = [
-        {**panel_data(panel), "title": panel.title or chart.title}
-        for chart in charts or []
-        for row in chart.rows
-        for panel in row
-        if panel is not None
-    ]
+    panels = [panel for chart in charts or [] for panel in chart_data(chart)]
     job.tell({"verdict": verdict, "lines": lines, "panels": panels})
 
 

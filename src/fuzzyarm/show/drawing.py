@@ -233,17 +233,30 @@ class Scale:
         The ends; numbers beyond take the colour of the end.
     diverging : bool
         Whether zero is the neutral middle.
+    logarithmic : bool
+        Whether equal ratios are equally far apart; both ends are positive then.
     """
 
     low: float
     high: float
     diverging: bool
+    logarithmic: bool = False
 
     def share(self, value: float) -> float:
         """Return where `value` lies, 0 at `low` and 1 at `high`."""
         if self.high <= self.low:
             return 0.5
-        return min(1.0, max(0.0, (value - self.low) / (self.high - self.low)))
+        if self.logarithmic:
+            share = math.log(max(value, self.low) / self.low) / math.log(self.high / self.low)
+        else:
+            share = (value - self.low) / (self.high - self.low)
+        return min(1.0, max(0.0, share))
+
+    def value(self, share: float) -> float:
+        """Return the number that lies at a share of the way."""
+        if self.logarithmic:
+            return self.low * math.pow(self.high / self.low, share)
+        return self.low + share * (self.high - self.low)
 
     def colour(self, value: float) -> tuple[int, int, int]:
         """Return red, green and blue, 0 to 255."""
@@ -332,7 +345,7 @@ class ScaleBar:
         plain = console.color_system is None or console.no_color
         for k in range(max(2, room)):
             share = (k + 0.5) / max(2, room)
-            value = self.scale.low + share * (self.scale.high - self.scale.low)
+            value = self.scale.value(share)
             if plain:
                 line.append(shade(share))
             else:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
-from fuzzyarm.picture import Cells, Dots, Level, Line, Numbers, Panel
+from fuzzyarm.picture import Area, Axis, Cells, Dots, Level, Line, Numbers, Panel, with_ends
 from fuzzyarm.show.canvas import Canvas
 from fuzzyarm.show.drawing import Scale, ScaleBar, fitted, number_words, ruler, scale_of, shade
 
@@ -92,8 +93,9 @@ class LinePlot:
     Attributes
     ----------
     panel : Panel
-        Its first line is drawn; a level that is upright is a mark, and crosses among its dots
-        are places where a property fails.
+        Its first line is drawn, or the outline of its first area; round dots are points, all dots
+        where there is neither. A level that is upright is a mark, and crosses ``X`` among its
+        dots are places where a property fails.
     width, height : int
         Characters of the plot itself.
     """
@@ -113,6 +115,8 @@ class LinePlot:
         left = max(map(len, labels.values()))
         canvas = Canvas(width, height, 0.0, 1.0, 0.0, 1.0)
         _connect(canvas, [self._row(y) for y in self._heights])
+        for x, y in self._points():
+            canvas.dot(self._dot_column(x), round(y), "cyan")
         columns = [self._column(level.at) for level in panel.of(Level) if level.upright]
         failing = dict(self._failing())
         for k, row in enumerate(canvas.lines()):
@@ -126,34 +130,52 @@ class LinePlot:
         axis = ruler(*self._across, width, panel.across.name)
         yield Text(f"{'':>{left}} {axis}", "dim", no_wrap=True)
 
-    @property
-    def _line(self) -> Line:
-        return self.panel.of(Line)[0]
+    @cached_property
+    def _line(self) -> Line | Area | None:
+        outlines: list[Line | Area] = [*self.panel.of(Line), *self.panel.of(Area)]
+        return outlines[0] if outlines else None
 
     @property
     def _across(self) -> tuple[float, float]:
-        axis, x = self.panel.across, self._line.x
+        axis = self.panel.across
+        if self._line is None:
+            return _both(with_ends(self.panel)[0])
+        x = self._line.x
         low, high = (float(x[0]), float(x[-1])) if len(x) else (0.0, 1.0)
         return (low if axis.low is None else axis.low, high if axis.high is None else axis.high)
 
     @property
     def _ends(self) -> tuple[float, float]:
         axis = self.panel.up
+        if self._line is None:
+            return _both(with_ends(self.panel)[1])
         heights = [float(y) for y in self._line.y if math.isfinite(y)] or [0.0, 1.0]
         low = min(heights) if axis.low is None else axis.low
         return low, max(heights) if axis.high is None else axis.high
 
     @property
     def _heights(self) -> Iterator[float]:
-        """Yield a value for each column of dots."""
-        y, count = self._line.y, 2 * self.width
-        for at in range(count):
-            yield float(y[min(len(y) - 1, at * len(y) // count)]) if len(y) else math.nan
+        """Yield a value for each column of dots; NaN beyond the ends of the line."""
+        line = self._line
+        if line is None or not len(line.y):
+            yield from [math.nan] * (2 * self.width)
+            return
+        y, first = line.y, self._dot_column(float(line.x[0]))
+        count = self._dot_column(float(line.x[-1])) - first + 1
+        for column in range(2 * self.width):
+            at = column - first
+            yield float(y[at * len(y) // count]) if 0 <= at < count else math.nan
 
     def _column(self, x: float) -> int:
         """Return the column of characters of a place across."""
+        return self._dot_column(x) // 2
+
+    def _dot_column(self, x: float) -> int:
+        """Return the column of dots of a place across."""
         low, high = self._across
-        return round((x - low) / (high - low) * (2 * self.width - 1)) // 2
+        if self.panel.across.logarithmic:
+            low, high, x = math.log(low), math.log(high), math.log(x)
+        return round((x - low) / (high - low) * (2 * self.width - 1)) if high > low else 0
 
     def _row(self, value: float) -> float:
         """Return the row of dots of a value; NaN where it has none."""
@@ -165,11 +187,27 @@ class LinePlot:
         share = 0.5 if high <= low else (value - low) / (high - low)
         return round((1.0 - min(1.0, max(0.0, share))) * (4 * self.height - 1))
 
+    def _points(self) -> Iterator[tuple[float, float]]:
+        """Yield place across and row of dots of the points that are drawn."""
+        for dots in self.panel.of(Dots):
+            if dots.sign != "X" and (dots.sign == "o" or self._line is None):
+                for x, y in zip(dots.x, dots.y, strict=True):
+                    row = self._row(float(y))
+                    if not math.isnan(row):
+                        yield float(x), row
+
     def _failing(self) -> Iterator[tuple[int, int]]:
         """Yield column and row of the characters at which a property fails."""
         for x, y in _failing(self.panel):
             row = self._row(y)
             yield self._column(x), self.height - 1 if math.isnan(row) else round(row) // 4
+
+
+def _both(axis: Axis) -> tuple[float, float]:
+    """Return the ends of an axis that has both."""
+    assert axis.low is not None
+    assert axis.high is not None
+    return axis.low, axis.high
 
 
 def _failing(panel: Panel) -> list[tuple[float, float]]:
@@ -181,6 +219,9 @@ def _failing(panel: Panel) -> list[tuple[float, float]]:
 # --- Cells seen from above ---
 
 _NOTHING = "#808080"
+
+HATCH = "╱"
+"""A cell without a value, where that means something."""
 
 
 @dataclass(frozen=True)
@@ -205,7 +246,8 @@ class SurfaceMap:
         from rich.text import Text
 
         cells, panel = self._cells, self.panel
-        ends = [cells.y[0], cells.y[-1]] if cells.downward else [cells.y[-1], cells.y[0]]
+        x, y = self._middles
+        ends = [y[0], y[-1]] if cells.downward else [y[-1], y[0]]
         wide, tall = self._size
         labels = {k: number_words(float(x), 3) for k, x in zip((0, tall - 2), ends, strict=True)}
         labels.setdefault(tall // 4 * 2, fitted(panel.up.name, LEFT))
@@ -216,23 +258,34 @@ class SurfaceMap:
             for j in range(wide):
                 line.append(*draw(i, j))
             yield line
-        axis = ruler(float(cells.x[0]), float(cells.x[-1]), wide, panel.across.name)
+        axis = ruler(float(x[0]), float(x[-1]), wide, panel.across.name)
         yield Text(f"{'':>{left}} {axis}", "dim", no_wrap=True)
         yield ScaleBar(self._scale, wide + 9)
+        if cells.missing:
+            yield Text(f"{'':>{left}} {HATCH} {cells.missing}", "dim", no_wrap=True)
 
     @property
     def _cells(self) -> Cells:
         return self.panel.of(Cells)[0]
 
     @cached_property
+    def _middles(self) -> tuple[Numbers, Numbers]:
+        """Where the columns and the rows stand."""
+        cells, panel = self._cells, self.panel
+        if not cells.has_edges:
+            return cells.x, cells.y
+        return _between(cells.x, panel.across), _between(cells.y, panel.up)
+
+    @cached_property
     def _scale(self) -> Scale:
         value = self._cells.value
-        return scale_of(self._cells.values.ravel().tolist(), value.low, value.high)
+        scale = scale_of(self._cells.values.ravel().tolist(), value.low, value.high)
+        return replace(scale, logarithmic=value.logarithmic and scale.low > 0.0)
 
     @cached_property
     def _size(self) -> tuple[int, int]:
         """Half characters across and down: whole cells where they fit, an even number of rows."""
-        columns, rows = len(self._cells.x), len(self._cells.y)
+        columns, rows = self._cells.size
         wide = max(1, self.width // columns) * columns if columns <= self.width else self.width
         room = 2 * self.height
         tall = max(1, room // rows) * rows if rows <= room else room
@@ -241,18 +294,20 @@ class SurfaceMap:
     def _value(self, i: int, j: int) -> float:
         """Return the value at a half character."""
         (wide, tall), cells = self._size, self._cells
-        row = min(len(cells.y) - 1, i * len(cells.y) // tall)
+        columns, rows = cells.size
+        row = min(rows - 1, i * rows // tall)
         if not cells.downward:
-            row = len(cells.y) - 1 - row
-        return float(cells.values[row][j * len(cells.x) // wide])
+            row = rows - 1 - row
+        return float(cells.values[row][j * columns // wide])
 
     def _place(self, x: float, y: float) -> tuple[int, int]:
         """Return row and column of the half character at a place."""
         (wide, tall), cells = self._size, self._cells
-        column, row = _nearest(cells.x, x), _nearest(cells.y, y)
+        columns, rows = cells.size
+        column, row = map(_nearest, self._middles, (x, y))
         if not cells.downward:
-            row = len(cells.y) - 1 - row
-        i, j = int((row + 0.5) * tall / len(cells.y)), int((column + 0.5) * wide / len(cells.x))
+            row = rows - 1 - row
+        i, j = int((row + 0.5) * tall / rows), int((column + 0.5) * wide / columns)
         return min(tall - 1, i), min(wide - 1, j)
 
     @cached_property
@@ -282,16 +337,25 @@ class SurfaceMap:
             value = upper if self._mark == (i, j) else lower
             ink = "black" if math.isnan(value) else self._scale.ink(value)
             return sign, f"bold {ink} on {self._colour(value)}"
+        if self._cells.missing and math.isnan(upper) and math.isnan(lower):
+            return HATCH, f"black on {_NOTHING}"
         return "▀", f"{self._colour(upper)} on {self._colour(lower)}"
 
     def _shade(self, i: int, j: int) -> tuple[str, str]:
         """Return the darker the higher, for terminals and files without colours."""
         values = [x for x in (self._value(i, j), self._value(i + 1, j)) if not math.isnan(x)]
         shares = list(map(self._scale.share, values))
-        return self._sign(i, j) or (shade(sum(shares) / len(values)) if values else " "), ""
+        blank = HATCH if self._cells.missing else " "
+        return self._sign(i, j) or (shade(sum(shares) / len(values)) if values else blank), ""
 
     def _colour(self, value: float) -> str:
         return _NOTHING if math.isnan(value) else self._scale.hexadecimal(value)
+
+
+def _between(edges: Numbers, axis: Axis) -> list[float]:
+    """Return the middles between edges."""
+    pairs = pairwise(map(float, edges))
+    return [math.sqrt(a * b) if axis.logarithmic else 0.5 * (a + b) for a, b in pairs]
 
 
 def _nearest(values: Numbers, x: float) -> int:

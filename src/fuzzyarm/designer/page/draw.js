@@ -1,7 +1,5 @@
 // What several panes draw with: elements, colours, numbers as text, canvases.
 
-import { ticks } from "./geometry/chart.js";
-
 const UNSEEN = /[\u0000-\u0008\u000b-\u001f\u007f-\u009f\u200e\u200f\u2028-\u202e\u2066-\u2069]/g;
 
 /** A text without controls and without marks that turn the direction of what follows. */
@@ -154,36 +152,4 @@ export function eachFrame(draw) {
       draw();
     });
   };
-}
-
-/**
- * Ticks with numbers below and on the left of a plot, and the names of both axes.
- *
- * @param {CanvasRenderingContext2D} g
- * @param {{ left: number, top: number, wide: number, tall: number }} inside
- * @param {Page.Pair} across
- * @param {Page.Pair} up
- * @param {string} name
- * @param {string} other
- */
-export function drawAxes(g, { left, top, wide, tall }, across, up, name, other) {
-  const [[a, b], [c, d]] = [across, up];
-  g.fillStyle = colourOf("--soft");
-  g.font = "11px system-ui, sans-serif";
-  g.textAlign = "center";
-  for (const tick of ticks(a, b, Math.max(2, wide / 70))) {
-    g.fillText(shortNumber(tick), left + (wide * (tick - a)) / (b - a), top + tall + 14);
-  }
-  g.textAlign = "right";
-  for (const tick of ticks(c, d, Math.max(2, tall / 40))) {
-    g.fillText(shortNumber(tick), left - 5, top + tall - (tall * (tick - c)) / (d - c) + 4);
-  }
-  g.font = "600 12px system-ui, sans-serif";
-  g.textAlign = "center";
-  g.fillText(clean(name).slice(0, 24), left + wide / 2, top + tall + 30);
-  g.save();
-  g.translate(11, top + tall / 2);
-  g.rotate(-Math.PI / 2);
-  g.fillText(clean(other).slice(0, 24), 0, 0);
-  g.restore();
 }

@@ -2,16 +2,17 @@
 // to be seen, and between which ends, is said by Python (fuzzyarm.picture); here are pixels and colours.
 
 import { clean, colourOf, context, heat, hue, SHADES, shortNumber } from "./draw.js";
-import { edgesOf, scaleOf, shareOf, strokesOf, ticksOf } from "./geometry/panel.js";
+import { edgesOf, layoutOf, ROOM, scaleOf, shareOf, strokesOf, ticksOf } from "./geometry/panel.js";
+import { crossings, spotsOf } from "./geometry/surface.js";
 
 /** @typedef {Messages.PanelData} PanelData */
 
-const ROOM = { left: 52, right: 12, top: 10, title: 16, bottom: 36 };
-const ROW = 15; // of labels
 const LABELS = "11px system-ui, sans-serif";
 const DASHES = { "-": [], "--": [6, 4], "-.": [8, 3, 2, 3], ":": [2, 3] };
 const SMOOTH = 40; // so many samples along an axis are a surface, not cells to be read
 const POINT = 1.3; // pixels of a point of print
+const BAR = 9; // pixels across
+const LEVELS = 9; // that are drawn of a surface
 
 const numbersOf = (colour) => colour.match(/\d+/g).slice(0, 3).map(Number);
 const HEATS = Array.from({ length: 256 }, (_, i) => numbersOf(heat(i / 255)[0]));
@@ -23,14 +24,14 @@ export const markAt = ([x, y]) => ({ is: "dots", x: [x], y: [y], sign: "+", size
 export const levelAt = (at) => ({ is: "level", at, upright: true, tone: "ink", width: 0.8, dash: "-" });
 
 /**
- * Draw a panel over a whole canvas; nothing while it is not shown.
+ * Draw a panel over a whole canvas; nothing while it is not shown. Returns where its plot lies.
  *
  * @param {HTMLCanvasElement} canvas
  * @param {PanelData} panel
  */
 export function drawPanel(canvas, panel) {
   const [width, height] = [canvas.clientWidth, canvas.clientHeight];
-  if (width && height) paintPanel(context(canvas, width, height), panel, tonesOf(canvas));
+  return width && height ? paintPanel(context(canvas, width, height), panel, tonesOf(canvas)) : null;
 }
 
 /** The colours by what they stand for, as the theme has them now. */
@@ -40,7 +41,7 @@ function tonesOf(canvas) {
   const known = new Map();
   const find = (tone) => {
     if (tone.startsWith("#")) return tone;
-    if (!tone.startsWith("series")) return colourOf(`--run-${tone}`) || colourOf("--ink");
+    if (!tone.startsWith("series")) return colourOf(`--run-${tone}`) || colourOf(`--${tone}`) || colourOf("--ink");
     probe.style.color = hue(Number(tone.slice(6)));
     return getComputedStyle(probe).color;
   };
@@ -50,15 +51,12 @@ function tonesOf(canvas) {
 
 function paintPanel({ g, width, height }, panel, tone) {
   const labels = legendOf(g, panel, width);
-  const rows = labels.length ? labels.at(-1).row + 1 : 0;
-  const top = ROOM.top + (panel.title ? ROOM.title : 0) + ROW * rows;
-  const inside = { left: ROOM.left, top, right: width - ROOM.right, bottom: height - ROOM.bottom };
-  const toX = scaleOf(panel.across, inside.left, inside.right);
-  const toY = scaleOf(panel.up, inside.bottom, inside.top);
-  const paper = { g, inside, panel, labels, toX, toY, tone };
-  const isPlane = panel.parts.some((part) => part.is === "cells");
+  const layout = layoutOf(panel, width, height, labels.length ? labels.at(-1).row + 1 : 0);
+  const paper = { g, ...layout, panel, labels, width, tone };
+  const { inside } = layout;
+  const cells = panel.parts.find((part) => part.is === "cells");
   title(paper);
-  axes(paper, !isPlane);
+  axes(paper, !cells);
   g.save();
   g.beginPath();
   g.rect(inside.left - 1, inside.top - 1, inside.right - inside.left + 2, inside.bottom - inside.top + 2);
@@ -69,8 +67,10 @@ function paintPanel({ g, width, height }, panel, tone) {
     g.globalAlpha = 1;
   }
   g.restore();
+  if (layout.hasBar) bar(paper, cells);
   legend(paper);
   tone.done();
+  return layout;
 }
 
 function title({ g, inside, panel }) {
@@ -144,8 +144,11 @@ const PARTS = {
   },
   cells(paper, part) {
     const columns = part.x.length;
-    if (columns > SMOOTH && part.y.length * columns === part.values.length) samples(paper, part);
-    else cells(paper, part);
+    if (columns <= SMOOTH || part.y.length * columns !== part.values.length) cells(paper, part);
+    else {
+      samples(paper, part);
+      if (!part.signed) levels(paper, part);
+    }
   },
 };
 
@@ -200,14 +203,94 @@ function samples({ g, toX, toY }, part) {
   const [wide, tall] = [x.length, y.length];
   const colours = new ImageData(wide, tall);
   values.forEach((value, k) => {
-    const row = tall - 1 - Math.floor(k / wide);
+    const row = part.downward ? Math.floor(k / wide) : tall - 1 - Math.floor(k / wide);
     if (value !== null) colours.data.set([...shadeOf(value, part), 255], 4 * (row * wide + (k % wide)));
   });
   const small = new OffscreenCanvas(wide, tall);
   small.getContext("2d").putImageData(colours, 0, 0);
-  const [left, right, bottom, top] = [toX(x[0]), toX(x.at(-1)), toY(y[0]), toY(y.at(-1))];
+  const [left, right] = [toX(x[0]), toX(x.at(-1))];
+  const [top, bottom] = [toY(y[0]), toY(y.at(-1))].toSorted((a, b) => a - b);
   // Pixels stand for points: the outer half of the outer ones lies beyond the range.
   g.drawImage(small, 0.5, 0.5, wide - 1, tall - 1, left, top, right - left, bottom - top);
+}
+
+/** Lines where a surface has round values, with their numbers. */
+function levels({ g, inside, toX, toY }, { x, y, values, value }) {
+  const last = [x.length - 1, y.length - 1];
+  const spotOf = ([i, j]) => [
+    toX(x[0] + ((x[last[0]] - x[0]) * i) / last[0]),
+    toY(y[0] + ((y[last[1]] - y[0]) * j) / last[1]),
+  ];
+  const numbers = values.map((each) => each ?? NaN);
+  const named = [];
+  g.strokeStyle = "rgb(255 255 255 / 0.75)";
+  g.lineWidth = 1;
+  g.beginPath();
+  for (const level of ticksOf(value, LEVELS)) {
+    if (level <= value.low || level >= value.high) continue;
+    const segments = crossings(numbers, x.length, level, y.length).map((ends) => ends.map(spotOf));
+    for (const [from, to] of segments) {
+      g.moveTo(...from);
+      g.lineTo(...to);
+    }
+    spotsOf(
+      segments.map(([from]) => from),
+      inside,
+      named.map(({ spot }) => spot),
+    ).forEach((spot) => named.push({ spot, level }));
+  }
+  g.stroke();
+  g.font = "10.5px system-ui, sans-serif";
+  g.textAlign = "center";
+  g.lineWidth = 3;
+  g.strokeStyle = "rgb(0 0 0 / 0.7)";
+  g.fillStyle = "#ffffff";
+  for (const { spot, level } of named) {
+    g.strokeText(shortNumber(level), spot[0], spot[1] + 4);
+    g.fillText(shortNumber(level), spot[0], spot[1] + 4);
+  }
+}
+
+/** What the colours stand for, beside the plot. */
+function bar({ g, inside, width }, part) {
+  const [left, top, tall] = [inside.right + 10, inside.top, inside.bottom - inside.top];
+  const { value } = part;
+  for (let row = 0; row < tall; row++) {
+    const [r, g_, b] = (part.signed ? HEATS : SHADES)[Math.round(255 * (1 - row / tall))];
+    g.fillStyle = `rgb(${r} ${g_} ${b})`;
+    g.fillRect(left, top + row, BAR, 1.5);
+  }
+  const toY = scaleOf(value, inside.bottom, inside.top);
+  g.fillStyle = colourOf("--soft");
+  g.font = "11px system-ui, sans-serif";
+  g.textAlign = "left";
+  for (const tick of ticksOf(value, Math.max(2, tall / 40))) {
+    g.fillText(shortNumber(tick, 3), left + BAR + 4, toY(tick) + 4);
+  }
+  g.save();
+  g.translate(width - 5, (inside.top + inside.bottom) / 2);
+  g.rotate(-Math.PI / 2);
+  g.textAlign = "center";
+  g.fillText(clean(value.words), 0, 0, tall);
+  g.restore();
+}
+
+/** Stripes where a cell has no value and that means something; they meet those of its neighbours. */
+function hatch(g, x0, y0, x1, y1) {
+  g.save();
+  g.beginPath();
+  g.rect(x0, y0, x1 - x0, y1 - y0);
+  g.clip();
+  g.strokeStyle = colourOf("--soft");
+  g.globalAlpha = 0.4;
+  g.lineWidth = 1;
+  g.beginPath();
+  for (let c = Math.floor((x0 - y1) / 6) * 6; c < x1 - y0; c += 6) {
+    g.moveTo(y0 + c, y0);
+    g.lineTo(y1 + c, y1);
+  }
+  g.stroke();
+  g.restore();
 }
 
 /** Cells with a number each, where there is room for it. */
@@ -219,9 +302,13 @@ function cells({ g, toX, toY }, part) {
   g.font = "11px system-ui, sans-serif";
   g.textAlign = "center";
   values.forEach((value, k) => {
-    if (value === null) return;
     const [i, j] = [k % columns, Math.floor(k / columns)];
-    const [x0, x1, y0, y1] = [toX(across[i]), toX(across[i + 1]), toY(up[j + 1]), toY(up[j])];
+    const [x0, x1] = [toX(across[i]), toX(across[i + 1])];
+    const [y0, y1] = [toY(up[j]), toY(up[j + 1])].toSorted((a, b) => a - b);
+    if (value === null) {
+      if (part.missing) hatch(g, x0, y0, x1, y1);
+      return;
+    }
     const shade = shadeOf(value, part);
     g.fillStyle = `rgb(${shade.join(" ")})`;
     g.fillRect(x0, y0, x1 - x0 - 0.5, y1 - y0 - 0.5);
@@ -245,9 +332,9 @@ function legendOf(g, panel, width) {
   g.font = LABELS;
   let [x, row] = [ROOM.left, 0];
   return panel.parts
-    .filter((part) => part.label)
+    .filter((part) => part.label || part.missing)
     .map((part) => {
-      const wide = 34 + g.measureText(clean(part.label)).width + 10;
+      const wide = 34 + g.measureText(clean(part.label || part.missing)).width + 10;
       if (x > ROOM.left && x + wide > width - ROOM.right) [x, row] = [ROOM.left, row + 1];
       const place = { part, x, row };
       x += wide;
@@ -260,16 +347,28 @@ function legend({ g, labels, panel, tone }) {
   g.font = LABELS;
   g.textAlign = "left";
   for (const { part, x, row } of labels) {
-    const y = ROOM.top + (panel.title ? ROOM.title : 0) + ROW * row + 4;
-    g.strokeStyle = tone(part.tone);
-    g.lineWidth = part.is === "dots" ? 4 : 2;
-    g.setLineDash(part.is === "dots" ? [3, 5] : (DASHES[part.dash] ?? []));
+    const y = ROOM.top + (panel.title ? ROOM.title : 0) + ROOM.row * row + 4;
+    key(g, part, x, y, tone);
+    g.fillStyle = colourOf("--ink");
+    g.fillText(clean(part.label || part.missing), x + 30, y + 4);
+  }
+}
+
+/** What a part looks like, beside its label. */
+function key(g, part, x, y, tone) {
+  if (part.is === "cells") return hatch(g, x, y - 5, x + 24, y + 5);
+  g.fillStyle = g.strokeStyle = tone(part.tone);
+  g.globalAlpha = part.opacity ?? 1;
+  if (part.is === "area" || part.is === "band") g.fillRect(x, y - 5, 24, 10);
+  else if (part.is === "dots") (SIGNS[part.sign] ?? SIGNS["."])(g, x + 12, y, 0.5 * POINT * Math.max(4, part.size));
+  else {
+    g.lineWidth = 2;
+    g.setLineDash(DASHES[part.dash] ?? []);
     g.beginPath();
     g.moveTo(x, y);
     g.lineTo(x + 24, y);
     g.stroke();
     g.setLineDash([]);
-    g.fillStyle = colourOf("--ink");
-    g.fillText(clean(part.label), x + 30, y + 4);
   }
+  g.globalAlpha = 1;
 }

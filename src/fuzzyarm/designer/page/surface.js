@@ -4,13 +4,13 @@
 // on a plain canvas. That needs neither a library nor a graphics processor, halves the time of a
 // frame against as many paths, and prints as it looks.
 
-import { choice, clean, colourOf, context, drawAxes, eachFrame, el, pane, SHADES, shortNumber } from "./draw.js";
+import { choice, clean, colourOf, context, eachFrame, el, pane, SHADES, shortNumber } from "./draw.js";
 import { ticks } from "./geometry/chart.js";
-import { crossings, farToNear, fillTriangle, limitsOf, projectionOf } from "./geometry/surface.js";
+import { farToNear, fillTriangle, limitsOf, linePanel, planePanel, projectionOf } from "./geometry/surface.js";
+import { drawPanel } from "./panel.js";
 import { S } from "./strings.js";
 import { rangeOf } from "./geometry/shapes.js";
 
-const LEVELS = 9;
 const packed = (share) =>
   SHADES.map(([r, g, b]) => ((255 << 24) | ((b * share) << 16) | ((g * share) << 8) | (r * share)) >>> 0);
 const FILLS = Uint32Array.from(packed(1));
@@ -53,7 +53,8 @@ class SurfacePane {
     this.layer = null;
     this.scale = null; // of the colours, made once
     this.size = { width: 0, height: 0 };
-    this.lineSize = { width: 0, height: 0 };
+    this.plot = null; // where the plot of a panel lies
+    this.linePlot = null;
     this.handle = null; // of the cut in the solid: where it is, and the ends of its way
     this.sliders = [];
     body.append(main, this.below, this.others);
@@ -99,7 +100,6 @@ class SurfacePane {
     for (const name of ["reshaped", "point", "theme", "told"]) this.store.on(name, this.redraw);
     const watch = new ResizeObserver(() => {
       this.size = { width: main.clientWidth, height: main.clientHeight };
-      this.lineSize = { width: this.line.parentElement.clientWidth, height: this.line.parentElement.clientHeight };
       this.redraw();
     });
     watch.observe(main);
@@ -119,15 +119,6 @@ class SurfacePane {
     const [low, high] = rangeOf(variable);
     return (value - low) / (high - low);
   };
-
-  // --- the contour ---
-
-  box = (width, height) => ({
-    left: 44,
-    top: 10,
-    wide: width - (this.store.axes.x === this.store.axes.y ? 56 : 104),
-    tall: height - 48,
-  });
 
   isPlane = () => this.flat || this.store.axes.x === this.store.axes.y;
 
@@ -250,10 +241,11 @@ class SurfacePane {
     const [low, high] = limitsOf(found.z, output);
     const section = this.cut ? this.store.section(this.otherInput()) : null;
     const picture = { g, width, height, found, low, high, x, y, output, section };
-    if (x === y) this.drawLine(picture);
-    else if (this.flat) this.drawContour(picture);
-    else this.drawSolid(picture);
-    if (x !== y) this.drawScale(picture);
+    if (this.isPlane()) this.drawPlane(picture);
+    else {
+      this.drawSolid(picture);
+      this.drawScale(picture);
+    }
     if (source) {
       g.fillStyle = colourOf("--soft");
       g.font = "11px system-ui, sans-serif";
@@ -341,7 +333,7 @@ class SurfacePane {
     this.layer.getContext("2d").putImageData(this.image, 0, 0);
     g.drawImage(this.layer, 0, 0, width, height);
     const value = this.store.value();
-    if (this.cut) this.drawPlane(g, project, low, high);
+    if (this.cut) this.drawCut(g, project, low, high);
     if (Number.isFinite(value)) {
       const [u, v] = [x, y].map((each, k) =>
         this.place(each, this.store.point[k ? this.store.axes.y : this.store.axes.x]),
@@ -351,7 +343,7 @@ class SurfacePane {
   };
 
   /** The plane of the cut, where it meets the surface, and the handle that moves it. */
-  drawPlane = (g, project, low, high) => {
+  drawCut = (g, project, low, high) => {
     const [one, other] = [this.cutInput(), this.otherInput()].map((i) => this.store.scene.inputs[i]);
     const at = this.place(one, this.store.point[this.cutInput()]) - 0.5;
     const corner = (along, w) => (this.cut === "x" ? project(at, along, w) : project(along, at, w));
@@ -432,124 +424,44 @@ class SurfacePane {
     g.stroke();
   };
 
-  drawContour = ({ g, width, height, found, low, high, x, y }) => {
-    const n = found.xs.length;
-    const { left, top, wide, tall } = this.box(width, height);
-    const colours = new ImageData(n, n);
-    for (let j = 0; j < n; j++) {
-      for (let i = 0; i < n; i++) {
-        const value = found.z[j * n + i];
-        const at = 4 * ((n - 1 - j) * n + i);
-        const shade = SHADES[Math.max(0, Math.min(255, Math.round((255 * (value - low)) / (high - low))))];
-        if (shade) colours.data.set([...shade, 255], at);
-      }
-    }
-    const small = new OffscreenCanvas(n, n);
-    small.getContext("2d").putImageData(colours, 0, 0);
-    g.imageSmoothingEnabled = true;
-    // Pixels stand for points: the outer half of the outer ones lies beyond the range.
-    g.drawImage(small, 0.5, 0.5, n - 1, n - 1, left, top, wide, tall);
-    g.strokeStyle = "rgb(255 255 255 / 0.75)";
-    g.lineWidth = 1;
-    const spotOf = (i, j) => [left + (wide * i) / (n - 1), top + tall - (tall * j) / (n - 1)];
-    const labels = [];
-    g.beginPath();
-    for (const level of ticks(low, high, LEVELS)) {
-      if (level <= low || level >= high) continue;
-      const spots = this.lines(g, found.z, n, level, spotOf);
-      this.labelled(labels, spots, level, { left, top, wide, tall });
-    }
-    g.stroke();
-    g.font = "10.5px system-ui, sans-serif";
-    g.textAlign = "center";
-    for (const { spot, level } of labels) {
-      g.lineWidth = 3;
-      g.strokeStyle = "rgb(0 0 0 / 0.7)";
-      g.strokeText(shortNumber(level), spot[0], spot[1] + 4);
-      g.fillStyle = "#ffffff";
-      g.fillText(shortNumber(level), spot[0], spot[1] + 4);
-    }
-    drawAxes(g, { left, top, wide, tall }, rangeOf(x), rangeOf(y), x.name, y.name);
-    const [u, v] = [
-      this.place(x, this.store.point[this.store.axes.x]),
-      this.place(y, this.store.point[this.store.axes.y]),
-    ];
-    g.strokeStyle = "rgb(255 255 255 / 0.6)";
-    g.setLineDash([4, 4]);
-    g.strokeRect(left, top + tall * (1 - v), wide, 0);
-    g.strokeRect(left + wide * u, top, 0, tall);
-    g.setLineDash([]);
-    if (this.cut) {
-      g.strokeStyle = colourOf("--lit");
-      g.lineWidth = 2;
-      if (this.cut === "x") g.strokeRect(left + wide * u, top, 0, tall);
-      else g.strokeRect(left, top + tall * (1 - v), wide, 0);
-    }
-    this.dot(g, left + wide * u, top + tall * (1 - v));
-  };
+  // --- seen from above, over one input, or the section of the cut ---
 
-  /** Choose places for the number of a level: away from the edges and from other numbers. */
-  labelled = (labels, spots, level, { left, top, wide, tall }) => {
-    let count = 0;
-    for (let i = 0; i < spots.length && count < 2; i++) {
-      const spot = spots[Math.floor(((i * 0.618034) % 1) * spots.length)]; // spread over the line
-      const [x, y] = spot;
-      const isInside = x > left + 16 && x < left + wide - 16 && y > top + 10 && y < top + tall - 10;
-      if (!isInside || labels.some(({ spot: [u, v] }) => Math.hypot(u - x, v - y) < 42)) continue;
-      labels.push({ spot, level });
-      count++;
+  drawPlane = ({ found, low, high, x, y, output }) => {
+    const { axes } = this.store;
+    const whole = this.whole(output, low, high);
+    const [across, up] = [this.along(axes.x), this.along(axes.y)];
+    if (x === y) this.plot = drawPanel(this.canvas, linePanel(found, across, whole));
+    else {
+      const inputs = [
+        { ...across, isCut: this.cut === "x" },
+        { ...up, isCut: this.cut === "y" },
+      ];
+      this.plot = drawPanel(this.canvas, planePanel(found, inputs, whole));
     }
   };
 
-  /** Trace a level; returns a spot of each of its cells. */
-  lines = (g, z, n, level, at) => {
-    const segments = crossings(z, n, level).map(([from, to]) => [at(...from), at(...to)]);
-    for (const [from, to] of segments) {
-      g.moveTo(...from);
-      g.lineTo(...to);
-    }
-    return segments.map(([from]) => from);
-  };
+  /**
+   * The output as an axis, and its value at the point.
+   *
+   * @returns {{ name: string, range: Page.Pair, at: number }}
+   */
+  whole = ({ name }, low, high) => ({ name, range: [low, high], at: this.store.value() });
 
-  // --- a line: over one input, or the section of the cut ---
-
-  drawLine = ({ g, width, height, found, low, high, x, output }) => {
-    const where = this.box(width, height);
-    drawAxes(g, where, rangeOf(x), [low, high], x.name, output.name);
-    this.curve(g, where, { xs: found.xs, z: found.z, low, high, variable: x, at: this.store.point[this.store.axes.x] });
+  /** An input as an axis, and where the point lies along it. */
+  along = (input) => {
+    const variable = this.store.scene.inputs[input];
+    return { name: variable.name, range: rangeOf(variable), at: this.store.point[input] };
   };
 
   drawSection = ({ section: found, low, high, output }) => {
-    const { g, width, height } = context(this.line, this.lineSize.width, this.lineSize.height);
-    const [at, other] = [this.cutInput(), this.otherInput()].map((i) => this.store.scene.inputs[i]);
-    this.cutSlider.value = this.store.point[this.cutInput()];
-    const said = S.cutAt(at.name, shortNumber(this.store.point[this.cutInput()]));
+    const [at, other] = [this.cutInput(), this.otherInput()].map(this.along);
+    this.cutSlider.value = at.at;
+    const said = S.cutAt(at.name, shortNumber(at.at));
     this.cutLabel.firstChild.textContent = clean(said);
     this.line.setAttribute("aria-label", S.sectionLabel(output.name, other.name, said));
-    if (!found || !this.lineSize.width) return;
-    const where = { left: 44, top: 6, wide: width - 56, tall: height - 40 };
-    drawAxes(g, where, rangeOf(other), [low, high], other.name, output.name);
-    this.curve(g, where, { ...found, low, high, variable: other, at: this.store.point[this.otherInput()] });
-  };
-
-  curve = (g, { left, top, wide, tall }, { xs, z, low, high, variable, at }) => {
-    g.strokeStyle = colourOf("--accent");
-    g.lineWidth = 2;
-    g.beginPath();
-    let down = false;
-    z.forEach((value, i) => {
-      const spot = [left + wide * this.place(variable, xs[i]), top + tall * (1 - (value - low) / (high - low))];
-      if (Number.isFinite(value)) {
-        if (down) g.lineTo(...spot);
-        else g.moveTo(...spot);
-      }
-      down = Number.isFinite(value);
-    });
-    g.stroke();
-    const value = this.store.value();
-    if (Number.isFinite(value)) {
-      this.dot(g, left + wide * this.place(variable, at), top + tall * (1 - (value - low) / (high - low)));
-    }
+    if (!found) return;
+    const whole = this.whole(output, low, high);
+    this.linePlot = drawPanel(this.line, linePanel(found, other, whole));
   };
 
   wrapped = (g, text, x, y, width) => {
@@ -566,14 +478,10 @@ class SurfacePane {
   // --- hands ---
 
   aim = (event) => {
-    const { left, top, wide, tall } = this.box(this.canvas.clientWidth, this.canvas.clientHeight);
+    if (!this.plot) return;
     const { x, y } = this.store.axes;
-    const shares = [(event.offsetX - left) / wide, 1 - (event.offsetY - top) / tall];
-    [x, y].forEach((input, k) => {
-      if (k && x === y) return;
-      const [low, high] = rangeOf(this.store.scene.inputs[input]);
-      this.store.setPoint(input, low + Math.min(1, Math.max(0, shares[k])) * (high - low));
-    });
+    this.store.setPoint(x, this.plot.xAt(event.offsetX));
+    if (x !== y) this.store.setPoint(y, this.plot.yAt(event.offsetY));
   };
 
   nudge = (input, steps) => {
@@ -591,9 +499,7 @@ class SurfacePane {
   };
 
   aimLine = (event) => {
-    const share = (event.offsetX - 44) / (this.line.clientWidth - 56);
-    const [low, high] = rangeOf(this.store.scene.inputs[this.otherInput()]);
-    this.store.setPoint(this.otherInput(), low + share * (high - low));
+    if (this.linePlot) this.store.setPoint(this.otherInput(), this.linePlot.xAt(event.offsetX));
   };
 
   turn = (azimuth, elevation) => {

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from fuzzyarm.picture import (
     Area,
@@ -20,8 +20,18 @@ from fuzzyarm.picture import (
     Words,
     colour_of,
 )
+from fuzzyarm.show.drawing import scale_of
 from fuzzyarm.show.figures.labels import columns_that_fit, shortened, wrapped
-from fuzzyarm.show.figures.style import LABEL, head, label_axes, new_figure, safe, tidy
+from fuzzyarm.show.figures.style import (
+    LABEL,
+    colour_bar,
+    colour_map,
+    head,
+    label_axes,
+    new_figure,
+    safe,
+    tidy,
+)
 from fuzzyarm.show.run import run_chart
 
 if TYPE_CHECKING:
@@ -74,6 +84,8 @@ def chart_figure(chart: Chart) -> Figure:
         places = figure.subplots(rows, columns, squeeze=False, sharex=bool(chart.below))
         room = chart.size[0] / columns, chart.size[1] / rows
         for row, line in zip(places, chart.rows, strict=True):
+            if chart.stretched and len(line) == 1:
+                _stretch(row)
             for axes, panel in zip(row, [*line, *[None] * (columns - len(line))], strict=True):
                 if panel is None:
                     axes.set_visible(False)
@@ -87,6 +99,13 @@ def chart_figure(chart: Chart) -> Figure:
         look: dict[str, Any] = {} if chart.heading else {"size": 10, "weight": "normal"}
         head(figure, chart.title, **look)
     return figure
+
+
+def _stretch(row: Any) -> None:
+    """Give the first place of a row the room of all."""
+    grid = row[0].get_subplotspec().get_gridspec()
+    at = row[0].get_subplotspec().rowspan.start
+    row[0].set_subplotspec(grid[at, :])
 
 
 def _key_below(figure: Figure, places: Any, width: float) -> None:
@@ -104,7 +123,10 @@ def draw_panel(axes: Axes, panel: Panel, room: tuple[float, float] = (3.4, 3.4))
     """Draw a panel that has so much room, inches."""
     for part in panel.parts:
         draw_part(axes, part)
-    tidy(axes)
+    if panel.of(Cells):
+        axes.tick_params(labelsize=8)
+    else:
+        tidy(axes)
     for which, axis in (("x", panel.across), ("y", panel.up)):
         if axis.logarithmic:
             axes.set(**{f"{which}scale": "log"})
@@ -139,8 +161,9 @@ def _words(axis: Axis, room: float, most: int = 4) -> str:
 
 
 def draw_part(axes: Axes, part: ChartPart) -> None:
-    """Draw one part in the coordinates of axes; cells have figures of their own."""
+    """Draw one part in the coordinates of axes."""
     if isinstance(part, Cells):
+        _draw_cells(axes, part)
         return
     colour = colour_of(part.tone)
     if isinstance(part, Level):
@@ -159,12 +182,44 @@ def draw_part(axes: Axes, part: ChartPart) -> None:
             label=_label(part.label), alpha=_alpha(part.opacity), **edge,
         )  # fmt: skip
     elif isinstance(part, Area):
-        axes.fill(part.x, part.y, color=colour, alpha=part.opacity, linewidth=0)
+        axes.fill(
+            part.x, part.y, color=colour, alpha=part.opacity, linewidth=0,
+            label=_label(part.label),
+        )  # fmt: skip
     else:
         axes.fill_between(
             part.x, part.low, part.high, color=colour, alpha=part.opacity, linewidth=0,
             label=_label(part.label),
         )  # fmt: skip
+
+
+HATCHED: dict[str, Any] = {"cmap": "gray", "vmin": 0.0, "vmax": 1.2, "hatch": "////",
+                           "edgecolor": "#777777", "linewidth": 0.0}  # fmt: skip
+"""The look of cells without a value, where these mean something."""
+
+
+def _draw_cells(axes: Axes, part: Cells) -> None:
+    """Draw cells by the colours that the terminal has, with a bar beside them."""
+    import numpy as np
+    from matplotlib.colors import LogNorm, Normalize
+
+    values = np.ma.masked_invalid(np.asarray(part.values, dtype=float))
+    shading: Literal["flat", "nearest"] = "flat" if part.has_edges else "nearest"
+    if values.count():
+        axis = part.value
+        scale = scale_of(values.compressed().tolist(), axis.low, axis.high)
+        norm = (LogNorm if axis.logarithmic else Normalize)(scale.low, scale.high)
+        image = axes.pcolormesh(
+            part.x, part.y, values, cmap=colour_map(scale), norm=norm, shading=shading,
+            rasterized=True,
+        )  # fmt: skip
+        bar = colour_bar(axes.get_figure(), image, axes, safe(axis.words), shrink=0.9)
+        bar.ax.tick_params(which="minor", labelsize=7)
+    if part.missing and np.ma.is_masked(values):
+        blank = np.ma.masked_where(~np.ma.getmaskarray(values), np.ones(values.shape))
+        axes.pcolor(part.x, part.y, blank, shading=shading, **HATCHED)
+    if part.downward:
+        axes.invert_yaxis()
 
 
 def _label(text: str) -> str | None:

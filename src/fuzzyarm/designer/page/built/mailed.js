@@ -1,17 +1,5 @@
 // @ts-nocheck: built by editors/designer/build.js from exported.js and what it imports
 (() => {
-  // geometry/chart.js
-  function ticks(low, high, wanted = 5) {
-    const raw = (high - low) / wanted;
-    const power = 10 ** Math.floor(Math.log10(raw));
-    const step = [1, 2, 5, 10].map((x) => x * power).find((x) => x >= raw) ?? raw;
-    const found = [];
-    for (let x = Math.ceil(low / step - 1e-9); x * step <= high + 1e-9 * step; x++) {
-      found.push(Number((x * step).toPrecision(12)));
-    }
-    return found;
-  }
-
   // draw.js
   var UNSEEN = /[\u0000-\u0008\u000b-\u001f\u007f-\u009f\u200e\u200f\u2028-\u202e\u2066-\u2069]/g;
   function clean(text) {
@@ -20,23 +8,23 @@
   var cleaned = (children) => children.map((each) => typeof each === "string" ? clean(each) : each);
   function el(name, properties = {}, ...children) {
     const made = document.createElement(name);
-    for (const [key, value] of Object.entries(properties)) {
-      if (key === "class") made.className = value;
-      else if (key.startsWith("on")) made.addEventListener(key.slice(2), value);
-      else if (key === "textContent" || key === "title") made[key] = clean(value);
-      else if (key in made && key !== "list") made[key] = value;
-      else made.setAttribute(key, typeof value === "string" ? clean(value) : value);
+    for (const [key2, value] of Object.entries(properties)) {
+      if (key2 === "class") made.className = value;
+      else if (key2.startsWith("on")) made.addEventListener(key2.slice(2), value);
+      else if (key2 === "textContent" || key2 === "title") made[key2] = clean(value);
+      else if (key2 in made && key2 !== "list") made[key2] = value;
+      else made.setAttribute(key2, typeof value === "string" ? clean(value) : value);
     }
     made.append(...cleaned(children));
     return made;
   }
   function svg(name, attributes = {}, ...children) {
     const made = document.createElementNS("http://www.w3.org/2000/svg", name);
-    for (const [key, value] of Object.entries(attributes)) {
-      if (key.startsWith("on")) made.addEventListener(key.slice(2), value);
-      else if (key === "style")
+    for (const [key2, value] of Object.entries(attributes)) {
+      if (key2.startsWith("on")) made.addEventListener(key2.slice(2), value);
+      else if (key2 === "style")
         made.style.cssText = value;
-      else made.setAttribute(key, value);
+      else made.setAttribute(key2, value);
     }
     made.append(...cleaned(children));
     return made;
@@ -48,22 +36,22 @@
     );
     if (!held || held === document.body || !root2.contains(held)) return () => {
     };
-    const { key } = held.dataset;
+    const { key: key2 } = held.dataset;
     const chosen = typeof held.selectionStart === "number" ? [held.selectionStart, held.selectionEnd] : null;
     return () => {
-      const same = () => [...root2.querySelectorAll("[data-key]")].find((each) => each.dataset.key === key);
-      const next = held.isConnected ? held : key && same();
+      const same = () => [...root2.querySelectorAll("[data-key]")].find((each) => each.dataset.key === key2);
+      const next = held.isConnected ? held : key2 && same();
       if (!next || next === document.activeElement) return;
       next.focus({ preventScroll: true });
       if (chosen) next.setSelectionRange(...chosen);
     };
   }
-  function pane(kind, title) {
+  function pane(kind, title2) {
     const id = `title-${kind}`;
-    const bar = el("div", { class: "bar" }, el("h2", { id, textContent: title }));
+    const bar2 = el("div", { class: "bar" }, el("h2", { id, textContent: title2 }));
     const body = el("div", { class: "body" });
-    const section = el("section", { class: `pane ${kind}`, "aria-labelledby": id, tabIndex: -1 }, bar, body);
-    return { section, bar, body };
+    const section = el("section", { class: `pane ${kind}`, "aria-labelledby": id, tabIndex: -1 }, bar2, body);
+    return { section, bar: bar2, body };
   }
   function choice(label, options, chosen, onchange) {
     const select = el("select", { onchange: () => onchange(select.value) });
@@ -139,26 +127,28 @@
       });
     };
   }
-  function drawAxes(g, { left, top, wide, tall }, across, up, name, other) {
-    const [[a, b], [c, d]] = [across, up];
-    g.fillStyle = colourOf("--soft");
-    g.font = "11px system-ui, sans-serif";
-    g.textAlign = "center";
-    for (const tick of ticks(a, b, Math.max(2, wide / 70))) {
-      g.fillText(shortNumber(tick), left + wide * (tick - a) / (b - a), top + tall + 14);
+
+  // geometry/chart.js
+  function ticks(low, high, wanted = 5) {
+    const raw = (high - low) / wanted;
+    const power = 10 ** Math.floor(Math.log10(raw));
+    const step = [1, 2, 5, 10].map((x) => x * power).find((x) => x >= raw) ?? raw;
+    const found = [];
+    for (let x = Math.ceil(low / step - 1e-9); x * step <= high + 1e-9 * step; x++) {
+      found.push(Number((x * step).toPrecision(12)));
     }
-    g.textAlign = "right";
-    for (const tick of ticks(c, d, Math.max(2, tall / 40))) {
-      g.fillText(shortNumber(tick), left - 5, top + tall - tall * (tick - c) / (d - c) + 4);
+    return found;
+  }
+  function decades(low, high) {
+    const wide = high / low > 200;
+    const found = [];
+    for (let power = Math.floor(Math.log10(low)); power <= Math.ceil(Math.log10(high)); power++) {
+      for (const digit of wide ? [1] : [1, 2, 5]) {
+        const v = digit * 10 ** power;
+        if (v >= low * 0.9 && v <= high * 1.1) found.push(v);
+      }
     }
-    g.font = "600 12px system-ui, sans-serif";
-    g.textAlign = "center";
-    g.fillText(clean(name).slice(0, 24), left + wide / 2, top + tall + 30);
-    g.save();
-    g.translate(11, top + tall / 2);
-    g.rotate(-Math.PI / 2);
-    g.fillText(clean(other).slice(0, 24), 0, 0);
-    g.restore();
+    return found.length > 1 ? found : ticks(low, high, 3);
   }
 
   // strings.js
@@ -305,7 +295,7 @@
     everyOutput: "every output",
     tables: "Table",
     cells: "Cells",
-    tableOf: (output, cells, mode) => `${cells} cells of ${output}, looked up by ${mode}`,
+    tableOf: (output, cells2, mode) => `${cells2} cells of ${output}, looked up by ${mode}`,
     axisLevels: (name, count, low, high, bins) => `${name}: ${count} levels ${low} \u2026 ${high}${bins ? ", bins" : ""}`,
     thinned: "not every level is shown",
     tableError: "Table against direct inference",
@@ -658,10 +648,10 @@
     stopAndKeep: "Stop, keep the best",
     stopping: "Stopping; the best so far is judged \u2026",
     insertTune: "Write it into the text",
-    whatMoves: ({ says, parameters, why, loop, plants, samples }) => {
+    whatMoves: ({ says, parameters, why, loop, plants, samples: samples2 }) => {
       if (why) return `${why[0].toUpperCase()}${why.slice(1)}.`;
       const names = parameters.length > 6 ? `${parameters.length} numbers` : parameters.join(", ");
-      const where = loop && !plants.some((each) => each.fits) ? " No plant here has its axes; names can be joined to ports." : !loop && !samples.length ? " A rule base alone is fitted to samples: there is no .csv file in this folder." : "";
+      const where = loop && !plants.some((each) => each.fits) ? " No plant here has its axes; names can be joined to ports." : !loop && !samples2.length ? " A rule base alone is fitted to samples: there is no .csv file in this folder." : "";
       return `${says ? `What may move, as the text says: ${names}.` : `The text has no tune block and no gain with a range, so all peaks move that can: ${names}.`}${where}`;
     },
     searching: (phase, count, best, evals) => phase === "linear" ? `The linear PD is tuned on the same: ${count} trials.` : `${count} of ${evals} trials; the best costs ${best === null ? "nothing known" : best.toPrecision(4)}.`,
@@ -967,9 +957,9 @@ ${shape.side ?? 0}`;
       this.numbers = this.hand.numbers;
       this.change = this.hand.change;
       this.askFor = this.hand.askFor;
-      const { section, bar, body: all } = pane("terms", S.terms);
+      const { section, bar: bar2, body: all } = pane("terms", S.terms);
       this.section = section;
-      this.bar = bar;
+      this.bar = bar2;
       this.all = all;
       this.body = el("div", { class: "plots" });
       this.details = el("div", { class: "details", hidden: true });
@@ -1016,9 +1006,9 @@ ${shape.side ?? 0}`;
       watch.observe(this.body);
       watch.observe(this.all);
     }
-    option = (text, title, checked) => {
+    option = (text, title2, checked) => {
       const box = el("input", { type: "checkbox", checked });
-      this.bar.append(el("label", { class: "small", title }, box, text));
+      this.bar.append(el("label", { class: "small", title: title2 }, box, text));
       return box;
     };
     adding = (words, role) => el("button", { textContent: words, title: S.addRole[role], onclick: () => addVariable(this.hand, role) });
@@ -1210,9 +1200,9 @@ ${index}`,
       };
     };
     choose = (variable, term) => {
-      const key = this.termKey(variable, term);
-      if (key !== this.chosen) {
-        this.chosen = key;
+      const key2 = this.termKey(variable, term);
+      if (key2 !== this.chosen) {
+        this.chosen = key2;
         this.describe();
         this.redraw();
       }
@@ -1548,13 +1538,13 @@ ${name}`;
         "tbody",
         {},
         ...rows.map(
-          ([key, words]) => el(
+          ([key2, words]) => el(
             "tr",
             {},
             el(
               "th",
               { scope: "row" },
-              ...key.split(" ").flatMap((each, i) => [
+              ...key2.split(" ").flatMap((each, i) => [
                 ...i ? [" "] : [],
                 /^[a-z]+$/.test(each) ? each : el("kbd", { textContent: each })
               ])
@@ -1565,10 +1555,10 @@ ${name}`;
       )
     );
     const parts = S.help.filter(({ view }) => !view || views.includes(view)).map(
-      ({ title, words, rows }) => el(
+      ({ title: title2, words, rows }) => el(
         "section",
         {},
-        el("h3", { textContent: title }),
+        el("h3", { textContent: title2 }),
         ...words.map((line) => el("p", { textContent: line })),
         ...rows.length ? [keys(rows)] : []
       )
@@ -1737,7 +1727,7 @@ ${name}`;
         const lists = rows.filter((row) => row.key);
         const refocus = keepFocus(body);
         summary.textContent = clean(
-          `${S.methods}: ${lists.map(({ key, value, target }) => `${target ? `${target} ` : ""}${key} ${value}`).join(", ")}`
+          `${S.methods}: ${lists.map(({ key: key2, value, target }) => `${target ? `${target} ` : ""}${key2} ${value}`).join(", ")}`
         );
         body.replaceChildren(
           ...lists.map(list),
@@ -1766,7 +1756,7 @@ ${name}`;
       this.goTo = this.hand.goTo;
       this.change = this.hand.change;
       this.attempt = this.hand.attempt;
-      const { section, bar, body } = pane("rules", S.rules);
+      const { section, bar: bar2, body } = pane("rules", S.rules);
       this.section = section;
       this.body = body;
       this.methods = methodLines(this.change);
@@ -1775,7 +1765,7 @@ ${name}`;
         title: S.gridHint,
         onclick: () => addGrid(this.hand, this.store.scene)
       });
-      if (this.attempt) bar.append(el("span", { class: "space" }), this.grid);
+      if (this.attempt) bar2.append(el("span", { class: "space" }), this.grid);
       this.lit = [];
       this.shown = [];
       this.fresh = { rule: null, text: "" };
@@ -1811,8 +1801,8 @@ ${name}`;
       this.shown = [];
       const seen = this.body.scrollTop;
       this.body.replaceChildren(...outputs.length ? [this.methods.element] : []);
-      const cells = grids.reduce((sum, grid) => sum + grid.rows.length * grid.columns.length, 0);
-      grids.forEach((grid, k) => this.body.append(this.table(grid, outputs, this.setCell && cells <= MOST_CELLS, k)));
+      const cells2 = grids.reduce((sum, grid) => sum + grid.rows.length * grid.columns.length, 0);
+      grids.forEach((grid, k) => this.body.append(this.table(grid, outputs, this.setCell && cells2 <= MOST_CELLS, k)));
       const sentences = rules.map((rule, number) => (
         /** @type {const} */
         [rule, number]
@@ -1916,19 +1906,19 @@ ${name}`;
     /** A line to write a rule in; one that is changed may be left with Escape. */
     writer = (draft, label) => {
       const isNew = draft === this.fresh;
-      const key = `write ${isNew ? "new" : draft.rule}`;
+      const key2 = `write ${isNew ? "new" : draft.rule}`;
       const field = el("input", {
         type: "text",
         class: "write",
         value: draft.text,
         "aria-label": label,
         placeholder: S.ifThen,
-        "data-key": key,
+        "data-key": key2,
         spellcheck: false
       });
       const leave = () => {
         this.drafts.delete(draft);
-        const isHeld = this.body.querySelector(`[data-key="${key}"]`)?.closest("form").contains(document.activeElement);
+        const isHeld = this.body.querySelector(`[data-key="${key2}"]`)?.closest("form").contains(document.activeElement);
         this.build();
         if (isHeld) this.body.querySelector(`[data-key="edit ${draft.rule}"]`)?.focus();
       };
@@ -1956,7 +1946,7 @@ ${name}`;
         "form",
         { class: "sentence", onsubmit: send },
         field,
-        el("button", { class: "small", type: "submit", textContent: isNew ? S.add : S.ok, "data-key": `done ${key}` })
+        el("button", { class: "small", type: "submit", textContent: isNew ? S.add : S.ok, "data-key": `done ${key2}` })
       );
     };
     // --- grids ---
@@ -2013,10 +2003,10 @@ ${name}`;
     /** Buttons of a grid: another row or column, and its removal. */
     tools = (grid, k) => {
       if (!this.attempt) return [];
-      const adding = (words, title, row) => el("button", {
+      const adding = (words, title2, row) => el("button", {
         class: "small",
         textContent: words,
-        title,
+        title: title2,
         "data-key": `add ${k} ${row}`,
         onclick: () => addHead(this.hand, this.store.scene, {
           line: grid.line,
@@ -2085,35 +2075,35 @@ ${name}`;
   var STEPS = { ArrowLeft: -0.02, ArrowUp: -0.02, ArrowRight: 0.02, ArrowDown: 0.02, PageUp: -0.1, PageDown: 0.1 };
   var bounded = (share) => Math.min(1 - LEAST_SHARE, Math.max(LEAST_SHARE, share));
   var shareAt = (position, start, first, handle, second) => bounded((position - start - handle / 2) / Math.max(1, first + second));
-  function shareBy(key, share, usual, vertical) {
-    if (key === "Home") return LEAST_SHARE;
-    if (key === "End") return 1 - LEAST_SHARE;
-    if (key === "Enter") return usual;
-    const isAcross = /Left|Right/.test(key);
-    const step = /^Arrow/.test(key) && isAcross !== vertical ? void 0 : STEPS[key];
+  function shareBy(key2, share, usual, vertical) {
+    if (key2 === "Home") return LEAST_SHARE;
+    if (key2 === "End") return 1 - LEAST_SHARE;
+    if (key2 === "Enter") return usual;
+    const isAcross = /Left|Right/.test(key2);
+    const step = /^Arrow/.test(key2) && isAcross !== vertical ? void 0 : STEPS[key2];
     return step === void 0 ? null : bounded(share + step);
   }
   var sizesOf = (tracks) => tracks.split(" ").map(parseFloat).filter(Number.isFinite);
   var kept = {
-    read: (key) => {
+    read: (key2) => {
       try {
-        return Number(localStorage.getItem(`fuzzyarm.split.${key}`)) || null;
+        return Number(localStorage.getItem(`fuzzyarm.split.${key2}`)) || null;
       } catch {
         return null;
       }
     },
-    write: (key, share) => {
+    write: (key2, share) => {
       try {
-        if (share === null) localStorage.removeItem(`fuzzyarm.split.${key}`);
-        else localStorage.setItem(`fuzzyarm.split.${key}`, share.toFixed(4));
+        if (share === null) localStorage.removeItem(`fuzzyarm.split.${key2}`);
+        else localStorage.setItem(`fuzzyarm.split.${key2}`, share.toFixed(4));
       } catch {
       }
     }
   };
-  function splitter({ key, vertical, at, usual }) {
+  function splitter({ key: key2, vertical, at, usual }) {
     const root2 = document.documentElement;
-    const now = () => parseFloat(root2.style.getPropertyValue(`--${key}-a`)) || null;
-    let share = now() ?? kept.read(key) ?? usual;
+    const now = () => parseFloat(root2.style.getPropertyValue(`--${key2}-a`)) || null;
+    let share = now() ?? kept.read(key2) ?? usual;
     const handle = el("div", {
       class: `split ${vertical ? "columns" : "rows"}`,
       role: "separator",
@@ -2126,10 +2116,10 @@ ${name}`;
     });
     function put(next, isDone = true) {
       share = next;
-      root2.style.setProperty(`--${key}-a`, `${share}fr`);
-      root2.style.setProperty(`--${key}-b`, `${1 - share}fr`);
+      root2.style.setProperty(`--${key2}-a`, `${share}fr`);
+      root2.style.setProperty(`--${key2}-b`, `${1 - share}fr`);
       tell();
-      if (isDone) kept.write(key, share === usual ? null : share);
+      if (isDone) kept.write(key2, share === usual ? null : share);
     }
     const tell = () => handle.setAttribute("aria-valuenow", String(Math.round(100 * share)));
     function tracks() {
@@ -2192,6 +2182,34 @@ ${name}`;
     }
     return low < high ? [low, high] : [low - 1, low + 1];
   }
+  var axisOf = (words, [low, high]) => ({ words, low, high, logarithmic: false, whole: false });
+  var numbersOf = (values) => Array.from(values, (value) => Number.isFinite(value) ? value : null);
+  function linePanel({ xs, z }, input, output) {
+    const parts = [
+      { is: "line", x: Array.from(xs), y: numbersOf(z), tone: "accent", width: 1.6, dash: "-" },
+      { is: "level", at: input.at, upright: true, tone: "soft", width: 0.6, dash: "--" },
+      { is: "dots", x: [input.at], y: numbersOf([output.at]), sign: "o", size: 7, tone: "lit" }
+    ];
+    return { title: "", across: axisOf(input.name, input.range), up: axisOf(output.name, output.range), parts };
+  }
+  function planePanel({ xs, ys, z }, inputs, output) {
+    const [across, up] = inputs.map(({ name, range }) => axisOf(name, range));
+    const value = axisOf(output.name, output.range);
+    const rulings = inputs.map(({ at, isCut }, k) => ({
+      is: "level",
+      at,
+      upright: k === 0,
+      tone: isCut ? "lit" : "#ffffff",
+      width: isCut ? 1.6 : 0.7,
+      dash: isCut ? "-" : "--"
+    }));
+    const parts = [
+      { is: "cells", x: Array.from(xs), y: Array.from(ys), values: numbersOf(z), value, signed: false },
+      ...rulings,
+      { is: "dots", x: [inputs[0].at], y: [inputs[1].at], sign: "+", size: 6, tone: "mark" }
+    ];
+    return { title: "", across, up, parts };
+  }
   function projectionOf(turned, width, height) {
     const [ca, sa] = [Math.cos(turned.azimuth), Math.sin(turned.azimuth)];
     const [ce, se] = [Math.cos(turned.elevation), Math.sin(turned.elevation)];
@@ -2208,9 +2226,9 @@ ${name}`;
     };
   }
   var farToNear = (count, farIsHigh) => Array.from({ length: count }, (_, i) => farIsHigh ? count - 1 - i : i);
-  function crossings(z, n, level) {
+  function crossings(z, n, level, rows = n) {
     const segments = [];
-    for (let j = 0; j + 1 < n; j++) {
+    for (let j = 0; j + 1 < rows; j++) {
       for (let i = 0; i + 1 < n; i++) {
         const k = j * n + i;
         const [a, b, c, d] = [z[k] - level, z[k + 1] - level, z[k + n + 1] - level, z[k + n] - level];
@@ -2224,9 +2242,399 @@ ${name}`;
     }
     return segments;
   }
+  function spotsOf(spots, { left, top, right, bottom }, taken) {
+    const found = [];
+    for (let i = 0; i < spots.length && found.length < 2; i++) {
+      const spot = spots[Math.floor(i * 0.618034 % 1 * spots.length)];
+      const [x, y] = spot;
+      const isInside = x > left + 16 && x < right - 16 && y > top + 10 && y < bottom - 10;
+      if (isInside && ![...taken, ...found].some(([u, v]) => Math.hypot(u - x, v - y) < 42)) found.push(spot);
+    }
+    return found;
+  }
+
+  // geometry/panel.js
+  function scaleOf({ low, high, logarithmic = false }, from, to) {
+    const measure = logarithmic ? Math.log10 : (value) => value;
+    const [a, b] = [measure(low), measure(high)];
+    return (value) => from + (to - from) * (measure(value) - a) / (b - a);
+  }
+  function valueAt({ low, high, logarithmic = false }, from, to) {
+    return (pixel) => {
+      const share = Math.min(1, Math.max(0, (pixel - from) / (to - from)));
+      return logarithmic ? low * (high / low) ** share : low + share * (high - low);
+    };
+  }
+  function ticksOf({ low, high, logarithmic = false, whole = false }, wanted) {
+    const found = logarithmic ? decades(low, high) : ticks(low, high, wanted);
+    return found.filter(
+      (value) => (!whole || Number.isInteger(value)) && value >= low * (1 - 1e-9 * Math.sign(low)) && value <= high * (1 + 1e-9 * Math.sign(high))
+    );
+  }
+  function edgesOf(places, count) {
+    if (places.length === count + 1) return places;
+    if (count === 1) return [places[0] - 0.5, places[0] + 0.5];
+    const middles = places.slice(1).map((place, i) => (places[i] + place) / 2);
+    return [2 * places[0] - middles[0], ...middles, 2 * places[count - 1] - middles[count - 2]];
+  }
+  function strokesOf(x, y, steps = false) {
+    const strokes = [];
+    let stroke = null;
+    for (let i = 0; i < x.length; i++) {
+      if (x[i] === null || y[i] === null) {
+        stroke = null;
+        continue;
+      }
+      if (!stroke) strokes.push(stroke = []);
+      else if (steps) stroke.push([x[i], stroke.at(-1)[1]]);
+      stroke.push([x[i], y[i]]);
+    }
+    return strokes;
+  }
+  function shareOf(value, axis) {
+    return Math.min(1, Math.max(0, scaleOf(axis, 0, 1)(value)));
+  }
+  function layoutOf(panel, width, height, rows) {
+    const cells2 = panel.parts.find((part) => part.is === "cells");
+    const hasBar = Boolean(cells2) && width >= LEAST_WITH_BAR;
+    const inside = {
+      left: ROOM.left,
+      top: ROOM.top + (panel.title ? ROOM.title : 0) + ROOM.row * rows,
+      right: width - (hasBar ? ROOM.bar : ROOM.right),
+      bottom: height - ROOM.bottom
+    };
+    const upward = cells2?.downward ? [inside.top, inside.bottom] : [inside.bottom, inside.top];
+    return {
+      inside,
+      hasBar,
+      toX: scaleOf(panel.across, inside.left, inside.right),
+      toY: scaleOf(panel.up, upward[0], upward[1]),
+      xAt: valueAt(panel.across, inside.left, inside.right),
+      yAt: valueAt(panel.up, upward[0], upward[1])
+    };
+  }
+  var ROOM = { left: 52, right: 12, top: 10, title: 16, bottom: 36, row: 15, bar: 74 };
+  var LEAST_WITH_BAR = 300;
+
+  // panel.js
+  var LABELS = "11px system-ui, sans-serif";
+  var DASHES = { "-": [], "--": [6, 4], "-.": [8, 3, 2, 3], ":": [2, 3] };
+  var SMOOTH2 = 40;
+  var POINT = 1.3;
+  var BAR = 9;
+  var LEVELS = 9;
+  var numbersOf2 = (colour) => colour.match(/\d+/g).slice(0, 3).map(Number);
+  var HEATS = Array.from({ length: 256 }, (_, i) => numbersOf2(heat(i / 255)[0]));
+  function drawPanel(canvas, panel) {
+    const [width, height] = [canvas.clientWidth, canvas.clientHeight];
+    return width && height ? paintPanel(context(canvas, width, height), panel, tonesOf(canvas)) : null;
+  }
+  function tonesOf(canvas) {
+    const probe = canvas.ownerDocument.createElement("i");
+    canvas.after(probe);
+    const known = /* @__PURE__ */ new Map();
+    const find = (tone) => {
+      if (tone.startsWith("#")) return tone;
+      if (!tone.startsWith("series")) return colourOf(`--run-${tone}`) || colourOf(`--${tone}`) || colourOf("--ink");
+      probe.style.color = hue(Number(tone.slice(6)));
+      return getComputedStyle(probe).color;
+    };
+    const colours = (tone) => known.get(tone) ?? known.set(tone, find(tone)).get(tone);
+    return Object.assign(colours, { done: () => probe.remove() });
+  }
+  function paintPanel({ g, width, height }, panel, tone) {
+    const labels = legendOf(g, panel, width);
+    const layout = layoutOf(panel, width, height, labels.length ? labels.at(-1).row + 1 : 0);
+    const paper = { g, ...layout, panel, labels, width, tone };
+    const { inside } = layout;
+    const cells2 = panel.parts.find((part) => part.is === "cells");
+    title(paper);
+    axes(paper, !cells2);
+    g.save();
+    g.beginPath();
+    g.rect(inside.left - 1, inside.top - 1, inside.right - inside.left + 2, inside.bottom - inside.top + 2);
+    g.clip();
+    for (const part of panel.parts) {
+      g.globalAlpha = part.opacity ?? 1;
+      PARTS[part.is](paper, part);
+      g.globalAlpha = 1;
+    }
+    g.restore();
+    if (layout.hasBar) bar(paper, cells2);
+    legend(paper);
+    tone.done();
+    return layout;
+  }
+  function title({ g, inside, panel }) {
+    g.fillStyle = colourOf("--ink");
+    g.font = "600 12px system-ui, sans-serif";
+    g.textAlign = "left";
+    g.fillText(clean(panel.title), inside.left, 15, inside.right - inside.left);
+  }
+  function axes({ g, inside, panel, toX, toY }, ruled) {
+    const { left, right, top, bottom } = inside;
+    g.font = "11px system-ui, sans-serif";
+    g.fillStyle = colourOf("--soft");
+    g.strokeStyle = colourOf("--line");
+    g.lineWidth = 1;
+    g.textAlign = "right";
+    for (const value of ticksOf(panel.up, Math.max(2, (bottom - top) / 40))) {
+      const y = Math.round(toY(value)) + 0.5;
+      if (ruled) g.strokeRect(left, y, right - left, 0);
+      g.fillText(shortNumber(value), left - 5, y + 4);
+    }
+    g.textAlign = "center";
+    for (const value of ticksOf(panel.across, Math.max(2, (right - left) / 70))) {
+      g.fillText(shortNumber(value), toX(value), bottom + 14);
+    }
+    g.font = "600 12px system-ui, sans-serif";
+    g.fillText(clean(panel.across.words), (left + right) / 2, bottom + 30, right - left);
+    g.save();
+    g.translate(11, (top + bottom) / 2);
+    g.rotate(-Math.PI / 2);
+    g.fillText(clean(panel.up.words), 0, 0, bottom - top);
+    g.restore();
+  }
+  var PARTS = {
+    line({ g, toX, toY, tone }, { x, y, steps, width, dash, tone: colour }) {
+      g.strokeStyle = tone(colour);
+      g.lineWidth = POINT * width;
+      g.setLineDash(DASHES[dash] ?? []);
+      g.beginPath();
+      for (const stroke of strokesOf(x, y, steps)) trace(g, stroke, toX, toY);
+      g.stroke();
+      g.setLineDash([]);
+    },
+    area({ g, toX, toY, tone }, { x, y, tone: colour }) {
+      g.fillStyle = tone(colour);
+      g.beginPath();
+      for (const stroke of strokesOf(x, y)) trace(g, stroke, toX, toY);
+      g.fill();
+    },
+    band(paper, { x, low, high, ...part }) {
+      const around = { x: [...x, ...x.toReversed()], y: [...high, ...low.toReversed()] };
+      PARTS.area(
+        paper,
+        /** @type {any} */
+        { ...part, ...around }
+      );
+    },
+    level({ g, inside, toX, toY, tone }, { at, upright, width, dash, tone: colour }) {
+      g.strokeStyle = tone(colour);
+      g.lineWidth = POINT * width;
+      g.setLineDash(DASHES[dash] ?? []);
+      g.beginPath();
+      g.moveTo(upright ? toX(at) : inside.left, upright ? inside.top : toY(at));
+      g.lineTo(upright ? toX(at) : inside.right, upright ? inside.bottom : toY(at));
+      g.stroke();
+      g.setLineDash([]);
+    },
+    dots({ g, toX, toY, tone }, { x, y, sign, size, tone: colour }) {
+      g.fillStyle = g.strokeStyle = tone(colour);
+      g.lineWidth = 1.2;
+      const draw = SIGNS[sign] ?? SIGNS["."];
+      x.forEach((each, i) => each !== null && y[i] !== null && draw(g, toX(each), toY(y[i]), 0.5 * POINT * size));
+    },
+    cells(paper, part) {
+      const columns = part.x.length;
+      if (columns <= SMOOTH2 || part.y.length * columns !== part.values.length) cells(paper, part);
+      else {
+        samples(paper, part);
+        if (!part.signed) levels(paper, part);
+      }
+    }
+  };
+  var SIGNS = {
+    ".": (g, x, y, r) => g.fillRect(x - r, y - r, 2 * r, 2 * r),
+    o(g, x, y, r) {
+      g.beginPath();
+      g.arc(x, y, r, 0, 2 * Math.PI);
+      g.fill();
+    },
+    x: diagonal,
+    X: diagonal,
+    "+": (g, x, y) => cross(g, x, y)
+  };
+  function diagonal(g, x, y, r) {
+    g.beginPath();
+    g.moveTo(x - r, y - r);
+    g.lineTo(x + r, y + r);
+    g.moveTo(x - r, y + r);
+    g.lineTo(x + r, y - r);
+    g.stroke();
+  }
+  function cross(g, x, y) {
+    for (const [width, colour] of [
+      [4.5, "#ffffff"],
+      [2, "#000000"]
+    ]) {
+      g.strokeStyle = colour;
+      g.lineWidth = width;
+      g.beginPath();
+      g.arc(x, y, 6, 0, 2 * Math.PI);
+      g.moveTo(x - 10, y);
+      g.lineTo(x + 10, y);
+      g.moveTo(x, y - 10);
+      g.lineTo(x, y + 10);
+      g.stroke();
+    }
+  }
+  function trace(g, stroke, toX, toY) {
+    stroke.forEach(([x, y], i) => i ? g.lineTo(toX(x), toY(y)) : g.moveTo(toX(x), toY(y)));
+  }
+  var shadeOf = (value, { value: axis, signed }) => (signed ? HEATS : SHADES)[Math.round(255 * shareOf(value, axis))];
+  function samples({ g, toX, toY }, part) {
+    const { x, y, values } = part;
+    const [wide, tall] = [x.length, y.length];
+    const colours = new ImageData(wide, tall);
+    values.forEach((value, k) => {
+      const row = part.downward ? Math.floor(k / wide) : tall - 1 - Math.floor(k / wide);
+      if (value !== null) colours.data.set([...shadeOf(value, part), 255], 4 * (row * wide + k % wide));
+    });
+    const small = new OffscreenCanvas(wide, tall);
+    small.getContext("2d").putImageData(colours, 0, 0);
+    const [left, right] = [toX(x[0]), toX(x.at(-1))];
+    const [top, bottom] = [toY(y[0]), toY(y.at(-1))].toSorted((a, b) => a - b);
+    g.drawImage(small, 0.5, 0.5, wide - 1, tall - 1, left, top, right - left, bottom - top);
+  }
+  function levels({ g, inside, toX, toY }, { x, y, values, value }) {
+    const last = [x.length - 1, y.length - 1];
+    const spotOf = ([i, j]) => [
+      toX(x[0] + (x[last[0]] - x[0]) * i / last[0]),
+      toY(y[0] + (y[last[1]] - y[0]) * j / last[1])
+    ];
+    const numbers = values.map((each) => each ?? NaN);
+    const named2 = [];
+    g.strokeStyle = "rgb(255 255 255 / 0.75)";
+    g.lineWidth = 1;
+    g.beginPath();
+    for (const level of ticksOf(value, LEVELS)) {
+      if (level <= value.low || level >= value.high) continue;
+      const segments = crossings(numbers, x.length, level, y.length).map((ends) => ends.map(spotOf));
+      for (const [from, to] of segments) {
+        g.moveTo(...from);
+        g.lineTo(...to);
+      }
+      spotsOf(
+        segments.map(([from]) => from),
+        inside,
+        named2.map(({ spot }) => spot)
+      ).forEach((spot) => named2.push({ spot, level }));
+    }
+    g.stroke();
+    g.font = "10.5px system-ui, sans-serif";
+    g.textAlign = "center";
+    g.lineWidth = 3;
+    g.strokeStyle = "rgb(0 0 0 / 0.7)";
+    g.fillStyle = "#ffffff";
+    for (const { spot, level } of named2) {
+      g.strokeText(shortNumber(level), spot[0], spot[1] + 4);
+      g.fillText(shortNumber(level), spot[0], spot[1] + 4);
+    }
+  }
+  function bar({ g, inside, width }, part) {
+    const [left, top, tall] = [inside.right + 10, inside.top, inside.bottom - inside.top];
+    const { value } = part;
+    for (let row = 0; row < tall; row++) {
+      const [r, g_, b] = (part.signed ? HEATS : SHADES)[Math.round(255 * (1 - row / tall))];
+      g.fillStyle = `rgb(${r} ${g_} ${b})`;
+      g.fillRect(left, top + row, BAR, 1.5);
+    }
+    const toY = scaleOf(value, inside.bottom, inside.top);
+    g.fillStyle = colourOf("--soft");
+    g.font = "11px system-ui, sans-serif";
+    g.textAlign = "left";
+    for (const tick of ticksOf(value, Math.max(2, tall / 40))) {
+      g.fillText(shortNumber(tick, 3), left + BAR + 4, toY(tick) + 4);
+    }
+    g.save();
+    g.translate(width - 5, (inside.top + inside.bottom) / 2);
+    g.rotate(-Math.PI / 2);
+    g.textAlign = "center";
+    g.fillText(clean(value.words), 0, 0, tall);
+    g.restore();
+  }
+  function hatch(g, x0, y0, x1, y1) {
+    g.save();
+    g.beginPath();
+    g.rect(x0, y0, x1 - x0, y1 - y0);
+    g.clip();
+    g.strokeStyle = colourOf("--soft");
+    g.globalAlpha = 0.4;
+    g.lineWidth = 1;
+    g.beginPath();
+    for (let c = Math.floor((x0 - y1) / 6) * 6; c < x1 - y0; c += 6) {
+      g.moveTo(y0 + c, y0);
+      g.lineTo(y1 + c, y1);
+    }
+    g.stroke();
+    g.restore();
+  }
+  function cells({ g, toX, toY }, part) {
+    const { x, y, values } = part;
+    const isEdged = values.length === (x.length - 1) * (y.length - 1);
+    const [columns, rows] = isEdged ? [x.length - 1, y.length - 1] : [x.length, y.length];
+    const [across, up] = [edgesOf(x, columns), edgesOf(y, rows)];
+    g.font = "11px system-ui, sans-serif";
+    g.textAlign = "center";
+    values.forEach((value, k) => {
+      const [i, j] = [k % columns, Math.floor(k / columns)];
+      const [x0, x1] = [toX(across[i]), toX(across[i + 1])];
+      const [y0, y1] = [toY(up[j]), toY(up[j + 1])].toSorted((a, b) => a - b);
+      if (value === null) {
+        if (part.missing) hatch(g, x0, y0, x1, y1);
+        return;
+      }
+      const shade = shadeOf(value, part);
+      g.fillStyle = `rgb(${shade.join(" ")})`;
+      g.fillRect(x0, y0, x1 - x0 - 0.5, y1 - y0 - 0.5);
+      const said2 = shortNumber(value, 2);
+      if (x1 - x0 < 8 * said2.length || y1 - y0 < 13) return;
+      g.fillStyle = inkOn(shade);
+      g.fillText(said2, (x0 + x1) / 2, (y0 + y1) / 2 + 4);
+    });
+  }
+  var inkOn = ([r, g, b]) => 0.2126 * r ** 2.2 + 0.7152 * g ** 2.2 + 0.0722 * b ** 2.2 < 0.18 * 255 ** 2.2 ? "#fff" : "#000";
+  function legendOf(g, panel, width) {
+    g.font = LABELS;
+    let [x, row] = [ROOM.left, 0];
+    return panel.parts.filter((part) => part.label || part.missing).map((part) => {
+      const wide = 34 + g.measureText(clean(part.label || part.missing)).width + 10;
+      if (x > ROOM.left && x + wide > width - ROOM.right) [x, row] = [ROOM.left, row + 1];
+      const place = { part, x, row };
+      x += wide;
+      return place;
+    });
+  }
+  function legend({ g, labels, panel, tone }) {
+    g.font = LABELS;
+    g.textAlign = "left";
+    for (const { part, x, row } of labels) {
+      const y = ROOM.top + (panel.title ? ROOM.title : 0) + ROOM.row * row + 4;
+      key(g, part, x, y, tone);
+      g.fillStyle = colourOf("--ink");
+      g.fillText(clean(part.label || part.missing), x + 30, y + 4);
+    }
+  }
+  function key(g, part, x, y, tone) {
+    if (part.is === "cells") return hatch(g, x, y - 5, x + 24, y + 5);
+    g.fillStyle = g.strokeStyle = tone(part.tone);
+    g.globalAlpha = part.opacity ?? 1;
+    if (part.is === "area" || part.is === "band") g.fillRect(x, y - 5, 24, 10);
+    else if (part.is === "dots") (SIGNS[part.sign] ?? SIGNS["."])(g, x + 12, y, 0.5 * POINT * Math.max(4, part.size));
+    else {
+      g.lineWidth = 2;
+      g.setLineDash(DASHES[part.dash] ?? []);
+      g.beginPath();
+      g.moveTo(x, y);
+      g.lineTo(x + 24, y);
+      g.stroke();
+      g.setLineDash([]);
+    }
+    g.globalAlpha = 1;
+  }
 
   // surface.js
-  var LEVELS = 9;
   var packed = (share) => SHADES.map(([r, g, b]) => (255 << 24 | b * share << 16 | g * share << 8 | r * share) >>> 0);
   var FILLS = Uint32Array.from(packed(1));
   var DARKER = Uint32Array.from(packed(0.87));
@@ -2241,9 +2649,9 @@ ${name}`;
     constructor(store, { start }) {
       this.store = store;
       this.start = start;
-      const { section, bar, body } = pane("surface", S.surface);
+      const { section, bar: bar2, body } = pane("surface", S.surface);
       this.section = section;
-      this.bar = bar;
+      this.bar = bar2;
       this.canvas = el("canvas", { tabIndex: 0, role: "img" });
       const main = el("div", { class: "main" }, this.canvas);
       this.line = el("canvas", { tabIndex: 0, role: "img" });
@@ -2262,7 +2670,8 @@ ${name}`;
       this.layer = null;
       this.scale = null;
       this.size = { width: 0, height: 0 };
-      this.lineSize = { width: 0, height: 0 };
+      this.plot = null;
+      this.linePlot = null;
       this.handle = null;
       this.sliders = [];
       body.append(main, this.below, this.others);
@@ -2305,7 +2714,6 @@ ${name}`;
       for (const name of ["reshaped", "point", "theme", "told"]) this.store.on(name, this.redraw);
       const watch = new ResizeObserver(() => {
         this.size = { width: main.clientWidth, height: main.clientHeight };
-        this.lineSize = { width: this.line.parentElement.clientWidth, height: this.line.parentElement.clientHeight };
         this.redraw();
       });
       watch.observe(main);
@@ -2322,13 +2730,6 @@ ${name}`;
       const [low, high] = rangeOf(variable);
       return (value - low) / (high - low);
     };
-    // --- the contour ---
-    box = (width, height) => ({
-      left: 44,
-      top: 10,
-      wide: width - (this.store.axes.x === this.store.axes.y ? 56 : 104),
-      tall: height - 48
-    });
     isPlane = () => this.flat || this.store.axes.x === this.store.axes.y;
     build = () => {
       const focused = [...this.bar.querySelectorAll("select")].indexOf(document.activeElement);
@@ -2407,14 +2808,14 @@ ${name}`;
       this.others.replaceChildren(...this.sliders.map(({ label }) => label));
       this.redraw();
     };
-    pick = (axes) => {
+    pick = (axes2) => {
       const { x, y } = this.store.axes;
-      if (axes.x === y) axes.y = x;
-      else if (axes.y === x) axes.x = y;
-      this.store.setAxes(axes);
+      if (axes2.x === y) axes2.y = x;
+      else if (axes2.y === x) axes2.x = y;
+      this.store.setAxes(axes2);
     };
     draw = () => {
-      const { scene, axes } = this.store;
+      const { scene, axes: axes2 } = this.store;
       if (!scene || !this.size.width) return;
       if (scene.missing.length) {
         this.nothing(
@@ -2424,8 +2825,8 @@ ${name}`;
         );
         return;
       }
-      const [x, y] = [scene.inputs[axes.x], scene.inputs[axes.y]];
-      const output = scene.outputs[axes.output];
+      const [x, y] = [scene.inputs[axes2.x], scene.inputs[axes2.y]];
+      const output = scene.outputs[axes2.output];
       for (const { i, range, said: said2 } of this.sliders) {
         range.value = this.store.point[i];
         said2.textContent = shortNumber(this.store.point[i]);
@@ -2443,10 +2844,11 @@ ${name}`;
       const [low, high] = limitsOf(found.z, output);
       const section = this.cut ? this.store.section(this.otherInput()) : null;
       const picture = { g, width, height, found, low, high, x, y, output, section };
-      if (x === y) this.drawLine(picture);
-      else if (this.flat) this.drawContour(picture);
-      else this.drawSolid(picture);
-      if (x !== y) this.drawScale(picture);
+      if (this.isPlane()) this.drawPlane(picture);
+      else {
+        this.drawSolid(picture);
+        this.drawScale(picture);
+      }
       if (source) {
         g.fillStyle = colourOf("--soft");
         g.font = "11px system-ui, sans-serif";
@@ -2529,7 +2931,7 @@ ${name}`;
       this.layer.getContext("2d").putImageData(this.image, 0, 0);
       g.drawImage(this.layer, 0, 0, width, height);
       const value = this.store.value();
-      if (this.cut) this.drawPlane(g, project, low, high);
+      if (this.cut) this.drawCut(g, project, low, high);
       if (Number.isFinite(value)) {
         const [u, v] = [x, y].map(
           (each, k) => this.place(each, this.store.point[k ? this.store.axes.y : this.store.axes.x])
@@ -2538,7 +2940,7 @@ ${name}`;
       }
     };
     /** The plane of the cut, where it meets the surface, and the handle that moves it. */
-    drawPlane = (g, project, low, high) => {
+    drawCut = (g, project, low, high) => {
       const [one, other] = [this.cutInput(), this.otherInput()].map((i) => this.store.scene.inputs[i]);
       const at = this.place(one, this.store.point[this.cutInput()]) - 0.5;
       const corner = (along, w) => this.cut === "x" ? project(at, along, w) : project(along, at, w);
@@ -2615,117 +3017,40 @@ ${name}`;
       g.fill();
       g.stroke();
     };
-    drawContour = ({ g, width, height, found, low, high, x, y }) => {
-      const n = found.xs.length;
-      const { left, top, wide, tall } = this.box(width, height);
-      const colours = new ImageData(n, n);
-      for (let j = 0; j < n; j++) {
-        for (let i = 0; i < n; i++) {
-          const value = found.z[j * n + i];
-          const at = 4 * ((n - 1 - j) * n + i);
-          const shade = SHADES[Math.max(0, Math.min(255, Math.round(255 * (value - low) / (high - low))))];
-          if (shade) colours.data.set([...shade, 255], at);
-        }
-      }
-      const small = new OffscreenCanvas(n, n);
-      small.getContext("2d").putImageData(colours, 0, 0);
-      g.imageSmoothingEnabled = true;
-      g.drawImage(small, 0.5, 0.5, n - 1, n - 1, left, top, wide, tall);
-      g.strokeStyle = "rgb(255 255 255 / 0.75)";
-      g.lineWidth = 1;
-      const spotOf = (i, j) => [left + wide * i / (n - 1), top + tall - tall * j / (n - 1)];
-      const labels = [];
-      g.beginPath();
-      for (const level of ticks(low, high, LEVELS)) {
-        if (level <= low || level >= high) continue;
-        const spots = this.lines(g, found.z, n, level, spotOf);
-        this.labelled(labels, spots, level, { left, top, wide, tall });
-      }
-      g.stroke();
-      g.font = "10.5px system-ui, sans-serif";
-      g.textAlign = "center";
-      for (const { spot, level } of labels) {
-        g.lineWidth = 3;
-        g.strokeStyle = "rgb(0 0 0 / 0.7)";
-        g.strokeText(shortNumber(level), spot[0], spot[1] + 4);
-        g.fillStyle = "#ffffff";
-        g.fillText(shortNumber(level), spot[0], spot[1] + 4);
-      }
-      drawAxes(g, { left, top, wide, tall }, rangeOf(x), rangeOf(y), x.name, y.name);
-      const [u, v] = [
-        this.place(x, this.store.point[this.store.axes.x]),
-        this.place(y, this.store.point[this.store.axes.y])
-      ];
-      g.strokeStyle = "rgb(255 255 255 / 0.6)";
-      g.setLineDash([4, 4]);
-      g.strokeRect(left, top + tall * (1 - v), wide, 0);
-      g.strokeRect(left + wide * u, top, 0, tall);
-      g.setLineDash([]);
-      if (this.cut) {
-        g.strokeStyle = colourOf("--lit");
-        g.lineWidth = 2;
-        if (this.cut === "x") g.strokeRect(left + wide * u, top, 0, tall);
-        else g.strokeRect(left, top + tall * (1 - v), wide, 0);
-      }
-      this.dot(g, left + wide * u, top + tall * (1 - v));
-    };
-    /** Choose places for the number of a level: away from the edges and from other numbers. */
-    labelled = (labels, spots, level, { left, top, wide, tall }) => {
-      let count = 0;
-      for (let i = 0; i < spots.length && count < 2; i++) {
-        const spot = spots[Math.floor(i * 0.618034 % 1 * spots.length)];
-        const [x, y] = spot;
-        const isInside = x > left + 16 && x < left + wide - 16 && y > top + 10 && y < top + tall - 10;
-        if (!isInside || labels.some(({ spot: [u, v] }) => Math.hypot(u - x, v - y) < 42)) continue;
-        labels.push({ spot, level });
-        count++;
+    // --- seen from above, over one input, or the section of the cut ---
+    drawPlane = ({ found, low, high, x, y, output }) => {
+      const { axes: axes2 } = this.store;
+      const whole = this.whole(output, low, high);
+      const [across, up] = [this.along(axes2.x), this.along(axes2.y)];
+      if (x === y) this.plot = drawPanel(this.canvas, linePanel(found, across, whole));
+      else {
+        const inputs = [
+          { ...across, isCut: this.cut === "x" },
+          { ...up, isCut: this.cut === "y" }
+        ];
+        this.plot = drawPanel(this.canvas, planePanel(found, inputs, whole));
       }
     };
-    /** Trace a level; returns a spot of each of its cells. */
-    lines = (g, z, n, level, at) => {
-      const segments = crossings(z, n, level).map(([from, to]) => [at(...from), at(...to)]);
-      for (const [from, to] of segments) {
-        g.moveTo(...from);
-        g.lineTo(...to);
-      }
-      return segments.map(([from]) => from);
-    };
-    // --- a line: over one input, or the section of the cut ---
-    drawLine = ({ g, width, height, found, low, high, x, output }) => {
-      const where = this.box(width, height);
-      drawAxes(g, where, rangeOf(x), [low, high], x.name, output.name);
-      this.curve(g, where, { xs: found.xs, z: found.z, low, high, variable: x, at: this.store.point[this.store.axes.x] });
+    /**
+     * The output as an axis, and its value at the point.
+     *
+     * @returns {{ name: string, range: Page.Pair, at: number }}
+     */
+    whole = ({ name }, low, high) => ({ name, range: [low, high], at: this.store.value() });
+    /** An input as an axis, and where the point lies along it. */
+    along = (input) => {
+      const variable = this.store.scene.inputs[input];
+      return { name: variable.name, range: rangeOf(variable), at: this.store.point[input] };
     };
     drawSection = ({ section: found, low, high, output }) => {
-      const { g, width, height } = context(this.line, this.lineSize.width, this.lineSize.height);
-      const [at, other] = [this.cutInput(), this.otherInput()].map((i) => this.store.scene.inputs[i]);
-      this.cutSlider.value = this.store.point[this.cutInput()];
-      const said2 = S.cutAt(at.name, shortNumber(this.store.point[this.cutInput()]));
+      const [at, other] = [this.cutInput(), this.otherInput()].map(this.along);
+      this.cutSlider.value = at.at;
+      const said2 = S.cutAt(at.name, shortNumber(at.at));
       this.cutLabel.firstChild.textContent = clean(said2);
       this.line.setAttribute("aria-label", S.sectionLabel(output.name, other.name, said2));
-      if (!found || !this.lineSize.width) return;
-      const where = { left: 44, top: 6, wide: width - 56, tall: height - 40 };
-      drawAxes(g, where, rangeOf(other), [low, high], other.name, output.name);
-      this.curve(g, where, { ...found, low, high, variable: other, at: this.store.point[this.otherInput()] });
-    };
-    curve = (g, { left, top, wide, tall }, { xs, z, low, high, variable, at }) => {
-      g.strokeStyle = colourOf("--accent");
-      g.lineWidth = 2;
-      g.beginPath();
-      let down = false;
-      z.forEach((value2, i) => {
-        const spot = [left + wide * this.place(variable, xs[i]), top + tall * (1 - (value2 - low) / (high - low))];
-        if (Number.isFinite(value2)) {
-          if (down) g.lineTo(...spot);
-          else g.moveTo(...spot);
-        }
-        down = Number.isFinite(value2);
-      });
-      g.stroke();
-      const value = this.store.value();
-      if (Number.isFinite(value)) {
-        this.dot(g, left + wide * this.place(variable, at), top + tall * (1 - (value - low) / (high - low)));
-      }
+      if (!found) return;
+      const whole = this.whole(output, low, high);
+      this.linePlot = drawPanel(this.line, linePanel(found, other, whole));
     };
     wrapped = (g, text, x, y, width) => {
       let line = "";
@@ -2739,14 +3064,10 @@ ${name}`;
     };
     // --- hands ---
     aim = (event) => {
-      const { left, top, wide, tall } = this.box(this.canvas.clientWidth, this.canvas.clientHeight);
+      if (!this.plot) return;
       const { x, y } = this.store.axes;
-      const shares = [(event.offsetX - left) / wide, 1 - (event.offsetY - top) / tall];
-      [x, y].forEach((input, k) => {
-        if (k && x === y) return;
-        const [low, high] = rangeOf(this.store.scene.inputs[input]);
-        this.store.setPoint(input, low + Math.min(1, Math.max(0, shares[k])) * (high - low));
-      });
+      this.store.setPoint(x, this.plot.xAt(event.offsetX));
+      if (x !== y) this.store.setPoint(y, this.plot.yAt(event.offsetY));
     };
     nudge = (input, steps) => {
       const [low, high] = rangeOf(this.store.scene.inputs[input]);
@@ -2761,9 +3082,7 @@ ${name}`;
       this.store.setPoint(this.cutInput(), low + share * (high - low));
     };
     aimLine = (event) => {
-      const share = (event.offsetX - 44) / (this.line.clientWidth - 56);
-      const [low, high] = rangeOf(this.store.scene.inputs[this.otherInput()]);
-      this.store.setPoint(this.otherInput(), low + share * (high - low));
+      if (this.linePlot) this.store.setPoint(this.otherInput(), this.linePlot.xAt(event.offsetX));
     };
     turn = (azimuth, elevation) => {
       this.turned.azimuth -= azimuth;
@@ -2785,7 +3104,7 @@ ${name}`;
      */
     constructor(store) {
       this.store = store;
-      const { section, bar, body } = pane("inference", S.inference);
+      const { section, bar: bar2, body } = pane("inference", S.inference);
       this.section = section;
       this.sliders = el("div", { class: "sliders" });
       this.why = el("div", { "aria-live": "polite" });
@@ -2794,7 +3113,7 @@ ${name}`;
       this.foot = el("div", { class: "fired foot" });
       this.inputs = [];
       this.order = "strength";
-      bar.append(
+      bar2.append(
         el("span", { class: "space" }),
         choice(
           S.order,
@@ -2957,11 +3276,11 @@ ${name}`;
     };
     // --- pictures, 100 wide and 1 high ---
     picture = (label, kind, ...parts) => {
-      const title = svg("title", {}, label);
+      const title2 = svg("title", {}, label);
       return svg(
         "svg",
         { viewBox: "0 -1.04 100 1.1", preserveAspectRatio: "none", role: "img", "aria-label": label, class: kind },
-        title,
+        title2,
         svg("line", { class: "base", x1: 0, x2: 100, y1: 0, y2: 0 }),
         ...parts
       );
@@ -3082,9 +3401,9 @@ ${name}`;
       this.store = store;
       this.shownViews = shownViews;
       this.note = el("p", { class: "note" });
-      this.views = this.shownViews.map(({ name, title, drawn, panes, splits = [] }) => {
+      this.views = this.shownViews.map(({ name, title: title2, drawn, panes, splits = [] }) => {
         const made = [...panes.map((make) => make(this.store, hand)), ...splits.map(splitter)];
-        const panel = this.shownViews.length > 1 ? { role: "tabpanel", "aria-label": title } : {};
+        const panel = this.shownViews.length > 1 ? { role: "tabpanel", "aria-label": title2 } : {};
         return el(
           "div",
           { class: `pictures view-${name}${drawn ? " drawn" : ""}`, id: `view-${name}`, hidden: true, ...panel },
@@ -3108,7 +3427,7 @@ ${name}`;
       );
       this.shown = 0;
       this.tabs = this.shownViews.map(
-        ({ name, title }, i) => el("button", { role: "tab", textContent: title, "aria-controls": `view-${name}`, onclick: () => this.turn(i) })
+        ({ name, title: title2 }, i) => el("button", { role: "tab", textContent: title2, "aria-controls": `view-${name}`, onclick: () => this.turn(i) })
       );
       if (this.tabs.length > 1) header.lastChild.before(el("div", { role: "tablist", class: "tabs" }, ...this.tabs));
       this.root = el("div", { class: "desk" }, header, main);
@@ -3183,10 +3502,10 @@ ${name}`;
     return `${kind} ${body}${height === 1 ? "" : ` height ${written(height)}`}${below}`;
   }
   function listingPane({ text, colours, places }) {
-    const { section, bar, body } = pane("text", S.text);
+    const { section, bar: bar2, body } = pane("text", S.text);
     const area = el("pre", { class: "listing", tabIndex: 0, "aria-label": S.editor });
     const edits = /* @__PURE__ */ new Map();
-    bar.append(el("span", { class: "space" }), el("span", { class: "small", textContent: S.readOnly }));
+    bar2.append(el("span", { class: "space" }), el("span", { class: "small", textContent: S.readOnly }));
     body.append(area);
     const starts = [0];
     for (let i = text.indexOf("\n"); i >= 0; i = text.indexOf("\n", i + 1)) starts.push(i + 1);
@@ -3344,8 +3663,8 @@ ${shape.term}`, { from: place.from, to: place.to, text: said2 });
       this.point[index] = Math.min(high, Math.max(low, value));
       this.emit("point");
     }
-    setAxes(axes) {
-      Object.assign(this.axes, axes);
+    setAxes(axes2) {
+      Object.assign(this.axes, axes2);
       this.emit("axes");
     }
     // --- terms ---

@@ -1,36 +1,5 @@
 // @ts-nocheck: built by editors/designer/build.js from playground/app.js and what it imports
 (() => {
-  // geometry/chart.js
-  function ticks(low, high, wanted = 5) {
-    const raw = (high - low) / wanted;
-    const power = 10 ** Math.floor(Math.log10(raw));
-    const step = [1, 2, 5, 10].map((x2) => x2 * power).find((x2) => x2 >= raw) ?? raw;
-    const found = [];
-    for (let x2 = Math.ceil(low / step - 1e-9); x2 * step <= high + 1e-9 * step; x2++) {
-      found.push(Number((x2 * step).toPrecision(12)));
-    }
-    return found;
-  }
-  function decades(low, high) {
-    const wide = high / low > 200;
-    const found = [];
-    for (let power = Math.floor(Math.log10(low)); power <= Math.ceil(Math.log10(high)); power++) {
-      for (const digit of wide ? [1] : [1, 2, 5]) {
-        const v = digit * 10 ** power;
-        if (v >= low * 0.9 && v <= high * 1.1) found.push(v);
-      }
-    }
-    return found.length > 1 ? found : ticks(low, high, 3);
-  }
-  function valueRange(ends, limits) {
-    const all = [...ends, ...limits].filter(Number.isFinite);
-    if (!all.length) return [-1, 1];
-    const [low, high] = [Math.min(...all), Math.max(...all)];
-    if (high - low < 1e-9 * Math.max(1, Math.abs(high))) return [low - 1, high + 1];
-    const room = 0.08 * (high - low);
-    return [low - room, high + room];
-  }
-
   // draw.js
   var UNSEEN = /[\u0000-\u0008\u000b-\u001f\u007f-\u009f\u200e\u200f\u2028-\u202e\u2066-\u2069]/g;
   function clean(text) {
@@ -39,23 +8,23 @@
   var cleaned = (children) => children.map((each) => typeof each === "string" ? clean(each) : each);
   function el(name, properties = {}, ...children) {
     const made = document.createElement(name);
-    for (const [key, value] of Object.entries(properties)) {
-      if (key === "class") made.className = value;
-      else if (key.startsWith("on")) made.addEventListener(key.slice(2), value);
-      else if (key === "textContent" || key === "title") made[key] = clean(value);
-      else if (key in made && key !== "list") made[key] = value;
-      else made.setAttribute(key, typeof value === "string" ? clean(value) : value);
+    for (const [key2, value] of Object.entries(properties)) {
+      if (key2 === "class") made.className = value;
+      else if (key2.startsWith("on")) made.addEventListener(key2.slice(2), value);
+      else if (key2 === "textContent" || key2 === "title") made[key2] = clean(value);
+      else if (key2 in made && key2 !== "list") made[key2] = value;
+      else made.setAttribute(key2, typeof value === "string" ? clean(value) : value);
     }
     made.append(...cleaned(children));
     return made;
   }
   function svg(name, attributes = {}, ...children) {
     const made = document.createElementNS("http://www.w3.org/2000/svg", name);
-    for (const [key, value] of Object.entries(attributes)) {
-      if (key.startsWith("on")) made.addEventListener(key.slice(2), value);
-      else if (key === "style")
+    for (const [key2, value] of Object.entries(attributes)) {
+      if (key2.startsWith("on")) made.addEventListener(key2.slice(2), value);
+      else if (key2 === "style")
         made.style.cssText = value;
-      else made.setAttribute(key, value);
+      else made.setAttribute(key2, value);
     }
     made.append(...cleaned(children));
     return made;
@@ -67,11 +36,11 @@
     );
     if (!held || held === document.body || !root.contains(held)) return () => {
     };
-    const { key } = held.dataset;
+    const { key: key2 } = held.dataset;
     const chosen = typeof held.selectionStart === "number" ? [held.selectionStart, held.selectionEnd] : null;
     return () => {
-      const same = () => [...root.querySelectorAll("[data-key]")].find((each) => each.dataset.key === key);
-      const next = held.isConnected ? held : key && same();
+      const same = () => [...root.querySelectorAll("[data-key]")].find((each) => each.dataset.key === key2);
+      const next = held.isConnected ? held : key2 && same();
       if (!next || next === document.activeElement) return;
       next.focus({ preventScroll: true });
       if (chosen) next.setSelectionRange(...chosen);
@@ -79,10 +48,10 @@
   }
   function pane(kind, title2) {
     const id2 = `title-${kind}`;
-    const bar = el("div", { class: "bar" }, el("h2", { id: id2, textContent: title2 }));
+    const bar2 = el("div", { class: "bar" }, el("h2", { id: id2, textContent: title2 }));
     const body = el("div", { class: "body" });
-    const section = el("section", { class: `pane ${kind}`, "aria-labelledby": id2, tabIndex: -1 }, bar, body);
-    return { section, bar, body };
+    const section = el("section", { class: `pane ${kind}`, "aria-labelledby": id2, tabIndex: -1 }, bar2, body);
+    return { section, bar: bar2, body };
   }
   function choice(label, options, chosen, onchange) {
     const select = el("select", { onchange: () => onchange(select.value) });
@@ -158,26 +127,36 @@
       });
     };
   }
-  function drawAxes(g, { left, top, wide, tall }, across, up2, name, other) {
-    const [[a, b], [c, d]] = [across, up2];
-    g.fillStyle = colourOf("--soft");
-    g.font = "11px system-ui, sans-serif";
-    g.textAlign = "center";
-    for (const tick of ticks(a, b, Math.max(2, wide / 70))) {
-      g.fillText(shortNumber(tick), left + wide * (tick - a) / (b - a), top + tall + 14);
+
+  // geometry/chart.js
+  function ticks(low, high, wanted = 5) {
+    const raw = (high - low) / wanted;
+    const power = 10 ** Math.floor(Math.log10(raw));
+    const step = [1, 2, 5, 10].map((x2) => x2 * power).find((x2) => x2 >= raw) ?? raw;
+    const found = [];
+    for (let x2 = Math.ceil(low / step - 1e-9); x2 * step <= high + 1e-9 * step; x2++) {
+      found.push(Number((x2 * step).toPrecision(12)));
     }
-    g.textAlign = "right";
-    for (const tick of ticks(c, d, Math.max(2, tall / 40))) {
-      g.fillText(shortNumber(tick), left - 5, top + tall - tall * (tick - c) / (d - c) + 4);
+    return found;
+  }
+  function decades(low, high) {
+    const wide = high / low > 200;
+    const found = [];
+    for (let power = Math.floor(Math.log10(low)); power <= Math.ceil(Math.log10(high)); power++) {
+      for (const digit of wide ? [1] : [1, 2, 5]) {
+        const v = digit * 10 ** power;
+        if (v >= low * 0.9 && v <= high * 1.1) found.push(v);
+      }
     }
-    g.font = "600 12px system-ui, sans-serif";
-    g.textAlign = "center";
-    g.fillText(clean(name).slice(0, 24), left + wide / 2, top + tall + 30);
-    g.save();
-    g.translate(11, top + tall / 2);
-    g.rotate(-Math.PI / 2);
-    g.fillText(clean(other).slice(0, 24), 0, 0);
-    g.restore();
+    return found.length > 1 ? found : ticks(low, high, 3);
+  }
+  function valueRange(ends, limits) {
+    const all = [...ends, ...limits].filter(Number.isFinite);
+    if (!all.length) return [-1, 1];
+    const [low, high] = [Math.min(...all), Math.max(...all)];
+    if (high - low < 1e-9 * Math.max(1, Math.abs(high))) return [low - 1, high + 1];
+    const room = 0.08 * (high - low);
+    return [low - room, high + room];
   }
 
   // geometry/panel.js
@@ -185,6 +164,12 @@
     const measure = logarithmic ? Math.log10 : (value) => value;
     const [a, b] = [measure(low), measure(high)];
     return (value) => from + (to3 - from) * (measure(value) - a) / (b - a);
+  }
+  function valueAt({ low, high, logarithmic = false }, from, to3) {
+    return (pixel) => {
+      const share2 = Math.min(1, Math.max(0, (pixel - from) / (to3 - from)));
+      return logarithmic ? low * (high / low) ** share2 : low + share2 * (high - low);
+    };
   }
   function ticksOf({ low, high, logarithmic = false, whole = false }, wanted) {
     const found = logarithmic ? decades(low, high) : ticks(low, high, wanted);
@@ -215,21 +200,139 @@
   function shareOf(value, axis) {
     return Math.min(1, Math.max(0, scaleOf(axis, 0, 1)(value)));
   }
+  function layoutOf(panel, width, height, rows) {
+    const cells2 = panel.parts.find((part) => part.is === "cells");
+    const hasBar = Boolean(cells2) && width >= LEAST_WITH_BAR;
+    const inside = {
+      left: ROOM.left,
+      top: ROOM.top + (panel.title ? ROOM.title : 0) + ROOM.row * rows,
+      right: width - (hasBar ? ROOM.bar : ROOM.right),
+      bottom: height - ROOM.bottom
+    };
+    const upward = cells2?.downward ? [inside.top, inside.bottom] : [inside.bottom, inside.top];
+    return {
+      inside,
+      hasBar,
+      toX: scaleOf(panel.across, inside.left, inside.right),
+      toY: scaleOf(panel.up, upward[0], upward[1]),
+      xAt: valueAt(panel.across, inside.left, inside.right),
+      yAt: valueAt(panel.up, upward[0], upward[1])
+    };
+  }
+  var ROOM = { left: 52, right: 12, top: 10, title: 16, bottom: 36, row: 15, bar: 74 };
+  var LEAST_WITH_BAR = 300;
+
+  // geometry/surface.js
+  function fillTriangle(pixels, width, height, x0, y0, x1, y1, x2, y2, colour) {
+    if (y1 < y0) [x0, y0, x1, y1] = [x1, y1, x0, y0];
+    if (y2 < y0) [x0, y0, x2, y2] = [x2, y2, x0, y0];
+    if (y2 < y1) [x1, y1, x2, y2] = [x2, y2, x1, y1];
+    const end = Math.min(height, Math.ceil(y2 - 0.5));
+    for (let row = Math.max(0, Math.ceil(y0 - 0.5)); row < end; row++) {
+      const y = row + 0.5;
+      const a = x0 + (x2 - x0) * (y - y0) / (y2 - y0);
+      const b = y < y1 ? x0 + (x1 - x0) * (y - y0) / (y1 - y0) : x1 + (x2 - x1) * (y - y1) / (y2 - y1);
+      const from = row * width + Math.max(0, Math.ceil((a < b ? a : b) - 0.5));
+      const to3 = row * width + Math.min(width, Math.ceil((a < b ? b : a) - 0.5));
+      for (let at2 = from; at2 < to3; at2++) pixels[at2] = colour;
+    }
+  }
+  function limitsOf(z2, output) {
+    let [low, high] = [output.low, output.high];
+    if (low === null || high === null) {
+      [low, high] = [Infinity, -Infinity];
+      for (const value of z2) {
+        if (value < low) low = value;
+        if (value > high) high = value;
+      }
+    }
+    return low < high ? [low, high] : [low - 1, low + 1];
+  }
+  var axisOf = (words2, [low, high]) => ({ words: words2, low, high, logarithmic: false, whole: false });
+  var numbersOf = (values) => Array.from(values, (value) => Number.isFinite(value) ? value : null);
+  function linePanel({ xs: xs2, z: z2 }, input, output) {
+    const parts = [
+      { is: "line", x: Array.from(xs2), y: numbersOf(z2), tone: "accent", width: 1.6, dash: "-" },
+      { is: "level", at: input.at, upright: true, tone: "soft", width: 0.6, dash: "--" },
+      { is: "dots", x: [input.at], y: numbersOf([output.at]), sign: "o", size: 7, tone: "lit" }
+    ];
+    return { title: "", across: axisOf(input.name, input.range), up: axisOf(output.name, output.range), parts };
+  }
+  function planePanel({ xs: xs2, ys: ys2, z: z2 }, inputs, output) {
+    const [across, up2] = inputs.map(({ name, range }) => axisOf(name, range));
+    const value = axisOf(output.name, output.range);
+    const rulings = inputs.map(({ at: at2, isCut }, k) => ({
+      is: "level",
+      at: at2,
+      upright: k === 0,
+      tone: isCut ? "lit" : "#ffffff",
+      width: isCut ? 1.6 : 0.7,
+      dash: isCut ? "-" : "--"
+    }));
+    const parts = [
+      { is: "cells", x: Array.from(xs2), y: Array.from(ys2), values: numbersOf(z2), value, signed: false },
+      ...rulings,
+      { is: "dots", x: [inputs[0].at], y: [inputs[1].at], sign: "+", size: 6, tone: "mark" }
+    ];
+    return { title: "", across, up: up2, parts };
+  }
+  function projectionOf(turned, width, height) {
+    const [ca2, sa2] = [Math.cos(turned.azimuth), Math.sin(turned.azimuth)];
+    const [ce2, se2] = [Math.cos(turned.elevation), Math.sin(turned.elevation)];
+    const reach = Math.min(width * 0.58, height * 0.68);
+    return {
+      reach,
+      /** @returns {Page.Pair} */
+      project(u, v, w) {
+        const [right, depth] = [u * ca2 - v * sa2, u * sa2 + v * ca2];
+        return [width / 2 + reach * right, height * 0.5 - reach * (0.62 * w * ce2 + depth * se2)];
+      },
+      /** Whether the far end of each axis is the one with the large numbers. */
+      farIsHigh: { u: sa2 > 0, v: ca2 > 0 }
+    };
+  }
+  var farToNear = (count, farIsHigh) => Array.from({ length: count }, (_2, i) => farIsHigh ? count - 1 - i : i);
+  function crossings(z2, n66, level, rows = n66) {
+    const segments = [];
+    for (let j2 = 0; j2 + 1 < rows; j2++) {
+      for (let i = 0; i + 1 < n66; i++) {
+        const k = j2 * n66 + i;
+        const [a, b, c, d] = [z2[k] - level, z2[k + 1] - level, z2[k + n66 + 1] - level, z2[k + n66] - level];
+        const found = [];
+        if (a < 0 !== b < 0) found.push([i + a / (a - b), j2]);
+        if (b < 0 !== c < 0) found.push([i + 1, j2 + b / (b - c)]);
+        if (d < 0 !== c < 0) found.push([i + d / (d - c), j2 + 1]);
+        if (a < 0 !== d < 0) found.push([i, j2 + a / (a - d)]);
+        for (let m = 0; m + 1 < found.length; m += 2) segments.push([found[m], found[m + 1]]);
+      }
+    }
+    return segments;
+  }
+  function spotsOf(spots, { left, top, right, bottom }, taken) {
+    const found = [];
+    for (let i = 0; i < spots.length && found.length < 2; i++) {
+      const spot = spots[Math.floor(i * 0.618034 % 1 * spots.length)];
+      const [x2, y] = spot;
+      const isInside = x2 > left + 16 && x2 < right - 16 && y > top + 10 && y < bottom - 10;
+      if (isInside && ![...taken, ...found].some(([u, v]) => Math.hypot(u - x2, v - y) < 42)) found.push(spot);
+    }
+    return found;
+  }
 
   // panel.js
-  var ROOM = { left: 52, right: 12, top: 10, title: 16, bottom: 36 };
-  var ROW = 15;
   var LABELS = "11px system-ui, sans-serif";
   var DASHES = { "-": [], "--": [6, 4], "-.": [8, 3, 2, 3], ":": [2, 3] };
   var SMOOTH = 40;
   var POINT = 1.3;
-  var numbersOf = (colour) => colour.match(/\d+/g).slice(0, 3).map(Number);
-  var HEATS = Array.from({ length: 256 }, (_2, i) => numbersOf(heat(i / 255)[0]));
+  var BAR = 9;
+  var LEVELS = 9;
+  var numbersOf2 = (colour) => colour.match(/\d+/g).slice(0, 3).map(Number);
+  var HEATS = Array.from({ length: 256 }, (_2, i) => numbersOf2(heat(i / 255)[0]));
   var markAt = ([x2, y]) => ({ is: "dots", x: [x2], y: [y], sign: "+", size: 6, tone: "mark" });
   var levelAt = (at2) => ({ is: "level", at: at2, upright: true, tone: "ink", width: 0.8, dash: "-" });
   function drawPanel(canvas, panel) {
     const [width, height] = [canvas.clientWidth, canvas.clientHeight];
-    if (width && height) paintPanel(context(canvas, width, height), panel, tonesOf(canvas));
+    return width && height ? paintPanel(context(canvas, width, height), panel, tonesOf(canvas)) : null;
   }
   function tonesOf(canvas) {
     const probe = canvas.ownerDocument.createElement("i");
@@ -237,7 +340,7 @@
     const known = /* @__PURE__ */ new Map();
     const find = (tone) => {
       if (tone.startsWith("#")) return tone;
-      if (!tone.startsWith("series")) return colourOf(`--run-${tone}`) || colourOf("--ink");
+      if (!tone.startsWith("series")) return colourOf(`--run-${tone}`) || colourOf(`--${tone}`) || colourOf("--ink");
       probe.style.color = hue(Number(tone.slice(6)));
       return getComputedStyle(probe).color;
     };
@@ -246,15 +349,12 @@
   }
   function paintPanel({ g, width, height }, panel, tone) {
     const labels = legendOf(g, panel, width);
-    const rows = labels.length ? labels.at(-1).row + 1 : 0;
-    const top = ROOM.top + (panel.title ? ROOM.title : 0) + ROW * rows;
-    const inside = { left: ROOM.left, top, right: width - ROOM.right, bottom: height - ROOM.bottom };
-    const toX = scaleOf(panel.across, inside.left, inside.right);
-    const toY = scaleOf(panel.up, inside.bottom, inside.top);
-    const paper = { g, inside, panel, labels, toX, toY, tone };
-    const isPlane = panel.parts.some((part) => part.is === "cells");
+    const layout = layoutOf(panel, width, height, labels.length ? labels.at(-1).row + 1 : 0);
+    const paper = { g, ...layout, panel, labels, width, tone };
+    const { inside } = layout;
+    const cells2 = panel.parts.find((part) => part.is === "cells");
     title(paper);
-    axes(paper, !isPlane);
+    axes(paper, !cells2);
     g.save();
     g.beginPath();
     g.rect(inside.left - 1, inside.top - 1, inside.right - inside.left + 2, inside.bottom - inside.top + 2);
@@ -265,8 +365,10 @@
       g.globalAlpha = 1;
     }
     g.restore();
+    if (layout.hasBar) bar(paper, cells2);
     legend(paper);
     tone.done();
+    return layout;
   }
   function title({ g, inside, panel }) {
     g.fillStyle = colourOf("--ink");
@@ -340,8 +442,11 @@
     },
     cells(paper, part) {
       const columns = part.x.length;
-      if (columns > SMOOTH && part.y.length * columns === part.values.length) samples(paper, part);
-      else cells(paper, part);
+      if (columns <= SMOOTH || part.y.length * columns !== part.values.length) cells(paper, part);
+      else {
+        samples(paper, part);
+        if (!part.signed) levels(paper, part);
+      }
     }
   };
   var SIGNS = {
@@ -388,13 +493,87 @@
     const [wide, tall] = [x2.length, y.length];
     const colours = new ImageData(wide, tall);
     values.forEach((value, k) => {
-      const row = tall - 1 - Math.floor(k / wide);
+      const row = part.downward ? Math.floor(k / wide) : tall - 1 - Math.floor(k / wide);
       if (value !== null) colours.data.set([...shadeOf(value, part), 255], 4 * (row * wide + k % wide));
     });
     const small = new OffscreenCanvas(wide, tall);
     small.getContext("2d").putImageData(colours, 0, 0);
-    const [left, right, bottom, top] = [toX(x2[0]), toX(x2.at(-1)), toY(y[0]), toY(y.at(-1))];
+    const [left, right] = [toX(x2[0]), toX(x2.at(-1))];
+    const [top, bottom] = [toY(y[0]), toY(y.at(-1))].toSorted((a, b) => a - b);
     g.drawImage(small, 0.5, 0.5, wide - 1, tall - 1, left, top, right - left, bottom - top);
+  }
+  function levels({ g, inside, toX, toY }, { x: x2, y, values, value }) {
+    const last = [x2.length - 1, y.length - 1];
+    const spotOf = ([i, j2]) => [
+      toX(x2[0] + (x2[last[0]] - x2[0]) * i / last[0]),
+      toY(y[0] + (y[last[1]] - y[0]) * j2 / last[1])
+    ];
+    const numbers = values.map((each) => each ?? NaN);
+    const named2 = [];
+    g.strokeStyle = "rgb(255 255 255 / 0.75)";
+    g.lineWidth = 1;
+    g.beginPath();
+    for (const level of ticksOf(value, LEVELS)) {
+      if (level <= value.low || level >= value.high) continue;
+      const segments = crossings(numbers, x2.length, level, y.length).map((ends) => ends.map(spotOf));
+      for (const [from, to3] of segments) {
+        g.moveTo(...from);
+        g.lineTo(...to3);
+      }
+      spotsOf(
+        segments.map(([from]) => from),
+        inside,
+        named2.map(({ spot }) => spot)
+      ).forEach((spot) => named2.push({ spot, level }));
+    }
+    g.stroke();
+    g.font = "10.5px system-ui, sans-serif";
+    g.textAlign = "center";
+    g.lineWidth = 3;
+    g.strokeStyle = "rgb(0 0 0 / 0.7)";
+    g.fillStyle = "#ffffff";
+    for (const { spot, level } of named2) {
+      g.strokeText(shortNumber(level), spot[0], spot[1] + 4);
+      g.fillText(shortNumber(level), spot[0], spot[1] + 4);
+    }
+  }
+  function bar({ g, inside, width }, part) {
+    const [left, top, tall] = [inside.right + 10, inside.top, inside.bottom - inside.top];
+    const { value } = part;
+    for (let row = 0; row < tall; row++) {
+      const [r, g_, b] = (part.signed ? HEATS : SHADES)[Math.round(255 * (1 - row / tall))];
+      g.fillStyle = `rgb(${r} ${g_} ${b})`;
+      g.fillRect(left, top + row, BAR, 1.5);
+    }
+    const toY = scaleOf(value, inside.bottom, inside.top);
+    g.fillStyle = colourOf("--soft");
+    g.font = "11px system-ui, sans-serif";
+    g.textAlign = "left";
+    for (const tick of ticksOf(value, Math.max(2, tall / 40))) {
+      g.fillText(shortNumber(tick, 3), left + BAR + 4, toY(tick) + 4);
+    }
+    g.save();
+    g.translate(width - 5, (inside.top + inside.bottom) / 2);
+    g.rotate(-Math.PI / 2);
+    g.textAlign = "center";
+    g.fillText(clean(value.words), 0, 0, tall);
+    g.restore();
+  }
+  function hatch(g, x0, y0, x1, y1) {
+    g.save();
+    g.beginPath();
+    g.rect(x0, y0, x1 - x0, y1 - y0);
+    g.clip();
+    g.strokeStyle = colourOf("--soft");
+    g.globalAlpha = 0.4;
+    g.lineWidth = 1;
+    g.beginPath();
+    for (let c = Math.floor((x0 - y1) / 6) * 6; c < x1 - y0; c += 6) {
+      g.moveTo(y0 + c, y0);
+      g.lineTo(y1 + c, y1);
+    }
+    g.stroke();
+    g.restore();
   }
   function cells({ g, toX, toY }, part) {
     const { x: x2, y, values } = part;
@@ -404,9 +583,13 @@
     g.font = "11px system-ui, sans-serif";
     g.textAlign = "center";
     values.forEach((value, k) => {
-      if (value === null) return;
       const [i, j2] = [k % columns, Math.floor(k / columns)];
-      const [x0, x1, y0, y1] = [toX(across[i]), toX(across[i + 1]), toY(up2[j2 + 1]), toY(up2[j2])];
+      const [x0, x1] = [toX(across[i]), toX(across[i + 1])];
+      const [y0, y1] = [toY(up2[j2]), toY(up2[j2 + 1])].toSorted((a, b) => a - b);
+      if (value === null) {
+        if (part.missing) hatch(g, x0, y0, x1, y1);
+        return;
+      }
       const shade = shadeOf(value, part);
       g.fillStyle = `rgb(${shade.join(" ")})`;
       g.fillRect(x0, y0, x1 - x0 - 0.5, y1 - y0 - 0.5);
@@ -420,8 +603,8 @@
   function legendOf(g, panel, width) {
     g.font = LABELS;
     let [x2, row] = [ROOM.left, 0];
-    return panel.parts.filter((part) => part.label).map((part) => {
-      const wide = 34 + g.measureText(clean(part.label)).width + 10;
+    return panel.parts.filter((part) => part.label || part.missing).map((part) => {
+      const wide = 34 + g.measureText(clean(part.label || part.missing)).width + 10;
       if (x2 > ROOM.left && x2 + wide > width - ROOM.right) [x2, row] = [ROOM.left, row + 1];
       const place = { part, x: x2, row };
       x2 += wide;
@@ -432,18 +615,28 @@
     g.font = LABELS;
     g.textAlign = "left";
     for (const { part, x: x2, row } of labels) {
-      const y = ROOM.top + (panel.title ? ROOM.title : 0) + ROW * row + 4;
-      g.strokeStyle = tone(part.tone);
-      g.lineWidth = part.is === "dots" ? 4 : 2;
-      g.setLineDash(part.is === "dots" ? [3, 5] : DASHES[part.dash] ?? []);
+      const y = ROOM.top + (panel.title ? ROOM.title : 0) + ROOM.row * row + 4;
+      key(g, part, x2, y, tone);
+      g.fillStyle = colourOf("--ink");
+      g.fillText(clean(part.label || part.missing), x2 + 30, y + 4);
+    }
+  }
+  function key(g, part, x2, y, tone) {
+    if (part.is === "cells") return hatch(g, x2, y - 5, x2 + 24, y + 5);
+    g.fillStyle = g.strokeStyle = tone(part.tone);
+    g.globalAlpha = part.opacity ?? 1;
+    if (part.is === "area" || part.is === "band") g.fillRect(x2, y - 5, 24, 10);
+    else if (part.is === "dots") (SIGNS[part.sign] ?? SIGNS["."])(g, x2 + 12, y, 0.5 * POINT * Math.max(4, part.size));
+    else {
+      g.lineWidth = 2;
+      g.setLineDash(DASHES[part.dash] ?? []);
       g.beginPath();
       g.moveTo(x2, y);
       g.lineTo(x2 + 24, y);
       g.stroke();
       g.setLineDash([]);
-      g.fillStyle = colourOf("--ink");
-      g.fillText(clean(part.label), x2 + 30, y + 4);
     }
+    g.globalAlpha = 1;
   }
 
   // strings.js
@@ -1107,7 +1300,7 @@
     ];
   }
   function diagramPane(store2, hand) {
-    const { section, bar, body } = pane("diagram", S.diagram);
+    const { section, bar: bar2, body } = pane("diagram", S.diagram);
     const said2 = el("span", { class: "small" });
     const picture = el("div", { class: "canvas" });
     const list = el("div", { class: "sheets", role: "group", "aria-label": S.lookedUp });
@@ -1115,7 +1308,7 @@
     let used = "";
     let asked = "";
     const toRules = el("button", { textContent: S.toRules, onclick: () => store2.turnDiagram(false) });
-    bar.append(said2, el("span", { class: "space" }), toRules);
+    bar2.append(said2, el("span", { class: "space" }), toRules);
     body.append(picture, list);
     function build() {
       const { diagram } = store2;
@@ -1133,15 +1326,15 @@
       if (!listing.files || used !== uses()) return;
       const names = listing.files.map((each) => each.name);
       const files = store2.diagram.uses.flatMap(([, ...each]) => each);
-      const key = JSON.stringify([
+      const key2 = JSON.stringify([
         used,
         listing.files.filter((each) => files.includes(each.name)).map((each) => [each.name, each.stamp])
       ]);
-      if (key === asked) return;
-      asked = key;
+      if (key2 === asked) return;
+      asked = key2;
       hand.start("sheets", {}, (news) => {
         if (news.end === "failed") asked = used = "";
-        if (!news.sheets || key !== asked) return;
+        if (!news.sheets || key2 !== asked) return;
         cards = news.sheets.map((sheet) => sheetCard({ ...sheet, shipped: sheet.shipped && !listing.only }, hand, names));
         list.replaceChildren(...cards.map(({ card }) => card));
         redraw();
@@ -1203,7 +1396,7 @@
       ({ name, value, options, hint }) => options ? el(
         "select",
         { name },
-        ...options.map(([key, words2]) => el("option", { value: key, textContent: words2, selected: key === value }))
+        ...options.map(([key2, words2]) => el("option", { value: key2, textContent: words2, selected: key2 === value }))
       ) : el("input", { type: "text", name, value, placeholder: hint ?? "", autocomplete: "off", spellcheck: false })
     );
     const labels = fields.map(
@@ -1619,9 +1812,9 @@
     constructor(store2, hand) {
       this.store = store2;
       this.hand = hand;
-      const { section, bar, body } = pane("cells", S.cells);
+      const { section, bar: bar2, body } = pane("cells", S.cells);
       this.section = section;
-      this.bar = bar;
+      this.bar = bar2;
       this.body = body;
       this.page = [];
       this.asked = 0;
@@ -1645,9 +1838,9 @@
       this.bar.append(el("span", { class: "space" }));
       const outer = table.axes.slice(0, -2);
       outer.forEach((axis, k) => {
-        const levels = axis.levels.map((x2, i) => [String(i), shortNumber(x2, 6)]);
+        const levels2 = axis.levels.map((x2, i) => [String(i), shortNumber(x2, 6)]);
         this.bar.append(
-          choice(axis.name, levels, String(this.page[k]), (i) => {
+          choice(axis.name, levels2, String(this.page[k]), (i) => {
             this.page = this.page.with(k, Number(i));
             this.look();
           })
@@ -1673,7 +1866,7 @@
           table.description,
           ...axes2,
           thin ? S.thinned : "",
-          ...table.says.filter(([key]) => key === "source" || key.startsWith("error")).map(([key, value]) => `${key}: ${value}`)
+          ...table.says.filter(([key2]) => key2 === "source" || key2.startsWith("error")).map(([key2, value]) => `${key2}: ${value}`)
         ].filter(Boolean).join(" \xB7 ")
       });
     };
@@ -1744,9 +1937,9 @@
     constructor(store2, hand) {
       this.store = store2;
       this.hand = hand;
-      const { section, bar, body } = pane("accuracy", S.tableError);
+      const { section, bar: bar2, body } = pane("accuracy", S.tableError);
       this.section = section;
-      this.bar = bar;
+      this.bar = bar2;
       this.canvas = el("canvas", { role: "img", "aria-label": S.tableError });
       this.state = el("p", { class: "note", role: "status" });
       this.worst = el("p", { class: "worst" });
@@ -1790,9 +1983,9 @@
     build = () => {
       const outputs = isTable(this.hand.file()) ? [] : (this.store.scene?.outputs ?? []).map((each) => each.name);
       const names = this.found?.map.names ?? [];
-      const key = JSON.stringify([isTable(this.hand.file()), outputs, names, this.shown]);
-      if (key === this.built) return;
-      this.built = key;
+      const key2 = JSON.stringify([isTable(this.hand.file()), outputs, names, this.shown]);
+      if (key2 === this.built) return;
+      this.built = key2;
       while (this.bar.childNodes.length > 1) this.bar.lastChild.remove();
       this.bar.append(el("span", { class: "space" }));
       const set = (name) => (value) => {
@@ -1809,15 +2002,15 @@
           )
         );
       if (!isTable(this.hand.file())) {
-        const levels = el("input", {
+        const levels2 = el("input", {
           type: "text",
           class: "short",
           value: this.wanted.levels,
           placeholder: S.asInFile,
           title: S.levelsHint,
-          onchange: () => set("levels")(levels.value)
+          onchange: () => set("levels")(levels2.value)
         });
-        this.bar.append(el("label", { class: "small" }, S.options.levels, levels));
+        this.bar.append(el("label", { class: "small" }, S.options.levels, levels2));
       }
       this.bar.append(
         choice(
@@ -1864,9 +2057,9 @@
         this.state.textContent = S.gone;
         return;
       }
-      const { levels, mode, output, x: x2, y } = this.wanted;
+      const { levels: levels2, mode, output, x: x2, y } = this.wanted;
       const at2 = Object.fromEntries((this.store.scene?.inputs ?? []).map((each, i) => [each.name, this.store.point[i]]));
-      const mine = this.hand.start("table-error", { options: { levels, mode, output }, axes: { x: x2, y, at: at2 } }, (news) => {
+      const mine = this.hand.start("table-error", { options: { levels: levels2, mode, output }, axes: { x: x2, y, at: at2 } }, (news) => {
         if (mine === this.job || !this.job) this.hear(news);
       });
       this.job = mine;
@@ -1960,7 +2153,7 @@
     constructor(store2, hand) {
       this.store = store2;
       this.hand = hand;
-      const { section, bar, body } = pane("folder", S.files);
+      const { section, bar: bar2, body } = pane("folder", S.files);
       this.section = section;
       this.list = el("tbody");
       this.said = el("p", { class: "note", role: "status" });
@@ -1980,7 +2173,7 @@
       this.standing = "";
       this.round = 0;
       this.create = el("button", { textContent: S.newFile, onclick: () => this.begin() });
-      bar.append(
+      bar2.append(
         el("span", { class: "space" }),
         this.create,
         el("button", { textContent: S.importFile, title: S.importHint, onclick: () => this.chosen.click() }),
@@ -2441,9 +2634,9 @@ ${shape.side ?? 0}`;
       this.numbers = this.hand.numbers;
       this.change = this.hand.change;
       this.askFor = this.hand.askFor;
-      const { section, bar, body: all } = pane("terms", S.terms);
+      const { section, bar: bar2, body: all } = pane("terms", S.terms);
       this.section = section;
-      this.bar = bar;
+      this.bar = bar2;
       this.all = all;
       this.body = el("div", { class: "plots" });
       this.details = el("div", { class: "details", hidden: true });
@@ -2684,9 +2877,9 @@ ${index}`,
       };
     };
     choose = (variable, term) => {
-      const key = this.termKey(variable, term);
-      if (key !== this.chosen) {
-        this.chosen = key;
+      const key2 = this.termKey(variable, term);
+      if (key2 !== this.chosen) {
+        this.chosen = key2;
         this.describe();
         this.redraw();
       }
@@ -3022,13 +3215,13 @@ ${name}`;
         "tbody",
         {},
         ...rows.map(
-          ([key, words2]) => el(
+          ([key2, words2]) => el(
             "tr",
             {},
             el(
               "th",
               { scope: "row" },
-              ...key.split(" ").flatMap((each, i) => [
+              ...key2.split(" ").flatMap((each, i) => [
                 ...i ? [" "] : [],
                 /^[a-z]+$/.test(each) ? each : el("kbd", { textContent: each })
               ])
@@ -3211,7 +3404,7 @@ ${name}`;
         const lists = rows.filter((row) => row.key);
         const refocus = keepFocus(body);
         summary.textContent = clean(
-          `${S.methods}: ${lists.map(({ key, value, target }) => `${target ? `${target} ` : ""}${key} ${value}`).join(", ")}`
+          `${S.methods}: ${lists.map(({ key: key2, value, target }) => `${target ? `${target} ` : ""}${key2} ${value}`).join(", ")}`
         );
         body.replaceChildren(
           ...lists.map(list),
@@ -3240,7 +3433,7 @@ ${name}`;
       this.goTo = this.hand.goTo;
       this.change = this.hand.change;
       this.attempt = this.hand.attempt;
-      const { section, bar, body } = pane("rules", S.rules);
+      const { section, bar: bar2, body } = pane("rules", S.rules);
       this.section = section;
       this.body = body;
       this.methods = methodLines(this.change);
@@ -3249,7 +3442,7 @@ ${name}`;
         title: S.gridHint,
         onclick: () => addGrid(this.hand, this.store.scene)
       });
-      if (this.attempt) bar.append(el("span", { class: "space" }), this.grid);
+      if (this.attempt) bar2.append(el("span", { class: "space" }), this.grid);
       this.lit = [];
       this.shown = [];
       this.fresh = { rule: null, text: "" };
@@ -3390,19 +3583,19 @@ ${name}`;
     /** A line to write a rule in; one that is changed may be left with Escape. */
     writer = (draft, label) => {
       const isNew = draft === this.fresh;
-      const key = `write ${isNew ? "new" : draft.rule}`;
+      const key2 = `write ${isNew ? "new" : draft.rule}`;
       const field = el("input", {
         type: "text",
         class: "write",
         value: draft.text,
         "aria-label": label,
         placeholder: S.ifThen,
-        "data-key": key,
+        "data-key": key2,
         spellcheck: false
       });
       const leave = () => {
         this.drafts.delete(draft);
-        const isHeld = this.body.querySelector(`[data-key="${key}"]`)?.closest("form").contains(document.activeElement);
+        const isHeld = this.body.querySelector(`[data-key="${key2}"]`)?.closest("form").contains(document.activeElement);
         this.build();
         if (isHeld) this.body.querySelector(`[data-key="edit ${draft.rule}"]`)?.focus();
       };
@@ -3430,7 +3623,7 @@ ${name}`;
         "form",
         { class: "sentence", onsubmit: send },
         field,
-        el("button", { class: "small", type: "submit", textContent: isNew ? S.add : S.ok, "data-key": `done ${key}` })
+        el("button", { class: "small", type: "submit", textContent: isNew ? S.add : S.ok, "data-key": `done ${key2}` })
       );
     };
     // --- grids ---
@@ -3559,35 +3752,35 @@ ${name}`;
   var STEPS = { ArrowLeft: -0.02, ArrowUp: -0.02, ArrowRight: 0.02, ArrowDown: 0.02, PageUp: -0.1, PageDown: 0.1 };
   var bounded = (share2) => Math.min(1 - LEAST_SHARE, Math.max(LEAST_SHARE, share2));
   var shareAt = (position, start2, first, handle, second) => bounded((position - start2 - handle / 2) / Math.max(1, first + second));
-  function shareBy(key, share2, usual, vertical) {
-    if (key === "Home") return LEAST_SHARE;
-    if (key === "End") return 1 - LEAST_SHARE;
-    if (key === "Enter") return usual;
-    const isAcross = /Left|Right/.test(key);
-    const step = /^Arrow/.test(key) && isAcross !== vertical ? void 0 : STEPS[key];
+  function shareBy(key2, share2, usual, vertical) {
+    if (key2 === "Home") return LEAST_SHARE;
+    if (key2 === "End") return 1 - LEAST_SHARE;
+    if (key2 === "Enter") return usual;
+    const isAcross = /Left|Right/.test(key2);
+    const step = /^Arrow/.test(key2) && isAcross !== vertical ? void 0 : STEPS[key2];
     return step === void 0 ? null : bounded(share2 + step);
   }
   var sizesOf = (tracks) => tracks.split(" ").map(parseFloat).filter(Number.isFinite);
   var kept = {
-    read: (key) => {
+    read: (key2) => {
       try {
-        return Number(localStorage.getItem(`fuzzyarm.split.${key}`)) || null;
+        return Number(localStorage.getItem(`fuzzyarm.split.${key2}`)) || null;
       } catch {
         return null;
       }
     },
-    write: (key, share2) => {
+    write: (key2, share2) => {
       try {
-        if (share2 === null) localStorage.removeItem(`fuzzyarm.split.${key}`);
-        else localStorage.setItem(`fuzzyarm.split.${key}`, share2.toFixed(4));
+        if (share2 === null) localStorage.removeItem(`fuzzyarm.split.${key2}`);
+        else localStorage.setItem(`fuzzyarm.split.${key2}`, share2.toFixed(4));
       } catch {
       }
     }
   };
-  function splitter({ key, vertical, at: at2, usual }) {
+  function splitter({ key: key2, vertical, at: at2, usual }) {
     const root = document.documentElement;
-    const now = () => parseFloat(root.style.getPropertyValue(`--${key}-a`)) || null;
-    let share2 = now() ?? kept.read(key) ?? usual;
+    const now = () => parseFloat(root.style.getPropertyValue(`--${key2}-a`)) || null;
+    let share2 = now() ?? kept.read(key2) ?? usual;
     const handle = el("div", {
       class: `split ${vertical ? "columns" : "rows"}`,
       role: "separator",
@@ -3600,10 +3793,10 @@ ${name}`;
     });
     function put(next, isDone = true) {
       share2 = next;
-      root.style.setProperty(`--${key}-a`, `${share2}fr`);
-      root.style.setProperty(`--${key}-b`, `${1 - share2}fr`);
+      root.style.setProperty(`--${key2}-a`, `${share2}fr`);
+      root.style.setProperty(`--${key2}-b`, `${1 - share2}fr`);
       tell();
-      if (isDone) kept.write(key, share2 === usual ? null : share2);
+      if (isDone) kept.write(key2, share2 === usual ? null : share2);
     }
     const tell = () => handle.setAttribute("aria-valuenow", String(Math.round(100 * share2)));
     function tracks() {
@@ -3640,67 +3833,7 @@ ${name}`;
     return handle;
   }
 
-  // geometry/surface.js
-  function fillTriangle(pixels, width, height, x0, y0, x1, y1, x2, y2, colour) {
-    if (y1 < y0) [x0, y0, x1, y1] = [x1, y1, x0, y0];
-    if (y2 < y0) [x0, y0, x2, y2] = [x2, y2, x0, y0];
-    if (y2 < y1) [x1, y1, x2, y2] = [x2, y2, x1, y1];
-    const end = Math.min(height, Math.ceil(y2 - 0.5));
-    for (let row = Math.max(0, Math.ceil(y0 - 0.5)); row < end; row++) {
-      const y = row + 0.5;
-      const a = x0 + (x2 - x0) * (y - y0) / (y2 - y0);
-      const b = y < y1 ? x0 + (x1 - x0) * (y - y0) / (y1 - y0) : x1 + (x2 - x1) * (y - y1) / (y2 - y1);
-      const from = row * width + Math.max(0, Math.ceil((a < b ? a : b) - 0.5));
-      const to3 = row * width + Math.min(width, Math.ceil((a < b ? b : a) - 0.5));
-      for (let at2 = from; at2 < to3; at2++) pixels[at2] = colour;
-    }
-  }
-  function limitsOf(z2, output) {
-    let [low, high] = [output.low, output.high];
-    if (low === null || high === null) {
-      [low, high] = [Infinity, -Infinity];
-      for (const value of z2) {
-        if (value < low) low = value;
-        if (value > high) high = value;
-      }
-    }
-    return low < high ? [low, high] : [low - 1, low + 1];
-  }
-  function projectionOf(turned, width, height) {
-    const [ca2, sa2] = [Math.cos(turned.azimuth), Math.sin(turned.azimuth)];
-    const [ce2, se2] = [Math.cos(turned.elevation), Math.sin(turned.elevation)];
-    const reach = Math.min(width * 0.58, height * 0.68);
-    return {
-      reach,
-      /** @returns {Page.Pair} */
-      project(u, v, w) {
-        const [right, depth] = [u * ca2 - v * sa2, u * sa2 + v * ca2];
-        return [width / 2 + reach * right, height * 0.5 - reach * (0.62 * w * ce2 + depth * se2)];
-      },
-      /** Whether the far end of each axis is the one with the large numbers. */
-      farIsHigh: { u: sa2 > 0, v: ca2 > 0 }
-    };
-  }
-  var farToNear = (count, farIsHigh) => Array.from({ length: count }, (_2, i) => farIsHigh ? count - 1 - i : i);
-  function crossings(z2, n66, level) {
-    const segments = [];
-    for (let j2 = 0; j2 + 1 < n66; j2++) {
-      for (let i = 0; i + 1 < n66; i++) {
-        const k = j2 * n66 + i;
-        const [a, b, c, d] = [z2[k] - level, z2[k + 1] - level, z2[k + n66 + 1] - level, z2[k + n66] - level];
-        const found = [];
-        if (a < 0 !== b < 0) found.push([i + a / (a - b), j2]);
-        if (b < 0 !== c < 0) found.push([i + 1, j2 + b / (b - c)]);
-        if (d < 0 !== c < 0) found.push([i + d / (d - c), j2 + 1]);
-        if (a < 0 !== d < 0) found.push([i, j2 + a / (a - d)]);
-        for (let m = 0; m + 1 < found.length; m += 2) segments.push([found[m], found[m + 1]]);
-      }
-    }
-    return segments;
-  }
-
   // surface.js
-  var LEVELS = 9;
   var packed = (share2) => SHADES.map(([r, g, b]) => (255 << 24 | b * share2 << 16 | g * share2 << 8 | r * share2) >>> 0);
   var FILLS = Uint32Array.from(packed(1));
   var DARKER = Uint32Array.from(packed(0.87));
@@ -3715,9 +3848,9 @@ ${name}`;
     constructor(store2, { start: start2 }) {
       this.store = store2;
       this.start = start2;
-      const { section, bar, body } = pane("surface", S.surface);
+      const { section, bar: bar2, body } = pane("surface", S.surface);
       this.section = section;
-      this.bar = bar;
+      this.bar = bar2;
       this.canvas = el("canvas", { tabIndex: 0, role: "img" });
       const main = el("div", { class: "main" }, this.canvas);
       this.line = el("canvas", { tabIndex: 0, role: "img" });
@@ -3736,7 +3869,8 @@ ${name}`;
       this.layer = null;
       this.scale = null;
       this.size = { width: 0, height: 0 };
-      this.lineSize = { width: 0, height: 0 };
+      this.plot = null;
+      this.linePlot = null;
       this.handle = null;
       this.sliders = [];
       body.append(main, this.below, this.others);
@@ -3779,7 +3913,6 @@ ${name}`;
       for (const name of ["reshaped", "point", "theme", "told"]) this.store.on(name, this.redraw);
       const watch = new ResizeObserver(() => {
         this.size = { width: main.clientWidth, height: main.clientHeight };
-        this.lineSize = { width: this.line.parentElement.clientWidth, height: this.line.parentElement.clientHeight };
         this.redraw();
       });
       watch.observe(main);
@@ -3796,13 +3929,6 @@ ${name}`;
       const [low, high] = rangeOf(variable);
       return (value - low) / (high - low);
     };
-    // --- the contour ---
-    box = (width, height) => ({
-      left: 44,
-      top: 10,
-      wide: width - (this.store.axes.x === this.store.axes.y ? 56 : 104),
-      tall: height - 48
-    });
     isPlane = () => this.flat || this.store.axes.x === this.store.axes.y;
     build = () => {
       const focused = [...this.bar.querySelectorAll("select")].indexOf(document.activeElement);
@@ -3917,10 +4043,11 @@ ${name}`;
       const [low, high] = limitsOf(found.z, output);
       const section = this.cut ? this.store.section(this.otherInput()) : null;
       const picture = { g, width, height, found, low, high, x: x2, y, output, section };
-      if (x2 === y) this.drawLine(picture);
-      else if (this.flat) this.drawContour(picture);
-      else this.drawSolid(picture);
-      if (x2 !== y) this.drawScale(picture);
+      if (this.isPlane()) this.drawPlane(picture);
+      else {
+        this.drawSolid(picture);
+        this.drawScale(picture);
+      }
       if (source) {
         g.fillStyle = colourOf("--soft");
         g.font = "11px system-ui, sans-serif";
@@ -4003,7 +4130,7 @@ ${name}`;
       this.layer.getContext("2d").putImageData(this.image, 0, 0);
       g.drawImage(this.layer, 0, 0, width, height);
       const value = this.store.value();
-      if (this.cut) this.drawPlane(g, project, low, high);
+      if (this.cut) this.drawCut(g, project, low, high);
       if (Number.isFinite(value)) {
         const [u, v] = [x2, y].map(
           (each, k) => this.place(each, this.store.point[k ? this.store.axes.y : this.store.axes.x])
@@ -4012,7 +4139,7 @@ ${name}`;
       }
     };
     /** The plane of the cut, where it meets the surface, and the handle that moves it. */
-    drawPlane = (g, project, low, high) => {
+    drawCut = (g, project, low, high) => {
       const [one, other] = [this.cutInput(), this.otherInput()].map((i) => this.store.scene.inputs[i]);
       const at2 = this.place(one, this.store.point[this.cutInput()]) - 0.5;
       const corner = (along, w) => this.cut === "x" ? project(at2, along, w) : project(along, at2, w);
@@ -4089,117 +4216,40 @@ ${name}`;
       g.fill();
       g.stroke();
     };
-    drawContour = ({ g, width, height, found, low, high, x: x2, y }) => {
-      const n66 = found.xs.length;
-      const { left, top, wide, tall } = this.box(width, height);
-      const colours = new ImageData(n66, n66);
-      for (let j2 = 0; j2 < n66; j2++) {
-        for (let i = 0; i < n66; i++) {
-          const value = found.z[j2 * n66 + i];
-          const at2 = 4 * ((n66 - 1 - j2) * n66 + i);
-          const shade = SHADES[Math.max(0, Math.min(255, Math.round(255 * (value - low) / (high - low))))];
-          if (shade) colours.data.set([...shade, 255], at2);
-        }
-      }
-      const small = new OffscreenCanvas(n66, n66);
-      small.getContext("2d").putImageData(colours, 0, 0);
-      g.imageSmoothingEnabled = true;
-      g.drawImage(small, 0.5, 0.5, n66 - 1, n66 - 1, left, top, wide, tall);
-      g.strokeStyle = "rgb(255 255 255 / 0.75)";
-      g.lineWidth = 1;
-      const spotOf = (i, j2) => [left + wide * i / (n66 - 1), top + tall - tall * j2 / (n66 - 1)];
-      const labels = [];
-      g.beginPath();
-      for (const level of ticks(low, high, LEVELS)) {
-        if (level <= low || level >= high) continue;
-        const spots = this.lines(g, found.z, n66, level, spotOf);
-        this.labelled(labels, spots, level, { left, top, wide, tall });
-      }
-      g.stroke();
-      g.font = "10.5px system-ui, sans-serif";
-      g.textAlign = "center";
-      for (const { spot, level } of labels) {
-        g.lineWidth = 3;
-        g.strokeStyle = "rgb(0 0 0 / 0.7)";
-        g.strokeText(shortNumber(level), spot[0], spot[1] + 4);
-        g.fillStyle = "#ffffff";
-        g.fillText(shortNumber(level), spot[0], spot[1] + 4);
-      }
-      drawAxes(g, { left, top, wide, tall }, rangeOf(x2), rangeOf(y), x2.name, y.name);
-      const [u, v] = [
-        this.place(x2, this.store.point[this.store.axes.x]),
-        this.place(y, this.store.point[this.store.axes.y])
-      ];
-      g.strokeStyle = "rgb(255 255 255 / 0.6)";
-      g.setLineDash([4, 4]);
-      g.strokeRect(left, top + tall * (1 - v), wide, 0);
-      g.strokeRect(left + wide * u, top, 0, tall);
-      g.setLineDash([]);
-      if (this.cut) {
-        g.strokeStyle = colourOf("--lit");
-        g.lineWidth = 2;
-        if (this.cut === "x") g.strokeRect(left + wide * u, top, 0, tall);
-        else g.strokeRect(left, top + tall * (1 - v), wide, 0);
-      }
-      this.dot(g, left + wide * u, top + tall * (1 - v));
-    };
-    /** Choose places for the number of a level: away from the edges and from other numbers. */
-    labelled = (labels, spots, level, { left, top, wide, tall }) => {
-      let count = 0;
-      for (let i = 0; i < spots.length && count < 2; i++) {
-        const spot = spots[Math.floor(i * 0.618034 % 1 * spots.length)];
-        const [x2, y] = spot;
-        const isInside = x2 > left + 16 && x2 < left + wide - 16 && y > top + 10 && y < top + tall - 10;
-        if (!isInside || labels.some(({ spot: [u, v] }) => Math.hypot(u - x2, v - y) < 42)) continue;
-        labels.push({ spot, level });
-        count++;
+    // --- seen from above, over one input, or the section of the cut ---
+    drawPlane = ({ found, low, high, x: x2, y, output }) => {
+      const { axes: axes2 } = this.store;
+      const whole = this.whole(output, low, high);
+      const [across, up2] = [this.along(axes2.x), this.along(axes2.y)];
+      if (x2 === y) this.plot = drawPanel(this.canvas, linePanel(found, across, whole));
+      else {
+        const inputs = [
+          { ...across, isCut: this.cut === "x" },
+          { ...up2, isCut: this.cut === "y" }
+        ];
+        this.plot = drawPanel(this.canvas, planePanel(found, inputs, whole));
       }
     };
-    /** Trace a level; returns a spot of each of its cells. */
-    lines = (g, z2, n66, level, at2) => {
-      const segments = crossings(z2, n66, level).map(([from, to3]) => [at2(...from), at2(...to3)]);
-      for (const [from, to3] of segments) {
-        g.moveTo(...from);
-        g.lineTo(...to3);
-      }
-      return segments.map(([from]) => from);
-    };
-    // --- a line: over one input, or the section of the cut ---
-    drawLine = ({ g, width, height, found, low, high, x: x2, output }) => {
-      const where = this.box(width, height);
-      drawAxes(g, where, rangeOf(x2), [low, high], x2.name, output.name);
-      this.curve(g, where, { xs: found.xs, z: found.z, low, high, variable: x2, at: this.store.point[this.store.axes.x] });
+    /**
+     * The output as an axis, and its value at the point.
+     *
+     * @returns {{ name: string, range: Page.Pair, at: number }}
+     */
+    whole = ({ name }, low, high) => ({ name, range: [low, high], at: this.store.value() });
+    /** An input as an axis, and where the point lies along it. */
+    along = (input) => {
+      const variable = this.store.scene.inputs[input];
+      return { name: variable.name, range: rangeOf(variable), at: this.store.point[input] };
     };
     drawSection = ({ section: found, low, high, output }) => {
-      const { g, width, height } = context(this.line, this.lineSize.width, this.lineSize.height);
-      const [at2, other] = [this.cutInput(), this.otherInput()].map((i) => this.store.scene.inputs[i]);
-      this.cutSlider.value = this.store.point[this.cutInput()];
-      const said2 = S.cutAt(at2.name, shortNumber(this.store.point[this.cutInput()]));
+      const [at2, other] = [this.cutInput(), this.otherInput()].map(this.along);
+      this.cutSlider.value = at2.at;
+      const said2 = S.cutAt(at2.name, shortNumber(at2.at));
       this.cutLabel.firstChild.textContent = clean(said2);
       this.line.setAttribute("aria-label", S.sectionLabel(output.name, other.name, said2));
-      if (!found || !this.lineSize.width) return;
-      const where = { left: 44, top: 6, wide: width - 56, tall: height - 40 };
-      drawAxes(g, where, rangeOf(other), [low, high], other.name, output.name);
-      this.curve(g, where, { ...found, low, high, variable: other, at: this.store.point[this.otherInput()] });
-    };
-    curve = (g, { left, top, wide, tall }, { xs: xs2, z: z2, low, high, variable, at: at2 }) => {
-      g.strokeStyle = colourOf("--accent");
-      g.lineWidth = 2;
-      g.beginPath();
-      let down = false;
-      z2.forEach((value2, i) => {
-        const spot = [left + wide * this.place(variable, xs2[i]), top + tall * (1 - (value2 - low) / (high - low))];
-        if (Number.isFinite(value2)) {
-          if (down) g.lineTo(...spot);
-          else g.moveTo(...spot);
-        }
-        down = Number.isFinite(value2);
-      });
-      g.stroke();
-      const value = this.store.value();
-      if (Number.isFinite(value)) {
-        this.dot(g, left + wide * this.place(variable, at2), top + tall * (1 - (value - low) / (high - low)));
-      }
+      if (!found) return;
+      const whole = this.whole(output, low, high);
+      this.linePlot = drawPanel(this.line, linePanel(found, other, whole));
     };
     wrapped = (g, text, x2, y, width) => {
       let line = "";
@@ -4213,14 +4263,10 @@ ${name}`;
     };
     // --- hands ---
     aim = (event) => {
-      const { left, top, wide, tall } = this.box(this.canvas.clientWidth, this.canvas.clientHeight);
+      if (!this.plot) return;
       const { x: x2, y } = this.store.axes;
-      const shares = [(event.offsetX - left) / wide, 1 - (event.offsetY - top) / tall];
-      [x2, y].forEach((input, k) => {
-        if (k && x2 === y) return;
-        const [low, high] = rangeOf(this.store.scene.inputs[input]);
-        this.store.setPoint(input, low + Math.min(1, Math.max(0, shares[k])) * (high - low));
-      });
+      this.store.setPoint(x2, this.plot.xAt(event.offsetX));
+      if (x2 !== y) this.store.setPoint(y, this.plot.yAt(event.offsetY));
     };
     nudge = (input, steps) => {
       const [low, high] = rangeOf(this.store.scene.inputs[input]);
@@ -4235,9 +4281,7 @@ ${name}`;
       this.store.setPoint(this.cutInput(), low + share2 * (high - low));
     };
     aimLine = (event) => {
-      const share2 = (event.offsetX - 44) / (this.line.clientWidth - 56);
-      const [low, high] = rangeOf(this.store.scene.inputs[this.otherInput()]);
-      this.store.setPoint(this.otherInput(), low + share2 * (high - low));
+      if (this.linePlot) this.store.setPoint(this.otherInput(), this.linePlot.xAt(event.offsetX));
     };
     turn = (azimuth, elevation) => {
       this.turned.azimuth -= azimuth;
@@ -4248,7 +4292,7 @@ ${name}`;
 
   // viewer.js
   var SAMPLES = 121;
-  var ROW2 = 27;
+  var ROW = 27;
   var SPARE = 2;
   function viewerPane(store2) {
     return new ViewerPane(store2).section;
@@ -4259,7 +4303,7 @@ ${name}`;
      */
     constructor(store2) {
       this.store = store2;
-      const { section, bar, body } = pane("inference", S.inference);
+      const { section, bar: bar2, body } = pane("inference", S.inference);
       this.section = section;
       this.sliders = el("div", { class: "sliders" });
       this.why = el("div", { "aria-live": "polite" });
@@ -4268,7 +4312,7 @@ ${name}`;
       this.foot = el("div", { class: "fired foot" });
       this.inputs = [];
       this.order = "strength";
-      bar.append(
+      bar2.append(
         el("span", { class: "space" }),
         choice(
           S.order,
@@ -4404,11 +4448,11 @@ ${name}`;
         numbers = numbers.filter((number) => found.strengths[number] > 0);
         numbers.sort((a, b) => found.strengths[b] - found.strengths[a]);
       }
-      const first = Math.max(0, Math.floor(this.rows.scrollTop / ROW2) - SPARE);
-      const last = Math.min(numbers.length, first + Math.ceil((this.rows.clientHeight || 200) / ROW2) + 2 * SPARE);
+      const first = Math.max(0, Math.floor(this.rows.scrollTop / ROW) - SPARE);
+      const last = Math.min(numbers.length, first + Math.ceil((this.rows.clientHeight || 200) / ROW) + 2 * SPARE);
       const room = (count) => {
         const made = el("div");
-        made.style.height = `${count * ROW2}px`;
+        made.style.height = `${count * ROW}px`;
         return made;
       };
       this.rows.replaceChildren(
@@ -6766,7 +6810,7 @@ ${name}`;
      */
     constructor(store2, push) {
       this.push = push;
-      const { section, bar, body } = pane("run-picture", S.runPicture);
+      const { section, bar: bar2, body } = pane("run-picture", S.runPicture);
       this.section = section;
       const { canvas, redraw } = stage(store2, body, this.draw);
       this.canvas = canvas;
@@ -6778,7 +6822,7 @@ ${name}`;
       this.open = false;
       this.held = null;
       this.scale = null;
-      bar.append(el("span", { class: "space" }), this.said);
+      bar2.append(el("span", { class: "space" }), this.said);
       this.canvas.tabIndex = 0;
       this.canvas.setAttribute("aria-label", S.runPictureLabel);
       store2.on("theme", () => this.colours.clear());
@@ -7161,9 +7205,9 @@ ${name}`;
       this.store = store2;
       this.hand = hand;
       this.changed = changed;
-      const { section, bar, body } = pane("run-form", S.run);
+      const { section, bar: bar2, body } = pane("run-form", S.run);
       this.section = section;
-      this.bar = bar;
+      this.bar = bar2;
       this.body = body;
       this.plants = [];
       this.direct = "";
@@ -7851,13 +7895,13 @@ ${name}`;
       return store2.surfaceKey() + (store2.running ? "" : JSON.stringify(store2.point));
     };
     function ask2() {
-      const key = wanted();
-      if (!key || key === asked) return;
+      const key2 = wanted();
+      if (!key2 || key2 === asked) return;
       if (work) {
         work.stop();
         return;
       }
-      asked = key;
+      asked = key2;
       const { scene, point, axes: axes2 } = store2;
       const surface = store2.surfaceKey();
       const isKnown = store2.far?.key === surface && !store2.running;
@@ -18835,7 +18879,7 @@ ${name}`;
   var TextPane = class {
     constructor(link, nonce) {
       this.link = link;
-      const { section, bar, body } = pane("text", S.text);
+      const { section, bar: bar2, body } = pane("text", S.text);
       this.section = section;
       this.shared = new ki();
       this.frozen = new ki();
@@ -18851,7 +18895,7 @@ ${name}`;
       this.findings = [];
       this.sending = false;
       let waiting = 0;
-      bar.append(
+      bar2.append(
         el("span", { class: "space" }),
         this.quick(S.undo, "Ctrl+Z", () => Zo2(this.view)),
         this.quick(S.redo, "Ctrl+Shift+Z", () => fs2(this.view)),
@@ -19594,11 +19638,11 @@ ${each.hint}` : each.message
       });
       window.addEventListener("keydown", (event) => {
         if (!event.ctrlKey && !event.metaKey) return;
-        const key = event.key.toLowerCase();
+        const key2 = event.key.toLowerCase();
         const { target } = event;
         const { shown } = this;
-        const act = { s: shown.save, y: shown.redo, z: event.shiftKey ? shown.redo : shown.undo }[key];
-        if (act && (key === "s" || !(target instanceof Element && target.closest(WRITTEN_IN)))) {
+        const act = { s: shown.save, y: shown.redo, z: event.shiftKey ? shown.redo : shown.undo }[key2];
+        if (act && (key2 === "s" || !(target instanceof Element && target.closest(WRITTEN_IN)))) {
           event.preventDefault();
           act();
         }
@@ -19626,9 +19670,9 @@ ${each.hint}` : each.message
     constructor() {
       this.all = /* @__PURE__ */ new Map();
     }
-    getItem = (key) => this.all.get(key) ?? null;
-    setItem = (key, value) => void this.all.set(key, value);
-    removeItem = (key) => void this.all.delete(key);
+    getItem = (key2) => this.all.get(key2) ?? null;
+    setItem = (key2, value) => void this.all.set(key2, value);
+    removeItem = (key2) => void this.all.delete(key2);
     keys = () => [...this.all.keys()];
   };
   function store() {
@@ -19636,9 +19680,9 @@ ${each.hint}` : each.message
       localStorage.setItem(PREFIX, "");
       localStorage.removeItem(PREFIX);
       return {
-        getItem: (key) => localStorage.getItem(key),
-        setItem: (key, value) => localStorage.setItem(key, value),
-        removeItem: (key) => localStorage.removeItem(key),
+        getItem: (key2) => localStorage.getItem(key2),
+        setItem: (key2, value) => localStorage.setItem(key2, value),
+        removeItem: (key2) => localStorage.removeItem(key2),
         keys: () => Object.keys(localStorage)
       };
     } catch {
@@ -19657,7 +19701,7 @@ ${each.hint}` : each.message
       this.store.setItem(BEGUN, "");
     }
     names() {
-      return this.store.keys().filter((key) => key.startsWith(PREFIX)).map((key) => key.slice(PREFIX.length)).sort();
+      return this.store.keys().filter((key2) => key2.startsWith(PREFIX)).map((key2) => key2.slice(PREFIX.length)).sort();
     }
     /** @returns {string | null} */
     get(name) {

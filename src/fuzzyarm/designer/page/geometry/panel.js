@@ -18,6 +18,20 @@ export function scaleOf({ low, high, logarithmic = false }, from, to) {
 }
 
 /**
+ * The way back: the value at a pixel, within the ends of the axis.
+ *
+ * @param {Axis} axis
+ * @param {number} from the pixel of its low end
+ * @param {number} to that of its high end
+ */
+export function valueAt({ low, high, logarithmic = false }, from, to) {
+  return (pixel) => {
+    const share = Math.min(1, Math.max(0, (pixel - from) / (to - from)));
+    return logarithmic ? low * (high / low) ** share : low + share * (high - low);
+  };
+}
+
+/**
  * Round numbers along an axis, about so many.
  *
  * @param {Axis} axis
@@ -78,3 +92,36 @@ export function strokesOf(x, y, steps = false) {
 export function shareOf(value, axis) {
   return Math.min(1, Math.max(0, scaleOf(axis, 0, 1)(value)));
 }
+
+/**
+ * Where a plot lies on a canvas, and its scales both ways. Cells whose first row stands at the top turn the axis over.
+ *
+ * @param {{ across: Axis, up: Axis, parts: any[], title: string }} panel
+ * @param {number} width pixels
+ * @param {number} height pixels
+ * @param {number} rows of labels above the plot
+ */
+export function layoutOf(panel, width, height, rows) {
+  const cells = panel.parts.find((part) => part.is === "cells");
+  const hasBar = Boolean(cells) && width >= LEAST_WITH_BAR;
+  const inside = {
+    left: ROOM.left,
+    top: ROOM.top + (panel.title ? ROOM.title : 0) + ROOM.row * rows,
+    right: width - (hasBar ? ROOM.bar : ROOM.right),
+    bottom: height - ROOM.bottom,
+  };
+  const upward = cells?.downward ? [inside.top, inside.bottom] : [inside.bottom, inside.top];
+  return {
+    inside,
+    hasBar,
+    toX: scaleOf(panel.across, inside.left, inside.right),
+    toY: scaleOf(panel.up, upward[0], upward[1]),
+    xAt: valueAt(panel.across, inside.left, inside.right),
+    yAt: valueAt(panel.up, upward[0], upward[1]),
+  };
+}
+
+/** Pixels around a plot; `row` is one of labels. */
+export const ROOM = { left: 52, right: 12, top: 10, title: 16, bottom: 36, row: 15, bar: 74 };
+
+const LEAST_WITH_BAR = 300;

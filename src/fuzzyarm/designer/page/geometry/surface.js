@@ -29,6 +29,53 @@ export function limitsOf(z, output) {
   return low < high ? [low, high] : [low - 1, low + 1];
 }
 
+const axisOf = (words, [low, high]) => ({ words, low, high, logarithmic: false, whole: false });
+const numbersOf = (values) => Array.from(values, (value) => (Number.isFinite(value) ? value : null));
+
+/**
+ * An output over one input as a panel, with the point.
+ *
+ * @param {{ xs: ArrayLike<number>, z: ArrayLike<number> }} line
+ * @param {{ name: string, range: Page.Pair, at: number }} input
+ * @param {{ name: string, range: Page.Pair, at: number }} output
+ * @returns {Messages.PanelData} as `fuzzyarm.show.plane` makes them
+ */
+export function linePanel({ xs, z }, input, output) {
+  const parts = [
+    { is: "line", x: Array.from(xs), y: numbersOf(z), tone: "accent", width: 1.6, dash: "-" },
+    { is: "level", at: input.at, upright: true, tone: "soft", width: 0.6, dash: "--" },
+    { is: "dots", x: [input.at], y: numbersOf([output.at]), sign: "o", size: 7, tone: "lit" },
+  ];
+  return { title: "", across: axisOf(input.name, input.range), up: axisOf(output.name, output.range), parts };
+}
+
+/**
+ * An output over two inputs as a panel: its values by colours, and the point; a cut along one of them stands out.
+ *
+ * @param {{ xs: ArrayLike<number>, ys: ArrayLike<number>, z: ArrayLike<number> }} found
+ * @param {{ name: string, range: Page.Pair, at: number, isCut: boolean }[]} inputs across and up
+ * @param {{ name: string, range: Page.Pair }} output
+ * @returns {Messages.PanelData} as `fuzzyarm.show.plane` makes them
+ */
+export function planePanel({ xs, ys, z }, inputs, output) {
+  const [across, up] = inputs.map(({ name, range }) => axisOf(name, range));
+  const value = axisOf(output.name, output.range);
+  const rulings = inputs.map(({ at, isCut }, k) => ({
+    is: "level",
+    at,
+    upright: k === 0,
+    tone: isCut ? "lit" : "#ffffff",
+    width: isCut ? 1.6 : 0.7,
+    dash: isCut ? "-" : "--",
+  }));
+  const parts = [
+    { is: "cells", x: Array.from(xs), y: Array.from(ys), values: numbersOf(z), value, signed: false },
+    ...rulings,
+    { is: "dots", x: [inputs[0].at], y: [inputs[1].at], sign: "+", size: 6, tone: "mark" },
+  ];
+  return { title: "", across, up, parts };
+}
+
 /**
  * How a cube of side 1 about the origin is seen: inputs u and v lie across, the output w stands up.
  *
@@ -58,15 +105,16 @@ export const farToNear = (count, farIsHigh) => Array.from({ length: count }, (_,
 /**
  * Where a level crosses the sides of each cell, joined two by two.
  *
- * @param {ArrayLike<number>} z n × n values, row by row
- * @param {number} n
+ * @param {ArrayLike<number>} z values, row by row
+ * @param {number} n columns
  * @param {number} level
+ * @param {number} rows
  * @returns {Array<[Page.Pair, Page.Pair]>} in columns and rows of the grid
  */
-export function crossings(z, n, level) {
+export function crossings(z, n, level, rows = n) {
   /** @type {Array<[Page.Pair, Page.Pair]>} */
   const segments = [];
-  for (let j = 0; j + 1 < n; j++) {
+  for (let j = 0; j + 1 < rows; j++) {
     for (let i = 0; i + 1 < n; i++) {
       const k = j * n + i;
       const [a, b, c, d] = [z[k] - level, z[k + 1] - level, z[k + n + 1] - level, z[k + n] - level];
@@ -80,4 +128,22 @@ export function crossings(z, n, level) {
     }
   }
   return segments;
+}
+
+/**
+ * Places for the number of a level on its line: at most two, away from the edges and from other numbers.
+ *
+ * @param {number[][]} spots along the line, pixels
+ * @param {{ left: number, top: number, right: number, bottom: number }} inside the plot
+ * @param {number[][]} taken places of other numbers
+ */
+export function spotsOf(spots, { left, top, right, bottom }, taken) {
+  const found = [];
+  for (let i = 0; i < spots.length && found.length < 2; i++) {
+    const spot = spots[Math.floor(((i * 0.618034) % 1) * spots.length)]; // spread over the line
+    const [x, y] = spot;
+    const isInside = x > left + 16 && x < right - 16 && y > top + 10 && y < bottom - 10;
+    if (isInside && ![...taken, ...found].some(([u, v]) => Math.hypot(u - x, v - y) < 42)) found.push(spot);
+  }
+  return found;
 }

@@ -1,0 +1,159 @@
+"""Many runs as a picture: a metric over what was swept, and where the runs diverge."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from fuzzyarm.loop.many import Many, Vector
+from fuzzyarm.loop.metrics import ERRORS
+from fuzzyarm.loop.sweep import Range
+from fuzzyarm.picture import Axis, Band, Cells, Chart, ChartPart, Dots, Line, Panel
+
+__all__ = ["sweep_chart", "worst"]
+
+DIVERGED = "diverged"
+
+
+def sweep_chart(many: Many, over: Sequence[Range], metric: str = "rms") -> Chart:
+    """Return a metric over one or two of the swept names, a panel for each output.
+
+    Where more was swept, the worst of the rest is drawn: the largest magnitude, and divergence
+    where any of the runs diverged.
+
+    Parameters
+    ----------
+    many : Many
+        Runs on a grid.
+    over : sequence of Range
+        One for a curve; two for a map, across and up.
+    metric : str, optional
+        See :class:`fuzzyarm.loop.metrics.Metrics`.
+    """
+    values, diverged = worst(many, over, metric)
+    panels = []
+    for at, output in enumerate(many.outputs):
+        unit = many.units[at] if metric in ERRORS else ""
+        value = Axis(metric, unit, logarithmic=_spreads(values[at]))
+        draw = _map_panel if len(over) == 2 else _curve_panel
+        panels.append(draw(over, values[at], diverged, value, output))
+    width = 4.6 if len(over) == 2 else 4.2
+    return Chart([panels], (max(5.0, width * len(panels)), 4.0), _title(many, over, diverged))
+
+
+def _title(many: Many, over: Sequence[Range], diverged: Any) -> str:
+    title = f"{many.controller} on {many.where}"
+    if diverged.any():
+        title += f", {int(diverged.sum())} of {diverged.size} points diverge (grey)"
+    rest = [name for name in many.changes if name not in [range_.name for range_ in over]]
+    return f"{title}; the worst over {', '.join(rest)}" if rest else title
+
+
+def worst(many: Many, over: Sequence[Range], metric: str) -> tuple[Vector, Any]:
+    """Return a metric on the grid of some names, for each output, and where runs diverged.
+
+    Returns
+    -------
+    ndarray, shape (outputs, up, across) or (outputs, across)
+        Largest magnitude; not a number where a run diverged or nothing was measured.
+    ndarray of bool, shape (up, across) or (across,)
+    """
+    axes = [range_.values() for range_ in reversed(over)]
+    places = tuple(
+        np.searchsorted(values, many.changes[range_.name])
+        for values, range_ in zip(axes, reversed(over), strict=True)
+    )
+    shape = tuple(map(len, axes))
+    diverged = np.zeros(shape, bool)
+    np.logical_or.at(diverged, places, ~np.isnan(many.diverged))
+    worst_values = np.full((len(many.outputs), *shape), -np.inf)
+    for at, grid in enumerate(worst_values):
+        magnitude = np.abs(many[metric][:, at])
+        np.maximum.at(grid, places, np.where(np.isnan(magnitude), -np.inf, magnitude))
+        grid[diverged | np.isneginf(grid)] = np.nan
+    return worst_values, diverged
+
+
+def _spreads(values: Vector) -> bool:
+    """Whether values need a logarithm to be told apart."""
+    finite = values[~np.isnan(values)]
+    return (
+        bool(len(finite)) and bool(finite.min() > 0.0) and bool(finite.max() > 30.0 * finite.min())
+    )
+
+
+def edges_of(over: Range) -> Vector:
+    """Return the edges of the cells around the values of a range."""
+    values = np.log(over.values()) if over.log else over.values()
+    steps = np.diff(values) / 2.0 if len(values) > 1 else np.array([0.5])
+    first, last = values[0] - steps[0], values[-1] + steps[-1]
+    edges = np.array([first, *(values[:-1] + values[1:]) / 2.0, last])
+    return np.exp(edges) if over.log else edges
+
+
+# --- Over one name ---
+
+
+def _curve_panel(
+    over: Sequence[Range], values: Vector, diverged: Any, value: Axis, title: str
+) -> Panel:
+    (swept,) = over
+    across, edges = swept.values(), edges_of(swept)
+    low, high = _ends(values, logarithmic=value.logarithmic)
+    up = Axis(value.name, value.unit, low, high, logarithmic=value.logarithmic)
+    parts: list[ChartPart] = [
+        Band([edges[k], edges[k + 1]], [low] * 2, [high] * 2, "wanted", 0.5,
+             DIVERGED if number == 0 else "")
+        for number, k in enumerate(np.flatnonzero(diverged))
+    ]  # fmt: skip
+    parts += [Line(across, values, "first", 1.2), Dots(across, values, "o", "first", 3.5)]
+    axis = Axis(swept.name, low=edges[0], high=edges[-1], logarithmic=swept.log)
+    return Panel(parts, axis, up, title, key="upper left" if diverged.any() else "")
+
+
+def _ends(values: Vector, *, logarithmic: bool) -> tuple[float, float]:
+    """Return the ends of an axis with a little room beyond the values."""
+    finite = values[~np.isnan(values)]
+    if not len(finite):
+        return 0.0, 1.0
+    low, high = float(finite.min()), float(finite.max())
+    if logarithmic:
+        room = math.exp(0.05 * math.log(high / low))
+        return low / room, high * room
+    room = 0.05 * (high - low) or 0.05 * abs(high) or 1.0
+    return low - room, high + room
+
+
+# --- Over two ---
+
+
+def _map_panel(
+    over: Sequence[Range], values: Vector, diverged: Any, value: Axis, title: str
+) -> Panel:
+    x, y = map(edges_of, over)
+    missing = DIVERGED if diverged.any() else ""
+    parts: list[ChartPart] = [Cells(x, y, values, value, missing=missing)]
+    if missing:
+        parts.append(_border(x, y, diverged))
+    across, up = (
+        Axis(swept.name, low=edges[0], high=edges[-1], logarithmic=swept.log)
+        for swept, edges in zip(over, (x, y), strict=True)
+    )
+    return Panel(parts, across, up, title)
+
+
+def _border(x: Vector, y: Vector, diverged: Any) -> Line:
+    """Return the edges of cells that part runs that diverged from the others."""
+    gap = math.nan
+    xs: list[float] = []
+    ys: list[float] = []
+    for i, j in zip(*np.nonzero(diverged[:, 1:] != diverged[:, :-1]), strict=True):
+        xs += [x[j + 1], x[j + 1], gap]
+        ys += [y[i], y[i + 1], gap]
+    for i, j in zip(*np.nonzero(diverged[1:] != diverged[:-1]), strict=True):
+        xs += [x[j], x[j + 1], gap]
+        ys += [y[i + 1], y[i + 1], gap]
+    return Line(xs, ys, "mark", 2.0)
