@@ -477,6 +477,7 @@ def check_parsed(
         The plant of a controller.
     """
     diagnostics, doubts = list(parsed.diagnostics), list[Diagnostic]()
+    # Doubts about a controller beside a rule base are judged with those of the rules, below.
     if parsed.controller is not None:
         diagnostics, doubts = _of_controller(parsed, path, on)
     if parsed.rulebase is None:

@@ -60,6 +60,7 @@ def html_of_drawing(drawing: RenderableType) -> str:
 def _parts(drawing: RenderableType) -> Iterator[str]:
     from rich.console import Group
 
+    # What stands between two tables is drawn together, in one <pre>.
     waiting: list[RenderableType] = []
     for part in drawing.renderables if isinstance(drawing, Group) else [drawing]:
         if isinstance(part, HeatGrid | Group):

@@ -635,6 +635,7 @@ def _corners(line: Line) -> Line:
     """Return a line of steps without the points within its level stretches."""
     y = _flat(line.y)
     last = len(y) - 1
+    # A level stretch is drawn from where it begins: its other points say nothing.
     kept = [k for k, value in enumerate(y) if k in (0, last) or value != y[k - 1]]
     x = _flat(line.x)
     return replace(line, x=[x[k] for k in kept], y=[y[k] for k in kept])

@@ -266,3 +266,14 @@ def test_a_folder_that_is_not_there_is_told_before_the_work(tmp_path, monkeypatc
     words = ["compile", PD7, "--for", "arduino", "-o", "nofolder/ard2"]
     assert main(words) == 1
     assert capsys.readouterr().err == "fuzzyarm: no such folder: 'nofolder'\n"
+
+
+def test_the_architectures_are_those_that_the_ide_knows(tipper):
+    # "espressif32" is PlatformIO's word; the IDE warns of a library for it on every ESP32.
+    architectures = {"due": "sam", "pico": "rp2040,mbed_rp2040", "esp32": "esp32"}
+    assert architectures.keys() == {board.name for board in BOARDS.values() if not board.avr}
+    for board, architecture in architectures.items():
+        command = ["compile", "tipper.fis", "--for", "arduino", "--board", board, "-o", board]
+        assert main(command) == 0
+        text = Path(board, "library.properties").read_text()
+        assert f"\narchitectures={architecture}\n" in text

@@ -327,6 +327,7 @@ def _demand_sound(wishes: list[Wish]) -> None:
 
 def _with_allowances(text: str) -> str:
     """Say where the wishes leave a doubt (an output without a middle term, for instance)."""
+    # A repair moves the positions behind it: one at a time, at most one for each line.
     for _ in range(text.count("\n")):
         doubts = check_text(text).diagnostics
         repairs = [fix for doubt in doubts for fix in fixes(doubt, text) if not fix.preferred]

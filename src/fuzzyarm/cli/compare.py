@@ -248,6 +248,7 @@ def _compared_lines(
     count = len(compared[0].rms)
     yield _columns("controller", "", [*_rms_heads(compared[0]), *heads], count)
     for comparison, cost in zip_longest(compared, costs):
+        # Where all runs diverged, one line says it.
         sense_names = senses if any(time is None for time in comparison.diverged) else senses[:1]
         for at, sense in enumerate(sense_names):
             name, others = (comparison.name, _others(comparison, cost)) if at == 0 else ("", [])

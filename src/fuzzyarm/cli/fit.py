@@ -91,6 +91,7 @@ def _run(asked: FitWords) -> int:
         print_error(sentence)
     if model.limits:
         print_error(_broken_off(model.limits))
+        # The end of --time was asked for: the status is that of a whole run.
         if "time" not in model.limits:
             return EXIT_INTERRUPTED
     return 1 if faults else 0

@@ -84,6 +84,7 @@ def print_loops(
 
     with progress() as tell:
         for verdict in loops_of(asked, controller, tuple(claims), tell):
+            # Wipes the line of progress before something is printed.
             tell("", 0, 0.0)
             if not asked.json:
                 say(*_lines(path, verdict))

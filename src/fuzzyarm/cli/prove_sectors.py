@@ -179,6 +179,7 @@ def _grouped(found: list[DriveProof]) -> list[tuple[DriveProof, list[str]]]:
 
     groups: dict[str, tuple[DriveProof, list[str]]] = {}
     for proof in found:
+        # By its text: a proof holds dictionaries, which have no hash.
         key = repr(replace(proof, axis=""))
         groups.setdefault(key, (proof, []))[1].append(f"{proof.axis}.{proof.port}")
     return list(groups.values())

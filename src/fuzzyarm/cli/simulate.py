@@ -210,6 +210,7 @@ def _slowdown(result: Run, motion: Motion, conventions: Conventions) -> str:
     if result.compiled or not has_machine_code() or lacking(site_of(motion.plants[0])):
         return ""
     pd = controller("pd")
+    # The first run loads the machine code; only the second one is timed.
     run_along(pd, motion, conventions)
     compiled = run_along(pd, motion, conventions)
     if compiled.samples != result.samples:

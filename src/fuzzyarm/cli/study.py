@@ -92,6 +92,7 @@ def _watched(rows: list[PublishedRow], runs: int) -> Iterator[Reproduced]:
     from fuzzyarm.study import chaotic, reproduce_row, variants
 
     jobs = [(row, variant) for row in rows for variant in variants(row)]
+    # Two trajectories for each; those of a chaotic row are run `runs` times more.
     total = sum(2 + 2 * runs * chaotic(row) for row, _ in jobs)
     with progress_bar("runs", total) as watch:
         for row, variant in jobs:

@@ -129,13 +129,7 @@ def _run(asked: TuneWords) -> int:
 
 
 class _Result:
-    """The tuned file on the disk: written when it is found, and again with what it is worth.
-
-    Parameters
-    ----------
-    out : str or None
-        Where to; nothing is written without.
-    """
+    """The tuned file on the disk: written when it is found, and again with what it is worth."""
 
     def __init__(self, out: str | None) -> None:
         self.out = out
@@ -221,19 +215,7 @@ def _most(asked: TuneWords) -> str:
 
 
 class _Progress:
-    """What is said of the searches while they go on: of the controller's, then of the opponent's.
-
-    Parameters
-    ----------
-    evals : int
-        Of the search.
-    say : callable
-        Takes a search, or none, and a line that says how far it is.
-    every : float
-        Seconds between two words.
-    seconds : float
-        After which the search ends in any case.
-    """
+    """What is said every so many s of a search of at most so many s, then of the opponent's."""
 
     def __init__(
         self,

@@ -87,13 +87,7 @@ def outputs_of(model: RuleBase | LookupTable) -> list[str]:
 def surface_of(model: RuleBase | LookupTable, output: str) -> Surface:
     """Return one output of a rule base or a table, over its inputs."""
     if isinstance(model, LookupTable):
-        ends = {each.name: (each.low, each.high) for each in model.axes}
-        for axis in model.axes:
-            low, high = ends[axis.name]
-            ends[axis.name] = (
-                low if math.isfinite(low) else axis.levels[0],
-                high if math.isfinite(high) else axis.levels[-1],
-            )
+        ends = {axis.name: axis.ends for axis in model.axes}
         table = model
         return Surface(ends, lambda at: np.asarray(table.lookup(*(at[n] for n in table.names))))
     rulebase, target = model, model.output(output)

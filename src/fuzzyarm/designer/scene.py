@@ -167,6 +167,7 @@ def _term(
         "name": term.name,
         "at": positions.of(term.span)[0],
         **_shape(term.shape, variable, functions),
+        # In an output with two ends a term of type 1 stands twice; a hand moves both.
         "marks": [term.name, *([lower] if lower and term.lower is None else [])],
         "lower": None,
     }

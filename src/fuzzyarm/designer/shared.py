@@ -165,6 +165,7 @@ class SharedText:
         if version != self.version:
             return False
         text = self.text
+        # All are applied before one is kept: a change that does not fit leaves nothing half done.
         for update in updates:
             text = applied(text, update.get("changes"))
         for update in updates:

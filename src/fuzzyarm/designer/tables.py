@@ -26,6 +26,7 @@ from fuzzyarm.proof.tables import cell_errors, table_proof
 from fuzzyarm.show.compiled import fidelity_line, report_lines
 from fuzzyarm.show.plane import plane_panel
 from fuzzyarm.table import Fidelity, LookupTable, measure_fidelity
+from fuzzyarm.table.axis import Axis as TableAxis
 from fuzzyarm.table.compiler import evaluate
 from fuzzyarm.text.names import printable
 
@@ -94,7 +95,7 @@ def _thinned(count: int) -> list[int]:
     return [*range(0, count, step)]
 
 
-def _axis(axis: Any) -> dict[str, Any]:
+def _axis(axis: TableAxis) -> dict[str, Any]:
     return {
         "name": axis.name,
         "description": axis.description,
@@ -215,7 +216,7 @@ def error_map(table: LookupTable, rulebase: RuleBase, mode: str, axes: Axes) -> 
     if x not in names or y not in names or (x == y and len(names) > 1):
         x, y = names[-1], names[-2] if len(names) > 1 else names[-1]
     held = {axis.name: _held(axis, axes.at.get(axis.name)) for axis in table.axes}
-    xs, ys = (np.linspace(*_ends(table.axis(name)), ACROSS) for name in (x, y))
+    xs, ys = (np.linspace(*table.axis(name).ends, ACROSS) for name in (x, y))
     mesh = {**{name: np.array(value) for name, value in held.items()}, x: xs[None, :]}
     if x != y:
         mesh[y] = ys[:, None]
@@ -243,14 +244,8 @@ def error_map(table: LookupTable, rulebase: RuleBase, mode: str, axes: Axes) -> 
     }
 
 
-def _ends(axis: Any) -> tuple[float, float]:
-    low = axis.low if math.isfinite(axis.low) else axis.levels[0]
-    high = axis.high if math.isfinite(axis.high) else axis.levels[-1]
-    return low, high
-
-
-def _held(axis: Any, wanted: float | None) -> float:
-    low, high = _ends(axis)
+def _held(axis: TableAxis, wanted: float | None) -> float:
+    low, high = axis.ends
     return min(max(wanted, low), high) if wanted is not None else 0.5 * (low + high)
 
 

@@ -24,6 +24,7 @@ from fuzzyarm.export.steps import Steps
 __all__ = ["Row", "Trial", "sizes", "tried"]
 
 _SECONDS = 300
+# Not optimised, so that the lines that gcov counts are those of the text.
 _FLAGS = ("-std=c99", "-ffp-contract=off", "-O0", "--coverage")
 _SMALL = ("-std=c99", "-Os", "-ffunction-sections", "-fdata-sections")
 
@@ -116,6 +117,7 @@ def _points(exported: Exported, stem: str) -> tuple[list[Case], str]:
         function = call.partition("(")[0].split()[-1]
         vectors = routine.vectors()
         whole = np.issubdtype(routine.kind, np.integer)
+        # In hexadecimal a float loses no bit on its way.
         show = 'printf("%ld\\n", (long)' if whole else 'printf("%a\\n", (double)'
         for row in zip(*(c.tolist() for c in (*vectors.inputs, vectors.expected)), strict=True):
             arguments = ", ".join(c_number(x, routine.kind) for x in row[:-1])

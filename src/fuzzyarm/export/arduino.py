@@ -256,6 +256,7 @@ def _controller_sketch(
         "",
         "void loop()",
         "{",
+        # micros() wraps round after 71 minutes; the difference as a signed number does not mind.
         "    if ((long)(micros() - due) < 0) {",
         "        return;",
         "    }",
@@ -341,6 +342,7 @@ def _from_pin(
         middle = 0.5 * (ends[0] + ends[1])
         return c_number(scale.nearest(middle) if scale else middle, kind)
     if scale is not None:
+        # From 0 .. analog_top to the whole range of the fixed-point number.
         steps = f"analogRead(A{number}) * {1 << (scale.bits + 1)}L / {board.analog_top + 1}"
         return f"({C_TYPES[kind]})({steps} - {1 << scale.bits})"
     width = c_number(ends[1] - ends[0], kind)
@@ -408,9 +410,9 @@ def _properties(part: _Part, board: Board) -> str:
 
 
 def _architecture(board: Board) -> str:
-    return {"atmelsam": "sam", "raspberrypi": "rp2040,mbed_rp2040"}.get(
-        board.platform, board.platform.removesuffix("32") + "32"
-    )
+    """Return what the Arduino IDE calls what PlatformIO calls a platform."""
+    names = {"atmelsam": "sam", "raspberrypi": "rp2040,mbed_rp2040", "espressif32": "esp32"}
+    return names[board.platform]
 
 
 def _library_json(part: _Part, board: Board) -> str:

@@ -156,6 +156,7 @@ class _Programs:
 
     def _cost(self, here: int) -> Operations:
         k, total = self.k, Operations()
+        # In the order in which a program lies in memory; `here` goes along it.
         for i in range(k[at.INPUTS]):
             head = at.HEAD + at.INPUT_HEAD * i
             total += _times(_LOCATE, 1) + _times(_LINE, k[here + 1])

@@ -405,6 +405,7 @@ EXPORT int fmi3GetNumberOfVariableDependencies(void *instance, unsigned vr, size
 _MANY = "const unsigned vr[], size_t n"
 _SEED = "const unsigned unknown[], size_t n, const unsigned known[], size_t m, const double seed[]"
 
+# A Boolean is an int in FMI 2 and C's bool in FMI 3.
 _STUBS2: tuple[tuple[str, str], ...] = (
     *((f"Get{kind}", f"{_MANY}, {c} values[]") for kind, c in (
         ("Integer", "int"), ("Boolean", "int"), ("String", "const char *"))),

@@ -57,6 +57,7 @@ class Platform:
 
 
 PLATFORMS = {
+    # 2.17 is the oldest glibc that a host may have.
     "linux64": Platform("x86_64-linux-gnu.2.17", {2: "linux64", 3: "x86_64-linux"}, ".so"),
     "win64": Platform("x86_64-windows-gnu", {2: "win64", 3: "x86_64-windows"}, ".dll"),
     "darwin64": Platform("x86_64-macos", {2: "darwin64", 3: "x86_64-darwin"}, ".dylib"),
@@ -115,6 +116,7 @@ def controller_fmu(
     files, writer = controller_c(steps, prefix, prefix, ".h", program.tried.vectors, program.head())
     entries = list(_entries(program, writer.targets))
     settable = sum(each.sort in ("reference", "measured", "gain") for each, _, _ in entries)
+    # The host compares this token with that of the library: it changes with what is computed.
     digest = hashlib.sha256((files[".h"] + str(version)).encode()).digest()
     token = f"{{{uuid.UUID(bytes=digest[:16])}}}"
     places = [(variable, place) for variable, _, place in entries]
@@ -169,13 +171,7 @@ def find_compiler() -> list[str]:
 
 
 def _cross_compiler() -> list[str]:
-    """Return the words that call the compiler of the ``ziglang`` wheel.
-
-    Raises
-    ------
-    ExportError
-        If it is not installed.
-    """
+    """Return the words that call the compiler of the ``ziglang`` wheel; ExportError without it."""
     if find_spec("ziglang") is None:
         raise ExportError(
             "libraries for other platforms are built by the ziglang wheel, which is not installed",
@@ -333,6 +329,7 @@ def _description(
             variable = Xml.SubElement(variables, "ScalarVariable", words)
             Xml.SubElement(variable, "Real", {**unit_attribute, **start})
     if version == 3:
+        # FMI 3 wants the independent variable listed; FMI 2 does not know it.
         time = {"name": "time", "valueReference": str(len(entries)), "causality": "independent"}
         Xml.SubElement(variables, "Float64", {**time, "variability": "continuous"})
     _structure(root, version, entries)
@@ -352,6 +349,7 @@ def _structure(root: Xml.Element, version: int, entries: Sequence[Entry]) -> Non
     for word in ("Outputs", "InitialUnknowns"):
         listed = Xml.SubElement(structure, word)
         for number in drives:
+            # FMI 2 refers to a variable by its position, from 1.
             Xml.SubElement(listed, "Unknown", {"index": str(number + 1), "dependencies": ""})
 
 

@@ -105,6 +105,7 @@ class PythonModule:
         key = ("number", value)
         if key not in self.known:
             self.known[key] = f"K{sum(name.startswith('K') for name in self.known.values())}"
+            # Both have to be floats themselves before they are divided.
             exact = under < 2**1000 and over < 2**1000
             text = f"{over} / {under}" if exact else repr(value)
             self.constants.append(f"{self.known[key]} = {text}  # {value!r}")
@@ -410,6 +411,7 @@ def _test(routine: Routine, name: str, module: PythonModule) -> list[str]:
     tolerance = 0 if np.issubdtype(routine.kind, np.integer) else 1e-4 * largest
     return [
         f"for k in range(0, {count * width}, {width}):",
+        # `not … <=`, so that a NaN fails as well.
         f"    if not abs({name}({arguments}) - {array}[k + {width - 1}]) <= {tolerance!r}:",
         "        return 1",
     ]

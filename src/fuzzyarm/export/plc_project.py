@@ -36,6 +36,7 @@ ELEMENTARY = frozenset({*ST_TYPES.values(), "BOOL"})
 TIME = "1980-01-01T00:00:00"
 """The time in the head of a file: the same source gives the same bytes."""
 
+# These read the text of our own printer only; `_units` asserts that nothing is left over.
 _UNIT = re.compile(
     r"(?:\(\*(?P<head>(?:(?!\*\)).)*)\*\)\n)?"
     r"(?P<sort>FUNCTION_BLOCK|FUNCTION|PROGRAM) (?P<name>\w+)(?: : (?P<type>\w+))?\n"

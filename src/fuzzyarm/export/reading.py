@@ -162,6 +162,7 @@ class _Reader:
         then_names, then_written = self.known, self.cells.written
         self.known, self.cells.written = dict(names), dict(stores)
         self.statements(each.orelse)
+        # What one branch alone sets is not read afterwards in a kernel.
         for name in then_names.keys() & self.known.keys():
             self.known[name] = _choice(condition, then_names[name], self.known[name])
         for index in {**then_written, **self.cells.written}:

@@ -106,6 +106,7 @@ class _InC(Translation):
 
     def __init__(self, walk: Walk, writer: CWriter, wanted: str) -> None:
         self.walk, self.writer, self.wanted = walk, writer, wanted
+        # Between two @ stands a helper: `finish` writes those that are needed.
         extremes = {
             (extreme, type_): (f"@{extreme.__name__} {self._scalar(type_)}@({{}})", type_)
             for extreme in _SIGNS

@@ -91,6 +91,7 @@ _TARGET = replace(
     variable="{}_x",
     constant="{name} := {value};",
     cast="DINT_TO_LREAL({value})",
+    # Whole numbers are not negative where they are divided.
     operators={**C99.operators, (ast.FloorDiv, WHOLE): "({0} / {1})"},
     comparisons={**C99.comparisons, ast.Eq: "=", ast.NotEq: "<>"},
     functions={
@@ -328,6 +329,7 @@ class _STFunction(_Function):
         numbers = [self.value(argument).text for argument in node.iter.args]
         start, end = ("0", numbers[0]) if len(numbers) == 1 else numbers[:2]
         step = numbers[2].strip("()") if len(numbers) == 3 else "1"
+        # FOR includes its last number, range does not.
         last = f"{end} + 1" if step.startswith("-") else f"{end} - 1"
         index = self.temporary()
         self.own[index] = "DINT"

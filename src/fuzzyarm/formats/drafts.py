@@ -77,9 +77,7 @@ def imported(
         findings.warn("no-rules", "no rule of this file counts")
     if dialect.assumed:
         findings.info("assumed-producer", dialect.assumed)
-    if findings.failed:
-        rulebase = None
-    return Imported(rulebase, findings.all(), dialect.producer)
+    return findings.imported(rulebase, dialect.producer)
 
 
 def _refuse_unknown_names(rulebase: RuleBase, findings: Findings) -> None:

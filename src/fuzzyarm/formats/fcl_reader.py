@@ -233,6 +233,7 @@ class _Reader:
             word = cursor.name("a variable")
             last = self.block.variable(word, is_output=is_output)
             cursor.expect(":")
+            # Past the type; many files lack the semicolon, so the end of the line ends it too.
             while not cursor.ended and cursor.word.text != ";" and cursor.key() != "END_VAR":
                 if cursor.word.span.line != word.span.line:
                     break
@@ -251,6 +252,7 @@ class _Reader:
             except FaultError as fault:
                 self.findings.fault(fault)
                 ends = cursor.key() in (end, *SECTIONS, *_STATEMENTS)
+                # At least one word on: else it would be read forever.
                 cursor.at += not ends or cursor.at == start
                 cursor.to_next_statement()
 

@@ -143,12 +143,14 @@ class ScikitBlock(FunctionBlock):
             message = f"the RANGE of '{draft.name}' has {size.replace('1 points', '1 point')}"
             self.findings.error("bad-range", message, draft.word)
             return
+        # Inputs are clamped to the points, the last of which lies below the upper end.
         draft.low, draft.high = xs[0], xs[-1]
         self._universes[draft.name] = xs
         for index, term in enumerate(draft.terms):
             shape = self._on_points(draft, replace(term, shape=closed(term.shape, xs)), xs)
             draft.put(index, Term(term.name, shape, term.span))
         if draft.is_output:
+            # Sets the samples of the dialect; each output has the points of its own universe.
             self.finish_output(draft, self.method_name(draft))
             method = draft.defuzzifier.method
             draft.defuzzifier = Defuzzifier(method)

@@ -96,6 +96,7 @@ class _Writer(SystemWriter):
         if not self.own:
             title = identifier(name, _RESERVED, ignore_case=True) if name else ""
         else:
+            # Signs that end a title or begin a comment.
             plain = re.sub(r"[;:#]|/[/*]|\(\*", " ", name)
             words = "".join(c if c.isprintable() else " " for c in plain).split()
             title = " ".join(f"{w}_" if w.upper() in KEYWORDS else w for w in words)
@@ -109,6 +110,7 @@ class _Writer(SystemWriter):
         for variable in variables:
             lines.append(f"  {self.names.variable(variable.name)} : REAL;")
             bounded = math.isfinite(variable.low) and math.isfinite(variable.high)
+            # jFuzzyLogic refuses a RANGE inside FUZZIFY.
             if not self.own and bounded and isinstance(variable, Input):
                 lines[-1] += f" {_range(variable)}"
         return [*lines, "END_VAR"]
@@ -127,6 +129,7 @@ class _Writer(SystemWriter):
 
     def _term(self, variable: Input | Output, term: Term) -> str:
         if self.own:
+            # A singleton of FCL is a bare number.
             return self.fuzzylite_term(variable, term).removeprefix("Constant ")
         return self._plain_term(variable, term)
 
@@ -136,6 +139,7 @@ class _Writer(SystemWriter):
             lines.insert(1, f"  {_range(output)}")
         lines.append(f"  METHOD : {self._method(output)};")
         weighted = output.defuzzifier.record.weighs
+        # Without ACCU fuzzylite adds up.
         if self.own and not (weighted and output.aggregation == "sum"):
             lines.append(f"  ACCU : {self.snorm(output.aggregation)};")
         lines += self._default(output)
@@ -205,6 +209,7 @@ class _Writer(SystemWriter):
             self.findings.loss("unsupported-norm", message)
             aggregation = "max"
         return [
+            # No OR: jFuzzyLogic derives it from AND, see JFUZZYLOGIC_PAIRS.
             f"  AND : {word_of(TNORMS, block.conjunction, 'jfl') or 'MIN'};",
             f"  ACT : {'PROD' if block.implication == 'product' else 'MIN'};",
             f"  ACCU : {word_of(SNORMS, aggregation, 'jfl')};",

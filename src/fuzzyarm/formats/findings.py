@@ -261,6 +261,7 @@ class Findings:
         key = (name, what, word.text)
         if key in self._unknown:
             index, times = self._unknown[key]
+            # An error though it is not listed again: `failed` counts it.
             self._unknown[key] = index, times + 1
             self._errors += 1
             return
@@ -269,6 +270,7 @@ class Findings:
         if self._hints < MAX_HINTS:
             self._hints += 1
             hint, replacement = near_hint(word.text, names)
+        # Names of the file are few; a list of all words of a format helps only as a last resort.
         if not hint or name.startswith("undefined"):
             hint = "; ".join(filter(None, (hint, listed(names))))
         message = f"{what} '{shortened(word.text)}'{ending}"
@@ -324,6 +326,14 @@ class Findings:
         self._items.append(
             Diagnostic(name, message, span, severity, hint, replacement, self.path, related)
         )
+
+    def imported(self, rulebase: RuleBase | None, producer: str) -> Imported:
+        """Return what was read with all findings; after an error, these alone."""
+        return Imported(None if self.failed else rulebase, self.all(), producer)
+
+    def exported(self, text: str) -> Exported:
+        """Return what was written with all findings; after an error, these alone."""
+        return Exported(None if self.failed else text, self.all())
 
     def all(self) -> tuple[Diagnostic, ...]:
         """Return everything found, in the order of the text."""
@@ -387,6 +397,7 @@ def number(text: str) -> float | None:
     ``-pi/4`` or ``2*pi``, which people write into ``.fis`` files.
     """
     if _PLAIN.match(text):
+        # `1d3` is a number to MATLAB and Octave.
         return float(text.replace("d", "e").replace("D", "e"))
     if len(text) > 60:
         return None

@@ -157,6 +157,7 @@ _ONLY_OCTAVE = re.compile(
     r"'(einstein|hamacher|drastic|bounded)_(sum|product|difference)'|centroid_integral",
     re.IGNORECASE,
 )
+# An index with a fraction in a rule is a hedge of Octave's toolkit (`hedges_of`).
 _FRACTION = re.compile(r"^[^\S\n]*(-?\d+(\.\d+)?[^\S\n]+)*-?\d+\.0*[1-9]\d*[\s,]", re.MULTILINE)
 
 

@@ -73,6 +73,7 @@ class _Writer(SystemWriter):
         }
         if sum(bool(block.rules) for block in rulebase.blocks) > 1:
             self.findings.info("dropped-blocks", "the rules of all blocks are put in one list")
+        # Before the head, which says how many there are.
         self.rules = [self._rules(block) for block in rulebase.blocks]
 
     def head(self) -> list[str]:
@@ -338,6 +339,7 @@ def _fraction_of(hedges: tuple[Hedge, ...], dialect: Dialect) -> float | None:
     fraction = round(_exponent(hedges[0]) / 10.0, 6)
     if not 0.0 < fraction < 1.0:
         return None
+    # The fraction has few digits: only if the same exponent is read back.
     reading = hedges_of(fraction, dialect) or ()
     return fraction if len(reading) == 1 and _exponent(reading[0]) == _exponent(hedges[0]) else None
 

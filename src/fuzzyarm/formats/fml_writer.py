@@ -176,6 +176,7 @@ class _Writer(SystemWriter):
             yield f"<tskTerm{_attributes(**name, order=order)}>"
             if shape.kind in ("linear", "singleton"):
                 *factors, constant = shape.parameters
+                # IEEE 1855 has the constant first, the model last.
                 for value in (constant, *factors):
                     yield f"  <tskValue>{written(value)}</tskValue>"
             else:

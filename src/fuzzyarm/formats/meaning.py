@@ -38,6 +38,7 @@ MAX_NODES = 2_000
 POWERS = {"very": 2.0, "somewhat": 0.5, "extremely": 3.0, "power": 1.0}
 """Exponents of the hedges that are powers; that of ``power`` is its own number."""
 
+# `any` is 1 for every degree, so these two are 0 whatever the term.
 NEVER = (NOT, Hedge("any"))
 
 _SAMPLES = 10_000
@@ -251,6 +252,7 @@ class _Activations:
             if conclusion.hedges:
                 if group:
                     rules.append(self._rule(antecedent, hedges, group, text, block))
+                # The activation is already hedged by the earlier ones, so the new ones go outside.
                 group, hedges = [], (*conclusion.hedges, *hedges)
             group.append(Consequent(conclusion.variable, conclusion.term, span=conclusion.span))
         if group:
@@ -477,6 +479,7 @@ def hedged_weight(weight: float, hedges: tuple[Hedge, ...]) -> float | None:
 
     That holds for powers, as (w d)ᵖ = wᵖ dᵖ, for ``any`` and for the weight 1.
     """
+    # The hedge next to the antecedent acts first.
     for hedge in reversed(hedges):
         if hedge.name == "any":
             weight = 1.0

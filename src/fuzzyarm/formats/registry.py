@@ -272,7 +272,7 @@ def _write_own(rulebase: RuleBase, *, lossy: bool, strict: bool) -> Exported:
             note_threshold(rulebase, findings, "the language", 0.0)
         else:
             findings.loss("not-in-language", "the text does not say all of the model")
-    return Exported(None if findings.failed else text, findings.all())
+    return findings.exported(text)
 
 
 def same_model(one: RuleBase, other: RuleBase) -> bool:

@@ -251,6 +251,7 @@ class _Parser:
         while True:
             hedge = self.hedges.get(self.key())
             is_term = draft is not None and self._next_is_term(draft)
+            # A term may be called like a hedge: it is the last word of its proposition.
             if hedge is None or (is_term and not self._more_follows()):
                 break
             hedges.append(hedge)

@@ -115,8 +115,7 @@ class SystemWriter:
         if "outputs" not in dialect.clamps:
             self._note_outside(rulebase.outputs)
         lines = self.lines()
-        text = None if findings.failed else "\n".join(lines) + "\n"
-        return Exported(text, findings.all())
+        return findings.exported("\n".join(lines) + "\n")
 
     def _note_outside(self, variables: tuple[Input | Output, ...]) -> None:
         for variable in variables:

@@ -106,10 +106,10 @@ def tree(
     valid = [connection for connection in parsed if _is_known(connection, parts, findings)]
     order = _order(parts, valid, findings)
     if findings.failed:
-        return Imported(None, findings.all(), "fuzzyarm")
+        return findings.imported(None, "fuzzyarm")
     _note_apart(parts, valid, findings)
     rulebase = _Joint(parts, valid, findings).rulebase(name, order)
-    return Imported(None if findings.failed else rulebase, findings.all(), "fuzzyarm")
+    return findings.imported(rulebase, "fuzzyarm")
 
 
 def _place(end: tuple[str, str]) -> str:
@@ -162,6 +162,7 @@ def _order(
             message = f"two connections lead to '{_place(target)}'"
             findings.error("duplicate-connection", message)
         sources[target] = source
+        # Two inputs that are joined do not wait for each other: both read the same value.
         if any(source[1] == output.name for output in parts[source[0]].outputs):
             waits[target[0]].add(source[0])
     try:
@@ -333,6 +334,7 @@ class _Joint:
 
     def _output(self, shared: _Shared) -> Output:
         assert isinstance(shared.variable, Output)
+        # Only its own terms may be values over inputs; those it took over are sets.
         term_names = {name for (key, _, _), name in shared.renamed.items() if key == shared.key}
         terms = [
             replace(term, shape=self._shape(shared.key, term.shape))

@@ -173,6 +173,7 @@ def _read_unit(cursor: Cursor) -> Word:
 
 
 def _unit_text(unit: str) -> str:
+    # An empty unit that the file writes out is printed again; one that is absent is not.
     has_unit = unit or (isinstance(unit, Word) and unit.span is not NOWHERE)
     return quote(unit, '"') if has_unit else ""
 
@@ -259,6 +260,7 @@ CONTROLLER_STATEMENTS: dict[str, StatementKind] = {
                     Mark("=", "after '{name}'"),
                     Several(
                         Phrase("values", read_amount, "VALUE", amount_text, words={"pi": "π"}),
+                        # The comma before `tune` does not announce another value.
                         stop="tune",
                     ),
                     Phrase("unit", _read_unit, '"UNIT"', _unit_text, empty=""),
@@ -393,7 +395,10 @@ CONTROLLER_STATEMENTS: dict[str, StatementKind] = {
                     ),
                     Maybe(
                         Mark(
-                            "slew", "or 'within' after the comma", "the largest change per second"
+                            # The last option reports a word that fits neither: it names both.
+                            "slew",
+                            "or 'within' after the comma",
+                            "the largest change per second",
                         ),
                         Number("slew", "the largest change per second"),
                     ),

@@ -61,6 +61,7 @@ def elaborate_expectation(node: ExpectNode, scope: Scope) -> Expectation | None:
     outcomes = tuple(_outcome(outcome, scope) for outcome in node.outcomes)
     if len(scope.diagnostics) > before:
         return None
+    # The model holds inputs in the order of their declaration, whatever the line says.
     order = {name: i for i, name in enumerate(scope.names("input"))}
     inputs = tuple(sorted(values.items(), key=lambda item: order[item[0]]))
     return Expectation(inputs, outcomes, node.span)
@@ -96,6 +97,7 @@ def elaborate_property(node: ProveNode, scope: Scope) -> Property | None:
         low, high = stretch.low, stretch.high
         _demand_stretch(stretch.high.span, low, high, scope)
         first, last = range_of(draft.node)
+        # The wrong order of the ends has been reported; one slip is one finding.
         if not first <= low <= high <= last and low <= high:
             scope.report(
                 "bad-range",
@@ -226,6 +228,7 @@ def _levels(item: LookupItem, scope: Scope) -> tuple[float, ...] | None:
     else:
         intervals = (high - low) / third if third > 0.0 else 0.0
         finite = math.isfinite(intervals)
+        # A decimal step such as 0.1 has no exact binary value.
         fits = finite and intervals >= 1 and abs(intervals - round(intervals)) < 1e-6
     if not fits:
         scope.report(
@@ -294,6 +297,7 @@ def elaborate_tuning(node: TuneNode, scope: Scope) -> Tuning:
             terms = [scope.term(draft, word) for word in item.terms]
             names = [term.name for term in terms if term is not None]
             if draft is not None and len(names) == len(item.terms):
+                # The empty name stands for all terms of the variable.
                 kept_names += [(draft.name, name) for name in names or [""]]
     return Tuning(tuple(peaks), tuple(gains), tuple(kept_names))
 

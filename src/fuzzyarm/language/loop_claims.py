@@ -99,6 +99,7 @@ class LoopClaimNode(NamedTuple):
             "" if output is None else str(output.name),
             0.0 if output is None else float(output.low),
             0.0 if output is None else float(output.high),
+            # Spelt out for mypy: the model wants one of three literals, the node has any text.
             "after" if self.when == "after" else "during" if self.when == "during" else "always",
             begin,
             end,

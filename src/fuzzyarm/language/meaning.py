@@ -92,6 +92,8 @@ def elaborate(
     for node in nodes:
         if isinstance(node, VariableNode):
             declare_variable(node, scope)
+    # Without any declaration, the names that rules use count as declared: one missing
+    # line is one finding, not one in each rule.
     for role in ("input", "output"):
         if not scope.names(role) and not scope.broken_variables:
             scope.presumed |= _presumed(nodes, role)
@@ -165,6 +167,7 @@ def _presumed(nodes: list[StatementNode], role: str) -> frozenset[str]:
 def _settings(nodes: list[StatementNode], scope: Scope) -> Norms:
     norms: Norms = {}
     lines = [node for node in nodes if isinstance(node, InferenceNode)]
+    # Lines for all variables first, so that those for one variable override them.
     for node in sorted(lines, key=lambda line: line.target is not None):
         apply_inference(node, scope, norms)
     return norms

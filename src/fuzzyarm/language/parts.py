@@ -453,6 +453,7 @@ class Several(Part):
         values[self.part.field] = tuple(items)
 
     def _one(self, cursor: Cursor, values: Values) -> Any:
+        # Each item is read into the same field: into a copy, so that none sees the one before.
         fields_read = dict(values)
         self.part.read(cursor, fields_read)
         return fields_read[self.part.field]
@@ -543,6 +544,7 @@ class Maybe(_Together):
     def read(self, cursor: Cursor, values: Values) -> None:
         """Read it."""
         here = cursor.accept(self.first, likely=self.likely) is not None
+        # Absent parts too have their values, since the node is made of all its fields.
         for name, empty in self.fields():
             values.setdefault(name, empty)
         if here:
@@ -594,6 +596,7 @@ class Options(Part):
         """Read it."""
         values.update(self.fields())
         while cursor.accept(","):
+            # The last option demands its word: its message stands for all of them.
             *others, last = self.options
             for option in others:
                 if cursor.accept(option.first):
@@ -650,6 +653,7 @@ class Forgiving(_Together):
                 cursor.finish()
         except Fault as fault:
             cursor.forgive(fault)
+            # Also what was read before the fault: half a range is none.
             values.update(self.fields())
 
 

@@ -161,12 +161,14 @@ class PropositionNode(NamedTuple):
     def read(cls, cursor: Cursor, what: str, role: str = "") -> PropositionNode:
         """Read a proposition that starts with `what`, the name of a variable of `role`."""
         variable = cursor.variable(what, role, " is")
+        # `vary (x is hot)`: a misspelt hedge before a parenthesis was read as the variable.
         if cursor.next_is("("):
             raise _unknown_hedge(variable)
         cursor.expect("is", f"after the variable '{variable}'")
         hedges = HedgeNode.read_all(cursor)
         term = cursor.term(f"a term of '{variable}'", variable)
         following = cursor.peek()
+        # `x is vary hot` and `x is powr(1.3) hot`: the hedge was read as the term.
         if following is not None and following.kind == "name" and following.text not in _FOLLOW:
             raise _unknown_hedge(term)
         if cursor.next_is("(") and (number := cursor.peek(1)) and number.kind == "number":
@@ -280,6 +282,7 @@ class LinearPart(NamedTuple):
     def read(cls, cursor: Cursor, sign: float) -> LinearPart:
         """Read a summand after a plus or minus."""
         start = cursor.span
+        # Only a name leaves its sign to be read here (`- - x`); a number takes its own.
         while not cursor.at_figure and cursor.accept("-"):
             sign = -sign
         if not cursor.at_figure:
@@ -379,6 +382,7 @@ def _read_parameters(cursor: Cursor, kind: str) -> tuple[Figure, ...]:
     if not figures and not cursor.at_end:
         cursor.fail(f"the numbers of {kind}: {' '.join(names)}")
     if len(figures) > len(names):
+        # Only what is too many is marked.
         start = figures[len(names)].span
     message = f"{kind} takes {len(names)} numbers ({', '.join(names)}), found {len(figures)}"
     span = start.to(figures[-1].span) if figures else start
@@ -414,6 +418,7 @@ def _sum_text(parts: tuple[LinearPart, ...]) -> str:
     first, *rest = parts
     text = first.text(first.factor)
     for part in rest:
+        # The text tells, not `< 0.0`: a factor of -0.0 keeps its sign.
         negative = number_text(part.factor).startswith("-")
         text += f" {'-' if negative else '+'} {part.text(abs(part.factor))}"
     return text
@@ -456,6 +461,7 @@ class Setting(NamedTuple):
     expected: str = "one of"
 
 
+# Asked at each use, not copied: other packages register norms later.
 class _Disjunctions(Collection[str]):
     """The S-norms that ``or`` takes: all but those for aggregation only."""
 

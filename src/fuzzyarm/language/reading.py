@@ -97,6 +97,7 @@ def parse(text: str, path: str = "<text>", memory: ParseMemory | None = None) ->
     if document.diagnostics and not too_large:
         from fuzzyarm.language.slips import as_meant, foreign_text
 
+        # One finding that names the other language instead of hundreds about its syntax.
         foreign = foreign_text(text) if len(document.diagnostics) >= MANY else None
         if foreign is not None:
             document = document._replace(diagnostics=(foreign,))
@@ -121,6 +122,7 @@ def parse(text: str, path: str = "<text>", memory: ParseMemory | None = None) ->
         nodes = [statement.node for statement in repaired.statements]
         whole, more = elaborate_controller(nodes, partial if Heading in heads else None)
         findings += [finding for finding in more if finding.line not in mended]
+    # The meaning of a text that was cut off is not judged.
     diagnostics = list(document.diagnostics) if too_large else [*document.diagnostics, *findings]
     if failures:
         diagnostics = list(map(_with_failure, diagnostics))
@@ -164,6 +166,7 @@ def read_text(path: str | os.PathLike[str]) -> str:
     """
     note_source(path)
     with open(path, "rb") as file:
+        # UTF-8 takes at most four bytes for a character; one more tells that it is too large.
         return decoded(file.read(4 * MAX_CHARACTERS + 1), os.fspath(path))
 
 
@@ -199,6 +202,7 @@ def text_to_show(path: str | os.PathLike[str]) -> str:
     OSError
         If the file cannot be read.
     """
+    # Line ends as they are, so that lines count as those of the findings.
     with open(path, encoding="utf-8-sig", errors="replace", newline="") as file:
         text = file.read()
     return "" if "\0" in text else text

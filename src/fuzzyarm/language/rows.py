@@ -160,11 +160,7 @@ class Row:
     @cached_property
     def in_columns(self) -> bool:
         """Whether neighbours are aligned."""
-        sketch = Printed()
-        for part in _all_parts(self.parts):
-            if isinstance(part, Column):
-                sketch.column()
-        return len(sketch.columns) > 1
+        return any(isinstance(part, Column) for part in _all_parts(self.parts))
 
     def below(self, node: Any) -> list[tuple[str, Trivia]] | None:
         """Return the lines below; None where the statement takes none."""

@@ -67,6 +67,7 @@ def elaborate_grid(node: GridNode, scope: Scope, budget: int) -> list[Rule]:
         rules += _row_rules(node, line, label, columns, condition, output, scope)
         if len(rules) > budget or scope.overflows:
             break
+    # Only now: cells are judged even where the output or the condition is at fault.
     sound = node.condition is None or condition is not None
     return rules if sound and output is not None else []
 
@@ -146,8 +147,10 @@ def _row_rules(
     scope: Scope,
 ) -> list[Rule]:
     rules = []
+    # One flat `and`, as the same rule has it where it is written as a sentence.
     extra = condition.operands if isinstance(condition, And) else (condition,)
     rest = tuple(operand for operand in extra if operand is not None)
+    # Not strict: the parser has reported rows of another length.
     for cell, column in zip(line.cells, columns, strict=False):
         if cell.term is None:
             continue

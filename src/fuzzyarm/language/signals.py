@@ -172,8 +172,10 @@ def number_or_name(value: str | float) -> str:
 def _read_factor(cursor: Cursor, divides: bool = False) -> Factor:
     """Read a number, or the name of a signal, a gain or a partner."""
     cursor.suggest("signals")
+    # A sign belongs to the sum, which turns `a - -1` down.
     if cursor.at_figure and not cursor.next_is("-") and not cursor.next_is("+"):
         return Factor(cursor.figure("a number"), divides)
+    # `partner * k` is a product with a signal of that name.
     if cursor.next_is("partner") and not cursor.next_is("*", 1):
         cursor.take()
         return Factor(cursor.name("the name of a partner"), divides, partner=True)
@@ -275,6 +277,7 @@ def _read_option(cursor: Cursor, known: Mapping[str, OptionKind]) -> tuple[Word,
             cursor.expect(keyword, f"after {word}")
         return word, True
     if kind.takes == "time":
+        # A filter's time constant is 1 / (2 pi f) of its cut-off frequency f.
         return word, read_time(cursor, f"the time of {word}", 0.5 / math.pi)
     if kind.takes == "range":
         low = cursor.figure("the lower end", finite=False)

@@ -293,6 +293,8 @@ class ProveNode(NamedTuple):
         cursor.take()
         region: list[StretchNode] = []
         arrow = False
+        # `u in 0 .. 1` is a claim about an output or a part of the region: only the comma or
+        # the arrow behind it tells. So it is read as a claim, and turned into a stretch.
         while True:
             claim = cls._table(cursor) if cursor.accept("table") else None
             if claim is None:

@@ -21,6 +21,9 @@ from fuzzyarm.text.placed import Figure, Word
 
 # --- Tokens ---
 
+# The order decides: a closed quote before an open one, a sound number before `bad`. A name
+# takes a hyphen only before a letter; a number takes no dot before another dot, so that
+# `0..1` is a range.
 _TOKEN = re.compile(
     r"""
       (?P<space>[ \t\f\v\u00a0\ufeff]+)

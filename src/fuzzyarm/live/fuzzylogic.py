@@ -13,8 +13,9 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any, NamedTuple
 
 from fuzzyarm.formats.findings import Findings, Imported, reading, unique_name
-from fuzzyarm.formats.recovery import TOLERANCE, constant_beyond, even_family, joined, shape_of
+from fuzzyarm.formats.recovery import TOLERANCE
 from fuzzyarm.formats.sentences import NOT
+from fuzzyarm.live.functions import input_of, shape_or_points
 from fuzzyarm.model.rulebase import (
     And,
     Consequent,
@@ -67,7 +68,7 @@ def from_fuzzylogic(
     """
     findings = Findings(lossy=lossy, strict=strict)
     rulebase = _rulebase(rule, name, findings)
-    return Imported(None if findings.failed else rulebase, findings.all(), "fuzzylogic")
+    return findings.imported(rulebase, "fuzzylogic")
 
 
 def _domains(rule: Any) -> dict[str, Any]:
@@ -143,6 +144,7 @@ def _named(domain: Any, used: Iterable[Any], *, hedged: bool = False) -> dict[in
 def _under_hedges(each: Any, own: list[_Named], domain: Any) -> _Named | None:
     """Return the own term and the hedges that make a set, as ``~hot`` and ``very(hot)``."""
     low, width = float(domain._low), float(domain._high) - float(domain._low)
+    # Also an eighth of the range beyond its ends, where a complement looks different.
     xs = [low + width * (i - 20) / 160 for i in range(201)]
     degrees = [float(each(x)) for x in xs]
     for term in own:
@@ -173,25 +175,13 @@ def _input(label: str, domain: Any, sets: Iterable[_Named], findings: Findings) 
         if set_ is not None:
             what = f"'{name}' of '{label}'"
             with reading(what):
-                shapes[name] = _shape(set_, low, high, what, findings)
-    outside = "extend"
-    if all(constant_beyond(shape, low, high) for shape in shapes.values()):
-        outside = "clamp"
-        points = [low + (high - low) * i / 96 for i in range(97)]
-        even = even_family(list(shapes.values()), low, high, points)
-        shapes = dict(zip(shapes, even, strict=True)) if even else shapes
-    terms = tuple(Term(name, shape) for name, shape in shapes.items())
-    return Input(label, low, high, terms, outside=outside)
+                words = f"{what} is a user-defined function,"
+                shapes[name] = shape_or_points(_degree_of(set_), low, high, words, findings)
+    return input_of(label, low, high, shapes)
 
 
-def _shape(each: Any, low: float, high: float, what: str, findings: Findings) -> Shape:
-    shape = shape_of(each, low, high)
-    if shape is not None:
-        return shape
-    message = f"{what} is a user-defined function, taken at 1001 points"
-    findings.loss("unsupported-shape", message, slight=True)
-    xs = [low + (high - low) * i / 1000 for i in range(1001)]
-    return joined(xs, [min(1.0, max(0.0, float(each(x)))) for x in xs])
+def _degree_of(each: Any) -> Callable[[float], float]:
+    return lambda x: float(each(x))
 
 
 def _output(label: str, target: Any, sets: Iterable[_Named]) -> Output:

@@ -21,8 +21,8 @@ from fuzzyarm.expression.formulas import FormulaError
 from fuzzyarm.expression.kinds import DEFUZZIFIERS
 from fuzzyarm.formats.dialects import words
 from fuzzyarm.formats.findings import Findings, Imported, reading, unique_name
-from fuzzyarm.formats.recovery import TOLERANCE, constant_beyond, joined, shape_of
-from fuzzyarm.formats.shapes import range_of_values
+from fuzzyarm.formats.recovery import TOLERANCE, constant_beyond
+from fuzzyarm.live.functions import output_of_values, shape_or_points
 from fuzzyarm.live.python_formulas import function_shape
 from fuzzyarm.model.rulebase import (
     And,
@@ -100,7 +100,7 @@ def from_pyit2fls(
     """
     findings = Findings(lossy=lossy, strict=strict)
     rulebase = _Reader(system, findings).rulebase(name)
-    return Imported(None if findings.failed else rulebase, findings.all(), "pyit2fls")
+    return findings.imported(rulebase, "pyit2fls")
 
 
 _T_NORMS = {
@@ -173,6 +173,7 @@ def _order(system: Any) -> _Order:
     candidates = []
     for argument in arguments:
         here = [name for name in names if name in values]
+        # The same object tells which input is passed, also where two have equal values.
         same = [name for name in here if values[name] is argument]
         candidates.append(same or [name for name in here if _equal(values[name], argument)])
         if not candidates[-1]:
@@ -252,6 +253,7 @@ class _Reader:
             for when, then in self.system.rules
             for rule in self._rules(self._rule(when, then, names), then)
         ]
+        # pyit2fls has one T-norm, for `and` and for the implication.
         block = RuleBlock(tuple(rules), conjunction=conjunction, implication=conjunction)
         return RuleBase(name, inputs, outputs, (block,))
 
@@ -426,13 +428,10 @@ class _Reader:
         wide = [low + (high - low) * (i - 50) / 100 for i in range(201)]
         maker = _KNOWN.get(str(getattr(function, "__name__", "")))
         shape = maker(*map(float, parameters)) if maker else None
-        if shape is None or not _fits(shape, degree, [*xs, *wide]):
-            shape = shape_of(degree, low, high)
-        if shape is None:
-            message = f"a function of {what} ({_called(function)}) is taken at 1001 points"
-            self.findings.loss("unsupported-shape", message, slight=True)
-            shape = joined(xs, [degree(x) for x in xs])
-        return shape
+        if shape is not None and _fits(shape, degree, [*xs, *wide]):
+            return shape
+        words = f"a function of {what} ({_called(function)}) is"
+        return shape_or_points(degree, low, high, words, self.findings)
 
     # --- Sets of Mamdani ---
 
@@ -526,7 +525,8 @@ class _Reader:
     def _values(self, name: str, inputs: tuple[Input, ...]) -> Output:
         shapes = [_value(result, inputs) for result in self.results[name]]
         terms = tuple(Term(f"value{i}", shape) for i, shape in enumerate(shapes, 1))
-        return self._average(name, inputs, terms, Defuzzifier(self._algorithm("algorithm")), 0.0)
+        way = Defuzzifier(self._algorithm("algorithm"))
+        return output_of_values(name, terms, inputs, self.findings, way)
 
     def _functions(self, name: str, inputs: tuple[Input, ...]) -> Output:
         """Return the values of functions, which get the inputs in the order of an evaluation."""
@@ -539,8 +539,7 @@ class _Reader:
         if name in self.partly:
             terms.append(Term(_NOTHING, Shape("singleton", (0.0,))))
         default = float(getattr(self.system, "default", 0.0))
-        way = Defuzzifier("weighted-average")
-        return self._average(name, inputs, tuple(terms), way, default)
+        return output_of_values(name, tuple(terms), inputs, self.findings, no_rule=default)
 
     def _function(
         self, function: Any, order: list[str], inputs: tuple[Input, ...], what: str
@@ -562,29 +561,6 @@ class _Reader:
         factors = dict(zip(order, shape.parameters, strict=False))
         ordered = (factors.get(variable.name, 0.0) for variable in inputs)
         return Shape("linear", (*ordered, shape.parameters[-1]))
-
-    def _average(
-        self,
-        name: str,
-        inputs: tuple[Input, ...],
-        terms: tuple[Term, ...],
-        defuzzifier: Defuzzifier,
-        no_rule: float,
-    ) -> Output:
-        ends = {variable.name: (variable.low, variable.high) for variable in inputs}
-        low, high = range_of_values((term.shape for term in terms), ends) or (0.0, 1.0)
-        message = f"'{name}' has no universe of discourse; {low:g} to {high:g} by its values"
-        self.findings.info("estimated-range", message)
-        return Output(
-            name,
-            low,
-            high,
-            terms,
-            outside="extend",
-            aggregation="sum",
-            defuzzifier=defuzzifier,
-            no_rule=no_rule,
-        )
 
 
 def _height(each: Any) -> float:

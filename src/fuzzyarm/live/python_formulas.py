@@ -77,6 +77,7 @@ def function_shape(
         if linear is None:
             raise
         shape = Shape("linear", tuple(linear))
+    # Its numbers are those that somebody wrote: rounding has been taken off them.
     if linear is not None and shape.kind == "linear":
         return Shape("linear", tuple(linear)) if any(linear[:-1]) else _constant(linear[-1])
     return shape
@@ -101,6 +102,7 @@ def _points(
     A kink mostly stands at a number that the function names.
     """
     middle = [0.5 * (low + high) for low, high in ranges]
+    # A Kronecker sequence: multiples of irrational steps spread evenly in any dimension.
     steps = [math.sqrt(prime) % 1.0 for prime in _primes(len(ranges))]
     points = [
         [

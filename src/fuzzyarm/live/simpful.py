@@ -15,10 +15,11 @@ from typing import Any
 
 from fuzzyarm.expression.formulas import FormulaError
 from fuzzyarm.formats.drafts import blocks_by_norms
-from fuzzyarm.formats.findings import Findings, Imported, Word, reading, unique_name, written
-from fuzzyarm.formats.recovery import constant_beyond, even_family, joined, shape_of
+from fuzzyarm.formats.findings import Findings, Imported, Word, reading, written
+from fuzzyarm.formats.recovery import even_family, shape_of
 from fuzzyarm.formats.sentences import NOT, hedged
-from fuzzyarm.formats.shapes import estimated_range, range_of_values
+from fuzzyarm.formats.shapes import estimated_range
+from fuzzyarm.live.functions import input_of, output_of_values, shape_or_points, terms_of
 from fuzzyarm.live.python_formulas import text_shape
 from fuzzyarm.model.rulebase import (
     And,
@@ -33,7 +34,6 @@ from fuzzyarm.model.rulebase import (
     Rule,
     RuleBase,
     Shape,
-    Term,
     propositions,
 )
 
@@ -81,7 +81,7 @@ def from_simpful(
     findings = Findings(lossy=lossy, strict=strict)
     reader = _Reader(system, findings)
     rulebase = reader.rulebase(name)
-    return Imported(None if findings.failed else rulebase, findings.all(), "simpful")
+    return findings.imported(rulebase, "simpful")
 
 
 class _Reader:
@@ -154,6 +154,7 @@ class _Reader:
         )
         factor = float(weight[0]) if weight else 1.0
         if self.sugeno and factor != 1.0:
+            # A factor on the value, so another value; `_value` takes its name apart.
             return norms, Rule(expression, (Consequent(variable, f"{term}*{written(factor)}"),))
         if self.sugeno:
             return norms, Rule(expression, (Consequent(variable, term),))
@@ -213,14 +214,8 @@ class _Reader:
 
     def _input(self, name: str) -> Input:
         low, high, shapes = self._range_and_shapes(name)
-        ends = [low + (high - low) * i / 96 for i in range(97)]
-        outside = "extend"
-        beyond = all(constant_beyond(shape, low, high) for shape in shapes.values())
-        if beyond and not self.system._outputfunctions:  # functions take an input as it is
-            outside = "clamp"
-            even = even_family(list(shapes.values()), low, high, ends)
-            shapes = dict(zip(shapes, even, strict=True)) if even else shapes
-        return Input(name, low, high, _terms(shapes), self._description(name), outside)
+        is_read = bool(self.system._outputfunctions)  # functions take an input as it is
+        return input_of(name, low, high, shapes, self._description(name), read_beyond=is_read)
 
     def _sets(self, name: str, _inputs: tuple[Input, ...], _rules: list[Rule]) -> Output:
         low, high, shapes = self._range_and_shapes(name)
@@ -228,7 +223,7 @@ class _Reader:
         even = even_family(list(shapes.values()), low, high, points)
         shapes = dict(zip(shapes, even, strict=True)) if even else shapes
         return Output(
-            name, low, high, _terms(shapes), self._description(name), "extend",
+            name, low, high, terms_of(shapes), self._description(name), "extend",
             defuzzifier=Defuzzifier("centroid", SUBDIVISIONS, "endpoints"), no_rule=0.0,
         )  # fmt: skip
 
@@ -261,31 +256,20 @@ class _Reader:
         """Return the shape of a set: by the class of its function, or by asking it."""
         function = getattr(each, "_funpointer", None)
         maker = _CLASSES.get(type(function).__name__)
-        shape = maker(function) if maker else shape_of(each.get_value, low, high)
-        if shape is None and not maker and function is None:
-            return _polygon(each)
-        if shape is None:
-            message = (
-                f"'{each._term}' of '{variable}' is a user-defined function, taken at 1001 points"
-            )
-            self.findings.loss("unsupported-shape", message, slight=True)
-            xs = [low + (high - low) * i / 1000 for i in range(1001)]
-            return joined(xs, [float(each.get_value(x)) for x in xs])
-        return shape
+        shape = maker(function) if maker else None
+        if shape is not None:
+            return shape
+        if function is None:  # a set of points
+            return shape_of(each.get_value, low, high) or _polygon(each)
+        words = f"'{each._term}' of '{variable}' is a user-defined function,"
+        return shape_or_points(lambda x: float(each.get_value(x)), low, high, words, self.findings)
 
     # --- Values of Sugeno systems ---
 
     def _values(self, name: str, inputs: tuple[Input, ...], rules: list[Rule]) -> Output:
         term_names = [c.term for rule in rules for c in rule.consequents if c.variable == name]
         shapes = {term: self._value(term, inputs) for term in dict.fromkeys(term_names)}
-        ends = {variable.name: (variable.low, variable.high) for variable in inputs}
-        low, high = range_of_values(shapes.values(), ends) or (0.0, 1.0)
-        message = f"'{name}' has no universe of discourse; {low:g} to {high:g} by its values"
-        self.findings.info("estimated-range", message)
-        return Output(
-            name, low, high, _terms(shapes), "", "extend", aggregation="sum",
-            defuzzifier=Defuzzifier("weighted-average"), no_rule=0.0,
-        )  # fmt: skip
+        return output_of_values(name, terms_of(shapes), inputs, self.findings)
 
     def _value(self, term: str, inputs: tuple[Input, ...]) -> Shape:
         name, _, weight = term.partition("*")
@@ -300,15 +284,6 @@ class _Reader:
             message = f"the function '{text[:60]}' of '{name}': {error}"
             self.findings.error("bad-formula", message)
             return Shape("singleton", (0.0,))
-
-
-def _terms(shapes: Mapping[str, Shape]) -> tuple[Term, ...]:
-    names: set[str] = set()
-    terms = []
-    for name, shape in shapes.items():
-        terms.append(Term(unique_name(name, names), shape))
-        names.add(name)
-    return tuple(terms)
 
 
 # --- Sets by the class of their function ---

@@ -120,8 +120,7 @@ def from_skfuzzy(
     blocks = _blocks(list(system.rules), findings)
     if not blocks and not findings.failed:
         findings.error("no-rules", "the control system has no rules")
-    rulebase = None if findings.failed else RuleBase(name, inputs, outputs, blocks)
-    return Imported(rulebase, findings.all(), "scikit-fuzzy")
+    return findings.imported(RuleBase(name, inputs, outputs, blocks), "scikit-fuzzy")
 
 
 def skfuzzy_numbers(system: Any) -> Callable[[Mapping[str, float]], dict[str, float]]:
@@ -473,6 +472,7 @@ def _rule(rule: Rule, block: RuleBlock, variables: dict[str, Any], number: int) 
     import numpy as np
     from skfuzzy import control
 
+    # `%` is scikit-fuzzy's operator for the weight of a conclusion, `~` below that for `not`.
     conclusions = [variables[c.variable][c.term] % float(rule.weight) for c in rule.consequents]
     return control.Rule(
         _antecedent(rule.antecedent, variables),

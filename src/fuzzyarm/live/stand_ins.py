@@ -49,6 +49,7 @@ class _Swallows:
     _stand_in: str  # what it stands for, as the script would write it
 
     def __getattr__(self, name: str) -> Any:
+        # Else copy, pickle and NumPy would believe that it follows their protocols.
         if name.startswith("__") and name.endswith("__"):
             raise AttributeError(name)
         value = _attribute(f"{self._stand_in}.{name}", name)
@@ -263,6 +264,7 @@ def prepare(home: str) -> Answers:
     home : str
         The folder of the script.
     """
+    # In front of all finders for what is replaced in any case, behind them for what is missing.
     sys.meta_path.insert(0, Finder(home, replaced=True))
     sys.meta_path.append(Finder(home, replaced=False))
     answers = Answers()

@@ -157,6 +157,8 @@ def _our_numbers(
 
     from fuzzyarm.inference import infer
 
+    # An error or a held value would end the whole comparison; NaN is compared with what the
+    # library leaves out.
     outputs = tuple(
         replace(output, no_rule=math.nan) if isinstance(output.no_rule, str) else output
         for output in rulebase.outputs

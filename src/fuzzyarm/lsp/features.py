@@ -210,6 +210,7 @@ def make_server() -> FuzzyarmServer:
     for name, function in _EVENTS:
         server.feature(name)(function)
     for name, function, options in _QUESTIONS:
+        # Repairs are those of findings: they wait for the check.
         answered = _answered_when_checked if function is _code_actions else _answered_by
         server.feature(name, options)(answered(function))
     # What has been imported lives as long as the process: never look through it again.

@@ -324,9 +324,11 @@ class Axes:
             if isinstance(line, Signal) and line.source is not None and name in line.names:
                 gains[name] = _times((Product(()),), line.products, constants)
             elif isinstance(line, Signal) and gains.keys() & set(line.reads()):
+                # A filter, a rule base or a table in between: no constant gain.
                 through = None if line.source is not None else line.products
                 gains |= dict.fromkeys(line.names, _gain_through(through, gains, constants))
             elif isinstance(line, Zoom):
+                # A zoom changes the gain with the signal: None.
                 gains |= dict.fromkeys(gains.keys() & set(line.signals))
             if line is drive:
                 return _gain_through(drive.products, gains, constants)

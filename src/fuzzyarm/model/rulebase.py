@@ -108,6 +108,7 @@ def _shape_fault(kind: str, parameters: tuple[float, ...]) -> RuleBaseError | No
             "unknown-shape", message, "Shape(kind)", hint=hint, replacement=near
         )
     record = SHAPES[kind]
+    # How many numbers `linear` takes depends on the inputs, which it does not know.
     if not record.fuzzy:
         return None
     count = len(record.parameters) or 2 * max(1, len(parameters) // 2)

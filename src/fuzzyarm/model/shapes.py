@@ -249,6 +249,7 @@ def first_above(lower: Shape, upper: Shape, low: float, high: float) -> float | 
     from fractions import Fraction
 
     bottom, top, allowed = polyline(lower), polyline(upper), Fraction(CLOSE)
+    # Both are straight between two corners, so a gap is widest beside one of them.
     for x in sorted({x for x in features if start < x < end} | {start, end}):
         sides = [side for side in (-1, 1) if (x > start if side < 0 else x < end)]
         if any(_beside(bottom, x, s) > _beside(top, x, s) + allowed for s in sides):

@@ -132,6 +132,7 @@ class Journal:
                     raise ValueError
                 rows.append(line(number, row))
             except ValueError:
+                # Three lines of head; lines count from 1.
                 message = f"{self.path}: line {number + 4} is not that of {self.piece} {number}"
                 hint = "remove what follows it, or the file"
                 raise JournalError(message, hint=hint) from None

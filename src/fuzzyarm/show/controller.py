@@ -90,6 +90,7 @@ def _sheets(controller: ControllerText) -> Iterator[tuple[str, Sheet]]:
     """Yield the rule bases and tables that a controller looks up, with their names and files."""
     files = {use.name: use.files for use in controller.model.uses}
     for name, sheets in controller.sheets.items():
+        # A table that begins at zero has no file, and nothing to draw.
         if files.get(name) == (ZERO,):
             continue
         for index, sheet in enumerate(sheets):

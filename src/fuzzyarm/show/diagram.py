@@ -193,6 +193,7 @@ def block_diagram(controller: ControllerText | ControllerModel) -> Diagram:
         part = _Part(model, axes, counts)
         pins = [Pins(len(b.inputs), len(b.outputs), _place(b)) for b in part.blocks]
         layout = lay_out(pins, [Link(w.source, w.output, w.target, w.input) for w in part.wires])
+        # Each part was laid out by itself: its blocks come behind, its rows below those so far.
         first = len(blocks)
         blocks += (
             replace(block, layer=layer, row=row + top)

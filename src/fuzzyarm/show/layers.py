@@ -204,6 +204,7 @@ class _Net:
         for sweep in range(SWEEPS if len(rows) < LARGE else 4):
             forward = sweep % 2 == 0
             for column in self.columns if forward else reversed(self.columns):
+                # The last passes keep the order and only straighten wires.
                 self._settle(column, rows, forward=forward, sort=sweep < SWEEPS - 8)
             cost = self._cost(rows)
             if cost < least:
@@ -239,6 +240,7 @@ class _Net:
             if before is not None and item is not None:
                 offset += 0.5 * (self.heights[before] + self.heights[item])
             offsets.append(offset)
+        # Pool adjacent violators: items that would overlap share the mean of their aims.
         pools: list[tuple[float, int]] = []
         for aim, offset in zip(aims, offsets, strict=True):
             mean, count = aim - offset, 1

@@ -56,6 +56,7 @@ def panel_lines(
     canvas = Canvas(width, height, 0.0, 1.0, 0.0, 1.0, unicode)
     # Across and up have scales of their own.
     last = max(1, len(line.y) - 1)
+    # A character of braille is two dots wide and four high.
     across, up = 2 * width - 1, 4 * height - 1
     columns = [round(column * last / across) for column in range(2 * width)]
     rows = [(high - float(line.y[min(k, last)])) / (high - low) * up for k in columns if k <= index]
@@ -124,6 +125,7 @@ class LinePlot:
             for j, dots in enumerate(row.plain):
                 fails = failing.get(j) == k
                 style = "bold red" if j in columns or fails else "cyan"
+                # U+2800 is braille without a dot: as wide as the others in every font.
                 empty = "┊" if j in columns else chr(0x2800)
                 line.append(FAILS if fails else empty if dots == " " else dots, style)
             yield line
@@ -339,6 +341,7 @@ class SurfaceMap:
             return sign, f"bold {ink} on {self._colour(value)}"
         if self._cells.missing and math.isnan(upper) and math.isnan(lower):
             return HATCH, f"black on {_NOTHING}"
+        # The upper half is the foreground, the lower one the background.
         return "▀", f"{self._colour(upper)} on {self._colour(lower)}"
 
     def _shade(self, i: int, j: int) -> tuple[str, str]:

@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 _MOST_LEVELS = 25
 """More levels of an input than this are thinned out, unless all are asked for."""
 
+_THINNED = 13
+"""Levels that are left of so many."""
+
 _NEVER = "·"
 """Stands where a cell was never used."""
 
@@ -152,7 +155,7 @@ def _drawn(size: int, *, all_levels: bool) -> list[int]:
     """Return the indices to draw: all, or evenly thinned with both ends."""
     if all_levels or size <= _MOST_LEVELS:
         return list(range(size))
-    return sorted({round(i * (size - 1) / (13 - 1)) for i in range(13)})
+    return sorted({round(i * (size - 1) / (_THINNED - 1)) for i in range(_THINNED)})
 
 
 def _thinned_words(table: LookupTable, drawn: list[list[int]]) -> str:

@@ -434,13 +434,7 @@ def _npz_bytes(table: LookupTable) -> bytes:
 
 
 def _read_npz(data: bytes, path: str) -> LookupTable:
-    """Return the table that :func:`_npz_bytes` stored.
-
-    Raises
-    ------
-    TableFileError
-        Whatever is wrong with the archive.
-    """
+    """Return the table that :func:`_npz_bytes` stored; TableFileError says what is wrong."""
     import numpy as np
 
     from fuzzyarm.table.table import LookupTable

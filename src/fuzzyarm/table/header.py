@@ -345,6 +345,7 @@ class _Statement(NamedTuple):
     """Whether an empty line is written before it."""
 
 
+# In the order in which a header is written.
 _STATEMENTS: dict[str, _Statement] = {
     FORMAT: _Statement("the format and its version", _read_format, _print_format),
     "input": _Statement(

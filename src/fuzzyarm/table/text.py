@@ -96,6 +96,7 @@ def _scan(text: str, diagnostics: list[Diagnostic]) -> tuple[Header, list[Grid]]
         bare = line.lstrip()
         if not bare or bare[0] == "#":
             continue
+        # Rows of a grid are kept as text: tokens of millions of cells would take minutes.
         first = bare.split(None, 1)[0].split("#", 1)[0]
         if grids and first not in KEYWORDS:
             grids[-1].lines.append((number, line))
@@ -362,6 +363,7 @@ class _Block:
         return False
 
     def _read_row(self, number: int, line: str) -> tuple[float | None, list[float]]:
+        # The quick way for a sound row; what follows only says what is wrong with others.
         words = line.split("#", 1)[0].split()
         if len(words) == len(self.column.levels) + 1 and all(map(_NUMBER.match, words)):
             numbers = [float(word) for word in words]
@@ -440,6 +442,7 @@ class _Block:
             return None
         cells = _cells(number, line, rest)
         values = [self._number(cell) for cell in cells]
+        # A first cell stands for the label, which other rows have among theirs.
         self._check_count([Cell("", self.grid.span), *cells], number, line)
         return [x for x in values if x is not None]
 

@@ -153,6 +153,7 @@ class RuleBaseError(FuzzyarmError, ValueError):
         return cls([finding])
 
     def __reduce__(self) -> tuple[type[RuleBaseError], tuple[tuple[Diagnostic, ...]]]:
+        # Exceptions are pickled by their message otherwise, and workers would lose the findings.
         return type(self), (self.diagnostics,)
 
 

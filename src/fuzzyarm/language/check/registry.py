@@ -336,6 +336,7 @@ def check(
     tree = document or Document(())
     subject = Subject(rulebase, tree, on_step)
     findings = list(more)
+    # One finder may yield findings of several records; each runs once, in their order.
     for find in dict.fromkeys(record.find for record in CHECKS.values() if record.find):
         for finding in find(subject):
             findings.append(finding)
@@ -353,6 +354,7 @@ def judged(findings: Iterable[Diagnostic], document: Document, path: str = "") -
     )
 
 
+# From the gravest to the mildest.
 _MILDER = list(Severity)
 
 

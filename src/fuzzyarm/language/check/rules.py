@@ -76,6 +76,7 @@ def _key(expression: Expression) -> Hashable:
 
 # --- Rules that share a conclusion of a weighted output, and count once together ---
 
+# One example is enough; a rule base without any must not take quadratic time.
 _MOST_PAIRS = 10_000
 
 
@@ -198,6 +199,7 @@ def broken_symmetries(subject: Subject) -> Iterator[Diagnostic]:
     for family in _families(subject):
         opposites = _opposites(subject.middles(family.output) or {})
         around = {name for name, _ in next(iter(family.cells))}
+        # A grid may mirror itself, or its twin under the opposite condition: both are tried.
         mirrors = [
             _pairs(family, subject, fixed)
             for fixed in dict.fromkeys((frozenset[str](), family.conditions))
@@ -312,6 +314,7 @@ def _pairs(family: _Family, subject: Subject, fixed: frozenset[str]) -> list[_Pa
             (name, last[name] - rank if name in last else rank) for name, rank in position
         )
         other = family.cells.get(mirror)
+        # Each pair once; the middle cell is its own mirror and makes a pair with itself.
         if other is None or mirror < position:
             continue
         if not all(node.term and node.term == common for node in (cell, other)):

@@ -86,6 +86,7 @@ def add_variable(
         behind, space = last, [""]
     if not family:
         edits = [lines_behind(reading, line, [*gap, text])]
+    # One edit: two insertions at the same position would come out in the wrong order.
     elif behind == line:
         edits = [lines_behind(reading, line, [*gap, text, *space, *family])]
     else:

@@ -38,6 +38,7 @@ def graded(share: float, names: Sequence[str]) -> str:
     position = share * (len(names) - 1)
     middle = 0.5 * (len(names) - 1)
     distance = abs(position - middle)
+    # Of an even number of terms none is in the middle: they lie 0.5, 1.5, … away from it.
     steps = int(distance + 0.5 + 1e-9) if middle == int(middle) else int(distance) + 0.5
     index = middle + (steps if position > middle else -steps)
     if distance < 1e-9:

@@ -78,6 +78,7 @@ def rule_sentence(rule: Rule) -> str:
 
 # --- What a word means, in Markdown ---
 
+# The last two: GitHub's Markdown makes a link of a bare address, so it is broken up too.
 _MARKDOWN = re.compile(r"[\\`*_\[\]<>&#|~!$]|:(?=//)|(?<=www)\.")
 
 

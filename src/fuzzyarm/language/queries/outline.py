@@ -147,6 +147,7 @@ def _blocks(reading: Reading) -> list[Fold]:
 def _comments(reading: Reading) -> list[Fold]:
     folds: list[Fold] = []
     first = 0
+    # One step beyond the last line ends a run of comments that reaches the end.
     for number in range(1, len(reading.lines) + 2):
         inside = number <= len(reading.lines)
         line = reading.lines[number - 1] if inside else None

@@ -35,7 +35,7 @@ from fuzzyarm.language.statements import (
     VariableNode,
 )
 from fuzzyarm.language.tokens import name_text
-from fuzzyarm.language.tune import TuneItem, TuneNode
+from fuzzyarm.language.tune import TuneNode
 from fuzzyarm.language.writer import shape_node, tuning_node
 from fuzzyarm.model.alike import UnlikeError, alike
 from fuzzyarm.model.controller import GainModel
@@ -74,6 +74,7 @@ def set_shapes(reading: Reading, shapes: Sequence[Reshaped | tuple[str, str, Sha
         If the text declares no such term.
     """
     edits: list[Edit] = []
+    # All lines that go after one line are one edit: edits at one position have no order.
     behind: dict[int, list[str]] = {}
     for reshaped in shapes:
         variable, term, shape, lower = Reshaped(*reshaped)
@@ -454,16 +455,13 @@ def add_tuning(reading: Reading, tuning: Tuning) -> list[Edit]:
     if any(isinstance(statement.node, TuneNode) for statement in reading.document.statements):
         raise ReshapeError("the text has a tune block already")
     node = tuning_node(tuning)
+    # The usual gap is left out, as a person would.
     usual = 100.0 * PeakTuning(()).gap
-    short = [item._replace(gap=None) if _gap(item) == usual else item for item in node.items]
+    short = [item._replace(gap=None) if item.gap == usual else item for item in node.items]
     node = node._replace(items=tuple(short))
     lines = [text_of(node), *(line for line, _ in lines_below(node) or ())]
     end = len(reading.raw_line(last)) + 1
     return [Edit(Span(last, end, last, end), "\n\n" + "\n".join(lines))]
-
-
-def _gap(item: TuneItem) -> float | None:
-    return None if item.gap is None else item.gap
 
 
 def _end_of_rulebase(reading: Reading) -> int | None:

@@ -333,6 +333,7 @@ class ndarray:
         to = dtype(kind)
         if to.itemsize != self.itemsize:
             raise TypeError("a view of another size needs NumPy, which this page does not have")
+        # A memoryview goes from one kind to another by way of bytes only.
         other = self._memory.cast("B").cast(to.code)
         return ndarray(other, to, self.shape, self._step, self._start)
 

@@ -38,6 +38,7 @@ def _divided(a: Any, b: Any) -> float:
 
 def _raised(a: Any, b: Any) -> Any:
     try:
+        # As NumPy: a square is a product, which may differ from pow in its last bit.
         return a**b if not isinstance(a, float) or b != 2 else a * a
     except OverflowError:
         return inf if a > 0 or b % 2 == 0 else -inf
@@ -47,6 +48,7 @@ def _raised(a: Any, b: Any) -> Any:
 
 def largest(a: Any, b: Any) -> Any:
     """Return the larger of two numbers; NaN where one is."""
+    # `a != a` is a NaN, which goes on as in NumPy.
     return a if a >= b or a != a else b
 
 

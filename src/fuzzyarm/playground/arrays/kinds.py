@@ -244,6 +244,7 @@ def dtype(of: Any) -> DType:
 def promoted(a: DType, b: DType) -> DType:
     """Return the kind that two arrays make together."""
     high, low = (a, b) if a.rank >= b.rank else (b, a)
+    # 24 bits hold every whole number of 16, not of 32.
     if high.name == "float32" and low.kind == "i" and low.itemsize > 2:
         return dtype(float)
     return high

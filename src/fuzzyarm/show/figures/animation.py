@@ -194,6 +194,7 @@ def _gif(figure: Figure, pictures: Iterator[None], rate: int) -> bytes:
     for _ in pictures:
         canvas.draw()
         images.append(Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB"))
+    # The last picture has all curves, and so all colours.
     palette = images[-1].quantize(64, method=Image.Quantize.MAXCOVERAGE)  # white stays white
     reduced = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in images]
     buffer = io.BytesIO()

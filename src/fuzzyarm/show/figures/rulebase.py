@@ -108,30 +108,14 @@ class _Name:
 
 @dataclass(frozen=True, slots=True)
 class _Panel:
-    """What stands in the panel of a variable, and how much room that takes.
-
-    Attributes
-    ----------
-    variable : Variable
-        Whose terms are drawn.
-    width : float
-        Of the axes, inches.
-    names : tuple of _Name
-        From left to right, above the axes.
-    upright : bool
-        Whether they are turned.
-    size : float
-        Of their letters, points.
-    words : tuple of str
-        Lines that tell the terms that are not sets.
-    """
+    """What stands in the panel of a variable, and how much room that takes."""
 
     variable: Variable
-    width: float
-    names: tuple[_Name, ...]
-    upright: bool
-    size: float
-    words: tuple[str, ...]
+    width: float  # of the axes, inches
+    names: tuple[_Name, ...]  # from left to right, above the axes
+    upright: bool  # whether the names are turned
+    size: float  # of their letters, points
+    words: tuple[str, ...]  # lines that tell the terms that are not sets
 
     @classmethod
     def of(cls, variable: Variable, rulebase: RuleBase | None, width: float) -> _Panel:
