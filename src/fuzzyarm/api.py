@@ -19,6 +19,7 @@ from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.text import above
 from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Severity, render_all
 from fuzzyarm.text.folders import READABLE, TABLES
+from fuzzyarm.text.keywords import demand_path, demand_text
 from fuzzyarm.text.names import typed
 from fuzzyarm.text.shown import one_line
 
@@ -320,7 +321,8 @@ def export_file(
         demand_alone("export_file", fields)
         asked = file
     else:
-        asked = ExportRequest(file=os.fspath(file), **fields)
+        asked = ExportRequest(file=demand_path("export_file", file, "file"), **fields)
+    out = demand_path("export_file", out, "out")
     if known := asked.given(("place", "board", "certificate")):
         raise UsageError(f"{known.spelling} is an option of the command", hint="fuzzyarm compile")
     controller, how = controller_if_any(asked.file), making_of(asked)
@@ -335,7 +337,7 @@ def export_file(
 
 
 def _name_and_suffix(path: str | os.PathLike[str]) -> tuple[str, str]:
-    name = os.fspath(path)
+    name = demand_path("load", path)
     return name, os.path.splitext(name)[1].lower()
 
 
@@ -450,6 +452,7 @@ def check_text(text: str, path: str = "<text>", on: PlantOf | None = None) -> Re
     Review
         Every finding, in the order of the text.
     """
+    demand_text("check_text", text)
     return check_parsed(parse(text, path), text, path, on=on)
 
 
@@ -530,7 +533,7 @@ def check_file(path: str | os.PathLike[str], on: PlantOf | None = None) -> Revie
     UnknownKindError
         If its suffix says nothing.
     """
-    name = os.fspath(path)
+    name = demand_path("check_file", path)
     suffix = os.path.splitext(name)[1].lower()
     try:
         if suffix == ".frb":

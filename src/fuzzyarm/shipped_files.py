@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.text.keywords import demand_text
 from fuzzyarm.text.names import near_hint
 
 
@@ -52,7 +53,7 @@ def shipped(name: str) -> Path:
     NotShippedError
         If there is none; with the nearest name.
     """
-    path = shipped_folder() / name
+    path = shipped_folder() / demand_text("shipped", name, "name")
     if Path(name).name != name or not path.is_file():
         raise NotShippedError(name, shipped_names())
     return path

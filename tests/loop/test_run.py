@@ -11,6 +11,7 @@ from budget import cases
 
 from fuzzyarm import kernels
 from fuzzyarm.controller import CATALOGUE, Controller, controller
+from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.loop import Options, Sensor, program, simulate
 from fuzzyarm.loop.many import Bench, Experiment
 from fuzzyarm.loop.program import Record, loop_for
@@ -231,7 +232,7 @@ def test_schedule_that_does_not_fit_is_refused():
     [{"torque_limits": (0.0, 1.0)}, {"torque_limits": (math.nan, 1.0)}, {"runge_kutta": -1}],
 )
 def test_options_out_of_sense_are_refused(options):
-    with pytest.raises(ArmError, match="out of range"):
+    with pytest.raises(FuzzyarmError, match="out of range"):
         Options(**options)
 
 

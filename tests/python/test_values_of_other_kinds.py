@@ -12,6 +12,7 @@ from fuzzyarm.controller import Controller, Sources, controller, find_controller
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language import load_rulebase
 from fuzzyarm.plant import reach
+from fuzzyarm.proof.verdicts import read_property
 from fuzzyarm.show import figures
 from fuzzyarm.text.mistaken import WrongKindError, wrong_kind
 
@@ -83,7 +84,7 @@ def test_a_statement_on_a_loop_wants_a_controller():
     with pytest.raises(WrongKindError, match="3 is an int, not a rule base or a controller"):
         fuzzyarm.prove(3, "u <= 6")
     with pytest.raises(WrongKindError, match="'servo' is a controller, not a rule base"):
-        fuzzyarm.prove(SERVO, RULES.properties[0] if RULES.properties else 3)
+        fuzzyarm.prove(SERVO, read_property(RULES, "u odd"))
 
 
 @pytest.mark.parametrize("value", [3, None, Controller, [SERVO]])

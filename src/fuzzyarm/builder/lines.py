@@ -106,6 +106,13 @@ class Lines:
             raise ArgumentError(self.named(argument), f"expected text, found {text}")
         return value
 
+    def several(self, value: object, argument: str, wanted: str) -> list[Any]:
+        """Return an argument that must be a list."""
+        if not isinstance(value, Iterable):
+            text = shortened(repr(value))
+            raise ArgumentError(self.named(argument), f"expected {wanted}, found {text}")
+        return list(value)
+
     def named(self, argument: str) -> str:
         """Return the call with its argument, as ``input('temp', low, high)``."""
         if not argument:
@@ -174,9 +181,9 @@ def write_terms(lines: Lines, name: str, terms: Terms, inputs: Sequence[str]) ->
             argument = f"terms[{term!r}]"
             lines.next().write("term ").name(name, "name").write(" ").name(term, argument)
             write_shape(lines.write(": "), shape, argument, inputs)
-    elif terms := list(terms):
+    elif names := lines.several(terms, "terms", "names of terms"):
         lines.next().write("terms ").name(name, "name").write(": triangles")
-        for i, term in enumerate(terms):
+        for i, term in enumerate(names):
             lines.write(" ").name(term, f"terms[{i}]")
 
 

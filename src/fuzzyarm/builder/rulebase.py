@@ -58,7 +58,15 @@ from fuzzyarm.language.statements import (
     VariableNode,
 )
 from fuzzyarm.language.writer import write
-from fuzzyarm.model.rulebase import AnyRuleBase, Defuzzifier, Input, Output, RuleBase, outline
+from fuzzyarm.model.rulebase import (
+    AnyRuleBase,
+    Defuzzifier,
+    Input,
+    Output,
+    RuleBase,
+    model_of,
+    outline,
+)
 from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Span, split_lines
 from fuzzyarm.text.keywords import demand_keywords
 from fuzzyarm.text.names import shortened
@@ -189,7 +197,7 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
         """
         if isinstance(rulebase, RuleBaseBuilder):
             return cls.from_text(str(rulebase))
-        return cls.from_text(write(rulebase.model))
+        return cls.from_text(write(model_of(rulebase)))
 
     # -- statements --
 
@@ -523,7 +531,7 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
                 if isinstance(values, str):
                     lines.raw(values, argument)
                     continue
-                for i, value in enumerate(values):
+                for i, value in enumerate(lines.several(values, argument, "a list of numbers")):
                     lines.write(" " if i else "").number(value, f"{argument}[{i}]")
         if rounding is not None:
             lines.next().write("  round ").number(rounding, "rounding")

@@ -21,8 +21,9 @@ from fuzzyarm.plant.own import find_plant
 from fuzzyarm.plant.plant import Plant
 from fuzzyarm.proof import verdicts
 from fuzzyarm.proof.verdicts import Verdict
+from fuzzyarm.requests.fields import read_fields
 from fuzzyarm.requests.prove import ProveRequest
-from fuzzyarm.text.keywords import ArgumentError, demand_alone, demand_keywords
+from fuzzyarm.text.keywords import ArgumentError, demand_alone, demand_arguments, wrong_argument
 from fuzzyarm.text.mistaken import CONTROLLER, MODEL, RULE_BASE, wrong_kind
 from fuzzyarm.text.names import nearest
 
@@ -158,16 +159,22 @@ def prove(
     >>> fuzzyarm.prove(fuzzyarm.shipped("servo.frb"), "stable", plant="motor").verdict
     'proved'
     """
-    demand_keywords("prove", keywords, ProveKeywords, ("thing", "statement"))
+    demand_arguments("prove", keywords, ProveKeywords, ("thing", "statement"))
+    read_fields(ProveRequest, keywords, ("budget", "tolerance"))
     if isinstance(thing, ProveRequest):
         demand_alone("prove", statement, {name for name in keywords if name != "tell"} or None)
         return _all_of(thing, keywords.get("tell"))
+    is_path = isinstance(thing, str | os.PathLike)
+    if not isinstance(thing, AnyRuleBase | ControllerText) and not is_path:
+        raise wrong_kind(thing, MODEL)
     if statement is None:
         if isinstance(thing, str | os.PathLike):
             return _of_file(os.fspath(thing), keywords)
         raise ArgumentError(
             "prove() needs a statement", argument="statement", hint="as in prove(pd7, 'u odd')"
         )
+    if not isinstance(statement, str | Property | LoopClaim):
+        raise wrong_argument("prove", "statement", "one statement", statement)
     model = load(thing) if isinstance(thing, str | os.PathLike) else thing
     if isinstance(model, ControllerText):
         return _of_controller(model, statement, keywords)

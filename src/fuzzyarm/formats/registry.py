@@ -26,7 +26,7 @@ from fuzzyarm.formats.fml import parse_fml
 from fuzzyarm.formats.fml_writer import write_fml
 from fuzzyarm.formats.not_texts import called, started
 from fuzzyarm.formats.system_writer import note_threshold
-from fuzzyarm.model.rulebase import AnyRuleBase, RuleBase
+from fuzzyarm.model.rulebase import AnyRuleBase, RuleBase, model_of
 from fuzzyarm.text.diagnostic import MAX_CHARACTERS as MAX_OWN_CHARACTERS
 from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Span
 from fuzzyarm.text.folders import FOREIGN, READABLE, SUFFIXES
@@ -214,7 +214,7 @@ def write(
     FormatError
         If `suffix` or `producer` is not known.
     """
-    rulebase = rulebase.model
+    rulebase = model_of(rulebase)
     demand_program(producer, suffix, "written for", PRODUCERS)
     match suffix:
         case ".fll":

@@ -30,6 +30,7 @@ from fuzzyarm.model.rulebase import (
     RuleBlock,
     Shape,
     Term,
+    model_of,
 )
 from fuzzyarm.text.numbers import number_text
 
@@ -101,7 +102,7 @@ def tree(
     ['x', 'a_y', 'b_y']
     """
     findings = Findings(lossy=lossy, strict=strict)
-    parts = {key: rulebase.model for key, rulebase in rulebases.items()}
+    parts = {key: model_of(rulebase) for key, rulebase in rulebases.items()}
     parsed = list(_read(connections, findings))
     valid = [connection for connection in parsed if _is_known(connection, parts, findings)]
     order = _order(parts, valid, findings)

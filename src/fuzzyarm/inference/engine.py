@@ -42,7 +42,7 @@ from fuzzyarm.kernels import (
     point_routines,
     sweep_routine,
 )
-from fuzzyarm.model.rulebase import AnyRuleBase, RuleBase
+from fuzzyarm.model.rulebase import AnyRuleBase, RuleBase, model_of
 
 CHUNK = 8192
 """Points that go through the kernel together: their inputs and outputs stay in the cache."""
@@ -437,4 +437,4 @@ def compiled(rulebase: AnyRuleBase) -> Compiled:
     >>> fast(e=axis[:, None], ce=axis[None, :])["u"].shape
     (5, 5)
     """
-    return Compiled(rulebase.model)
+    return Compiled(model_of(rulebase))

@@ -13,7 +13,7 @@ from fuzzyarm.inference.labelled import gathered
 from fuzzyarm.inference.plan import part_for
 from fuzzyarm.inference.point import check_names, holds_arrays, prepare
 from fuzzyarm.inference.prepared import remembered
-from fuzzyarm.model.rulebase import AnyRuleBase, Expectation, Outcome, Output, RuleBase
+from fuzzyarm.model.rulebase import AnyRuleBase, Expectation, Outcome, Output, RuleBase, model_of
 from fuzzyarm.text.diagnostic import Diagnostic, Severity
 
 # --- Evaluate a rule base: one call for scalars and arrays ---
@@ -73,7 +73,7 @@ def infer(
     >>> infer(pd7, e=[1.3, 0.0, -1.3], ce=0.0)
     {'u': array([ 1.24439919,  0.        , -1.24439919])}
     """
-    rulebase = rulebase.model
+    rulebase = model_of(rulebase)
     values, labels = gathered(inputs, named, rulebase.inputs)
     outputs_ = _outputs(rulebase, values, held, None if outputs is None else tuple(outputs))
     return outputs_ if labels is None else labels.on(outputs_)
@@ -138,7 +138,7 @@ def infer_interval(
     >>> print(f"{left:.10f} .. {right:.10f}")
     5.4202799202 .. 9.4553511985
     """
-    ends = both_ends(rulebase.model)
+    ends = both_ends(model_of(rulebase))
     names = ends.names if outputs is None else _named(ends.names, outputs)
     names_wanted = (
         None if outputs is None else dict.fromkeys(n for pair in names.values() for n in pair)

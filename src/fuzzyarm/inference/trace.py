@@ -29,6 +29,7 @@ from fuzzyarm.model.rulebase import (
     RuleBase,
     RuleBlock,
     Variable,
+    model_of,
     propositions,
 )
 from fuzzyarm.model.shapes import apply_hedges
@@ -268,7 +269,7 @@ def explain(
     InferenceError, NoRuleFiredError
         As :func:`fuzzyarm.inference.infer`.
     """
-    rulebase = rulebase.model
+    rulebase = model_of(rulebase)
     values_by_name = by_name(inputs, named, rulebase.inputs)
     prepared = prepare(rulebase)
     point = prepared.run(values_by_name, held)

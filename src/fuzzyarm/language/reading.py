@@ -24,6 +24,7 @@ from fuzzyarm.text.diagnostic import (
     RuleBaseError,
     Span,
 )
+from fuzzyarm.text.keywords import demand_text
 from fuzzyarm.text.protected import note_source
 from fuzzyarm.text.shown import one_line
 
@@ -90,7 +91,7 @@ def parse(text: str, path: str = "<text>", memory: ParseMemory | None = None) ->
     Parsed
         The rule base where there is no error, and every mistake in order.
     """
-    document = parse_document(text, memory)
+    document = parse_document(demand_text("parse", text), memory)
     too_large = any(d.name in ("file-too-large", "line-too-long") for d in document.diagnostics)
     repaired, mended = document, frozenset[int]()
     heads = {type(statement.node) for statement in document.statements}

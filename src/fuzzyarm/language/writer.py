@@ -62,6 +62,7 @@ from fuzzyarm.model.rulebase import (
     Term,
     Tuning,
     Variable,
+    model_of,
 )
 from fuzzyarm.text.numbers import evenly, mirror
 from fuzzyarm.text.placed import Figure, Word
@@ -205,7 +206,7 @@ def write(rulebase: AnyRuleBase) -> str:
     str
         In the form of ``fuzzyarm fmt``.
     """
-    rulebase = rulebase.model
+    rulebase = model_of(rulebase)
     statements: list[Statement] = []
     for section in _sections(rulebase):
         for i, node in enumerate(section):

@@ -10,6 +10,7 @@ result: errors are those of the rule base as it is read back from it.
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
@@ -20,7 +21,7 @@ from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.inference.arrays import infer_arrays
 from fuzzyarm.language import parse
 from fuzzyarm.learning.asked import options_asked, samples_asked
-from fuzzyarm.learning.data import Samples, folds
+from fuzzyarm.learning.data import Samples, folds, read_samples
 from fuzzyarm.learning.fit_options import Options
 from fuzzyarm.learning.limits import MOST_COEFFICIENTS, Clock
 from fuzzyarm.learning.starts import grid_premises, merged, pruned
@@ -57,7 +58,7 @@ from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.requests.bounds import MOST_FITTED_DIGITS, MOST_RULES
 from fuzzyarm.requests.learn import FitRequest
 from fuzzyarm.text.diagnostic import MAX_OUTPUTS
-from fuzzyarm.text.keywords import demand_alone
+from fuzzyarm.text.keywords import demand_alone, wrong_argument
 from fuzzyarm.text.names import printable
 from fuzzyarm.text.shown import one_line
 from fuzzyarm.version import __version__
@@ -152,7 +153,7 @@ class Fit:
 
 
 def fit(
-    samples: Samples | FitRequest,
+    samples: Samples | FitRequest | str | os.PathLike[str],
     options: Options | None = None,
     on_step: Callable[[str], None] = lambda _words: None,
 ) -> Fit:
@@ -160,8 +161,9 @@ def fit(
 
     Parameters
     ----------
-    samples : Samples or FitRequest
-        From :mod:`fuzzyarm.learning.data`. A request alone says all that ``fuzzyarm fit`` does.
+    samples : Samples, FitRequest, str or path-like
+        From :mod:`fuzzyarm.learning.data`, or their file, whose last column is the target. A
+        request alone says all that ``fuzzyarm fit`` does.
     options : Options, optional
         How it is found.
     on_step : callable
@@ -181,6 +183,12 @@ def fit(
         demand_alone("fit", options)
         options = options_asked(samples)
         samples = samples_asked(samples)
+    if not isinstance(options, Options | None):
+        raise wrong_argument("fit", "options", "fuzzyarm.learning.Options", options)
+    if isinstance(samples, str | os.PathLike):
+        samples = read_samples(samples)
+    if not isinstance(samples, Samples):
+        raise wrong_argument("fit", "samples", "samples, their file or a FitRequest", samples)
     chosen = options or Options()
     _check(samples, chosen)
     clock = Clock(chosen.seconds)

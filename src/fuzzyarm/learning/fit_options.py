@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from fuzzyarm.text.keywords import demand_arguments
+
 
 @dataclass(frozen=True)
 class Options:
@@ -69,3 +71,6 @@ class Options:
     seconds: float = math.inf
     name: str = "model"
     description: str = ""
+
+    def __post_init__(self) -> None:
+        demand_arguments("Options", vars(self), type(self))

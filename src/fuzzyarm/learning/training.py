@@ -36,7 +36,7 @@ from fuzzyarm.plant.setting import PLAIN, Conventions
 from fuzzyarm.plant.trajectory import Trajectory
 from fuzzyarm.requests.fields import RequestError
 from fuzzyarm.requests.learn import LearnRequest
-from fuzzyarm.text.keywords import ArgumentError, demand_alone, demand_keywords
+from fuzzyarm.text.keywords import ArgumentError, demand_alone, demand_arguments
 
 
 class TrainKeywords(TypedDict, total=False):
@@ -84,7 +84,7 @@ def train(
     Snapshot
         The last one of each pass is complete.
     """
-    demand_keywords("train", keywords, TrainKeywords, ("controller", "plant"))
+    demand_arguments("train", keywords, TrainKeywords, ("controller", "plant"))
     every = keywords.get("every")
     if isinstance(controller, LearnRequest):
         demand_alone("train", plant, {name for name in keywords if name != "every"} or None)

@@ -24,7 +24,7 @@ from fuzzyarm.language.rows import sentence
 from fuzzyarm.language.writer import rule_node
 from fuzzyarm.learning.data import Samples
 from fuzzyarm.learning.written import output_names
-from fuzzyarm.model.rulebase import AnyRuleBase, Input, RuleBase
+from fuzzyarm.model.rulebase import AnyRuleBase, Input, RuleBase, model_of
 from fuzzyarm.text.shown import Plotted, one_line
 
 Array = NDArray[np.float64]
@@ -210,7 +210,7 @@ def validate(rulebase: AnyRuleBase, samples: Samples) -> Validation:
     ValidationError
         If an output that the target asks for is not there.
     """
-    rulebase = rulebase.model
+    rulebase = model_of(rulebase)
     names_wanted = output_names(samples)
     names_there = [output.name for output in rulebase.outputs]
     has_target = not np.isnan(samples.values).any()

@@ -22,6 +22,7 @@ from fuzzyarm.live.simpful import from_simpful, simpful_numbers
 from fuzzyarm.live.skfuzzy import from_skfuzzy, skfuzzy_numbers
 from fuzzyarm.model.rulebase import Input, RuleBase
 from fuzzyarm.text.diagnostic import NOWHERE, Diagnostic
+from fuzzyarm.text.keywords import ArgumentError
 
 __all__ = [
     "LIBRARIES",
@@ -158,14 +159,15 @@ def read_object(
 
     Raises
     ------
-    TypeError
+    ArgumentError
         If it is none of these.
     """
     library = library_of(found)
     if library is None:
-        raise TypeError(
+        raise ArgumentError(
             f"{type(found).__module__}.{type(found).__qualname__} is not a system of "
-            f"{', '.join(record.name for record in LIBRARIES)}"
+            f"{', '.join(record.name for record in LIBRARIES)}",
+            argument="found",
         )
     options = {"points": points} if library.module == "skfuzzy" else {}
     try:

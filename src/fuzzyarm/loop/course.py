@@ -15,7 +15,7 @@ from fuzzyarm.controller.law import view
 from fuzzyarm.controller.on_plant import Site, site_of
 from fuzzyarm.kernels import has_machine_code
 from fuzzyarm.loop.loop import CHANGES, ERRORS, SENSOR, Setting
-from fuzzyarm.loop.reference import AnySignal, AnyTime, Signal, as_seconds, as_signal
+from fuzzyarm.loop.reference import AnySignal, AnyTime, Signal, as_number, as_seconds, as_signal
 from fuzzyarm.plant.own import for_runs, start_of
 from fuzzyarm.plant.plant import (
     CLOCK_SIZE,
@@ -36,6 +36,7 @@ from fuzzyarm.plant.setting import (
     Conventions,
     Pair,
 )
+from fuzzyarm.text.keywords import demand_arguments
 
 Vector = NDArray[np.float64]
 
@@ -74,6 +75,7 @@ class Sensor:
     ) -> None:
         if difference is not None:
             difference = as_seconds(difference, "difference")
+        noise, resolution = as_number(noise, "noise"), as_number(resolution, "resolution")
         values = (noise, resolution, as_seconds(delay, "delay"), difference)
         for name, value in zip(("noise", "resolution", "delay", "difference"), values, strict=True):
             object.__setattr__(self, name, value)
@@ -128,6 +130,7 @@ class Options:
     loads: Mapping[str, AnySignal] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        demand_arguments("Options", vars(self), type(self))
         for limit in self.torque_limits:
             if not limit > 0:
                 raise ArmError(f"a torque limit of {limit} N m is out of range", value=limit)
@@ -137,15 +140,11 @@ class Options:
         if not self.supply > 0:
             raise ArmError(f"a supply of {self.supply} V is out of range", value=self.supply)
         if self.seed < 0:
-            raise ArmError(
-                f"a seed of {self.seed} is out of range", value=self.seed, hint="0 or more"
-            )
+            message = f"a seed of {self.seed} is out of range"
+            raise PlantError(message, name="seed", hint="0 or more")
         if not 0 <= self.runge_kutta <= 1000:
-            raise ArmError(
-                f"{self.runge_kutta} Runge-Kutta steps in a control period are out of range",
-                value=self.runge_kutta,
-                hint="0 to 1000",
-            )
+            message = f"{self.runge_kutta} Runge-Kutta steps in a control period are out of range"
+            raise PlantError(message, name="runge_kutta", hint="0 to 1000")
 
     def arithmetic(self, conventions: Conventions) -> Arithmetic:
         """Return how the laws count under some conventions."""

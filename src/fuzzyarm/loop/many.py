@@ -47,7 +47,8 @@ from fuzzyarm.plant.following import carries, with_load
 from fuzzyarm.plant.plant import Plant, parameter, with_parameters
 from fuzzyarm.plant.setting import PLAIN, Conventions
 from fuzzyarm.requests.bounds import MOST_RUNS
-from fuzzyarm.text.names import near_hint
+from fuzzyarm.text.keywords import wrong_argument
+from fuzzyarm.text.names import near_hint, shortened
 from fuzzyarm.text.shown import one_line
 
 Vector = NDArray[np.float64]
@@ -444,13 +445,16 @@ def columns_of(runs: Sequence[Changes] | Mapping[str, ArrayLike]) -> tuple[dict[
         If there are no runs or too many, or arrays do not match.
     """
     if isinstance(runs, Mapping):
-        columns = {name: np.atleast_1d(np.asarray(v, np.float64)) for name, v in runs.items()}
+        columns = {name: np.atleast_1d(_numbers(name, values)) for name, values in runs.items()}
         counts = {name: len(values) for name, values in columns.items()}
         if len(set(counts.values())) > 1:
             text = ", ".join(f"{count} of {name}" for name, count in counts.items())
             raise SweepError(f"the runs do not match: {text}")
         count = next(iter(counts.values()), 0)
     else:
+        if not isinstance(runs, Sequence) or not all(isinstance(run, Mapping) for run in runs):
+            wanted = "a list of mappings or a mapping of lists"
+            raise wrong_argument("simulate_many", "runs", wanted, runs)
         count = len(runs)
         names = dict.fromkeys(name for run in runs for name in run)
         columns = {name: _column(name, runs) for name in names}
@@ -462,12 +466,21 @@ def columns_of(runs: Sequence[Changes] | Mapping[str, ArrayLike]) -> tuple[dict[
     return columns, count
 
 
+def _numbers(name: str, values: ArrayLike) -> Vector:
+    """Return what differs from run to run as numbers."""
+    try:
+        return np.asarray(values, np.float64)
+    except (TypeError, ValueError):
+        message = f"'{name}' is not a number in a run: {shortened(repr(values))}"
+        raise SweepError(message, name=name) from None
+
+
 def _column(name: str, runs: Sequence[Changes]) -> Vector:
     width = max(np.size(run[name]) for run in runs if name in run)
     column = np.full((len(runs), width), np.nan)
     for at, run in enumerate(runs):
         if name in run:
-            column[at] = run[name]
+            column[at] = _numbers(name, run[name])
     return column[:, 0] if width == 1 else column
 
 

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from fuzzyarm.errors import UsageError
 from fuzzyarm.model.controller import TIMES
 from fuzzyarm.plant.plant import PlantError
-from fuzzyarm.text.names import near_hint
+from fuzzyarm.text.names import near_hint, shortened
 from fuzzyarm.text.protected import note_source
 
 Vector = NDArray[np.float64]
@@ -129,19 +129,32 @@ def as_signals(references: Mapping[str, AnySignal] | None) -> dict[str, Signal] 
     """Return signals by port, whatever they were given as; errors as :func:`read_signal`."""
     if references is None:
         return None
-    return {name: as_signal(signal) for name, signal in references.items()}
+    return {name: as_signal(signal, name) for name, signal in references.items()}
 
 
-def as_signal(signal: AnySignal) -> Signal:
+def as_signal(signal: AnySignal, name: str = "a reference") -> Signal:
     """Return a signal, whatever it was given as; errors as :func:`read_signal`."""
     if isinstance(signal, Signal):
         return signal
-    return read_signal(signal) if isinstance(signal, str) else Signal("step", (float(signal),))
+    if isinstance(signal, str):
+        return read_signal(signal)
+    return Signal("step", (as_number(signal, name, "a signal or a number"),))
 
 
 def as_seconds(time: AnyTime, what: str) -> float:
     """Return a time in s; errors as :func:`read_time`, with `what` takes it."""
-    return read_time(time, what) if isinstance(time, str) else float(time)
+    if isinstance(time, str):
+        return read_time(time, what)
+    return as_number(time, what, "a time in s, or text with its unit")
+
+
+def as_number(value: float, what: str, wanted: str = "a number") -> float:
+    """Return a number; of anything else raise PlantError, which says what takes it."""
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        message = f"{what} takes {wanted}, not {shortened(repr(value))}"
+        raise PlantError(message, name=what) from None
 
 
 def read_time(text: str, option: str) -> float:

@@ -47,9 +47,9 @@ from fuzzyarm.plant.plant import Plant
 from fuzzyarm.plant.setting import PLAIN, Conventions
 from fuzzyarm.plant.trajectory import Trajectory
 from fuzzyarm.requests.experiment import ExperimentRequest
-from fuzzyarm.requests.fields import RequestError
+from fuzzyarm.requests.fields import RequestError, read_fields
 from fuzzyarm.requests.runs import SimulateRequest, SweepRequest
-from fuzzyarm.text.keywords import demand_alone, demand_keywords
+from fuzzyarm.text.keywords import demand_alone, demand_arguments
 
 
 class RunKeywords(TypedDict, total=False):
@@ -133,7 +133,7 @@ def simulate(
     >>> simulate(servo, "motor", reference={"position": "step:1"}, duration="300ms")
     <Run servo on motor: 0.3 s, rms position 27.09 degrees>
     """
-    demand_keywords("simulate", keywords, RunKeywords, ("controller", "plant"))
+    demand_arguments("simulate", keywords, RunKeywords, ("controller", "plant"))
     if isinstance(controller, SimulateRequest):
         demand_alone("simulate", plant, keywords)
         return run_of(controller)
@@ -281,13 +281,14 @@ def simulate_many(
     >>> many.rms.shape, bool((many.diverged > 0).any())
     ((2, 2), False)
     """
-    demand_keywords("simulate_many", keywords, ManyKeywords, ("controller", "plant", "runs"))
+    demand_arguments("simulate_many", keywords, ManyKeywords, ("controller", "plant", "runs"))
     if isinstance(controller, SweepRequest):
         demand_alone("simulate_many", plant, tuple(runs) or None, keywords)
         return swept(controller)
     changes, count = columns_of(runs)
     bench = Bench(experiment_of(controller, plant, **keywords), list(changes))
-    executor, workers = keywords.get("executor"), keywords.get("workers")
+    executor = keywords.get("executor")
+    workers = read_fields(SweepRequest, keywords, ("workers",))["workers"]
     watch = keywords.get("watch")
     rows = np.empty((count, 1 + len(bench.outputs) * len(METRICS)))
     with closing(stream(bench, changes, count, executor=executor, workers=workers)) as parts:

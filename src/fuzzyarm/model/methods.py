@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from fuzzyarm.expression.kinds import DEFUZZIFIERS, SNORMS, TNORMS
 from fuzzyarm.model.controller import Axes, ControllerModel, Signal
-from fuzzyarm.model.rulebase import AnyRuleBase, RuleBase
+from fuzzyarm.model.rulebase import AnyRuleBase, RuleBase, model_of
 
 __all__ = ["methods_of", "structures_of"]
 
@@ -39,7 +39,7 @@ def methods_of(rulebase: AnyRuleBase) -> dict[str, list[str]]:
     {'mamdani1975': ['rules over sets'], 'zadeh1965': ['and min', 'aggregation max']}
     """
     methods: dict[str, list[str]] = {}
-    for sources, name in _methods(rulebase.model):
+    for sources, name in _methods(model_of(rulebase)):
         for source in sources:
             if name not in methods.setdefault(source, []):
                 methods[source].append(name)

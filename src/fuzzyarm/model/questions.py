@@ -13,6 +13,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from fuzzyarm.text import above
+from fuzzyarm.text.keywords import demand_path
 from fuzzyarm.text.mistaken import RULE_BASE, OfKind
 from fuzzyarm.text.shown import Shown
 
@@ -154,6 +155,7 @@ class Questions(Shown, OfKind):
         """
         from fuzzyarm.text.files import write_atomically
 
+        demand_path("to_file", path)
         text = str(self.model)
         if os.path.splitext(path)[1].lower() != ".frb":
             text = above.function("text_in")(self.model, path, lossy=lossy)

@@ -7,7 +7,8 @@ term stood in a file (its `span`) takes no part in equality.
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from numbers import Real
 from typing import TYPE_CHECKING
 
 from fuzzyarm.errors import FuzzyarmError
@@ -15,6 +16,7 @@ from fuzzyarm.expression.kinds import DEFUZZIFIERS, SHAPES, DefuzzifierKind
 from fuzzyarm.frozen import dataclass, field
 from fuzzyarm.model.questions import Questions, new_or_begun, of_builder
 from fuzzyarm.text.diagnostic import NOWHERE, RuleBaseError, Span
+from fuzzyarm.text.mistaken import RULE_BASE, wrong_kind
 from fuzzyarm.text.names import near_hint, shortened
 from fuzzyarm.text.numbers import number_text
 from fuzzyarm.text.shown import Plotted, one_line
@@ -87,7 +89,9 @@ triangle takes 3 numbers (left, peak, right), found 2
 
     def __post_init__(self) -> None:
         if type(self.parameters) is not tuple:
-            object.__setattr__(self, "parameters", tuple(map(float, self.parameters)))
+            object.__setattr__(self, "parameters", _numbers(self.parameters))
+        elif not all(isinstance(number, Real) for number in self.parameters):
+            raise _not_numbers(self.parameters)
         fault = _shape_fault(self.kind, self.parameters)
         if fault is not None:
             raise fault
@@ -97,6 +101,19 @@ triangle takes 3 numbers (left, peak, right), found 2
         formula = f", formula={self.formula!r}" if self.formula else ""
         height = f", height={self.height!r}" if self.height != 1.0 else ""
         return f"Shape({self.kind!r}{numbers}{height}{formula})"
+
+
+def _numbers(parameters: Iterable[float]) -> tuple[float, ...]:
+    """Return the parameters of a shape, given as anything but a tuple."""
+    try:
+        return tuple(map(float, parameters))
+    except (TypeError, ValueError):
+        raise _not_numbers(parameters) from None
+
+
+def _not_numbers(parameters: object) -> RuleBaseError:
+    message = f"expected the numbers of a shape, found {shortened(repr(parameters))}"
+    return RuleBaseError.of_argument("bad-shape", message, "Shape(parameters)")
 
 
 def _shape_fault(kind: str, parameters: tuple[float, ...]) -> RuleBaseError | None:
@@ -562,6 +579,19 @@ class AnyRuleBase(Questions):
     @abstractmethod
     def model(self) -> RuleBase:
         """The value: immutable, with equality and hash."""
+
+
+def model_of(rulebase: AnyRuleBase) -> RuleBase:
+    """Return the value of what a public function takes as a rule base.
+
+    Raises
+    ------
+    WrongKindError
+        For anything else: a path, a controller, a table.
+    """
+    if not isinstance(rulebase, AnyRuleBase):
+        raise wrong_kind(rulebase, RULE_BASE)
+    return rulebase.model
 
 
 @dataclass(frozen=True, slots=True, repr=False)

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language import parse, write
 from fuzzyarm.language.writer import property_node
-from fuzzyarm.model.rulebase import AnyRuleBase, Property, RuleBase
+from fuzzyarm.model.rulebase import AnyRuleBase, Property, RuleBase, model_of
 from fuzzyarm.proof.arithmetic import Stop, TimeOverError
 from fuzzyarm.proof.bounds import LIKE_EXPECT, Bounds, Claim
 from fuzzyarm.proof.prover import Prover, written
@@ -199,7 +199,7 @@ def prove(
     >>> fuzzyarm.prove(pd7, "u odd").verdict
     'proved'
     """
-    rulebase = rulebase.model
+    rulebase = model_of(rulebase)
     claim = read_property(rulebase, statement) if isinstance(statement, str) else statement
     return _Case(rulebase, claim, tolerance, budget, tell, {}, exact=exact).verdict()
 
@@ -221,7 +221,7 @@ def prove_all(
     rulebase, tolerance, exact, tell
         As for :func:`prove`.
     """
-    rulebase = rulebase.model
+    rulebase = model_of(rulebase)
     provers: dict[str, Prover] = {}
     for claim in rulebase.properties:
         yield _Case(rulebase, claim, tolerance, budget, tell, provers, exact=exact).verdict()

@@ -18,6 +18,7 @@ from fuzzyarm.model.rulebase import (
     Rule,
     RuleBase,
     RuleBlock,
+    model_of,
 )
 from fuzzyarm.model.shapes import centre
 from fuzzyarm.show.drawing import Cell, HeatGrid, Scale, number_words, scale_of
@@ -38,7 +39,7 @@ def rulebase_view(rulebase: AnyRuleBase) -> Group:
     rulebase : RuleBase
         The value, or one that is being written.
     """
-    rulebase = rulebase.model
+    rulebase = model_of(rulebase)
     from rich.console import Group
     from rich.text import Text
 

@@ -38,6 +38,7 @@ from fuzzyarm.study.beyond import NAMES as BEYOND
 from fuzzyarm.study.beyond import SUMMARY_TABLE
 from fuzzyarm.study.cost import Operations, count_operations, measure_time
 from fuzzyarm.study.published import published_rows
+from fuzzyarm.text.keywords import demand_arguments
 
 Numbers = tuple[float, ...]
 """Of each output that follows on the first trajectory, then on the second, and so on."""
@@ -155,6 +156,15 @@ def compare(
     connect : mapping of str to str, optional
         From names of the controllers to ports of the plant, where they differ.
     """
+    wishes = {
+        "controllers": controllers,
+        "options": options,
+        "plant": plant,
+        "trajectories": trajectories,
+        "conventions": conventions,
+        "connect": connect,
+    }
+    demand_arguments("compare", wishes, compare)
     if isinstance(controllers, CompareRequest):
         yield from _compared_by(controllers)
         return

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import partial
@@ -14,11 +14,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzyarm.model.rulebase import AnyRuleBase, Input, Output, RuleBase
+from fuzzyarm.model.rulebase import AnyRuleBase, Input, Output, RuleBase, model_of
 from fuzzyarm.table.axis import Axis, TableError
 from fuzzyarm.table.table import LookupTable
 from fuzzyarm.text import above
 from fuzzyarm.text.diagnostic import MAX_LEVELS
+from fuzzyarm.text.keywords import wrong_argument
 from fuzzyarm.text.mistaken import OfKind
 from fuzzyarm.text.names import near_hint
 from fuzzyarm.text.numbers import evenly, number_text
@@ -97,7 +98,7 @@ def compile_table(
         if isinstance(rulebase, CompileRequest):
             table: LookupTable = above.function("table_asked")(rulebase)
             return table
-    rulebase = rulebase.model
+    rulebase = model_of(rulebase)
     target = choose_output(rulebase, output)
     axes = choose_axes(rulebase, levels, target.name)
     cells = math.prod(len(axis.levels) for axis in axes)
@@ -227,12 +228,19 @@ def _axis(rulebase: RuleBase, variable: Input, levels: Levels | None) -> Axis:
         levels = even_levels(variable, levels)
     return Axis(
         variable.name,
-        tuple(levels),
+        _listed(levels),
         bins,
         low=variable.low,
         high=variable.high,
         description=variable.description,
     )
+
+
+def _listed(levels: Any) -> tuple[float, ...]:
+    """Return levels as they are listed, whatever holds them."""
+    if isinstance(levels, str) or not isinstance(levels, Iterable):
+        raise wrong_argument("compile_table", "levels", "a whole number or a list", levels)
+    return tuple(levels)
 
 
 def even_levels(variable: Input, count: int) -> tuple[float, ...]:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from fuzzyarm.inference.effort import points_within
 from fuzzyarm.inference.plan import part_for, plan
-from fuzzyarm.model.rulebase import AnyRuleBase, RuleBase
+from fuzzyarm.model.rulebase import AnyRuleBase, RuleBase, model_of
 from fuzzyarm.table.axis import Axis, TableError
 from fuzzyarm.table.compiler import (
     DEFAULT_LEVELS,
@@ -26,7 +26,7 @@ from fuzzyarm.table.compiler import (
     needed_inputs,
 )
 from fuzzyarm.table.table import LookupTable
-from fuzzyarm.text.keywords import demand_keywords
+from fuzzyarm.text.keywords import demand_arguments
 from fuzzyarm.text.numbers import outward_text
 from fuzzyarm.text.shown import one_line
 
@@ -113,7 +113,7 @@ def measure_fidelity(
     tuple of Fidelity
         One for each mode.
     """
-    rulebase = rulebase.model
+    rulebase = model_of(rulebase)
     mode_names = tuple(dict.fromkeys(modes or (table.default_mode, "linear")))
     tallies = {mode: _Tally() for mode in mode_names}
     part = part_for(rulebase, [table.output])
@@ -549,8 +549,8 @@ def compile_with_report(
     TableError
         As `compile_table`; also if no grid within the limits meets the tolerance.
     """
-    demand_keywords("compile_with_report", keywords, ReportKeywords)
-    rulebase, tolerance = rulebase.model, keywords.get("tolerance")
+    demand_arguments("compile_with_report", keywords, ReportKeywords)
+    rulebase, tolerance = model_of(rulebase), keywords.get("tolerance")
     levels, rounding = keywords.get("levels"), keywords.get("rounding")
     mode, progress, proof = keywords.get("mode"), keywords.get("progress"), keywords.get("proof")
     if tolerance is not None:
@@ -578,9 +578,8 @@ def compile_with_report(
     for fidelity in fidelities:
         provenance[f"error-{fidelity.mode}"] = str(fidelity)
     axes_of_file = {axis.variable for axis in rulebase.lookup.axes} if rulebase.lookup else set()
-    axes_by_levels = (
-        set(levels) if isinstance(levels, Mapping) else set(table.names if levels else ())
-    )
+    by_levels = levels if isinstance(levels, Mapping) else () if levels is None else table.names
+    axes_by_levels = set(by_levels)
     return CompileReport(
         table=table.with_values(table.values, provenance),
         fidelities=fidelities,

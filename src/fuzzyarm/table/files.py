@@ -38,6 +38,8 @@ from fuzzyarm.table.text import (
 from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Span, split_lines
 from fuzzyarm.text.files import write_atomically
 from fuzzyarm.text.jsonable import jsonable
+from fuzzyarm.text.keywords import demand_path
+from fuzzyarm.text.mistaken import TABLE, wrong_kind
 from fuzzyarm.text.numbers import column_of_numbers, number_text
 from fuzzyarm.text.protected import note_source
 
@@ -72,7 +74,7 @@ def read_table(path: str | Path) -> LookupTable:
     """
     from fuzzyarm.table.table import LookupTable
 
-    path = Path(path)
+    path = Path(demand_path("read_table", path))
     if path.suffix.lower() not in SUFFIXES:
         raise _unknown_suffix(path)
     note_source(path)
@@ -117,7 +119,11 @@ def write_table(table: LookupTable, path: str | Path) -> None:
     OSError
         If the folder cannot be written.
     """
-    path = Path(path)
+    from fuzzyarm.table.table import LookupTable
+
+    if not isinstance(table, LookupTable):
+        raise wrong_kind(table, TABLE)
+    path = Path(demand_path("write_table", path))
     write_atomically(path, table_as(table, path.suffix.lower(), path))
 
 

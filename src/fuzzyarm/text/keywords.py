@@ -1,18 +1,30 @@
-"""Calls with many keywords, whose names stand in one `TypedDict` each."""
+"""Arguments of public calls: names and kinds of many keywords stand in one `TypedDict` each."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from types import MappingProxyType
+import collections.abc
+import os
+from collections.abc import Callable, Mapping
+from functools import cache
+from types import MappingProxyType, NoneType, UnionType
+from typing import Any, TypeAlias, Union, get_args, get_origin, get_type_hints
 
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.text.names import near_hint
+from fuzzyarm.text.names import near_hint, shortened
 
-__all__ = ["ArgumentError", "demand_alone", "demand_keywords"]
+__all__ = [
+    "ArgumentError",
+    "demand_alone",
+    "demand_arguments",
+    "demand_keywords",
+    "demand_path",
+    "demand_text",
+    "wrong_argument",
+]
 
 
 class ArgumentError(FuzzyarmError, TypeError):
-    """A call has no such argument, or lacks one.
+    """A call has no such argument, lacks one, or was given one of another kind.
 
     Attributes
     ----------
@@ -24,6 +36,9 @@ class ArgumentError(FuzzyarmError, TypeError):
         super().__init__(message, hint=hint)
         self.argument = argument
 
+
+Kind: TypeAlias = type | Callable[..., object]
+"""Whose annotations say what arguments there are: a `TypedDict`, a data class, a function."""
 
 RENAMED: Mapping[str, str] = MappingProxyType(
     {
@@ -40,7 +55,7 @@ RENAMED: Mapping[str, str] = MappingProxyType(
 def demand_keywords(
     call: str,
     keywords: Mapping[str, object],
-    kind: type,
+    kind: Kind,
     positional: tuple[str, ...] = (),
 ) -> None:
     """Raise ArgumentError for a keyword that a call does not have.
@@ -51,8 +66,8 @@ def demand_keywords(
         Name of the function.
     keywords : mapping
         What it was given.
-    kind : type
-        A `TypedDict` with the names.
+    kind : type or callable
+        A `TypedDict` with the names, a data class, or the function itself.
     positional : tuple of str, optional
         Names of the arguments before them.
     """
@@ -65,6 +80,125 @@ def demand_keywords(
                     f"{call}() has no argument '{name}'", argument=name, hint=f"it is now '{new}'"
                 )
             raise unknown_argument(f"{call}()", name, accepted)
+
+
+def demand_arguments(
+    call: str,
+    keywords: Mapping[str, object],
+    kind: Kind,
+    positional: tuple[str, ...] = (),
+    judged: tuple[str, ...] = (),
+) -> None:
+    """Raise ArgumentError for a keyword that a call does not have, or a value of another kind.
+
+    Parameters
+    ----------
+    call, keywords, kind, positional
+        See :func:`demand_keywords`. What a value may be is its annotation; what is in a mapping or
+        a list is judged by whoever reads it.
+    judged : tuple of str, optional
+        Names of keywords whose values something else judges.
+    """
+    demand_keywords(call, keywords, kind, positional)
+    wanted = _annotations(kind)
+    for name, value in keywords.items():
+        if name not in judged and not any(_is_a(value, one) for one in wanted[name]):
+            kinds = (_words(one) for one in wanted[name] if one is not NoneType)
+            raise wrong_argument(call, name, " or ".join(dict.fromkeys(kinds)), value)
+
+
+def wrong_argument(call: str, name: str, wanted: str, value: object) -> ArgumentError:
+    """Return the error of an argument of another kind.
+
+    Parameters
+    ----------
+    call, name : str
+        Of the function and of its argument.
+    wanted : str
+        What it takes, as in ``a number``.
+    value : object
+        What it was given.
+    """
+    message = f"{call}() takes {wanted} as '{name}', not {shortened(repr(value), 60)}"
+    return ArgumentError(message, argument=name, hint=EXAMPLES.get(name, ""))
+
+
+EXAMPLES: Mapping[str, str] = MappingProxyType(
+    {
+        "reference": "as in {'position': 'step:1'}",
+        "connect": "as in {'temperature': 'T'}, from names of the controller to ports of the plant",
+        "options": "fuzzyarm.loop.Options(seed=3) for instance",
+        "tune": "lines of a tune block, as in ['peaks of e']",
+        "statement": "as in 'u odd'",
+    }
+)
+"""What an argument may be, by its name: a name means the same in every call."""
+
+
+def demand_path(call: str, path: object, name: str = "path") -> str:
+    """Return the path that a call was given; raise ArgumentError for anything else."""
+    text = os.fspath(path) if isinstance(path, str | os.PathLike) else None
+    if not isinstance(text, str):
+        raise wrong_argument(call, name, "a path", path)
+    return str(text)
+
+
+def demand_text(call: str, text: object, name: str = "text") -> str:
+    """Return the text that a call was given; raise ArgumentError for anything else."""
+    if not isinstance(text, str):
+        raise wrong_argument(call, name, "text", text)
+    return text
+
+
+# --- Kinds of values ---
+
+
+@cache
+def _annotations(kind: Kind) -> dict[str, tuple[Any, ...]]:
+    """Return what each keyword may be: the members of its union."""
+    return {name: _members(hint) for name, hint in get_type_hints(kind).items()}
+
+
+def _members(annotation: Any) -> tuple[Any, ...]:
+    if get_origin(annotation) in (Union, UnionType):
+        return tuple(member for part in get_args(annotation) for member in _members(part))
+    return (annotation,)
+
+
+def _is_a(value: object, annotation: Any) -> bool:
+    """Whether a value is of a kind; of one that cannot be told, yes."""
+    origin = get_origin(annotation) or annotation
+    if origin is float:  # numbers of NumPy among them
+        is_single = not getattr(value, "ndim", 0)
+        return hasattr(value, "__float__") and is_single and not isinstance(value, bool)
+    if origin is int:
+        return hasattr(value, "__index__") and not isinstance(value, bool)
+    if origin is bool:
+        return type(value).__name__ in ("bool", "bool_")  # of NumPy
+    if origin in (collections.abc.Sequence, tuple):  # arrays of NumPy among them
+        return isinstance(value, collections.abc.Iterable) and not isinstance(value, str)
+    if isinstance(origin, type) and not getattr(origin, "_is_protocol", False):
+        return isinstance(value, origin)
+    return True
+
+
+_NAMES: Mapping[object, str] = {
+    float: "a number",
+    int: "a whole number",
+    bool: "a truth value",
+    str: "text",
+    os.PathLike: "a path",
+    collections.abc.Mapping: "a mapping",
+    tuple: "a tuple",
+    collections.abc.Sequence: "a list",
+    collections.abc.Callable: "a function",
+}
+
+
+def _words(annotation: Any) -> str:
+    """Return a kind of values in words."""
+    origin = get_origin(annotation) or annotation
+    return str(_NAMES.get(origin) or getattr(origin, "__name__", str(origin)))
 
 
 def unknown_argument(call: str, name: str, known: tuple[str, ...]) -> ArgumentError:

@@ -6,6 +6,7 @@ sentence that says which it is and what to do, in place of Python's "has no attr
 
 from __future__ import annotations
 
+import os
 from typing import TYPE_CHECKING, ClassVar
 
 from fuzzyarm.errors import FuzzyarmError
@@ -95,7 +96,8 @@ def wrong_kind(value: object, wanted: str) -> WrongKindError:
         name = value.__name__
         return WrongKindError(name, "class", wanted, hint=f"{name}() makes one of its values")
     kind = "" if value is None else type(value).__name__  # "None is not a rule base" says it all
-    return WrongKindError(shortened(repr(value), 80), kind, wanted)
+    hint = "fuzzyarm.load reads a file" if isinstance(value, str | os.PathLike) else ""
+    return WrongKindError(shortened(repr(value), 80), kind, wanted, hint=hint)
 
 
 class OfKind:

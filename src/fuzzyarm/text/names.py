@@ -43,6 +43,7 @@ def near_hint(word: str, choices: Iterable[str]) -> tuple[str, str | None]:
 
     Choices that know what other programs call them (`foreign`) are found by those names first.
     """
+    word = str(word)  # a call from Python may bring anything
     spelling = getattr(choices, "foreign", {}).get(word.casefold())
     if spelling is not None:
         ours, order = spelling

@@ -159,16 +159,23 @@ def samples_asked(asked: TuneRequest, rulebase: RuleBase) -> dict[str, Samples]:
         message = f"'{rulebase.name}' is a rule base alone: nothing says what is good"
         hint = "--data set.csv, or tune the controller that uses it"
         raise WordError(message, hint=hint)
-    inputs = tuple(variable.name for variable in rulebase.inputs)
-    outputs = [output.name for output in rulebase.outputs]
-    target = asked.target
-    if target is None and len(outputs) == 1 and outputs[0] in column_names(asked.data):
-        target = outputs[0]
-    columns = Columns(target, inputs)
+    columns = columns_for(asked.data, rulebase, asked.target)
     samples = {"data": read_samples(asked.data, columns)}
     if asked.test:
         samples["test"] = read_samples(asked.test, columns)
     return samples
+
+
+def columns_for(path: str, rulebase: RuleBase, target: str | None = None) -> Columns:
+    """Return which columns of a file are the inputs and the output of a rule base.
+
+    Without a target it is the column that is called like the only output, or the last one.
+    """
+    inputs = tuple(variable.name for variable in rulebase.inputs)
+    outputs = [output.name for output in rulebase.outputs]
+    if target is None and len(outputs) == 1 and outputs[0] in column_names(path):
+        target = outputs[0]
+    return Columns(target, inputs)
 
 
 # --- The journal ---

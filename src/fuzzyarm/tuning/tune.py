@@ -16,7 +16,7 @@ from fuzzyarm.controller.catalogue import controller_of
 from fuzzyarm.controller.findings import site_by_axes
 from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.language.tokens import Cursor, Trivia, tokenize_line
-from fuzzyarm.learning.data import Samples
+from fuzzyarm.learning.data import Samples, read_samples
 from fuzzyarm.learning.fit import linear_outputs
 from fuzzyarm.loop.along import Way, equipped, way_of
 from fuzzyarm.loop.course import Options
@@ -29,9 +29,9 @@ from fuzzyarm.plant.setting import PLAIN, Conventions
 from fuzzyarm.plant.trajectory import Trajectory
 from fuzzyarm.requests.fields import read_fields
 from fuzzyarm.requests.tune import TuneRequest
-from fuzzyarm.text.keywords import demand_alone, demand_keywords
+from fuzzyarm.text.keywords import demand_alone, demand_arguments
 from fuzzyarm.text.mistaken import MODEL, wrong_kind
-from fuzzyarm.tuning.asked import Order, longest, order_of
+from fuzzyarm.tuning.asked import Order, columns_for, longest, order_of
 from fuzzyarm.tuning.cost import (
     ERRORS,
     OwnCost,
@@ -74,9 +74,9 @@ class TuneKeywords(TypedDict, total=False):
         What is to become small: a formula of metrics, as in ``"rms + 0.002*variation"`` (of
         samples of ``rmse``, ``mae`` and ``worst``), or a function of all runs (of a rule base
         alone: of the rule base). The RMS error by default.
-    data, test : Samples
-        What a rule base alone is fitted to, and is judged by. Without `test` a fifth of the data
-        is kept back.
+    data, test : Samples, str or path-like
+        What a rule base alone is fitted to, and is judged by: samples, or their file. Without
+        `test` a fifth of the data is kept back.
     scenarios : int or sequence of Scenario
         How many are tuned on: what is asked for first, then drawn ones. By default those that are
         asked for alone.
@@ -120,8 +120,8 @@ class TuneKeywords(TypedDict, total=False):
 
     trajectory: Trajectory | str | None
     cost: str | OwnCost | None
-    data: Samples | None
-    test: Samples | None
+    data: Samples | str | os.PathLike[str] | None
+    test: Samples | str | os.PathLike[str] | None
     scenarios: int | Sequence[Scenario] | None
     over: Over
     stage: Stage | None
@@ -147,6 +147,10 @@ class TuneKeywords(TypedDict, total=False):
     take: Callable[[Tuned], None]
     tell: Callable[[str], None]
     text: str
+
+
+OF_THE_REQUEST = ("method", "evals", "seed", "digits", "unseen", "over", "workers")
+"""Keywords that are judged as fields of a request."""
 
 
 def tune(
@@ -195,11 +199,10 @@ def tune(
     >>> tuned.found.best.score.cost <= tuned.found.trials[0].score.cost
     True
     """
-    demand_keywords("tune", keywords, TuneKeywords, ("subject", "plant"))
+    demand_arguments("tune", keywords, TuneKeywords, ("subject", "plant"), OF_THE_REQUEST)
     if isinstance(subject, TuneRequest):
         return _tuned_by(subject, plant, keywords)
-    names = ("method", "evals", "seed", "digits", "unseen", "over")
-    said = read_fields(TuneRequest, keywords, names)
+    said = read_fields(TuneRequest, keywords, OF_THE_REQUEST)
     plan = Plan(
         said["method"],
         Budget(said["evals"], as_seconds(keywords.get("time", math.inf), "time")),
@@ -215,7 +218,12 @@ def tune(
         job = _on_samples(model, moving, keywords, plan.seed)
     else:
         job = _in_loop(model, moving, plant, plan, keywords)
-    return _done(job, plan, _means(keywords), originals_of(model, path, keywords.get("text", "")))
+    return _done(
+        job,
+        plan,
+        _means(keywords, said["workers"]),
+        originals_of(model, path, keywords.get("text", "")),
+    )
 
 
 LISTENERS = ("watch", "watch_linear", "take", "tell")
@@ -254,9 +262,9 @@ def keywords_of(asked: TuneRequest, order: Order) -> TuneKeywords:
     return {**keywords, "data": order.samples.get("data"), "test": order.samples.get("test")}
 
 
-def _means(keywords: TuneKeywords) -> Means:
+def _means(keywords: TuneKeywords, workers: int | None) -> Means:
     return Means(
-        keywords.get("workers"),
+        workers,
         keywords.get("executor"),
         keywords.get("journal"),
         keywords.get("watch", _unheard),
@@ -438,7 +446,9 @@ NOISE_SHARE = 0.01
 def _on_samples(
     rulebase: RuleBase, tuning: Tuning | None, keywords: TuneKeywords, seed: int
 ) -> Job:
-    cost, data, test = keywords.get("cost"), keywords.get("data"), keywords.get("test")
+    cost = keywords.get("cost")
+    data = _samples(keywords.get("data"), rulebase)
+    test = _samples(keywords.get("test"), rulebase)
     is_own = callable(cost) or (cost is not None and ".py:" in cost)
     if data is None and not is_own:
         message = f"'{rulebase.name}' is a rule base alone: nothing says what is good"
@@ -473,6 +483,15 @@ def _on_samples(
         key: (f"{len(samples)} samples",) for key, samples in sets.items()
     }
     return Job(problem, judged, {}, name, shown, regression)
+
+
+def _samples(
+    samples: Samples | str | os.PathLike[str] | None, rulebase: RuleBase
+) -> Samples | None:
+    """Return samples of a rule base, of their file where that is what is given."""
+    if isinstance(samples, str | os.PathLike):
+        return read_samples(samples, columns_for(os.fspath(samples), rulebase))
+    return samples
 
 
 def _fitting(samples: Samples, rulebase: RuleBase) -> Samples:

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from fuzzyarm.model.rulebase import AnyRuleBase, Output, RuleBase, Term, Variable
+from fuzzyarm.model.rulebase import AnyRuleBase, Output, RuleBase, Term, Variable, model_of
 from fuzzyarm.model.shapes import centre, membership
 from fuzzyarm.picture import COLOURS, series
 from fuzzyarm.show.drawing import number_words
@@ -65,7 +65,7 @@ def memberships_figure(rulebase: AnyRuleBase) -> Figure:
     rulebase : RuleBase
         What to draw.
     """
-    rulebase = rulebase.model
+    rulebase = model_of(rulebase)
     variables: tuple[Variable, ...] = (*rulebase.inputs, *rulebase.outputs)
     width = 7.0
     plans = [_Panel.of(variable, rulebase, width - _EDGE) for variable in variables]
@@ -274,7 +274,7 @@ def rulebase_figure(
     at, fails
         As for :func:`fuzzyarm.show.figures.surface_figure`.
     """
-    rulebase = rulebase.model
+    rulebase = model_of(rulebase)
     outputs = [rulebase.output(output)] if output else list(rulebase.outputs)
     variables: list[Variable] = [*rulebase.inputs, *rulebase.outputs]
     columns = 2 if len(variables) in (2, 4) else min(3, len(variables))
@@ -317,7 +317,7 @@ def inference_figure(rulebase: AnyRuleBase, trace: Trace) -> Figure:
     trace : Trace
         From :func:`fuzzyarm.inference.explain`.
     """
-    rulebase = rulebase.model
+    rulebase = model_of(rulebase)
     inputs = [
         input_value for input_value in trace.inputs if rulebase.variable(input_value.name).terms
     ]

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from fuzzyarm.model.rulebase import AnyRuleBase, Variable
+from fuzzyarm.model.rulebase import AnyRuleBase, Variable, model_of
 from fuzzyarm.model.shapes import corner_points
 from fuzzyarm.picture import COLOURS, Axis, Cells, Dots, Level, Line, Panel
 from fuzzyarm.show.cells import table_panel
@@ -76,7 +76,7 @@ def surface_figure(
     fails : sequence of Verdict
         On properties that fail: their points are marked.
     """
-    rulebase = rulebase.model
+    rulebase = model_of(rulebase)
     outputs = [rulebase.output(output)] if output else list(rulebase.outputs)
     responses = [ResponseFigure(Response(rulebase, target, at or {}, fails)) for target in outputs]
     heights = [each.height for each in responses]
