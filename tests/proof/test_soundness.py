@@ -32,7 +32,7 @@ from fuzzyarm.language import parse
 from fuzzyarm.model.rulebase import Defuzzifier, RuleBase
 from fuzzyarm.proof import Prover, UnprovableError, prove
 from fuzzyarm.proof.arithmetic import FLOATS, Stop, as_fraction, rationals
-from fuzzyarm.proof.bernstein import from_values, halving, lattice
+from fuzzyarm.proof.bernstein import Quotients, from_values, halving, lattice
 from fuzzyarm.proof.pieces import Cut, cut
 from fuzzyarm.proof.straight import NotStraightError, straight
 from fuzzyarm.proof.surface import Surface
@@ -182,6 +182,22 @@ def test_halves_and_values_of_polynomials_are_exact() -> None:
     corner = half[indices.index((0, 3, 0))]
     assert as_fraction(corner) == polynomial(Fraction(1, 2), Fraction(0))
     assert as_fraction(half[indices.index((0, 0, 3))]) == polynomial(Fraction(0), Fraction(1))
+
+
+def test_a_crude_bound_of_rationals_is_rounded_up() -> None:
+    """Numerator, denominator and quotient are each rounded on the way to a float."""
+    number, draw = rationals().number, random.Random(1)
+
+    def rational() -> Fraction:
+        return Fraction(draw.randrange(1, 10**25), draw.randrange(1, 10**25))
+
+    for _ in range(400):
+        above, below = rational(), rational()
+        ratio = above / below
+        upper, lower = (np.array([[number(x)] * 2], dtype=object) for x in (above, below))
+        corners = np.array([[[number(Fraction(0))], [number(Fraction(1))]]], dtype=object)
+        piece = Quotients(upper, lower, None, 0.0, corners, np.array([0]), 1)
+        assert ratio <= Fraction(piece.bound()) <= ratio * (1 + Fraction(1, 2**48))
 
 
 @given(st.integers(0, 10**6))

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
 from itertools import combinations
-from math import comb, factorial, prod
+from math import comb, factorial, isinf, prod
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -32,6 +32,7 @@ from fuzzyarm.proof.arithmetic import (
     Stop,
     TimeOverError,
     any_of_rows,
+    as_fraction,
     greatest_of_rows,
     rationals,
 )
@@ -143,6 +144,8 @@ def halving(dimension: int, degree: int, first: int, second: int, *, exact: bool
     number = {index: i for i, index in enumerate(indices)}
     rows = [[Fraction(0)] * len(indices) for _ in indices]
     for row, index in enumerate(indices):
+        # de Casteljau at ½: b'_α = 2⁻ⁿ Σₖ C(n, k) b_β, n = α_second, where β has k moved from
+        # `second` to `first`.
         order = index[second]
         for k in range(order + 1):
             source = list(index)
@@ -260,6 +263,8 @@ class Quotients:
             if attained_ is None or values[best] > attained_[0]:
                 owner = int(rows[best])
                 a, b = self.corners[owner, near], self.corners[owner, far]
+                # A point next to the vertex, on the edge of the limit; the vertex itself where b is
+                # a.
                 attained_ = values[best], owner, a + (b - a) / 2**24
         return attained_
 
@@ -271,13 +276,14 @@ class Quotients:
         error = np.zeros_like(lower) if self.error is None else self.error
         room = lower - error
         with np.errstate(all="ignore"):
-            ratio = (upper + np.copysign(self.reach * error, 1.0)) / np.where(
-                upper >= 0, room, lower + error
-            )
+            # A numerator above 0 is largest over the least denominator, one below 0 over the most.
+            ratio = (upper + self.reach * error) / np.where(upper >= 0, room, lower + error)
         empty = (upper == 0) & (lower == 0) & (error == 0)
         ratio = np.where(empty, -np.inf, np.where(room > 0, ratio, np.inf))
         value = float(ratio.max())
-        return float(np.nextafter(value, np.inf)) if np.isfinite(value) else value
+        # Rationals were rounded to floats, and so was their quotient: up to three times a half ulp.
+        outward = value + abs(value) * 2.0**-51
+        return float(np.nextafter(outward, np.inf)) if np.isfinite(outward) else value
 
     def without(self, pieces: Array) -> Quotients:
         """Return the simplices that are not parts of some pieces."""
@@ -425,8 +431,13 @@ def maximise(
     bound = None if best is None else best + tolerance
     if given_up.count:
         crude = given_up.bound()
-        bound = crude if bound is None or crude > float(bound) else bound
+        bound = crude if bound is None or _exceeds(crude, bound) else bound
     return Extremum(best, bound, corner, owner, count, given_up)
+
+
+def _exceeds(value: float, bound: Any) -> bool:
+    """Tell whether a float, which may be infinite, is above a number of either arithmetic."""
+    return value > 0.0 if isinf(value) else as_fraction(value) > as_fraction(bound)
 
 
 def _worth_halving(
