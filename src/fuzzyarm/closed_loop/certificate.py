@@ -136,6 +136,7 @@ def loop_data(
 
 
 def _text(value: float) -> str:
+    # A finite double is a rational: nothing is lost.
     return str(Fraction(value)) if math.isfinite(value) else str(value)
 
 
@@ -191,6 +192,7 @@ def _evidence(loop: Field) -> Evidence:
 
 
 def _seal(data: Mapping[str, Any]) -> str:
+    # Of the contents alone: neither the order of keys nor the layout of the file counts.
     text = json.dumps(data, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
     return hashlib.sha256(text.encode()).hexdigest()
 

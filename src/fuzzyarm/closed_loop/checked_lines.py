@@ -31,7 +31,7 @@ LINEAR = ("add", "subtract", "negative", "multiply", "divide")
 
 
 class Line(NamedTuple):
-    """A signal around rest: its value there, and weights of variables and answers.
+    """A signal around rest: its value there, and weights of states and answers (``w0``, ``w1`` …).
 
     `low` and `high` are what it cannot leave, whatever they are, where that is known.
     """
@@ -51,6 +51,7 @@ class Lines:
     """Signals around rest, for a walk over the program; what is taken for granted is noted."""
 
     def __init__(self, evidence: Evidence, pieces: PiecesOfRules) -> None:
+        # One claim for each look-up with an input that moves, in the order of the walk.
         self.gains = iter(evidence.gains)
         self.grip = evidence.grip
         self.pieces = pieces
@@ -90,6 +91,7 @@ class Lines:
         """Return a comparison, or the smaller or larger of two, as it is at rest."""
         if operation in ("less", "less_equal"):
             return self._is_less(a, b, or_equal=operation == "less_equal")
+        # The one that counts at rest, as long as a row keeps the two in this order.
         return a if self._is_less(a, b, or_equal=True) == (operation == "minimum") else b
 
     def _sum(self, a: Line, b: Line, factor: Fraction) -> Line:
@@ -170,11 +172,15 @@ class Lines:
             # What is cut off is still this share of the deviation, wherever the signal can go.
             far = None if most is None else sign * (most - at)
             share = min(share, NOTHING if far is None else room / far if far > room else UNIT)
+        # Where the limit may pass too small a share, the signal has to stay so close to rest that
+        # `grip` of it passes, and a row says so.
         if share < self.grip:
             share = self.grip
             self.bounds.append((x.parts, min(rooms) / share, words))
         if share == UNIT:
             return x
+        # The limit turns a deviation v into something between share · v and v: the middle, and an
+        # answer for half the width.
         middle = {name: weight * (UNIT + share) / 2 for name, weight in x.parts.items()}
         answer = self.block(
             {name: weight * (UNIT - share) / 2 for name, weight in x.parts.items()}, words
@@ -202,6 +208,7 @@ class Lines:
         if claim.weights:
             if any(inputs[name].rest != exactly(NOTHING) for name in claim.weights):
                 raise LoopProofError("a sector is of inputs that rest at 0")
+            # The gain along the weighted sum has the empty name.
             low, high = claim.gains[""]
             if not pieces.has_sector(region, claim.weights, low, high):
                 raise LoopProofError(f"'{sheet.name}' leaves the sector that is claimed of it")
@@ -235,6 +242,7 @@ class Lines:
             if not x.parts:
                 continue
             assert claim is not None
+            # Beyond its outer levels a table is constant, and its steps say nothing.
             room = min(levels[-1] - x.rest.low, x.rest.low - levels[0])
             low, high = claim.region[name]
             half = min(high - x.rest.low, x.rest.low - low, room)
@@ -242,6 +250,7 @@ class Lines:
                 raise LoopProofError("at rest an input of a table is at its end")
             self.bounds.append((x.parts, half, f"'{name}' of a table"))
             least, most = claim.gains[name]
+            # Multilinear interpolation: the slope in a cell is a mean of those along its edges.
             if not _has_slopes(values, axis, levels, least, most):
                 raise LoopProofError("a table is steeper than is claimed of it")
             words = f"a table, its slope along {name} in"
@@ -277,6 +286,7 @@ class Lines:
     ) -> Mapping[str, Fraction]:
         if low > high:
             raise LoopProofError("a gain that is claimed ends before it begins")
+        # A gain in [low, high] is its middle plus an answer w with |w| ≤ radius |v|.
         terms = [(parts, (low + high) / 2)]
         if low < high:
             radius = {name: weight * (high - low) / 2 for name, weight in parts.items()}

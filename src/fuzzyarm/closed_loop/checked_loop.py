@@ -137,6 +137,7 @@ class CheckedLoop:
         An answer w is its v times some δ in [-1, 1]: a linear function is largest at an end.
         """
         rows = [list(whole)]
+        # The last answer first: the v of each has only answers before it, so one pass removes all.
         for k in range(len(self.blocks) - 1, -1, -1):
             at = self.size + k
             rows = [
@@ -278,6 +279,7 @@ class _Derivation:
         # Any matrix will do, as long as what follows is exact.
         y = [[exactly(float(x)) for x in row] for row in near]
         for i, name in enumerate(names):
+            # Row i of K − m; strictly less than the radius, so that K lies inside R.
             total = zero.minus(dot(y[i], f))
             for j, other in enumerate(names):
                 slope = dot(y[i], [jacobian[k][j] for k in range(size)])
@@ -346,6 +348,7 @@ class _Derivation:
         values = {n: Slope(self.rest[n], {n: exactly(UNIT)}) for n in names}
         slope = slopes_of([root], self._plant_values(values))[0]
         for k, key in enumerate(self.equations.states):
+            # A measured state is itself, exactly, even where its rest is known by an interval.
             if getattr(root, "name", "") == key:
                 return z[names[k]]
         wide = {n: Slope(Span(-FAR, FAR), {n: exactly(UNIT)})
@@ -382,6 +385,8 @@ class _Derivation:
                 if not entry.holds(matrix[k][j]):
                     raise LoopProofError("the plant's motion is not as it is claimed")
                 terms.append((parts, entry.middle))
+                # An entry with a spread in the certificate becomes a gain with an answer of its
+                # own; the doubt of any other (of the matrix exponential) goes into `radius`.
                 if (k, j) in spread:
                     by = [*problem.states, *equations.inputs][j]
                     words = f"the plant, {name} by {by} in {float(entry.low):.6g} .. "

@@ -75,6 +75,7 @@ class _Buffer:
         self.forms = Forms(self.centre, self.parts, self.rest, self.spread)
 
     def put(self, k: int, value: Forms) -> None:
+        # A form may have fewer symbols than the buffer; the parts of the others stay 0.
         count = len(value.parts)
         self.centre[k], self.rest[k], self.spread[k] = value.centre, value.rest, value.spread
         self.parts[:count, k] = value.parts
@@ -93,7 +94,9 @@ class _Series:
         self.symbols = symbols
         self.buffers: dict[Any, _Buffer] = {}
         self.conditions: dict[Node, Intervals] = {}
+        # The series over the box X̂, whose choices hold throughout the step; None in that series.
         self.before: _Series | None = None
+        # By argument, the order up to which its sine and cosine are there: they need each other.
         self.filled: dict[Node, int] = {}
 
     def buffer(self, key: Any) -> _Buffer:
@@ -211,6 +214,7 @@ def _product_rule(series: _Series, node: Apply, k: int) -> Any:
         return factor * b.value if isinstance(factor, float) else factor.scaled(b.value)
     if b in steady:
         return series.coefficient(b, 0) * as_forms(series.coefficient(a, k), series.shape)
+    # Cauchy's product: (a b)ₖ = Σ aⱼ bₖ₋ⱼ.
     return dot(series.buffer(a)[: k + 1], series.buffer(b)[k::-1])
 
 
@@ -274,6 +278,7 @@ def _derived(slope: Callable[[_Series, Apply, int], Forms]) -> Rule:
 
 
 def _slope_of_log(series: _Series, node: Apply, k: int) -> Forms:
+    # s = 1/x, so s x = 1:  sₖ = -s₀ Σ xⱼ sₖ₋ⱼ, 0 < j ≤ k.
     x, slopes = series.buffer(node.arguments[0]), series.buffer(("slope", node))
     if k == 0:
         return x[0].function("reciprocal")
@@ -281,12 +286,14 @@ def _slope_of_log(series: _Series, node: Apply, k: int) -> Forms:
 
 
 def _slope_of_tanh(series: _Series, node: Apply, k: int) -> Forms:
+    # s = 1 - y², of the coefficients of y up to order k.
     tanh = series.buffer(node)
     square = dot(tanh[: k + 1], tanh[k::-1])
     return -square + 1.0 if k == 0 else -square
 
 
 def _slope_of_atan(series: _Series, node: Apply, k: int) -> Forms:
+    # s = 1/(1 + x²), so s (1 + x²) = 1:  sₖ = -s₀ Σ (x²)ⱼ sₖ₋ⱼ, 0 < j ≤ k.
     x, slopes = series.buffer(node.arguments[0]), series.buffer(("slope", node))
     square = series.buffer(("square", node))
     square.put(k, dot(x[: k + 1], x[k::-1]))
@@ -414,7 +421,7 @@ class Flow:
         try:
             return self._taylor(start, constants, inputs, box, time, length, order)
         except CornerError:
-            return self._mean(start, constants, box, time, length)
+            return self._mean(start, constants, inputs, box, time, length)
 
     # ── the box ──────────────────────────────────────────────────────────────────────
 
@@ -430,6 +437,8 @@ class Flow:
     ) -> Intervals:
         times = Intervals.between(time, np.nextafter(time + length, np.inf))
         span = Intervals.between(np.zeros(start.shape), np.full(start.shape, length))
+        # A guess is inflated until its image lies strictly inside it: then solutions stay in the
+        # image, and the image of that holds them as well and is tighter.
         box, grown = start, 1.05
         for _ in range(14):
             image = start + self.rates_over(Forms.of(box), held, times).bounds * span
@@ -463,12 +472,14 @@ class Flow:
         for _ in range(order + 1):
             power = power * length
         tail = last.bounds * power
+        # Horner's rule in h.
         total = stacked([series.buffer(_state(i))[order] for i in range(len(self.states))])
         for k in range(order - 1, -1, -1):
             lower = stacked([series.buffer(_state(i))[k] for i in range(len(self.states))])
             total = total.scaled(length) + lower
         end = total + Forms.of(tail)
-        # On the way: the straight line between the ends, less ½ s (h - s) x''.
+        # On the way: the straight line between the ends, less ½ s (h - s) x''. The coefficient of
+        # order 2 is ½ x'' already, and s (h - s) is at most ¼ h².
         second = stacked([over.buffer(_state(i))[2] for i in range(len(self.states))]).bounds
         room = Intervals.between(0.0, np.nextafter(0.25 * length * length, np.inf))
         bend = -(second * room)
@@ -511,18 +522,19 @@ class Flow:
         self,
         start: Forms,
         constants: Mapping[str, Forms],
+        held: Mapping[str, Forms],
         box: Intervals,
         time: float,
         length: float,
     ) -> Step:
         times = Intervals.between(time, np.nextafter(time + length, np.inf))
-        inputs = {name: Forms.of(value.bounds) for name, value in constants.items()}
-        rates = self.rates_over(Forms.of(box), inputs, times).bounds
+        rates = self.rates_over(Forms.of(box), held, times).bounds
         span = Intervals.between(np.zeros(box.shape), np.full(box.shape, length))
+        # x(h) = x₀ + ∫ f, and a mean of f over the step lies in any convex set that holds f.
         on_the_way = start + Forms.of(rates * span)
         mean = self.rates_over(on_the_way, constants, times)
         end = start + mean.scaled(length)
-        return Step(end, box, None, (mean.rest + mean.spread) * 0.0 + length * rates.radius)
+        return Step(end, box, None, length * rates.radius)
 
 
 def _state(index: int) -> Symbol:

@@ -61,6 +61,7 @@ class FormMaker:
         require_still(problem)
         self.equations = problem.equations
         self._conclusions = Conclusions(stop or Stop())
+        # The excess over a limit is 0 as long as no limit holds: not a state of the form.
         self.fixed = [name for name in self._memory_names() if " excess " in name]
         self.is_exact = True
         self.rest = self._rest()
@@ -171,6 +172,7 @@ class FormMaker:
         except NotAffineError:
             return None
         moves += [after[name].plus(states[name].scaled(-ONE)) for name in self.memory]
+        # Exactly 0, or it is not its rest: rates of the plant and changes of memory.
         return None if any(move.constant for move in moves) else rest
 
     # --- the form ---
@@ -211,7 +213,7 @@ class FormMaker:
         size = len(names)
         matrix = [row_of(row, names, count) for row in rows]
         spread = [row_of(row, names, count) for row in radius]
-        spread += [(ZERO,) * (size + count)] * len(self.memory)
+        spread += [(ZERO,) * (size + count)] * len(self.memory)  # rows of memory are exact
         return Form(
             tuple(names),
             dict(self.rest),
@@ -309,6 +311,7 @@ def _program_names(problem: LoopProblem, memory: Sequence[str]) -> dict[str, str
         for name, variable in steps_of(problem.text).variables.items()
         if variable.sort == "state" and not name.endswith("_excess")
     ]
+    # Both list the sources in the order of the lines.
     program = iter(states)
     names = {}
     for name in memory:

@@ -101,6 +101,7 @@ def _plane(
     rest = np.array([float(loop.rest[name]) for name in problem.states])
     middle = rest[[first, second]]
     p = np.array([[float(x) for x in row] for row in certificate.p])
+    # The projection of zᵀ P z ≤ 1 on two coordinates has the inverse of their block of P⁻¹.
     shadow = np.linalg.inv(np.linalg.inv(p)[np.ix_([first, second], [first, second])])
     angle = np.linspace(0.0, 2.0 * math.pi, 181)
     circle = np.stack([np.cos(angle), np.sin(angle)])
@@ -148,6 +149,7 @@ def _starts(
 
 def _outline(quadratic: Vector, linear: Vector, constant: float, circle: Vector) -> Vector:
     """Return the border of ``zᵀQz + l z + c ≤ 0``; no points where that is empty."""
+    # By completing the square; L⁻ᵀ with Q = L Lᵀ takes the unit circle to the border.
     centre = -0.5 * np.linalg.solve(quadratic, linear)
     level = -(constant + 0.5 * float(linear @ centre))
     if level <= 0.0:

@@ -9,7 +9,7 @@ kind of number (an :class:`Algebra`): affine forms for certificates, zonotopes f
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from typing import Generic, Protocol, TypeVar
@@ -25,7 +25,7 @@ from fuzzyarm.expression.nodes import Node, constant, substituted, symbol
 from fuzzyarm.expression.operations import Interval
 from fuzzyarm.expression.sources import SourceKind, unseen
 from fuzzyarm.loop.course import Sensor, periods_of
-from fuzzyarm.model.controller import Axes, Drive, Learn, Product, Signal, Source, Zoom
+from fuzzyarm.model.controller import Axes, Drive, Factor, Learn, Product, Signal, Source, Zoom
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.plant.equations import expressions_of
 from fuzzyarm.plant.own import start_of
@@ -358,8 +358,7 @@ class ControlPeriod(Generic[T]):
                 index += 1
         for (axis, name), actuator in problem.site.interface.inputs.items():
             if actuator.slew < math.inf:
-                resting = min(max(0.0, actuator.low), actuator.high)
-                self.memory[f"{axis}.{name} driven"] = resting
+                self.memory[f"{axis}.{name} driven"] = _at_start(actuator)
 
     def _collect_line(self, axes: Axes, axis: str, index: int, line: object) -> None:
         if isinstance(line, Zoom):
@@ -425,6 +424,7 @@ class ControlPeriod(Generic[T]):
             self._after[f"{label} sensed before"] = source
             value = algebra.number(0.0)
             if not self._first:
+                # A filter of first order, implicit: s + (steep - s) h / (T + h), T its time.
                 steep = algebra.divide(algebra.subtract(source, before), algebra.number(period))
                 way = algebra.multiply(algebra.subtract(steep, slope), algebra.number(period))
                 way = algebra.divide(way, algebra.number(sensor.difference + period))
@@ -435,6 +435,7 @@ class ControlPeriod(Generic[T]):
             value = algebra.limit(
                 algebra.error(value, 0.5 * sensor.resolution), port.low, port.high
             )
+        # A delay of n periods is n values in a row, each handed on once in a period.
         late = value
         for k in range(periods_of(sensor.delay, period)):
             name = f"{label} late {k + 1}"
@@ -444,8 +445,7 @@ class ControlPeriod(Generic[T]):
 
     def _actuated(self, address: Address, port: Port) -> T:
         algebra = self.algebra
-        resting = min(max(0.0, port.low), port.high)
-        value = self._drives.get(address, algebra.number(resting))
+        value = self._drives.get(address, algebra.number(_at_start(port)))
         value = algebra.limit(value, port.low, port.high)
         if port.slew < math.inf:
             name = f"{address[0]}.{address[1]} driven"
@@ -478,11 +478,7 @@ class ControlPeriod(Generic[T]):
         else:
             values = [self._updated(axes, line, source)]
         (product,) = line.products or (Product(()),)
-        for factor in product.factors:
-            by = self._operand(factor.value)
-            apply = self.algebra.divide if factor.divides else self.algebra.multiply
-            values = [apply(value, by) for value in values]
-        return values
+        return [self._scaled(value, product.factors) for value in values]
 
     def _drive(self, line: Drive) -> None:
         algebra = self.algebra
@@ -505,17 +501,21 @@ class ControlPeriod(Generic[T]):
         total: T | None = None
         for product in products:
             first, *others = product.factors
-            value = self._operand(first.value)
-            for factor in others:
-                by = self._operand(factor.value)
-                apply = self.algebra.divide if factor.divides else self.algebra.multiply
-                value = apply(value, by)
+            value = self._scaled(self._operand(first.value), others)
             if total is None and not product.negative:
                 total = value
             else:
                 apply = self.algebra.subtract if product.negative else self.algebra.add
                 total = apply(self.algebra.number(0.0) if total is None else total, value)
         return self.algebra.number(0.0) if total is None else total
+
+    def _scaled(self, value: T, factors: Iterable[Factor]) -> T:
+        """Return a value times (or over) factors, from left to right as the program does it."""
+        for factor in factors:
+            by = self._operand(factor.value)
+            apply = self.algebra.divide if factor.divides else self.algebra.multiply
+            value = apply(value, by)
+        return value
 
     def _operand(self, value: str | float) -> T:
         if not isinstance(value, str):
@@ -580,11 +580,7 @@ class ControlPeriod(Generic[T]):
         one = self.algebra.number(1.0)
         total = self.algebra.number(0.0)
         for product in products:
-            value = one
-            for factor in product.factors:
-                by = self._operand(factor.value)
-                apply = self.algebra.divide if factor.divides else self.algebra.multiply
-                value = apply(value, by)
+            value = self._scaled(one, product.factors)
             apply = self.algebra.subtract if product.negative else self.algebra.add
             total = apply(total, value)
         return total
@@ -617,6 +613,11 @@ class ControlPeriod(Generic[T]):
         return [self.algebra.table(lattice, dict(zip(lattice.names, arguments, strict=True)))]
 
 
+def _at_start(port: Port) -> float:
+    """Return what an input is that nothing drives yet: 0, or the limit next to it."""
+    return min(max(0.0, port.low), port.high)
+
+
 def _word(option: str) -> str:
     """Return the argument of an update that an option says."""
     return option.replace("-", "_")
@@ -630,6 +631,7 @@ def _drive_name(axis: str, line: Drive, what: str) -> str:
 @cache
 def _seen(root: Node, kind: SourceKind, first: bool) -> Node:
     """Return an update where it is known whether states that start as NaN have seen anything."""
+    # An update asks by s == s, which is false for NaN.
     for state in kind.states:
         begun = isinstance(state.start, float) and math.isnan(state.start) and first
         root = substituted(root, unseen(symbol(state.name)), constant(float(begun)))

@@ -190,8 +190,12 @@ class ProgramWalk:
 
     def _computed(self, node: Node, value: Callable[[Node], Any]) -> Any:
         if isinstance(node, Constant):
+            # No rational is infinite: such a number stays a float until something is compared with
+            # it.
             return node.value if math.isinf(node.value) else self._numbers.number(node.value)
         if isinstance(node, Symbol):
+            # A state that a line has set is read anew from then on; before that, as the last period
+            # left it.
             is_value = node.name in self._values and node.name not in self.states
             return self._values[node.name] if is_value else self._state(node.name)
         assert isinstance(node, Apply)
@@ -204,6 +208,8 @@ class ProgramWalk:
 
     def _applied(self, node: Apply, value: Callable[[Node], Any]) -> Any:
         operation, arguments = node.operation, node.arguments
+        # The program asks so whether x is NaN. No number here is; the first period, in which a
+        # state may be, has a flag of its own.
         if operation == "equal" and arguments[0] is arguments[1]:
             return True
         limits = _limits(node)
@@ -292,6 +298,7 @@ _CONDITIONS: dict[str, Callable[..., bool]] = {
 
 def _unseen(root: Node) -> set[str]:
     """Return the symbols of states of which an expression asks whether they have seen anything."""
+    # Such a state begins as NaN, the one number that x == x is false of.
     names = set()
     for node in postorder(root):
         if isinstance(node, Apply) and node.operation == "equal":

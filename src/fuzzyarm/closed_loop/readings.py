@@ -190,6 +190,7 @@ def choice_of(condition: Intervals, then: Forms, otherwise: Forms) -> Forms:
         return then
     if no.all():
         return otherwise
+    # Where it is open: the mean of both branches, give or take half of what they differ by.
     half = (then - otherwise).scaled(0.5)
     middle = then - half
     both = Forms(middle.centre, middle.parts, middle.rest).within(half.bounds.size)
@@ -226,6 +227,7 @@ def _steep_root(x: Forms) -> Forms:
     bounds = x.bounds
     if (bounds.low > 0.0).all():
         return x.function("sqrt")
+    # Any slope a would do; this one makes the ends equal: √h - a h = 0. Not 0, to divide by.
     high = np.maximum(bounds.high, 1e-290)
     steep = Intervals.at(1.0 / np.sqrt(high))
     end = square_root(Intervals.at(high)) - steep * Intervals.at(high)

@@ -219,6 +219,7 @@ def _unrest(problem: LoopProblem, run: Run, rest: Mapping[str, float]) -> str:
         if not third:
             continue
         before, last = off[third : 2 * third].max(), off[-third:].max()
+        # Far away and not fading: what comes to rest slowly is not held against the loop.
         if last > far and last > 0.9 * before:
             return (
                 f"{label} is up to {last:.4g} away from rest in the last third of"

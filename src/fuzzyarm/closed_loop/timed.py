@@ -261,6 +261,7 @@ class Haven:
     def _is_stalled(self, period: int, values: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Tell which boxes came no nearer since half as many periods; only a hint to halve them."""
         stalled = np.zeros(len(values), dtype=bool)
+        # Looked at in periods 32, 64, 128 … only: each time against half as many.
         if period & (period - 1) or period < PATIENCE:
             return stalled
         before, self._before = self._before, values
@@ -284,6 +285,7 @@ class Haven:
         """
         batch = states.shape[1]
         names = self.maker.problem.states
+        # z is counted from the true rest, of which an interval is known.
         z: list[Forms] = []
         for name, rest in zip(self.loop.names, self.rests, strict=True):
             value = states[names.index(name)] if name in names else memory[name]
@@ -304,6 +306,7 @@ class Haven:
 def _factored(p: tuple[tuple[Fraction, ...], ...]) -> tuple[NDArray[np.float64], float]:
     """Return L and a slack with P < (1 + slack) L Lᵀ, which is checked in rationals."""
     plain = np.array([[float(x) for x in row] for row in p])
+    # With ones on the diagonal first: states differ in unit by orders of magnitude.
     scale = 1.0 / np.sqrt(np.diag(plain))
     balanced = plain * scale[:, None] * scale[None, :]
     factor = np.linalg.cholesky(balanced) / scale[:, None]

@@ -146,6 +146,8 @@ def _between(course: Tube, column: int, begin: float, end: float) -> Interval:
     slack = 1e-9 * course.problem.period
     if not 0.0 <= begin <= end <= course.duration + slack:
         raise EnclosureError(f"the tube is from 0 to {course.duration:g} s")
+    # A stretch that is only touched at its end does not count, for inputs jump there: what holds at
+    # that instant itself is in `low_at` and `high_at`.
     some = (course.ends > begin + slack) & (course.begins < end - slack)
     times = np.concatenate([course.begins[:1], course.ends])
     at = (np.abs(times - begin) <= slack) | (np.abs(times - end) <= slack)
@@ -236,6 +238,8 @@ class _Search:
             for group, course, weights in self._followed(batch, whole=not halves):
                 halved = list(group)
                 if course is not None:
+                    # While boxes can be halved, those with an open demand are; at the end they are
+                    # reported.
                     complete = ~course.undone if halves else np.ones(len(group), dtype=bool)
                     if complete.any():
                         finished.append(course.part(complete))
@@ -260,6 +264,7 @@ class _Search:
     def _cut(self, boxes: Sequence[int]) -> list[Box]:
         halves_of_box = [self.follower.first]
         for dimension, parts in enumerate(boxes):
+            # ⌈log₂ parts⌉ halvings.
             for _ in range(max(0, int(parts) - 1).bit_length()):
                 halves_of_box = [half for box in halves_of_box for half in box.halves(dimension)]
         return halves_of_box
@@ -292,6 +297,8 @@ class _Search:
             halvings = np.array(box.halvings[first:])
             if halvings.min() < PARAMETERS_FIRST:
                 return first + int(halvings.argmin())
+        # Each halving halves what a dimension is due; the small addend gives all of them their
+        # turn.
         return int(np.argmax((weight + 0.05) * 0.5 ** np.array(box.halvings)))
 
     def _answer(

@@ -66,6 +66,8 @@ class TubeCertificate:
                 "sha256": dict(self.fingerprints),
                 "boxes": [
                     {
+                        # The halvings that lead to the box: along which dimension, and whether to
+                        # its upper half.
                         "path": [[dimension, upper] for dimension, upper in box.path],
                         "sets": [
                             {

@@ -32,7 +32,7 @@ PANELS = 160
 """Stretches of an output on which its aggregate lies between two straight lines."""
 
 LEVEL_PANELS = 800
-"""The same where the lines are level."""
+"""The same where the lines are level, which bound a slope to first order only."""
 
 Strengths = Sequence[tuple[int, Interval]]
 """(member, bounds of its firing strength), rule by rule."""
@@ -82,6 +82,7 @@ def _aggregate(
         cut = TNORMS[output.members[member].implication]
         active = np.flatnonzero(b > 0.0)
         some = np.flatnonzero(most[member] > 0.0)
+        # Elsewhere the cut set is 0, which leaves an aggregate as it is.
         where = np.ix_(active, some)
         cuts = (a[active, None], b[active, None])
         part = joined(cut, cuts, (least[member][None, some], most[member][None, some]))
@@ -189,6 +190,7 @@ class Panels:
         """Return a straight set at both ends of every panel, from within."""
         values = np.zeros((len(pairs), 2))
         for i, (a, b) in enumerate(pairs):
+            # Panels end where pieces end, so the middle tells the piece.
             middle = 0.5 * (a + b)
             piece = next(p for p in member.pieces if p.x0 <= middle <= p.x1)
             slope = (piece.y1 - piece.y0) / (piece.x1 - piece.x0)
@@ -198,6 +200,8 @@ class Panels:
     def _levels(self, member: Member, pairs: list[tuple[float, float]], stop: Stop) -> Interval:
         """Return bounds of a set over every panel."""
         least, most = set_bounds(member, pairs, stop)
+        # Drastic: T(s, 1) = s and T(s, y < 1) = 0 for s < 1. A degree of 1 at a single point has no
+        # area.
         if TNORMS[member.implication].leaves_ones and not self.peaks:
             flat = plateaus(member.pieces)
             inside = [any(a <= x and y <= b for a, b in flat) for x, y in pairs]
@@ -219,6 +223,8 @@ class Panels:
             if self.output.members[member].implication == "product":
                 under, over = a[:, None, None] * line, b[:, None, None] * line
             else:
+                # A minimum is concave on a panel: its chord is below it, and above it is either of
+                # the two that it is taken of; the one that is lower in the middle is closer.
                 under = np.minimum(a[:, None, None], line)
                 middle = 0.5 * line.sum(axis=2, keepdims=True)
                 over = np.where(middle < b[:, None, None], line, b[:, None, None])

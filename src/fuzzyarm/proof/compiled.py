@@ -231,6 +231,7 @@ def routines_for(
     suffix = Path(path).suffix.lower()
     default = {**_FOR_PLCS, ".py": "float64"}.get(suffix, "mixed")
     _refuse_precision(suffix, how)
+    # Only the error in the mode in which the table is looked up goes into its head.
     proved = {
         report.table.output: fidelity.proved
         for report in reports

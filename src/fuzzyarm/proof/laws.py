@@ -173,6 +173,7 @@ def times(a: Law, b: Law) -> Law:
     return Law(
         combined("multiply", a.at, b.at),
         combine("multiply", a.rest, b.rest),
+        # (a b)' = a' b + a b', at rest.
         _added(_each(a.gains, b.rest), _each(b.gains, a.rest)),
         _added(_each(a.around, b.rest), _each(b.around, a.rest)),
         None,
@@ -278,6 +279,8 @@ def _ratio(root: Node, slope: Node, at: Interval) -> Interval:
             if not overlap(here, at).low <= overlap(here, at).high:
                 continue
             interval = _bounds(slope, {"x": Interval(min(here.low, 0.0), max(here.high, 0.0))})
+            # The mean value theorem: y(x)/x is a slope between 0 and x. Dividing values says more,
+            # but not in the part that touches 0.
             if part:
                 interval = overlap(interval, combined("divide", _bounds(root, {"x": here}), here))
             low, high = min(low, interval.low), max(high, interval.high)
@@ -322,6 +325,7 @@ def _table_slope(
     if mode != "linear":
         return None if x in axis.thresholds(mode) else NOTHING
     here = float(table.lookup(*rest))
+    # From an end outward a table is constant.
     values = [0.0] if not axis.levels[0] < x < axis.levels[-1] else []
     for level in _beside(axis.levels, x):
         point = [*rest]
@@ -346,6 +350,7 @@ def _table_sector(
         return f"the table is not 0 around {axis.name} = 0"
     turns = axis.levels if mode == "linear" else axis.thresholds(mode)
     ends = [x for x in (at.low, at.high, *turns) if at.low <= x <= at.high and x]
+    # Between two turns value / x is monotone: y = a + b x gives a/x + b. Far away it goes to 0.
     finite = [x for x in ends if math.isfinite(x)]
     ratios = [slope.low, slope.high]
     for x in finite:

@@ -321,6 +321,8 @@ class Pieces:
 
     def _simplices(self, cells: Array, orders: list[tuple[int, ...]]) -> Array:
         count, dimension = cells.shape
+        # Kuhn: each simplex is a walk from one corner of the cell to the opposite one, axis by axis
+        # in one of d! orders; its vertices are the d + 1 corners on the way.
         unit = np.zeros((len(orders), dimension + 1, dimension), dtype=int)
         for k, order in enumerate(orders):
             for step, axis in enumerate(order):
@@ -518,6 +520,8 @@ class Pieces:
         parts: list[Array] = []
         while which.size:
             self.stop.check(self.count)
+            # The first that is mixed is cut at first: the later ones are affine only once it is
+            # decided.
             differences = undecided_on(which)
             cuts = np.full(len(which), -1)
             for number, gap in enumerate(differences):
@@ -547,6 +551,7 @@ class Pieces:
         self.count = end
         for values in (self._corners, self._heights):
             a, b = values[which, above], values[which, below]
+            # The new vertex stands for `below` in the new piece, and for `above` in the old one.
             middle = a + share[:, None] * (b - a)
             values[start:end] = values[which]
             values[start + rows, below] = middle

@@ -226,6 +226,7 @@ class Prover:
         question = Question(self.box(region), Surface.gradient_squared, steep=True)
         for axis in range(len(self.names)):
             self._demand_no_jumps(question, axis)
+        # Squares: a gap g of the length ℓ is one of 2 ℓ g of its square.
         bounds = self.bounds_of(question, both=False, share=2.0 * self.range)
         low, high = 0.0, math.nextafter(math.sqrt(bounds.high), math.inf)
         return bounds._replace(
@@ -448,6 +449,8 @@ class Prover:
             margin = 0.0 if arithmetic.exact else 1e3 * WIDENED * self.range
             least = arithmetic.number(limit) + arithmetic.number(Fraction(margin))
             start = arithmetic.number(limit)
+            # Floats sort out what is clearly below the bound. What is near it they never decide, so
+            # it goes to rationals after a few halvings.
             smallest = SMALLEST if arithmetic.exact else 1 / 16
             extremum = maximise(
                 oriented, start - start, self.stop,

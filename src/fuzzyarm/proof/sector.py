@@ -117,11 +117,13 @@ def sector(
     if all(low <= 0 <= high for low, high in box):  # σ is 0 there: mostly this tells
         _demand_zero(exact, dict.fromkeys(exact.names, Fraction(0)))
     slack = _slack(exact, Question(box, lambda surface: surface.over_form(form), form=form))
+    # The tolerance is one of u; u / σ is asked for to that over the largest |σ|.
     far = sum(abs(w) * max(abs(low), abs(high)) for w, (low, high) in zip(form, box, strict=True))
     share = 1.0 if prover.tolerance is not None else 1.0 / max(float(far), 1e-300)
 
     def side(sign: int) -> Bounds:
         def make(surface: Surface) -> Quotients:
+            # Within the slack u counts as inside: k₁ is asked of u + slack, k₂ of u − slack.
             quotients = surface.over_form(form, -sign * slack)
             return quotients if sign > 0 else quotients.negated()
 
@@ -129,6 +131,7 @@ def sector(
 
     high, low = side(1), side(-1)
     ends = (-low.high, high.high)
+    # Without a rule u is 0, whatever σ is: a gain of 0.
     if silent:
         ends = min(ends[0], 0.0), max(ends[1], 0.0)
     return Sector(
@@ -182,6 +185,7 @@ def _slack(prover: Prover, question: Question) -> Fraction:
     slack = Fraction(0)
     for vertex, position in enumerate(vertices_of(dimension, quotients.degree)):
         upper, lower = quotients.upper[:, position], quotients.lower[:, position]
+        # σ is 0 here and u is not: no gain bounds u / σ, unless u is 0 up to rounding.
         for row in np.flatnonzero((lower == 0) & (upper != 0)):
             owner = int(quotients.owner[row])
             at = prover.named(surface.pieces.position(owner, surface.pieces.corners[owner, vertex]))
@@ -247,6 +251,8 @@ class Slopes(NamedTuple):
         weights = [direction.get(name, Fraction(0)) for name in self.names]
         plain = np.array([float(weight) for weight in weights])
         for side in self.sides:
+            # A direction leads into a simplex if it is a sum of its edges with weights of at least
+            # 0.
             shares = np.linalg.solve(side.edges.T, plain)
             if (shares >= -1e-9 * np.abs(shares).max(initial=1e-300)).all():
                 return sum(

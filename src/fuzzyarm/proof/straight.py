@@ -128,7 +128,7 @@ class Straight:
     def counts(self) -> tuple[bool, ...]:
         """For each column, whether its set has an area in the range: if not, it gives no value."""
         if self.form is not None:
-            return tuple(any(any(layer[2:4]) for layer in layers) for layers in self.form.own)
+            return tuple(any(layer.a1 or layer.a2 for layer in layers) for layers in self.form.own)
         return tuple(area > 0 for area in self.areas)
 
 
@@ -421,6 +421,7 @@ def _averages(
         area = moment = Fraction(0)
         for piece in pieces:
             x0, y0, x1, y1 = map(Fraction, piece[:4])
+            # ∫ y dx and ∫ x y dx of a straight piece (trapezium).
             area += (x1 - x0) * (y0 + y1) / 2
             moment += (x1 - x0) * (x0 * (2 * y0 + y1) + x1 * (y0 + 2 * y1)) / 6
         values.append(Value(moment / area if area else Fraction(0), (Fraction(0),) * inputs))

@@ -136,12 +136,15 @@ class Surface:
             upper, lower = self._slope(sums, axis), sums.area * sums.area
             wide = width[which]
             size, steep = MARGIN * sums.size, sums.steep
+            # Two products, each off in both factors: |M′| ≤ steep · reach times the error `size` of
+            # A, and the error of M′ times A. A² is off by 2 A times the error of A.
             error = 4.0 * size * steep * self.reach
             return _Parts(
                 upper, lower * wide[:, None], error, 2.0 * size * sums.size * wide.astype(float)
             )
 
         some = np.flatnonzero(width > 0)
+        # Of sets M′ has degree 2 and A degree 2: M′A and MA′ have 4, not 6.
         return self._quotients(2 * self.degree - (self.model.form is not None) * 2, make, some)
 
     def gradient_squared(self) -> Quotients:
@@ -156,6 +159,8 @@ class Surface:
                 upper = part * part if upper is None else upper + part * part
                 steep = steep + sums.steep / width[which].astype(float)
             square = sums.area * sums.area
+            # A square x² is off by 2 |x| δ, here |x| ≤ 2 A steep reach and δ as in `slope`; A⁴ by 4
+            # A³ δ.
             error = 16.0 * size * sums.size * (steep * self.reach) ** 2
             return _Parts(upper, square * square, error, 4.0 * size * sums.size**3)
 
@@ -208,6 +213,7 @@ class Surface:
             size = MARGIN * sums.size
             return _Parts(sign * value + shift * sums.area, sign * form * sums.area, size, size)
 
+        # Of sets σA has the degree of M, which is one more than that of A.
         return self._quotients(self.degree + (self.model.form is None), make)
 
     def silent(self, *, valued: bool) -> tuple[int, Array] | None:
@@ -278,6 +284,8 @@ class Surface:
         off_upper = norm * np.concatenate([part.upper_error for part in parts])
         off_lower = norm * np.concatenate([part.lower_error for part in parts])
         ratio = np.divide(off_upper, off_lower, out=np.zeros_like(off_upper), where=off_lower > 0)
+        # One ratio of both errors serves all pieces; the error of D is raised where it is too
+        # small.
         reach = float(np.median(ratio[ratio > 0])) if (ratio > 0).any() else 1.0
         error = np.maximum(off_lower, off_upper / reach)
         errors = np.repeat(error[:, None], lower.shape[1], axis=1)
@@ -492,6 +500,7 @@ class _Sum:
         self, rows: Array, layers: _Layered, height: Array, slope: Array, sign: int
     ) -> None:
         """Add (or subtract) the polynomials of one clipped set."""
+        # No height passes a layer within a piece, so the mean over the lattice tells the layer.
         middle = sums_of_rows(height) / height.shape[1]
         layer = np.zeros(len(rows), dtype=int)
         for start in layers.starts[1:]:

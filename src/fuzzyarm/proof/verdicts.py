@@ -125,8 +125,6 @@ def read_property(rulebase: RuleBase, text: str) -> Property:
     RuleBaseError
         With what is wrong with it, and what was probably meant.
     """
-    from fuzzyarm.language.statements import STATEMENTS
-
     statement = text if text.split(maxsplit=1)[:1] == ["prove"] else f"prove {text}"
     head = write(replace(rulebase, properties=rulebase.properties[:0], expectations=()))
     if "\n" in statement.strip() or statement.strip() == "prove":
@@ -136,7 +134,6 @@ def read_property(rulebase: RuleBase, text: str) -> Property:
         last = head.count("\n") + 1
         mine = [diagnostic for diagnostic in parsed.diagnostics if diagnostic.line >= last]
         raise RuleBaseError(tuple(mine or parsed.diagnostics))
-    assert STATEMENTS
     return parsed.rulebase.properties[-1]
 
 
@@ -536,6 +533,7 @@ class _Case:
         inputs = {other: np.full(len(positions), x) for other, x in fixed.items()}
         inputs[name] = np.array(positions)
         values = np.asarray(infer(self.rulebase, inputs)[self.claim.output]) * sign
+        # The largest fall from any point to a later one: below the highest value so far.
         before = np.maximum.accumulate(values)
         drop = before - values
         second = int(drop.argmax())

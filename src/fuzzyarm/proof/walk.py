@@ -350,6 +350,7 @@ class Walk:
             return
         ((name, weight),) = law.linear.items()
         if weight:
+            # An input that is weight · source stays in its universe while the source stays in this.
             zone = combine("divide", universe, Interval(weight, weight))
             interval = self.notes.zones.get(name)
             self.notes.zones[name] = zone if interval is None else overlap(interval, zone)
@@ -483,10 +484,13 @@ def _chained(slopes: Slopes, given: Mapping[str, Law]) -> tuple[Gains | str, Gai
         for name, law in given.items():
             assert isinstance(law.around, dict)
             gain = Interval(*map(float, slopes.around(name)))
+            # The chain rule, over all pieces that meet at rest.
             slope = combine("multiply", gain, law.around.get(source, NOTHING))
             total = combine("add", total, slope)
         around[source] = gains[source] = total
         inner = {name: dict(law.gains).get(source, NOTHING) for name, law in given.items()}  # type: ignore[arg-type]
+        # Where each input has one slope by the source, the source moves along a line: two pieces,
+        # one ahead and one back.
         if all(interval.low == interval.high for interval in inner.values()):
             ways = {name: Fraction(interval.low) for name, interval in inner.items()}
             ahead = slopes.along(ways)
