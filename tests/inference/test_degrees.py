@@ -14,8 +14,16 @@ from hypothesis import strategies as st
 
 from fuzzyarm.export import routines_of
 from fuzzyarm.expression.kinds import HEDGES, SNORMS, TNORMS
-from fuzzyarm.inference import InferenceError, NoRuleFiredError, compiled, prepare
-from fuzzyarm.inference.aggregate_arrays import MOST_PANELS
+from fuzzyarm.inference import (
+    InferenceError,
+    NoRuleFiredError,
+    compiled,
+    infer,
+    output_layout,
+    prepare,
+    quadrature,
+    quadrature_arrays,
+)
 from fuzzyarm.inference.arrays import infer_arrays
 from fuzzyarm.inference.point import Proposition, Propositions
 from fuzzyarm.inference.sets import degrees, term_function
@@ -181,14 +189,16 @@ def test_a_value_does_not_depend_on_the_other_points(data: st.DataObject) -> Non
                 np.testing.assert_array_equal(alone[name], column[i : i + 1])
 
 
-def test_a_hard_integral_costs_its_own_point_only(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Where panels run out, others keep theirs: they are counted for each point."""
-    import fuzzyarm.inference.aggregate_arrays as many
-
-    assert MOST_PANELS > 1000
-    monkeypatch.setattr(many, "MOST_PANELS", 40)
+@pytest.mark.parametrize("budget", [3, 40, 41, 333])
+@pytest.mark.parametrize("method", ["centroid", "bisector"])
+def test_a_hard_integral_costs_its_own_point_only(
+    method: str, budget: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where panels run out, all engines take the same ones as they are; others keep theirs."""
+    for module in (quadrature, quadrature_arrays, output_layout):
+        monkeypatch.setattr(module, "MOST_PANELS", budget)
     terms = (Term("A", Shape("gaussian", (4.0, 1.0))), Term("B", Shape("formula", formula=NOISE)))
-    output = Output("u", 0.0, 10.0, terms, defuzzifier=Defuzzifier("centroid"))
+    output = Output("u", 0.0, 10.0, terms, defuzzifier=Defuzzifier(method))
     block = RuleBlock((
         Rule(Is("a", "high"), (Consequent("u", "A"),)),
         Rule(Is("b", "high"), (Consequent("u", "B"),)),
@@ -196,9 +206,12 @@ def test_a_hard_integral_costs_its_own_point_only(monkeypatch: pytest.MonkeyPatc
     rulebase = RuleBase("hard", inputs("a", "b"), (output,), (block,))
     a, b = np.array([0.7, 0.7, 0.0]), np.array([0.0, 0.9, 0.5])
     whole = infer_arrays(rulebase, {"a": a, "b": b})["u"]
+    kernel = compiled(rulebase)
+    assert not kernel.reason
     for i in range(3):
         alone = infer_arrays(rulebase, {"a": a[i : i + 1], "b": b[i : i + 1]})["u"]
-        assert alone[0] == whole[i]
+        here = {"a": a[i].item(), "b": b[i].item()}
+        assert alone[0] == whole[i] == infer(rulebase, here)["u"] == kernel(here)["u"]
 
 
 NOISE = "0.5 + 0.5 * sin(300 * x)"

@@ -15,7 +15,15 @@ from budget import cases
 import fuzzyarm
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.export import ExportError, routines_of
-from fuzzyarm.inference import compiled, engine, infer, prepare
+from fuzzyarm.inference import (
+    compiled,
+    engine,
+    infer,
+    output_layout,
+    prepare,
+    quadrature,
+    quadrature_arrays,
+)
 from fuzzyarm.inference.arrays import firing_strengths, infer_arrays
 from fuzzyarm.language import parse
 from fuzzyarm.model.rulebase import RuleBase
@@ -176,6 +184,54 @@ def test_a_peak_that_a_slope_misses_counts_in_full() -> None:
     (strength, *_), _ = firing_strengths(rulebase, at)
     assert strength == 1.0
     demand_same_bits(rulebase, {name: np.array([x]) for name, x in at.items()}, 1)
+
+
+LEAST = """
+rulebase least
+input x 0 .. 2
+output u -1 .. 40
+term x A: ramp 1.5 0
+term u B: singleton -1
+term u C: singleton 39
+term u F: linear -1.137*x
+inference no-rule -1
+inference u: defuzzifier bisector, outside extend
+rule if x is A then u is B
+rule if x is A then u is C
+rule if x is A then u is F
+"""
+
+
+def test_the_middle_of_the_least_number_twice_is_that_number() -> None:
+    """A bisector is half of a sum: the sum of two halves is 0 there."""
+    rulebase = parse(LEAST).rulebase
+    assert rulebase is not None
+    columns = {"x": np.array([5e-324, 0.5, 3 * 5e-324])}
+    assert infer_arrays(rulebase, columns)["u"][0] == -5e-324
+    demand_same_bits(rulebase, columns, 3)
+
+
+FAINT = """
+rulebase faint
+input x 0 .. 1
+output u -6 .. 74
+term x A: ramp 0 1
+term u C: sigmoid-difference 23.68 0.5 47 2
+inference no-rule 0, defuzzifier {way} exact
+rule if x is A then u is C
+"""
+
+
+@pytest.mark.parametrize("way", ["centroid", "bisector"])
+def test_panels_run_out_alike_where_rounding_is_as_great_as_a_degree(
+    way: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A difference of sigmoids is rounded like 1; cut at 3e-8 its panels never agree."""
+    for module in (quadrature, quadrature_arrays, output_layout):
+        monkeypatch.setattr(module, "MOST_PANELS", 400)
+    rulebase = parse(FAINT.format(way=way)).rulebase
+    assert rulebase is not None
+    demand_same_bits(rulebase, {"x": np.array([3.16e-8, 0.5])}, 2)
 
 
 FEWER = """

@@ -1,9 +1,8 @@
-"""The aggregate of one output at many points of the inputs, and its adaptive quadrature."""
+"""The aggregate of one output at many points of the inputs."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from operator import itemgetter
 
 import numpy as np
@@ -12,19 +11,7 @@ from numpy.typing import NDArray
 from fuzzyarm.expression.kinds import SNORMS, TNORMS
 from fuzzyarm.inference.aggregate import positions, sampled_set, weights
 from fuzzyarm.inference.plan import Member, OutputPlan
-from fuzzyarm.inference.quadrature import (
-    CLIPPING,
-    DEEPEST,
-    MOST_PANELS,
-    NODES,
-    TOLERANCE,
-    WEIGHTS,
-    noise_of,
-    panels,
-)
-from fuzzyarm.inference.sets import BELOW_ONE, cut_lines, degrees, gaps, plateaus
-
-# --- The aggregate of one output at many points of the inputs ---
+from fuzzyarm.inference.sets import BELOW_ONE, degrees, plateaus
 
 Array = NDArray[np.float64]
 
@@ -97,7 +84,7 @@ def fold_over_arrays(plan: OutputPlan, entries: list[tuple[int, Array]]) -> dict
     return dict(sorted(folded.items()))
 
 
-def _aggregate_at(plan: OutputPlan, entries: list[tuple[int, Array]], xs: Array) -> Array:
+def aggregate_over_arrays(plan: OutputPlan, entries: list[tuple[int, Array]], xs: Array) -> Array:
     """Return the aggregate of P points at positions of their own, both of shape (P, K)."""
     norm = SNORMS[plan.output.aggregation].array
     total = np.zeros(xs.shape)
@@ -161,158 +148,3 @@ def sample_weights(plan: OutputPlan) -> Array:
     count = plan.output.defuzzifier.resolution
     assert count is not None
     return np.array(weights(count, plan.output.defuzzifier.sampling))
-
-
-def sum_by_point(point: NDArray[np.intp], amounts: Array, count: int) -> Array:
-    """Return the sum of the amounts of each of `count` points."""
-    return np.bincount(point, amounts, minlength=count).astype(float, copy=False)
-
-
-# --- The adaptive quadrature of `.quadrature` for many points at once ---
-#
-# All unfinished panels of all points are one list; each round halves them together.
-
-Entries = list[tuple[int, Array]]
-
-_AT_ONCE = 1 << 14
-
-
-@dataclass(frozen=True, slots=True)
-class Leaves:
-    """Finished panels, point by point from left to right: arrays of one length."""
-
-    point: NDArray[np.intp]
-    x0: Array
-    x1: Array
-    area: Array
-    moment: Array
-
-
-def leaves_over_arrays(plan: OutputPlan, entries: Entries, count: int) -> Leaves:
-    """Integrate the aggregates of `count` points.
-
-    Parameters
-    ----------
-    plan : OutputPlan
-        The output.
-    entries : list of (int, ndarray of shape (count,))
-        Member and strength.
-    count : int
-        Number of points.
-
-    Returns
-    -------
-    Leaves
-        Of every point.
-    """
-    output = plan.output
-    centre, half_range = 0.5 * (output.low + output.high), 0.5 * (output.high - output.low)
-    point, x0, x1 = _first_panels(plan, entries, count)
-    area, moment = panel_rule(plan, entries, point, x0, x1, centre)
-    total = sum_by_point(point, area, count)
-    strongest = np.maximum.reduce([strength for _, strength in entries])
-    noise = np.array([noise_of(plan, 1.0)]) * np.minimum(1.0, strongest)
-    if noise_of(plan, 0.0) > 0.0:  # rounding that does not shrink with the strengths
-        noise = np.full(count, noise_of(plan, 1.0))
-    finished: list[tuple[NDArray[np.intp], Array, Array, Array, Array]] = []
-    for depth in range(DEEPEST + 1):
-        middle = 0.5 * (x0 + x1)
-        area_a, moment_a = panel_rule(plan, entries, point, x0, middle, centre)
-        area_b, moment_b = panel_rule(plan, entries, point, middle, x1, centre)
-        limit = TOLERANCE * (total[point] + area) + noise[point] * (x1 - x0)
-        good = np.abs(area - area_a - area_b) <= limit
-        good &= np.abs(moment - moment_a - moment_b) <= limit * half_range
-        if depth == DEEPEST:
-            good[:] = True
-        elif point.size > MOST_PANELS:  # a matter of each point, whatever the others need
-            good |= (np.bincount(point, minlength=count) > MOST_PANELS)[point]
-        finished.append(
-            (point[good], x0[good], x1[good], (area_a + area_b)[good], (moment_a + moment_b)[good])
-        )
-        open_ = ~good
-        if not open_.any():
-            break
-        point = np.concatenate([point[open_], point[open_]])
-        x0, x1 = (
-            np.concatenate([x0[open_], middle[open_]]),
-            np.concatenate([middle[open_], x1[open_]]),
-        )
-        area = np.concatenate([area_a[open_], area_b[open_]])
-        moment = np.concatenate([moment_a[open_], moment_b[open_]])
-    columns = [np.concatenate(column) for column in zip(*finished, strict=True)]
-    order = np.lexsort((columns[1], columns[0]))
-    return Leaves(*(column[order] for column in columns))
-
-
-def _first_panels(
-    plan: OutputPlan, entries: Entries, count: int
-) -> tuple[NDArray[np.intp], Array, Array]:
-    """Return the panels of every point: cut at corners and where straight sets bend or cross."""
-    edges = [np.broadcast_to(np.array(panels(plan))[:, None], (len(panels(plan)), count))]
-    for index, strength in entries:
-        member = plan.members[index]
-        for offset, factor in CLIPPING.get(member.implication, ()):
-            level = offset + factor * strength
-            for x0, y0, x1, y1, straight in member.pieces:
-                if straight and y0 != y1:
-                    cuts = ((y0 - level) * (y1 - level) < 0.0) & (strength > 0.0)
-                    if cuts.any():
-                        x = x0 + (x1 - x0) * ((level - y0) / (y1 - y0))
-                        edges.append(np.where(cuts, x, x0)[None, :])
-    edges += [cross[None, :] for cross in _crossings_over_arrays(plan, entries)]
-    borders = np.sort(np.concatenate(edges), axis=0).T
-    real = borders[:, 1:] > borders[:, :-1]
-    return np.nonzero(real)[0], borders[:, :-1][real], borders[:, 1:][real]
-
-
-def _crossings_over_arrays(plan: OutputPlan, entries: Entries) -> list[Array]:
-    forms = {
-        index: (lines, strength > 0.0)
-        for index, strength in entries
-        if (lines := cut_lines(plan.members[index].implication, strength)) is not None
-    }
-    crossings = []
-    for stretch in plan.stretches:
-        if stretch.first not in forms or stretch.second not in forms:
-            continue
-        (first, first_fires), (second, second_fires) = forms[stretch.first], forms[stretch.second]
-        both = first_fires & second_fires
-        if not both.any():
-            continue
-        for before, after in gaps(stretch, first, second):
-            cross = np.broadcast_to(before * after < 0.0, both.shape) & both
-            if cross.any():
-                share = np.where(cross, before, 0.0) / np.where(cross, before - after, 1.0)
-                crossings.append(stretch.start + (stretch.end - stretch.start) * share)
-    return crossings
-
-
-def panel_rule(
-    plan: OutputPlan,
-    entries: Entries,
-    point: NDArray[np.intp],
-    x0: Array,
-    x1: Array,
-    centre: float,
-) -> tuple[Array, Array]:
-    """Return area and moment of panels; `point` says whose aggregate each belongs to."""
-    area, moment = np.empty(point.size), np.empty(point.size)
-    for start in range(0, point.size, _AT_ONCE):
-        part = slice(start, start + _AT_ONCE)
-        middle, half = 0.5 * (x0[part] + x1[part]), 0.5 * (x1[part] - x0[part])
-        pairs = [(member, strength[point[part]]) for member, strength in entries]
-        xs = np.empty((2 * len(NODES), middle.size))
-        for i, node in enumerate(NODES):
-            step = half * node
-            xs[2 * i], xs[2 * i + 1] = middle - step, middle + step
-        xs[-2] = np.nextafter(x0[part], x1[part])
-        xs[-1] = np.nextafter(x1[part], x0[part])
-        heights = _aggregate_at(plan, pairs, xs.T).T
-        whole, torque = np.zeros(middle.size), np.zeros(middle.size)
-        for i, (node, weight) in enumerate(zip(NODES, WEIGHTS, strict=True)):
-            left, right = heights[2 * i], heights[2 * i + 1]
-            whole += weight * (left + right)
-            torque += weight * (half * node) * (right - left)
-        area[part] = half * whole
-        moment[part] = half * (torque + (middle - centre) * whole)
-    return area, moment

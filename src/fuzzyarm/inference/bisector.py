@@ -72,7 +72,7 @@ def bisector_over_arrays(plan: OutputPlan, strengths: Strengths) -> tuple[Array,
     """Return the exact bisectors and the areas (0 where nothing fired)."""
     import numpy as np
 
-    from fuzzyarm.inference.aggregate_arrays import leaves_over_arrays, panel_rule, sum_by_point
+    from fuzzyarm.inference.quadrature_arrays import leaves_over_arrays, panel_rule, sum_by_point
 
     size = int(np.prod(strengths.shape))
     entries = strengths.flat()
@@ -84,7 +84,7 @@ def bisector_over_arrays(plan: OutputPlan, strengths: Strengths) -> tuple[Array,
     running = _running_sums(area, first, last)
     before = np.concatenate([[0.0], running[:-1]])
     before[first] = 0.0
-    value = np.zeros(size)
+    ends = []
     for share in (0.5 - SAME_HALF, 0.5 + SAME_HALF):
         reached = running >= (share * total)[point]
         panel = np.minimum.reduceat(np.where(reached, np.arange(point.size), point.size), first)
@@ -95,7 +95,9 @@ def bisector_over_arrays(plan: OutputPlan, strengths: Strengths) -> tuple[Array,
             middle = 0.5 * (a + b)
             below = panel_rule(plan, entries, points, x0[panel], middle, 0.0)[0] < target
             a, b = np.where(below, middle, a), np.where(below, b, middle)
-        value += 0.5 * (0.5 * (a + b))
+        ends.append(0.5 * (a + b))
+    # Half of the sum, as at a point: halves of the least floats would be 0.
+    value = 0.5 * (ends[0] + ends[1])
     return value.reshape(strengths.shape), total.reshape(strengths.shape)
 
 
@@ -178,7 +180,8 @@ def halve_many(samples: Array, heights: Array) -> tuple[Array, Array]:
 
     running = np.cumsum(heights, axis=0)
     total = running[-1]
-    value = np.zeros(total.size)
-    for share in (0.5 - SAME_HALF, 0.5 + SAME_HALF):
-        value += 0.5 * samples[(running >= share * total).argmax(axis=0)]
-    return value, total
+    first, last = (
+        samples[(running >= share * total).argmax(axis=0)]
+        for share in (0.5 - SAME_HALF, 0.5 + SAME_HALF)
+    )
+    return 0.5 * (first + last), total

@@ -108,7 +108,7 @@ def integrated_centroid_over_arrays(plan: OutputPlan, strengths: Strengths) -> t
     """Return the centroids and the areas (0 where nothing fired)."""
     import numpy as np
 
-    from fuzzyarm.inference.aggregate_arrays import leaves_over_arrays, sum_by_point
+    from fuzzyarm.inference.quadrature_arrays import leaves_over_arrays, sum_by_point
 
     size = int(np.prod(strengths.shape))
     leaves = leaves_over_arrays(plan, strengths.flat(), size)
