@@ -78,12 +78,12 @@ def test_points_arrays_and_kernels(data, table, mode):
             agree(found, wanted[k], mode)
 
 
-def in_the_loop(look_up, table, point, mode):
+def in_the_loop(look_up, table, point, mode, room=()):
     """Look up as a controller does: a grid at some index, then values, inputs and room."""
     grid = pack_grid(table.axes, mode)
     values = 1 + len(grid)
     inputs = values + table.values.size
-    room = [0.0] * (len(point) + 2 ** len(point))
+    room = room or [0.0] * (len(point) + 2 ** len(point))
     cells = np.array([7.0, *grid, *table.values.ravel().tolist(), *point, *room])
     whole = np.array([values, inputs + len(point), *range(inputs, inputs + len(point))])
     return look_up(whole, cells, 0, 1)
@@ -94,6 +94,16 @@ def test_the_kernels_of_a_closed_loop(data, table, mode):
     point = [data.draw(ties(axis)) for axis in table.axes]
     found = in_the_loop(looked_up, table, point, mode)
     agree(found, expected(table, point, mode), mode)
+
+
+@given(st.data(), exact_tables(2), st.sampled_from([mode for mode in MODES if mode != "linear"]))
+def test_where_an_input_was_last_changes_nothing(data, table, mode):
+    last = [float(data.draw(st.integers(0, len(axis.levels) - 1))) for axis in table.axes]
+    last += [0.0] * 4  # room for more than a look-up by cell needs
+    anywhere = st.sampled_from([math.inf, -math.inf, math.nan])
+    point = [data.draw(st.one_of(ties(axis), anywhere)) for axis in table.axes]
+    fresh = in_the_loop(looked_up, table, point, mode)
+    assert in_the_loop(looked_up, table, point, mode, last) == fresh
 
 
 def test_not_a_number_in_the_loop_is_the_lowest_cell():

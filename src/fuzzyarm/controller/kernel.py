@@ -81,11 +81,11 @@ UPDATES, FILLED, ROUNDED, FRAME_END, FETCHED, FETCHES = range(6)
 # The list of ZOOM: factor, window, whether signals wait at its edge, then the signals. That of
 # LOOK_UP is told in fuzzyarm.table.lookup. Of LEARN: values, visits, the ring (its index in front)
 # and its length, rate, bound, grid of the table, grid and values of the performance table,
-# whether both grids are alike, the stretches in which the inputs were found last (of the one grid,
-# then of the other), then the inputs.
+# whether both grids are alike, the indices of the inputs in the period before (in the one grid,
+# then in the other), then the inputs.
 BY, INSIDE, WAIT, ZOOMED = range(4)
 VISITS, RING, DELAY, GAIN, BOUND, GRID, JUDGE_GRID, JUDGE, ALIKE = range(1, 10)
-STRETCHES, JUDGE_STRETCHES, LEARN_INPUTS = range(10, 13)
+INDICES, JUDGE_INDICES, LEARN_INPUTS = range(10, 13)
 
 # The list of INFER: where the block begins and ends; where in it the first input and the first
 # result are; how many of each; then their cells, and for each result whether it holds (1) or is
@@ -262,10 +262,10 @@ def learn(k: Any, s: Any, at: int, single: bool) -> int:
 
     Section 6.3: the whole performance value, times a rate, is added, and the cell bounded.
     """
-    cell = cell_index(k, s, at + LEARN_INPUTS, k[at + GRID], k[at + STRETCHES])
+    cell = cell_index(k, s, at + LEARN_INPUTS, k[at + GRID], k[at + INDICES])
     judged = cell
     if k[at + ALIKE] == 0:
-        judged = cell_index(k, s, at + LEARN_INPUTS, k[at + JUDGE_GRID], k[at + JUDGE_STRETCHES])
+        judged = cell_index(k, s, at + LEARN_INPUTS, k[at + JUDGE_GRID], k[at + JUDGE_INDICES])
     delay = k[at + DELAY]
     head = k[at + RING]
     oldest = head + 1 + int(s[head])

@@ -38,7 +38,7 @@ from fuzzyarm.model.controller import (
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.plant.setting import LAST, Arithmetic
 from fuzzyarm.table import Axis, LookupTable
-from fuzzyarm.table.lookup import STRETCH, pack_grid
+from fuzzyarm.table.lookup import pack_grid
 
 Sheet = RuleBase | LookupTable
 """What a controller looks up: a rule base or a table."""
@@ -565,7 +565,7 @@ class _Writer:
         if cell is not None and cell[0] == inputs:
             return self._do(to.LOOK_UP_CELL, self.scratch, cell[1], place.values)
         linear = self.cells[grid + 1] != 0.0
-        size = len(axes) + 2 ** len(axes) if linear else STRETCH * len(axes)
+        size = len(axes) + 2 ** len(axes) if linear else len(axes)
         room = self._cell(*[0.0] * size)
         self._do(to.LOOK_UP, self.scratch, 0, grid)
         self._list(2, [place.values, room, *inputs])
@@ -588,9 +588,9 @@ class _Writer:
         cell = self._do(to.LEARN, self._cell(0.0), 0)
         tables = [grid, judge_grid, judge.values, int(alike)]
         numbers = [self._operand(line.rate), self._operand(line.bound)]
-        stretches = [self._cell(*[0.0] * STRETCH * len(inputs)) for _ in range(2)]
+        last_indices = [self._cell(*[0.0] * len(inputs)) for _ in range(2)]
         ring_and_rate = [ring, line.delay, *numbers]
-        self._list(2, [place.values, visits, *ring_and_rate, *tables, *stretches, *inputs])
+        self._list(2, [place.values, visits, *ring_and_rate, *tables, *last_indices, *inputs])
         self.cell_signal[line.table, self.index] = (inputs, cell)
         self.learned[self.axis, line.table] = Place(place.values, visits, place.count)
 

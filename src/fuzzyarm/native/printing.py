@@ -78,7 +78,7 @@ class _Unit:
         """Return the file."""
         entries, rows = [], []
         for index, (key, types, function, in_one) in enumerate(self.entries):
-            entries.append("FLATTEN " * in_one + _entries(index, function.name, types))
+            entries.append(_entries(index, function.name, types, in_one=in_one))
             bits = sum(1 << position for position in filled[key])
             both = f"(void (*)(void))entry_{index}, spread_{index}"
             rows.append(f"  {{{json.dumps(key)}, {both}, {bits}u}},")
@@ -129,16 +129,19 @@ typedef struct {
 """
 
 
-def _entries(index: int, function: str, types: Sequence[Array]) -> str:
+def _entries(index: int, function: str, types: Sequence[Array], *, in_one: bool) -> str:
     """Return a function as kernels call it, with each array by itself; and as Python does."""
+    # A loop has its arrays apart from each other. Told so, the compiler keeps in registers what a
+    # control period writes and reads again, though it writes to other arrays between.
+    apart = "restrict " if in_one else ""
     listed = ", ".join(
-        f"{POINTERS[type_]} *at_{k}, int64_t length_{k}" for k, type_ in enumerate(types)
+        f"{POINTERS[type_]} *{apart}at_{k}, int64_t length_{k}" for k, type_ in enumerate(types)
     )
     names = [C99.types[type_] for type_ in types]
     passed = ", ".join(f"({name}){{at_{k}, length_{k}}}" for k, name in enumerate(names))
     spread = ", ".join(f"at[{k}], lengths[{k}]" for k in range(len(types)))
     return (
-        f"static void entry_{index}({listed}) {{ {function}({passed}); }}\n"
+        f"{'FLATTEN ' * in_one}static void entry_{index}({listed}) {{ {function}({passed}); }}\n"
         f"static void spread_{index}(void *const *at, const int64_t *lengths) "
         f"{{ entry_{index}({spread}); }}\n"
     )

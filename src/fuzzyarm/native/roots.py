@@ -65,7 +65,8 @@ class Root(NamedTuple):
         Whether it runs over rows of many numbers; otherwise over a few, which were written a
         moment ago: to read several of them at once would wait for the writing.
     in_one : bool
-        Whether all that it calls by name is compiled into it.
+        Whether all that it calls by name is compiled into it, and its arrays have no memory in
+        common.
     """
 
     function: Callable[..., Any]

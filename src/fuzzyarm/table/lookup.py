@@ -172,56 +172,66 @@ def corner_offsets(shape: Sequence[int]) -> tuple[int, ...]:
 # --- Tables in the kernels of a closed loop, of any number of inputs ---
 #
 # A grid among the cells of a controller: the number of inputs, whether it interpolates, and for
-# each input how many levels it has, the thresholds between them (one less) and the levels. A
-# look-up reads a list of whole numbers: where the values begin, where there is room (to blend in,
-# or for the stretches of a look-up by cell), and the cell of each input.
+# each input how many levels it has, the thresholds between them (one less) with an infinity at
+# either end, and the levels. A look-up reads a list of whole numbers: where the values begin, where
+# there is room (to blend in, or for the index that a look-up by cell found last along each input),
+# and the cell of each input.
 
 GRID_HEAD = 2
 """Numbers in front of the first input."""
 
 VALUES, ROOM, INPUTS = range(3)
 
-ABOVE, UPTO, INDEX = range(3)
-"""Of the **stretch** of an input, in which it was found last: the thresholds on both sides (it lies
-above one, and is at most the other; infinities at the ends), and its index."""
-
-STRETCH = 3
-"""Numbers of a stretch. Zeros are none: no x is above 0 and at most 0."""
+THRESHOLDS = 1
+"""Of an input of a grid, where its thresholds begin: the one in front of index i is the i-th."""
 
 
 def pack_grid(axes: Sequence[Axis], mode: str) -> list[float]:
     """Write a grid down as :func:`cell_index` reads it."""
     numbers = [float(len(axes)), float(mode == "linear")]
     for axis in axes:
-        numbers += [len(axis.levels), *axis.thresholds(mode), *axis.levels]
+        thresholds = (-math.inf, *axis.thresholds(mode), math.inf)
+        numbers += [len(axis.levels), *thresholds, *axis.levels]
     return numbers
 
 
 @kernel
-def cell_index(k: Any, s: Any, inputs: int, grid: int, stretch: int) -> int:
-    """Return the number of the cell that the inputs name, the last input fastest."""
-    cell = 0
-    at = grid + GRID_HEAD
-    for i in range(inputs, inputs + int(s[grid])):
-        count = int(s[at])
-        x = s[k[i]]
-        # From one control period to the next an input hardly ever leaves its stretch: two
-        # comparisons, which the processor foresees, are all of the search then. NaN is in none.
-        if not s[stretch + ABOVE] < x <= s[stretch + UPTO]:
-            _find_stretch(s, at + 1, count - 1, x, stretch)
-        cell = cell * count + int(s[stretch + INDEX])
-        at += 2 * count
-        stretch += STRETCH
-    return cell
+def levels_at(axis: int, count: int) -> int:
+    """Return where the levels of an input of a grid begin, of which there are so many."""
+    return axis + THRESHOLDS + count + 1
 
 
 @kernel
-def _find_stretch(s: Any, first: int, count: int, x: float, stretch: int) -> None:
-    """Write down between which of some sorted thresholds x lies."""
-    index = _count_smaller(s, first, count, x)
-    s[stretch + ABOVE] = s[first + index - 1] if index > 0 else -math.inf
-    s[stretch + UPTO] = s[first + index] if index < count else math.inf
-    s[stretch + INDEX] = float(index)
+def next_axis(axis: int, count: int) -> int:
+    """Return where the next input of a grid begins."""
+    return levels_at(axis, count) + count
+
+
+@kernel
+def cell_index(k: Any, s: Any, inputs: int, grid: int, last: int) -> int:
+    """Return the number of the cell that the inputs name, the last input fastest.
+
+    From `last` on stand their indices in the control period before: any at first.
+    """
+    cell = 0
+    axis = grid + GRID_HEAD
+    for i in range(inputs, inputs + int(s[grid])):
+        count = int(s[axis])
+        x = s[k[i]]
+        # From one control period to the next an input goes to the cell beside its own at most.
+        # Where it trembles about a threshold no processor foresees when it crosses it: so that is
+        # counted, not asked. What is asked, whether one cell was enough, has one answer nearly
+        # always.
+        below = axis + THRESHOLDS  # the threshold in front of the first cell
+        index = int(s[last])
+        index = index + (x > s[below + index + 1]) - (x <= s[below + index])
+        if not s[below + index] < x <= s[below + index + 1]:  # NaN is in none: the first one
+            index = _count_smaller(s, below + 1, count - 1, x)
+        s[last] = float(index)
+        cell = cell * count + index
+        axis = next_axis(axis, count)
+        last += 1
+    return cell
 
 
 @kernel
@@ -250,8 +260,7 @@ def interpolated(k: Any, s: Any, at: int, grid: int) -> float:
     axis = grid + GRID_HEAD
     for i in range(inputs):
         count = int(s[axis])
-        levels = axis + count
-        lower, share = neighbour(s, levels, count, s[k[at + INPUTS + i]])
+        lower, share = neighbour(s, levels_at(axis, count), count, s[k[at + INPUTS + i]])
         s[room + i] = share
         upper = lower + (1 if count > 1 else 0)
         for j in range(found - 1, -1, -1):
@@ -259,7 +268,7 @@ def interpolated(k: Any, s: Any, at: int, grid: int) -> float:
             s[corners + 2 * j] = cell + lower
             s[corners + 2 * j + 1] = cell + upper
         found *= 2
-        axis += 2 * count
+        axis = next_axis(axis, count)
     for j in range(found):
         s[corners + j] = s[k[at + VALUES] + int(s[corners + j])]
     for i in range(inputs - 1, -1, -1):
