@@ -51,6 +51,7 @@ def progress() -> Iterator[Callable[[str, int, float], None]]:
     def tell(statement: str, count: int, gap: float) -> None:
         nonlocal last
         now = time.monotonic()
+        # An empty statement wipes the line, and is never held back.
         if not is_terminal or (statement and now - last < 0.1):
             return
         last = now

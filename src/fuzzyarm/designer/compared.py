@@ -193,6 +193,7 @@ def _largest(
 ) -> dict[str, Any] | None:
     """Return the largest difference over an even grid of all inputs."""
     count = max(3, round(EVERYWHERE ** (1.0 / len(ranges))))
+    # Three points along each of many inputs are too many all the same.
     if count ** len(ranges) > 20 * EVERYWHERE:
         return None
     points = {name: np.linspace(*ends, count) for name, ends in ranges.items()}

@@ -172,7 +172,7 @@ class Job:
         """
         self.check()
         wait_for(self._send(news), self._loop)
-        self.check()
+        self.check()  # it may have been stopped while a slow window was waited for
 
     def heard(self, kind: type[Word], wait: float = 0.0) -> list[Word]:
         """Return what the page has said since the last look, the oldest first.
@@ -185,6 +185,7 @@ class Job:
             How long to wait for a word where there is none, s.
         """
         found: list[Word] = []
+        # It waits for the first word only.
         while (said := self._said.take(0.0 if found else wait)) is not None:
             found.append(read_record(kind, said))
         return found

@@ -49,6 +49,7 @@ class Row:
     def passed(self) -> bool:
         """Whether every result is near enough."""
         return all(
+            # Equality first: the difference of two infinite values is a NaN.
             a == b or abs(a - b) <= self.tolerance or (math.isnan(a) and math.isnan(b))
             for a, b in zip(self.expected, self.computed, strict=True)
         )

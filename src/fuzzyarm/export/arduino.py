@@ -325,6 +325,7 @@ def _outputs(routines: Sequence[Routine]) -> str:
 
 
 def _holds(routine: Routine) -> bool:
+    # A routine that holds its value has no state: its caller passes the last one.
     return any(argument.name.startswith("last ") for argument in routine.arguments)
 
 
@@ -403,6 +404,7 @@ def _properties(part: _Part, board: Board) -> str:
         "paragraph": f"Fuzzy inference in C, made by fuzzyarm {__version__}; tables stay in flash.",
         "category": "Signal Input/Output",
         "url": "",
+        # Single precision runs on any board; a double is a float on an AVR.
         "architectures": "*" if board.avr else _architecture(board),
         "includes": f"{part.stem}.h",
     }

@@ -139,6 +139,7 @@ def measure(board: Board, files: Mapping[str, str], stem: str, call: Call) -> Me
         output = _say(["simavr", "-m", board.processor, "-f", str(board.clock), "run"], folder)
         figures = _figures(output)
         stack = max(figures.get("stack", [0])) - min(figures.get("empty", [0]))
+        # One more than the calls: the first is that of an empty one.
         if len(figures.get("low", [])) != call.count + 1 or "test" not in figures:
             raise ExportError(f"simavr ended early: {output.strip()[-200:]}")
         footprint = Footprint(flash, static, stack, what)
@@ -332,6 +333,7 @@ def _cycles(found: dict[str, list[int]]) -> tuple[int, ...]:
     empty, *lows = found["low"]
     cycles = []
     for low, high in zip(lows, found["high"], strict=True):
+        # How often the 16 bits of the quick count went round.
         turns = round((high * 1024 - low) / 65536)
         cycles.append(low + 65536 * turns - empty)
     return tuple(cycles)

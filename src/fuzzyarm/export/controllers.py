@@ -52,6 +52,7 @@ def with_tables(text: ControllerText, compile_output: Compile) -> ControllerText
     tables: dict[tuple[int, str], LookupTable] = {}
 
     def table(rulebase: RuleBase, output: str) -> LookupTable:
+        # Axes may share a rule base: each output is compiled once.
         key = (id(rulebase), output)
         if key not in tables:
             tables[key] = compile_output(rulebase, output)

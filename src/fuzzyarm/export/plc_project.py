@@ -234,11 +234,11 @@ def _test_program(units: dict[str, Unit], prefix: str, trials: Sequence[_Trial])
             f"    {block} : {trial.block};",
             f"    {points} : {of} := [\n{body}\n    ];",
         ]
-        passed = ", ".join(
+        arguments = ", ".join(
             f"{name} := {points}[k * {width} + {i}]" for i, name in enumerate(inputs)
         )
         lines.append(f"FOR k := 0 TO {len(trial.expected) - 1} DO")
-        lines.append(f"    {block}({passed});")
+        lines.append(f"    {block}({arguments});")
         for i, name in enumerate(drives):
             place = f"{points}[k * {width} + {len(inputs) + i}]"
             condition = f"{block}.{name} <> {place}"

@@ -70,6 +70,7 @@ def recovered(xs: Sequence[float], ys: Sequence[float]) -> Shape | None:
     top = max(ys, default=0.0)
     if len(xs) < 2 or not 0.0 < top <= 1.0 + TOLERANCE:
         return None
+    # The peak may lie between two samples, or the term has a height.
     heights = [1.0] if top >= 1.0 - TOLERANCE else [1.0, top]
     for height in heights:
         samples = _Samples(xs, [min(1.0, max(0.0, y / height)) for y in ys])
@@ -444,6 +445,7 @@ def _bell_slope(samples: _Samples, side: int) -> float | None:
     if ys[0] == ys[2]:  # a level stretch: a bell has none
         return None
 
+    # With the right slope the three points lie on one line: there this changes its sign.
     def bent(slope: float) -> float:
         a, b, c = (_bell(y, slope) for y in ys)
         return (b - a) / (c - a) - (x1 - x0) / (x2 - x0)

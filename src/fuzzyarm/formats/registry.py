@@ -146,6 +146,7 @@ def read(
     name = os.fspath(path)
     most = MAX_CHARACTERS if suffix in FOREIGN else MAX_OWN_CHARACTERS
     with Path(path).open("rb") as file:
+        # UTF-8 takes at most four bytes for a character; one more byte tells that it is too large.
         data = file.read(4 * most + 1)
     text, findings = decoded(data, name)
     if any(diagnostic.is_error for diagnostic in findings):
@@ -160,6 +161,7 @@ def decoded(data: bytes, path: str) -> tuple[str, tuple[Diagnostic, ...]]:
 
     UTF-16 with its mark is read as well; other bytes with a NUL among them are not a text.
     """
+    # Before NUL is looked for: in UTF-16 every second byte of plain text is one.
     if data[:2] in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE):
         return data.decode("utf-16", errors="replace"), ()
     if known_as := started(data):

@@ -227,6 +227,7 @@ class SystemReader:
         resolution, sampling = self.dialect.samples
         sampling = self.dialect.samplings.get(name, sampling)
         draft.defuzzifier = Defuzzifier(self.dialect.integral[name])
+        # 0 samples stand for the exact integral.
         if resolution:
             resolution = draft.resolution or resolution
             draft.defuzzifier = Defuzzifier(draft.defuzzifier.method, resolution, sampling)

@@ -193,6 +193,7 @@ def weight_before(weight: float, hedges: tuple[Hedge, ...]) -> float | None:
         if hedge.name not in POWERS or guess <= 0.0:
             return None
         guess = guess ** (1.0 / (hedge.exponent or POWERS[hedge.name]))
+    # The root is rounded: maybe only its neighbour leads back to the weight.
     for candidate in (guess, math.nextafter(guess, math.inf), math.nextafter(guess, 0.0)):
         if hedged_weight(candidate, hedges) == weight:
             return candidate
@@ -299,6 +300,7 @@ class _SentenceWriter:
             if hedge != NOT:
                 message = f"jFuzzyLogic has no hedge '{hedge.name}'"
                 self.findings.loss("unsupported-hedge", message, rule.span)
+        # Two of them cancel.
         return ["NOT"] * (sum(hedge == NOT for hedge in hedges) % 2)
 
     def pushed_in(self, expression: Hedged) -> Expression:

@@ -425,6 +425,7 @@ class _Reader:
             return min(1.0, max(0.0, float(function(x, parameters))))
 
         xs = [low + (high - low) * i / 1000 for i in range(1001)]
+        # Also half a range beyond either end, where a function of a known name may differ.
         wide = [low + (high - low) * (i - 50) / 100 for i in range(201)]
         maker = _KNOWN.get(str(getattr(function, "__name__", "")))
         shape = maker(*map(float, parameters)) if maker else None

@@ -73,6 +73,7 @@ class TableText:
             (token.span, token in self.declared)
             for line in self.tokens
             for index, token in enumerate(line)
+            # At the start of a line a keyword is one, whatever an input is called.
             if token.text == name and _is_name(token) and (index or token.text not in KEYWORDS)
         ]
 
@@ -94,6 +95,7 @@ class TableText:
         column = len(before) + 1
         match = re.search(r"[^\W\d][\w-]*\Z", before)
         start = match.start() + 1 if match else column
+        # In a comment, or in a string that is still open.
         if "#" in before or before.count('"') % 2:
             return []
         span = Span(line, start, line, column)

@@ -222,6 +222,7 @@ def corners(variable: Variable) -> list[float]:
     values = {x for term in variable.terms for x in corner_points(term.shape)}
     low = variable.low if math.isfinite(variable.low) else min(values, default=0.0) - 1.0
     high = variable.high if math.isfinite(variable.high) else max(values, default=0.0) + 1.0
+    # A curved term has no corners that tell where it changes.
     if any(not SHAPES[term.shape.kind].straight for term in variable.terms):
         values |= {low + (high - low) * i / 64 for i in range(65)}
     return sorted({low, high} | {x for x in values if low < x < high})

@@ -234,6 +234,7 @@ class RequestField:
 
     def _require_range(self, number: float) -> None:
         limits = self.said.limits
+        # Without an upper end infinity is in range: no limit of time, for instance.
         if math.isnan(number) or (math.isinf(number) and not math.isinf(limits.high)):
             self.refuse(f"must be finite, not {number}")
         if not limits.hold(number):

@@ -226,6 +226,7 @@ class TermPlots:
         """Return the membership in `width` blocks; a peak between two shows on the nearer one."""
         low, high = visible_range(self.variable)
         line = membership_line(shape, low, high, width, upright=False)
+        # The step as the positions of the line have it: rounded together with `low`.
         heights, step = [0.0] * width, low + (high - low) / (width - 1) - low
         for x, y in zip(line.x, line.y, strict=True):
             column = round((x - low) / step)

@@ -146,6 +146,7 @@ class ndarray:
     def _is_even(self) -> bool:
         """Whether the elements are contiguous."""
         pairs = zip(self.shape, self._step, _steps(self.shape), strict=True)
+        # Along an axis of one element no step is ever taken.
         return all(size == 1 or step == even for size, step, even in pairs) or self.size == 0
 
     @property
@@ -268,6 +269,7 @@ class ndarray:
             values: Iterable[Any] = repeat(_cast(value, view.dtype))
         else:
             source = array_of(value)
+            # NumPy, too, takes leading axes of one element away.
             while source.ndim > len(shape) and source.shape[0] == 1:
                 source = source.reshape(source.shape[1:])
             values = elements(broadcast_to(source, shape).astype(view.dtype))
