@@ -1,19 +1,36 @@
 """Make docs/schemas/*.json and docs/json.md: `python docs/make_schemas.py`.
 
-What ``--json`` prints is written here once, property by property; the JSON Schemas (draft
-2020-12) and the page are two readings of it. `tests/cli/test_json_schemas.py` holds what commands
-print to them, and them to what commands print: a property that is never printed is found.
+What ``--json`` prints is said once, property by property; the JSON Schemas (draft 2020-12) and the
+page are two readings of it. Of a record of results that is printed as it is (`record_of`), types
+are those of its fields, and words those of its docstring; what a command puts together stands here.
+`tests/cli/test_json_schemas.py` holds what commands print to them, and them to what commands print:
+a property that is never printed is found.
 """
 
 from __future__ import annotations
 
+import inspect
 import json
+import re
+from collections.abc import Mapping
+from dataclasses import is_dataclass
+from itertools import chain
 from pathlib import Path
-from typing import Any, NamedTuple
+from types import MappingProxyType, NoneType
+from typing import Any, ClassVar, NamedTuple, get_args, get_origin, get_type_hints
 
 import fuzzyarm.requests
+from fuzzyarm.inference.trace import ConsequentTrace, FuzzyValue, OutputTrace, RuleTrace, Trace
+from fuzzyarm.learning.validation import Bin, Region, RuleUse, Validation
+from fuzzyarm.model.controller import Axes, ControllerModel, GainModel
+from fuzzyarm.model.rulebase import Input, Rule, RuleBase, RuleBlock, Shape, Term
+from fuzzyarm.model.rulebase import Output as OutputVariable
+from fuzzyarm.proof.controllers import DriveGain, DriveProof, DriveSector
 from fuzzyarm.requests import Request
 from fuzzyarm.requests.schema import schema_of as schema_of_request
+from fuzzyarm.show.diagram import Diagram, DiagramBlock, DiagramWire
+from fuzzyarm.show.diff import Change
+from fuzzyarm.study.identify import Identified
 from fuzzyarm.text.files import write_atomically
 
 HERE = Path(__file__).parent
@@ -81,6 +98,109 @@ def record(about: str, optional: str = "", **properties: Schema) -> Schema:
 
 
 POINT = by_name({"type": "number"}, "values by the names of the inputs")
+
+# --- Records of results, by their fields and docstrings ---
+
+_PLAIN = {str: "string", int: "integer", float: "number", bool: "boolean"}
+_SECTION = re.compile(
+    r"^(?:Attributes|Parameters)\n-+\n(.*?)(?=^\w+\n-+\n|\Z)", re.DOTALL | re.MULTILINE
+)
+_ENTRY = re.compile(r"^(\w[\w, ]*?)(?: : [^\n]*)?\n((?:(?:[ ]+[^\n]*)?\n)*)", re.MULTILINE)
+_ROLE = re.compile(r":\w+:`~?(?:[\w.]*\.)?(\w+)`")
+
+
+def record_of(
+    kind: type,
+    about: str,
+    parts: Mapping[type, Schema] = MappingProxyType({}),
+    /,
+    *,
+    left_out: str = "",
+    optional: str = "",
+    types: Mapping[str, list[str]] = MappingProxyType({}),
+    **more: Schema,
+) -> Schema:
+    """Return the schema of a data class or a named tuple that is printed with its fields.
+
+    Parameters
+    ----------
+    kind : type
+        With an entry of its numpydoc for each field.
+    about : str
+        What it is.
+    parts : mapping of type to dict
+        The schemas of records in its fields; any other record is an object without more words.
+    left_out, optional : str
+        Fields that are not printed, or not always.
+    types : mapping of str to list of str
+        What a number may be besides, by field; ``*`` stands for all numbers.
+    **more
+        Properties that are printed with them; one with the name of a field says more of that.
+    """
+    words, gone = _words_of(kind), {"span", *left_out.split()}
+    properties: dict[str, Schema] = {}
+    for name, hint in get_type_hints(kind).items():
+        if get_origin(hint) is not ClassVar and name not in gone:
+            reader = _Types(parts, types.get(name) or types.get("*") or ["number"])
+            own = more.pop(name, {})
+            properties[name] = reader.schema(hint) | {"description": words[name]} | own
+    return record(about, optional, **more, **properties)
+
+
+class _Types(NamedTuple):
+    """What is known of types: the schemas of some records, and what a number may be."""
+
+    parts: Mapping[type, Schema]
+    number: list[str]
+
+    def schema(self, hint: Any) -> Schema:
+        """Return the schema of a type, without words."""
+        inner, origin = get_args(hint), get_origin(hint)
+        if hint is float:
+            return {"type": self.number if len(self.number) > 1 else self.number[0]}
+        if hint in _PLAIN:
+            return {"type": _PLAIN[hint]}
+        if origin is tuple:
+            return self._list(*inner)
+        if origin is Mapping:
+            return {"type": "object", "additionalProperties": self.schema(inner[1])}
+        if inner:
+            return self._one_of(inner)
+        return self.parts.get(hint, {"type": "object" if is_dataclass(hint) else "array"})
+
+    def _list(self, first: Any, *others: Any) -> Schema:
+        items = {"type": "array", "items": self.schema(first)}
+        if others == (Ellipsis,):
+            return items
+        if any(other is not first for other in others):
+            return {"type": "array"}
+        return items | {"minItems": 1 + len(others), "maxItems": 1 + len(others)}
+
+    def _one_of(self, kinds: tuple[Any, ...]) -> Schema:
+        """Return the schema of a union; of several records, only that it is one."""
+        schemas = [self.schema(kind) for kind in kinds if kind is not NoneType]
+        words = [[word] if isinstance(word := each["type"], str) else word for each in schemas]
+        types = list(dict.fromkeys(chain(*words, ["null"] if NoneType in kinds else [])))
+        one = schemas[0] if len(schemas) == 1 else {}
+        return one | {"type": types if len(types) > 1 else types[0]}
+
+
+def _words_of(kind: type) -> dict[str, str]:
+    """Return what the docstrings of a record and of its bases say of each field, as plain text."""
+    words: dict[str, str] = {}
+    for base in reversed(kind.__mro__):
+        for section in _SECTION.findall(inspect.cleandoc(base.__doc__ or "") + "\n"):
+            for names_, body in _ENTRY.findall(section):
+                words |= dict.fromkeys(names_.split(", "), _plain_text(body))
+    return words
+
+
+def _plain_text(body: str) -> str:
+    """Return an entry of numpydoc as words behind a name: no markup, no capital, no full stop."""
+    text_ = _ROLE.sub(r"`\1`", " ".join(body.split())).replace("``", "`").removesuffix(".")
+    text_ = re.sub(r"\b(?:None|NaN)\b", "null", text_)  # as it is printed
+    return text_[:1].lower() + text_[1:] if text_[1:2].islower() or text_[1:2] == " " else text_
+
 
 # --- Findings ---
 
@@ -352,48 +472,19 @@ FIT = record(
     fidelity={"description": "where the samples are a model: how far the rules are from it"},
     test={"description": "errors on the file of --test"},
 )
-VALIDATED = record(
+_OR_NULL = {"*": ["number", "null"]}
+VALIDATED = record_of(
+    Validation,
     "a judgement by samples",
-    samples=whole("how many"),
-    silent=whole("at how many of them no rule fires"),
-    outside=whole("how many lie outside the ranges"),
-    error=number("root mean square", null="for classes"),
-    bias=number("mean error", null="for classes"),
-    worst=number("largest error", null="for classes"),
-    worst_sample=whole("where, from 0", null="for classes"),
-    explained=number("share of the variance", null="for classes"),
-    slope=number("of the line of predicted over observed", null="for classes"),
-    intercept=number("of that line", null="for classes"),
-    calibration=rows(
-        record(
-            "a tenth",
-            samples=whole("how many"), predicted=number("mean"), observed=number("mean"),
-        ),
-        "in the order of the predicted value",
-    ),
-    regions=rows(
-        record(
-            "a region", input=text("of which"), term=text("which is strongest there"),
-            samples=whole("how many"), error=number("root mean square", null="without samples"),
-            bias=number("mean error", null="without samples"),
-        ),
-        "by input and term",
-    ),
-    rules=rows(
-        record(
-            "a rule",
-            number=whole("from 1"), text=text("as a sentence"), line=whole("of the file"),
-            column=whole("of the file"), often=number("share of the samples at which it fires"),
-            mean=number("firing strength, over these"), strongest=number("its largest strength"),
-            leads=whole("at how many samples it is the strongest"),
-            error=number("root mean square where it leads", null="where it never does"),
-        ),
-        "in the order of the file",
-    ),
-    confusion={"type": "array", "description": "of classes: observed by predicted"},
-    classes=names("in the order of `confusion`"),
+    {
+        Bin: record_of(Bin, "samples with predictions next to each other", types=_OR_NULL),
+        Region: record_of(Region, "a region", types=_OR_NULL),
+        RuleUse: record_of(RuleUse, "a rule", types=_OR_NULL),
+    },
+    left_out="predicted observed",
+    types=_OR_NULL,
     never_fired=rows({"type": "integer"}, "numbers of rules that no sample fires"),
-)  # fmt: skip
+)
 
 
 REPRODUCED = record(
@@ -546,37 +637,17 @@ SECTORS = record(
     ),
     open=names("why another could not be had"),
 )
-_GAIN = record(
-    "a gain",
-    source=text("of which source"),
-    low=number("the least slope near rest"), high=number("the greatest near rest"),
-    least=number("the least slope anywhere"), most=number("the greatest anywhere"),
-    unit=text("of the slope"),
-)  # fmt: skip
-DRIVE = record(
+DRIVE = record_of(
+    DriveProof,
     "what is proved of a drive",
-    drive=text("axis and port"),
-    unit=text("of the drive"),
-    low=number("it is never less"),
-    high=number("it is never more"),
-    free=rows({"type": "number"}, "its bounds without its limits", length=2),
-    limits={
-        "type": ["array", "null"],
-        "items": {"type": "number"},
-        "description": "of the text or of the plant's actuator; null without any",
+    {
+        DriveGain: record_of(DriveGain, "a gain"),
+        DriveSector: record_of(DriveSector, "a sector"),
     },
-    reached=text("whether a limit is reached; empty without limits", "never", "yes", "open", ""),
-    at=by_name({"type": "number"}, "where it is"),
-    gains=rows(_GAIN, "by source"),
-    sectors=rows(
-        record(
-            "a sector", **_FACTOR,
-            within=by_name(_WITHIN, "the intervals on which it holds"),
-        ),
-        "of the drive, along its sources",
-    ),
-    open=names("why another could not be had"),
-)  # fmt: skip
+    left_out="axis port",
+    drive=text("axis and port"),
+    reached={"enum": ["never", "yes", "open", ""]},
+)
 
 EVALUATED = by_name(
     {"type": ["number", "null", "array"]},
@@ -585,74 +656,29 @@ EVALUATED = by_name(
 
 # --- Models, as `show` prints them ---
 
-_AMOUNT = {"type": ["number", "string"], "description": "infinite ends are the text inf or -inf"}
 _NOTHING = {"type": ["object", "null"]}
-_SHAPE = record(
-    "a shape",
-    kind=text("its name"),
-    parameters=rows(_AMOUNT, "its numbers"),
-    height=number("of its top"),
-    formula=text("of a formula; else empty"),
+_OR_TEXT = {"*": ["number", "string"]}
+"""Infinite numbers are the texts ``inf`` and ``-inf``: null would not say which."""
+_SHAPE = record_of(Shape, "a shape", types=_OR_TEXT)
+_TERM = record_of(Term, "a term", {Shape: _SHAPE})
+_RULE_BLOCK = record_of(
+    RuleBlock, "a block of rules", {Rule: record_of(Rule, "a rule", types=_OR_TEXT)}, types=_OR_TEXT
 )
-_TERM = record(
-    "a term",
-    name=text("its name"),
-    shape=_SHAPE,
-    lower=_NOTHING | {"description": "of type 2: the lower function, a shape; else null"},
-)
-_VARIABLE = {
-    "name": text("its name"),
-    "low": _AMOUNT | {"description": "lower end of its range; infinite as text"},
-    "high": _AMOUNT | {"description": "upper end; infinite as text"},
-    "terms": rows(_TERM, "in the order of the file"),
-    "description": text("in the words of the file"),
-    "outside": text("what holds beyond its range"),
-}
-_RULE_OF_BLOCK = record(
-    "a rule",
-    antecedent={
-        "type": "object",
-        "description": "variable, term and hedges; or operands of one operation",
-    },
-    consequents=rows({"type": "object"}, "variable, term and hedges"),
-    weight=number("of the rule"),
-    in_grid=truth("whether it stands in a grid"),
-)
-RULE_BASE = record(
+RULE_BASE = record_of(
+    RuleBase,
     "a rule base; several files give a list of models",
-    kind=text("rulebase", "rulebase"),
-    name=text("its name"),
-    description=text("in the words of the file"),
-    inputs=rows(record("an input", **_VARIABLE), "in the order of the file"),
-    outputs=rows(
-        record(
+    {
+        Input: record_of(Input, "an input", {Term: _TERM}, types=_OR_TEXT),
+        OutputVariable: record_of(
+            OutputVariable,
             "an output",
-            **_VARIABLE,
-            aggregation=text("S-norm that joins its sets"),
-            defuzzifier={"type": "object", "description": "method, resolution, sampling"},
-            no_rule={
-                "type": ["number", "string"],
-                "description": "the value where no rule fires; or error, hold, …",
-            },
+            {Term: _TERM},
+            types=_OR_TEXT,
+            no_rule={"type": ["number", "string", "null"]},
         ),
-        "in the order of the file",
-    ),
-    blocks=rows(
-        record(
-            "a block of rules",
-            name=text("empty without one"),
-            rules=rows(_RULE_OF_BLOCK, "its rules"),
-            conjunction=text("T-norm of and"),
-            disjunction=text("S-norm of or"),
-            implication=text("T-norm of then"),
-            threshold=number("rules that fire less do not count"),
-        ),
-        "in the order of the file",
-    ),
-    lookup=_NOTHING | {"description": "settings of its table: axes and round"},
-    expectations=rows({"type": "object"}, "its expect lines: inputs and outcomes"),
-    properties=rows({"type": "object"}, "its prove lines"),
-    tuning=_NOTHING | {"description": "what may be tuned: peaks, gains, kept"},
+        RuleBlock: _RULE_BLOCK,
+    },
+    kind=text("rulebase", "rulebase"),
 )
 TABLE = record(
     "a table; several files give a list of models",
@@ -685,139 +711,53 @@ TABLE = record(
     provenance=rows({"type": "array", "items": {"type": "string"}}, "key and words, line by line"),
     values={"type": "array", "description": "lists in lists, one level for each input"},
 )
-_PLACED_BLOCK = record(
-    "a block",
-    kind=text("what it does"),
-    label=text("what stands in it"),
-    details=names("lines below"),
-    axes=names("for which axes it is there"),
-    inputs=names("a word for each pin, from the top"),
-    outputs=names("likewise"),
-    layer=whole("its column, from the left"),
-    row=number("its middle, downwards"),
-    line=whole("of the text that it comes from"),
-)
-CONTROLLER = record(
+CONTROLLER = record_of(
+    ControllerModel,
     "a controller; several files give a list of models",
+    {Axes: record_of(Axes, "axes that share lines"), GainModel: record_of(GainModel, "a gain")},
     kind=text("controller", "controller"),
-    name=text("its name"),
-    description=text("in the words of the file"),
-    period=number("s"),
-    every=whole("a set point stands for so many periods"),
-    axes=rows(
-        record(
-            "axes that share lines",
-            names=names("of axes"), lines=rows({"type": "object"}, "a line each"),
-        ),
-        "in the order of the file",
-    ),
-    gains=rows(
-        record(
-            "a gain",
-            name=text("its name"),
-            values=rows({"type": "object"}, "one, or one for each axis: its factors"),
-            unit=text("may be empty"),
-            tune={"type": ["array", "null"], "description": "low, high, whether in the logarithm"},
-        ),
-        "in the order of the file",
-    ),
-    uses=rows({"type": "object"}, "names and files that it looks up"),
-    partners=rows({"type": "object"}, "laws of the catalogue that it uses"),
-    rulebases=rows({"type": "object"}, "rule bases in the same file"),
-    claims=rows({"type": "object"}, "its prove lines"),
-    diagram=record(
+    diagram=record_of(
+        Diagram,
         "its block diagram",
-        name=text("of the controller"),
-        description=text("its words"),
-        period=text("in words"),
-        blocks=rows(_PLACED_BLOCK, "of all axes"),
-        wires=rows(
-            record(
-                "a wire",
-                source=whole("the block where it begins"),
-                output=whole("which of its outputs"),
-                target=whole("the block where it ends"),
-                input=whole("which of its inputs"),
-                signal=text("its name, or empty"),
-                path={"type": "array", "description": "where it changes its row: gap, track, row"},
+        {
+            DiagramBlock: record_of(
+                DiagramBlock, "a block", line=whole("of the text that it comes from")
             ),
-            "between the blocks",
-        ),
-        groups={"type": "array", "description": "axes, first row, last row of each part"},
-        tracks=rows({"type": "integer"}, "how many wires may change their row behind each layer"),
-        height=number("rows"),
+            DiagramWire: record_of(DiagramWire, "a wire"),
+        },
     ),
-)  # fmt: skip
+)
 
 # --- One inference, step by step ---
 
-_DEGREES = rows({"type": "array"}, "term and degree")
-TRACE = record(
+_ENDLESS = {name: ["number", "null"] for name in ("low", "high", "value")}
+_LOWER = {"type": "number"}  # there only where it is one
+TRACE = record_of(
+    Trace,
     "one inference; `lower`, `left` and `right` are there with interval type 2 only",
-    rulebase=text("its name"),
-    inputs=rows(
-        record(
-            "an input", "lower",
-            name=text("its name"),
-            given=number("what was given"),
-            value=number("as it is used: within the range, say"),
-            degrees=_DEGREES,
-            lower=_DEGREES,
+    {
+        FuzzyValue: record_of(FuzzyValue, "an input", optional="lower"),
+        RuleTrace: record_of(RuleTrace, "a rule", optional="lower", lower=_LOWER),
+        OutputTrace: record_of(
+            OutputTrace,
+            "an output",
+            {
+                ConsequentTrace: record_of(
+                    ConsequentTrace,
+                    "an asserted term",
+                    optional="lower lower_value lower_curve",
+                    lower=_LOWER,
+                    lower_value=_LOWER,
+                )
+            },
+            optional="lower_aggregate left right",
+            types=_ENDLESS,
+            left=_LOWER,
+            right=_LOWER,
         ),
-        "in the order of the file",
-    ),
-    rules=rows(
-        record(
-            "a rule", "lower",
-            number=whole("from 1"),
-            block=text("empty without one"),
-            line=whole("of the file"),
-            column=whole("of the file"),
-            text=text("as a sentence"),
-            weight=number("of the rule"),
-            strength=number("how strongly it fires"),
-            consequents=rows({"type": "array"}, "variable and term"),
-            lower=number("the lower strength"),
-        ),
-        "all of them",
-    ),
-    outputs=rows(
-        record(
-            "an output", "lower_aggregate left right",
-            name=text("its name"),
-            low=number("lower end of its range", null="where it has none"),
-            high=number("upper end", null="where it has none"),
-            method=text("how it is defuzzified"),
-            fired=truth("whether any rule fires for it"),
-            consequents=rows(
-                record(
-                    "an asserted term", "lower lower_value lower_curve",
-                    term=text("with its hedges"),
-                    strength=number("of its rules together"),
-                    value=number("of a term that is no set", null="of a set"),
-                    curve=rows({"type": "array"}, "corners of the clipped set"),
-                    lower=number("the lower strength"),
-                    lower_value=number("the other end of its value"),
-                    lower_curve=rows({"type": "array"}, "corners of the lower set"),
-                ),
-                "in the order of the terms",
-            ),
-            aggregate=rows({"type": "array"}, "corners of the union"),
-            value=number("what comes out", null="where there is none"),
-            lower_aggregate=rows({"type": "array"}, "corners of the lower union"),
-            left=number("the left end"),
-            right=number("the right end"),
-        ),
-        "in the order of the file",
-    ),
-)  # fmt: skip
-_CHANGE = record(
-    "a change",
-    kind=text("what happened", "added", "removed", "changed"),
-    what=text("to what"),
-    before=text("as it was"),
-    after=text("as it is"),
+    },
 )
+_CHANGE = record_of(Change, "a change", kind={"enum": ["added", "removed", "changed"]})
 _SYSTEM = record(
     "a system of a script",
     name=text("its name"),
@@ -1180,17 +1120,7 @@ OUTPUTS = (
         "identify",
         "gains fitted to published errors",
         rows(
-            record(
-                "a controller",
-                name=text("its name"),
-                labels=names("its gains"),
-                fitted=numbers("what fits best"),
-                spread=numbers("relative uncertainty"),
-                shipped=numbers("the shipped values"),
-                fitted_rms=numbers("RMS errors with the fitted gains"),
-                shipped_rms=numbers("with the shipped ones"),
-                evaluations=whole("runs that it took"),
-            ),
+            record_of(Identified, "a controller"),
             "in the order in which they were named",
         ),
     ),

@@ -52,6 +52,10 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (folder / "claims.frb").write_text(
         Path(PD7).read_text() + "prove u odd\nprove u rises with e\n"
     )
+    (folder / "endless.frb").write_text(
+        "rulebase x\ninput e -inf .. inf\noutput u 0 .. 1\nterm e A: ramp 0 1\n"
+        "terms u: triangles A B\ninference no-rule nan\nrule if e is A then u is A\n"
+    )
     rows = [f"{x / 12},{y / 12},{(x * y + x) / 144}" for x in range(12) for y in range(12)]
     (folder / "samples.csv").write_text("\n".join(["x,y,z", *rows, ""]))
     pairs = [f"{e},{ce},{(e + ce) / 2}" for e in range(-6, 7) for ce in range(-6, 7)]
@@ -79,8 +83,9 @@ CALLS = {
         ["eval", PD7, "e=1", "ce=2", "--explain"],
         ["eval", TIPPER2, "service=2", "food=3", "--explain"],
         ["eval", THERMOSTAT, "error=1", "rate=0", "presence=1", "--explain"],
+        ["eval", "endless.frb", "e=-1", "--explain"],
     ],
-    "show": [["show", PD7], ["show", THERMOSTAT], ["show", TIPPER2]],
+    "show": [["show", PD7], ["show", THERMOSTAT], ["show", TIPPER2], ["show", "endless.frb"]],
     "show-table": [["show", str(shipped("thesis-6.1.lut"))]],
     "show-controller": [["show", SERVO], ["show", TANKS]],
     "prove": [["prove", "claims.frb"], ["prove", "claims.frb", PD7]],

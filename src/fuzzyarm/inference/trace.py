@@ -55,8 +55,7 @@ class FuzzyValue:
     value : float
         The value that was used, inside the range if it is clamped.
     degrees : tuple of (str, float)
-        (term, membership) for every term, without hedges; NaN never. Of an interval type-2
-        term the upper one.
+        (term, membership) for every term, without hedges. Of an interval type-2 term the upper one.
     lower : tuple of (str, float)
         The lower memberships, of every term; empty where none is of interval type 2.
     """
@@ -79,11 +78,13 @@ class RuleTrace:
     block : str
         Name of its block, maybe empty.
     line, column : int
-        Where it stands in the file, from 1; of a grid the cell.
+        Where it stands in the file, from 1; of a grid its cell.
     text : str
         The rule in words.
-    weight, strength : float
-        Its weight, and the truth of its antecedent times that.
+    weight : float
+        Of the rule.
+    strength : float
+        The truth of its antecedent times its weight.
     consequents : tuple of (str, str)
         (output, term with hedges).
     lower : float or None
@@ -148,7 +149,7 @@ class OutputTrace:
     name : str
         The output.
     low, high : float
-        Its range.
+        Its range; an end may be infinite.
     method : str
         The defuzzifier, as it would stand in a file.
     fired : bool
@@ -161,10 +162,11 @@ class OutputTrace:
         The result.
     lower_aggregate : tuple of (float, float)
         The lower set, where it is of interval type 2; `aggregate` is the upper one.
-    left, right : float or None
-        The ends of its centroid, by Karnik and Mendel. Each is its own switch point: the left
-        end is the centroid of the set that is the upper one on its left and the lower one on
-        its right, the right end of the one that is the other way round.
+    left : float or None
+        The left end of its centroid, by Karnik and Mendel. It is its own switch point: the
+        centroid of the set that is the upper one on its left and the lower one on its right.
+    right : float or None
+        The right end, of the set that is the other way round.
     """
 
     name: str

@@ -45,13 +45,17 @@ class Region(NamedTuple):
 
     Attributes
     ----------
-    input, term : str
+    input : str
+        Which input.
+    term : str
         Of an input without terms a third of its range: ``low third`` and so on.
     samples : int
         In it.
-    error, bias : float
-        Root mean square and mean of observed minus predicted; of classes the share of wrong
-        answers, and 0. NaN where there are no samples, or no target.
+    error : float
+        Root mean square of observed minus predicted; of classes the share of wrong answers. NaN
+        where there are no samples, or no target.
+    bias : float
+        Mean of observed minus predicted; 0 of classes, NaN as above.
     """
 
     input: str
@@ -74,8 +78,10 @@ class RuleUse(NamedTuple):
         Where it stands in the file.
     often : float
         Share of the samples at which it fires.
-    mean, strongest : float
-        Its firing strength over all samples.
+    mean : float
+        Of its firing strength over all samples.
+    strongest : float
+        Its largest firing strength.
     leads : int
         Samples at which no rule is stronger.
     error : float
@@ -106,7 +112,15 @@ class RuleUse(NamedTuple):
 
 
 class Bin(NamedTuple):
-    """Samples with predictions next to each other: mean of the predicted and of the observed."""
+    """Samples with predictions next to each other.
+
+    Attributes
+    ----------
+    samples : int
+        How many.
+    predicted, observed : float
+        Their means.
+    """
 
     samples: int
     predicted: float
@@ -125,15 +139,18 @@ class Validation(Plotted):
         Those at which no rule fires: they count in nothing else.
     outside : int
         Those beyond the range of an input.
-    error, bias, worst : float
-        Root mean square, mean and largest magnitude of observed minus predicted; of classes
-        `error` is the share of wrong answers. NaN without a target.
+    error : float
+        Root mean square of observed minus predicted; of classes the share of wrong answers. NaN
+        without a target.
+    bias, worst : float
+        Mean and largest magnitude of observed minus predicted; NaN for classes, and without a
+        target.
     worst_sample : int
-        Where the largest is, from 1; 0 without a target.
+        Where the largest is, from 1; 0 for classes and without a target.
     explained : float
         Share of the variance of the target that is explained (R²); NaN for classes.
     slope, intercept : float
-        Of the observed over the predicted: 1 and 0 where neither is exaggerated.
+        Of the observed over the predicted: 1 and 0 where neither is exaggerated; NaN for classes.
     calibration : tuple of Bin
         From low to high predictions.
     regions : tuple of Region

@@ -111,7 +111,19 @@ class Tune(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class GainModel:
-    """``gain NAME = VALUE "unit"``: one number for all axes, or one for each."""
+    """``gain NAME = VALUE "unit"``: one number for all axes, or one for each.
+
+    Parameters
+    ----------
+    name : str
+        Of the gain.
+    values : tuple of Amount
+        One, or one for each axis.
+    unit : str
+        May be empty.
+    tune : Tune or None
+        Low, high, and whether in steps of the logarithm.
+    """
 
     name: str
     values: tuple[Amount, ...]
@@ -286,7 +298,15 @@ Line = Signal | Zoom | Learn | Drive
 
 @dataclass(frozen=True, slots=True)
 class Axes:
-    """``axis A, B``: what is done for each of them, in order."""
+    """``axis A, B``: what is done for each of them, in order.
+
+    Parameters
+    ----------
+    names : tuple of str
+        Of the axes.
+    lines : tuple of Signal, Zoom, Learn or Drive
+        In the order of the text.
+    """
 
     names: tuple[str, ...]
     lines: tuple[Line, ...] = ()

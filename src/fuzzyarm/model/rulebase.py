@@ -59,7 +59,7 @@ class Shape:
     Attributes
     ----------
     kind : str
-        A key of :data:`fuzzyarm.expression.kinds.SHAPES`.
+        Its name, a key of :data:`fuzzyarm.expression.kinds.SHAPES`.
     parameters : tuple of float
         Its numbers in the order of the registry. For ``points``: x1, y1, x2, y2, …;
         for ``linear``: one coefficient for each input in order, then the constant.
@@ -146,7 +146,7 @@ class Term:
     Attributes
     ----------
     name : str
-        Free.
+        Any text.
     shape : Shape
         Its membership function; of an interval type-2 term the upper one.
     span : Span
@@ -277,8 +277,8 @@ class Output(Variable):
     defuzzifier : Defuzzifier
         The way from the aggregate to a number.
     no_rule : float or str
-        The value where no rule fires; ``"error"`` to raise, ``"hold"`` to keep the value
-        that the caller passes as the last one.
+        The value where no rule fires, maybe NaN; ``"error"`` to raise, ``"hold"`` to keep the
+        value that the caller passes as the last one.
     """
 
     aggregation: str = "max"
@@ -383,9 +383,9 @@ class RuleBlock:
     rules : tuple of Rule
         In order.
     name : str
-        Free; empty where a file has one block.
+        Any text; empty where a file has one block.
     conjunction, disjunction, implication : str
-        Names of norms.
+        Names of norms: of ``and``, of ``or``, of what cuts the set of a consequent.
     threshold : float
         A rule fires only where its firing strength is greater than this.
     """
@@ -605,11 +605,11 @@ class RuleBase(AnyRuleBase):
     Parameters
     ----------
     name : str
-        Free.
+        Any text.
     inputs : tuple of Input
         In the order of the file.
     outputs : tuple of Output
-        Likewise.
+        In the order of the file.
     blocks : tuple of RuleBlock
         Rules that share their norms, evaluated in order.
     description : str

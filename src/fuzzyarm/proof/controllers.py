@@ -69,10 +69,12 @@ class DriveSector:
     weights : dict of str to float
         Of the sources in σ: 1 for one source; for several the gains of the linear law, so
         that σ is what that would drive.
-    low, high : float
-        The gains k₁ and k₂.
+    low : float
+        The gain k₁: the drive is at least so many times σ.
+    high : float
+        The gain k₂: and at most so many times.
     within : dict of str to (float, float)
-        Where it was asked.
+        Of the sources: the intervals on which it holds.
     slack : float
         By so much the drive may leave the sector, in its own units.
     """
@@ -90,14 +92,16 @@ class DriveProof:
 
     Attributes
     ----------
-    axis, port, unit : str
+    axis, port : str
         Which.
+    unit : str
+        Of the drive.
     low, high : float
         Its range, limits included.
     free : (float, float)
         Its range without the limits.
     limits : (float, float) or None
-        Of the text, or of the plant's actuator.
+        Of the text, or of the plant's actuator; None without any.
     reached : str
         ``never``, ``yes``, or ``open`` where the range goes beyond the limits and no point was
         found; empty without limits.

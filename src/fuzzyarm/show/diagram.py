@@ -60,7 +60,7 @@ class DiagramBlock:
     Attributes
     ----------
     kind : str
-        A key of :data:`BLOCK_KINDS`.
+        What it does, a key of :data:`BLOCK_KINDS`.
     label : str
         What stands in it: the name of the gain, of the rule base, of the port.
     details : tuple of str
@@ -108,10 +108,14 @@ class DiagramWire:
 
     Attributes
     ----------
-    source, output : int
-        The block where it begins, as an index of the blocks, and which of its outputs.
-    target, input : int
-        The block where it ends, and which of its inputs.
+    source : int
+        The block where it begins, as an index of the blocks.
+    output : int
+        Which of its outputs.
+    target : int
+        The block where it ends, likewise.
+    input : int
+        Which of its inputs.
     signal : str
         The name that the text has for it; empty between blocks of one line.
     path : tuple of Corner
@@ -139,7 +143,7 @@ class Diagram:
     blocks : tuple of DiagramBlock
         Those of all axes.
     wires : tuple of DiagramWire
-        Between them.
+        Between the blocks.
     groups : tuple of (tuple of str, float, float)
         Axes that share their lines, and the rows where their part begins and ends.
     tracks : tuple of int

@@ -86,18 +86,34 @@ STEP = 0.02
 
 @dataclass(frozen=True)
 class Identified:
-    """A fit."""
+    """A fit.
 
-    name: str  # the controller
-    labels: tuple[str, ...]  # the unknowns
-    fitted: tuple[float, ...]  # the best values
-    # Relative standard deviation of each by the curvature of the fit; large: weakly determined.
+    Attributes
+    ----------
+    name : str
+        The controller.
+    labels : tuple of str
+        The unknowns.
+    fitted : tuple of float
+        The best values.
+    spread : tuple of float
+        Relative standard deviation of each by the curvature of the fit; large: weakly determined.
+    shipped : tuple of float
+        The values in the catalogue.
+    fitted_rms, shipped_rms : tuple of float
+        Relative differences of every RMS figure of every row, with either.
+    evaluations : int
+        Runs of all rows.
+    """
+
+    name: str
+    labels: tuple[str, ...]
+    fitted: tuple[float, ...]
     spread: tuple[float, ...]
-    shipped: tuple[float, ...]  # the values in the catalogue
-    # Relative differences of every RMS figure of every row, with either.
+    shipped: tuple[float, ...]
     fitted_rms: tuple[float, ...]
     shipped_rms: tuple[float, ...]
-    evaluations: int  # runs of all rows
+    evaluations: int
 
 
 def identify(name: str, *, watch: Callable[[int], None] | None = None) -> Identified:
