@@ -265,7 +265,7 @@ class FuzzyClassifier(ClassifierMixin, _FuzzyModel):
         return outputs[:, 1] - outputs[:, 0] if outputs.shape[1] == 2 else outputs
 
     def predict_proba(self, X: Any) -> Array:  # noqa: N803
-        """Return shares that sum to 1, shape (samples, classes): outputs cut to 0 .. 1.
+        """Return shares that sum to 1, shape (samples, classes): the outputs that are above 0.
 
         They are estimates of least squares, see `fuzzyarm validate` for how far to trust them.
 
@@ -275,7 +275,8 @@ class FuzzyClassifier(ClassifierMixin, _FuzzyModel):
             As for :meth:`fit`.
         """
         check_is_fitted(self)
-        outputs = np.clip(self._outputs(X, self._class_names()), 1e-9, 1.0)
+        # An output above 1 is not cut: two of them would tie, and the first would be the answer.
+        outputs = np.maximum(self._outputs(X, self._class_names()), 1e-9)
         shares: Array = outputs / outputs.sum(axis=1, keepdims=True)
         return shares
 

@@ -78,3 +78,18 @@ def test_pipeline_and_grid_search_and_classes():
     shares = model.predict_proba(samples.data)
     assert np.allclose(shares.sum(axis=1), 1.0)
     assert (model.classes_[shares.argmax(axis=1)] == model.predict(samples.data)).all()
+
+
+def test_the_largest_output_is_the_answer_beyond_1_too():
+    """Outputs are straight lines: away from the samples several of three may exceed 1."""
+    draw = np.random.default_rng(0)
+    middles = np.array([[-0.5, 0.0], [0.5, 0.3], [0.1, -0.6]])
+    x = draw.uniform(-1.0, 1.0, (60, 2))
+    classes = ((x[:, None] - middles) ** 2).sum(axis=2).argmin(axis=1)
+    model = fuzzyarm.sklearn.FuzzyClassifier(terms=(1, 1), shrinkage=0.0, move=False)
+    model.fit(x, classes)
+    far = draw.uniform(-4.0, 4.0, (200, 2))
+    outputs = model.decision_function(far)
+    assert ((outputs > 1.0).sum(axis=1) > 1).any()
+    assert (model.predict(far) == outputs.argmax(axis=1)).all()
+    assert (model.predict_proba(far).argmax(axis=1) == outputs.argmax(axis=1)).all()
