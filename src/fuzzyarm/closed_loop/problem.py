@@ -358,7 +358,7 @@ class ControlPeriod(Generic[T]):
                 index += 1
         for (axis, name), actuator in problem.site.interface.inputs.items():
             if actuator.slew < math.inf:
-                self.memory[f"{axis}.{name} driven"] = _at_start(actuator)
+                self.memory[f"{axis}.{name} driven"] = actuator.idle
 
     def _collect_line(self, axes: Axes, axis: str, index: int, line: object) -> None:
         if isinstance(line, Zoom):
@@ -445,7 +445,7 @@ class ControlPeriod(Generic[T]):
 
     def _actuated(self, address: Address, port: Port) -> T:
         algebra = self.algebra
-        value = self._drives.get(address, algebra.number(_at_start(port)))
+        value = self._drives.get(address, algebra.number(port.idle))
         value = algebra.limit(value, port.low, port.high)
         if port.slew < math.inf:
             name = f"{address[0]}.{address[1]} driven"
@@ -611,11 +611,6 @@ class ControlPeriod(Generic[T]):
             raise LoopProofError(str(error)) from error
         lattice = replace(sheet, axes=tuple(axes), values=np.asarray(values))
         return [self.algebra.table(lattice, dict(zip(lattice.names, arguments, strict=True)))]
-
-
-def _at_start(port: Port) -> float:
-    """Return what an input is that nothing drives yet: 0, or the limit next to it."""
-    return min(max(0.0, port.low), port.high)
 
 
 def _word(option: str) -> str:

@@ -78,8 +78,7 @@ class ProgramWalk:
             self._collect(f"{axis}.{port}", sensor)
         for address, actuator in problem.site.interface.inputs.items():
             if actuator.slew < math.inf:
-                resting = min(max(0.0, actuator.low), actuator.high)
-                self.states[f"driven:{'.'.join(address)}"] = resting
+                self.states[f"driven:{'.'.join(address)}"] = actuator.idle
         self.read: set[str] = set()
 
     def _collect(self, label: str, sensor: Sensor) -> None:
@@ -276,7 +275,7 @@ class ProgramWalk:
         port = self.problem.site.interface.inputs[address]
         value = drives.get(address)
         if value is None:
-            value = numbers.number(min(max(0.0, port.low), port.high))
+            value = numbers.number(port.idle)
         value = numbers.limit(value, port.low, port.high)
         if port.slew < math.inf:
             name = f"driven:{address[0]}.{address[1]}"

@@ -19,6 +19,9 @@ from fuzzyarm.loop.reference import AnySignal, AnyTime, Signal, as_number, as_se
 from fuzzyarm.plant.own import for_runs, start_of
 from fuzzyarm.plant.plant import (
     CLOCK_SIZE,
+    IN_SINGLE,
+    PARTS,
+    STEP,
     WORK,
     Address,
     Dynamics,
@@ -407,7 +410,7 @@ class Course:
             len(self.plant.states),
         )
 
-    # --- Cells of the board ---
+    # --- Cells of the board: as `frame_of` of fuzzyarm.loop.loop divides it ---
 
     @property
     def _seen(self) -> int:
@@ -495,6 +498,8 @@ class Course:
                 raise PlantError(message, name=interface.label(port))
         if not sensors:
             return [], []
+        # Ten numbers for each sensor in the order of `loop.SENSOR`, then the rings of delayed
+        # values; `ring` is where the next one begins.
         heads: list[float] = []
         ring = SENSOR * (len(interface.outputs) + self.site.extra)
         noisy: list[float] = []
@@ -514,6 +519,7 @@ class Course:
             heads += [sensor.resolution, output.low, output.high, delay, ring, source]
             heads += [sensor.difference or 0.0, math.nan, 0.0, column]
             ring += delay
+        # What a plant derives from its outputs has no sensor of its own.
         exact = [0.0, -math.inf, math.inf, 0.0, 0.0, -1.0, 0.0, math.nan, 0.0, -1.0]
         heads += exact * self.site.extra
         heads += [0.0] * (ring - len(heads))
@@ -546,6 +552,7 @@ class Course:
         return columns
 
     def _checks(self) -> tuple[list[int], list[float]]:
+        # Pairs of cells: a reference (-1: none) and the output that is to stay near it, or near 0.
         cells: list[int] = []
         bounds: list[float] = []
         for port in self.motion.tracked:
@@ -600,8 +607,7 @@ class Course:
         period = self.motion.period
         rows: list[float] = []
         for port in self.site.interface.inputs.values():
-            resting = min(max(0.0, port.low), port.high)
-            rows += [port.low, port.high, port.slew * period, resting]
+            rows += [port.low, port.high, port.slew * period, port.idle]
         return rows
 
     def clock(self, *, between: bool = True) -> Any:
@@ -615,7 +621,8 @@ class Course:
         errors = ERRORS * len(self.motion.tracked) if between else 0
         sums = CHANGES * len(self.site.interface.inputs) + errors
         clock = np.zeros(CLOCK_SIZE + sums)
-        clock[1:4] = self.motion.step, parts, float(self.conventions.single)
+        clock[STEP], clock[PARTS] = self.motion.step, parts
+        clock[IN_SINGLE] = float(self.conventions.single)
         return self._flat(clock)
 
     def state(self, seed: int | None = None) -> Any:

@@ -27,7 +27,17 @@ from numpy.typing import NDArray
 from fuzzyarm.controller.law import summed_drives
 from fuzzyarm.controller.on_plant import drives_of_text
 from fuzzyarm.kernels import call, kernel
-from fuzzyarm.plant.plant import ACTUATE, ADVANCE, CLOCK_SIZE, DERIVE, MEASURE, Dynamics
+from fuzzyarm.plant.plant import (
+    ACTUATE,
+    ADVANCE,
+    CLOCK_SIZE,
+    DERIVE,
+    IN_SINGLE,
+    MEASURE,
+    TASK,
+    TIME,
+    Dynamics,
+)
 from fuzzyarm.plant.setting import CLOCK, stored, stored_double, stored_single
 
 
@@ -184,7 +194,7 @@ def run_loop(
             push(drives, frame.drives, pushes, tick)  # loads act behind the actuators
             ask_plant(ADVANCE, links, state, outputs, drives, constants, clock)
             tick += 1
-            clock[0] = tick * setting.step
+            clock[TIME] = tick * setting.step
             if setting.disturbance > 0.0:
                 random = disturbed(state, setting, random)
             ask_plant(MEASURE, links, state, outputs, drives, constants, clock)
@@ -318,7 +328,7 @@ def ask_plant(
     clock: list[float],
 ) -> None:
     """Have the plant do a task, see :mod:`fuzzyarm.plant.plant`."""
-    clock[4] = task
+    clock[TASK] = task
     call(links[0], x, y, u, p, clock)
 
 
@@ -340,7 +350,7 @@ def ask_plant_inside(
     clock: list[float],
 ) -> None:
     """Do what :func:`ask_plant` does with a plant that is compiled into the loop."""
-    clock[4] = task
+    clock[TASK] = task
     plant_kernel(x, y, u, p, clock)
 
 
@@ -358,7 +368,7 @@ def actuate(
     if links[ACTUATES] != 0:
         ask_plant(ACTUATE, links, x, y, u, p, clock)
     else:
-        limit(u, limits, clock[3] != 0.0)
+        limit(u, limits, clock[IN_SINGLE] != 0.0)
 
 
 @kernel

@@ -215,6 +215,7 @@ def _longest_step(system: Any) -> float:
     """Return half of the shortest time constant of a linear system."""
     if not hasattr(system, "A"):
         return math.inf
+    # Classical Runge-Kutta is stable up to |λ| h = 2.78 on the real axis; at ½ it is accurate.
     fastest = float(np.max(np.abs(np.linalg.eigvals(np.asarray(system.A, float)))))
     return 0.5 / fastest if fastest > 0 else math.inf
 
@@ -287,6 +288,7 @@ def _system_of_plant(plant: Plant, period: float | None) -> Any:
     numbers = numbers_of(plant, (), Arithmetic())
     parts = max(1, math.ceil(period / plant.longest_step - 1e-9))
     ports = list(interface.inputs.values())
+    # The states of the system: those of the plant, then the last value of each of these.
     slewed = [index for index, port in enumerate(ports) if port.slew < math.inf]
 
     def felt(x: Any, u: Any) -> Any:

@@ -30,7 +30,11 @@ from fuzzyarm.plant.drawings import draw_arm
 from fuzzyarm.plant.plant import (
     ACTUATE,
     ADVANCE,
+    IN_SINGLE,
     MEASURE,
+    PARTS,
+    STEP,
+    TASK,
     Address,
     DriveOptions,
     Dynamics,
@@ -252,11 +256,11 @@ def run_arm(
 ) -> None:
     """Do what the clock says."""
     # One address serves all four: a plant is one number in the flat program of the loop.
-    if clock[4] == ADVANCE:
+    if clock[TASK] == ADVANCE:
         advance_arm(x, y, u, p, clock)
-    elif clock[4] == ACTUATE:
+    elif clock[TASK] == ACTUATE:
         drive_arm(x, y, u, p, clock)
-    elif clock[4] == MEASURE:
+    elif clock[TASK] == MEASURE:
         measure_arm(x, y, u, p, clock)
     else:
         derive_pose(x, y, u, p, clock)
@@ -299,7 +303,7 @@ def torques_of_motors(x: list[float], u: list[float], p: list[float], clock: lis
     """Return what acts on the joints: the torques asked for, and those of driven motors."""
     # τ = k N (V - k ω N)/R for each motor that is driven by a voltage (equation 3.3.3 without L).
     # Every sum is rounded to the precision of the run: the study's programs stored floats.
-    single = clock[3] != 0.0
+    single = clock[IN_SINGLE] != 0.0
     first, second = x[ASKED], x[ASKED + 1]
     if p[POWERED] != 0.0:
         first += stored(motor_torque(u[2], x[2], FIRST_RATIO), single)
@@ -353,8 +357,8 @@ def torques_at(
     x: list[float], first: float, second: float, p: list[float], clock: list[float]
 ) -> Pair:
     """Return the torques of both motors at their voltages, and move the currents on."""
-    single = clock[3] != 0.0
-    step = clock[1] / steps_of(clock[1])
+    single = clock[IN_SINGLE] != 0.0
+    step = clock[STEP] / steps_of(clock[STEP])
     one = armature_torque(x, CURRENTS, first, x[2], FIRST_RATIO, p[MOTOR], step)
     two = armature_torque(x, CURRENTS + 1, second, x[3], SECOND_RATIO, p[MOTOR], step)
     return clipped(stored(one, single), p[LIMITS]), clipped(stored(two, single), p[LIMITS + 1])
@@ -426,15 +430,15 @@ def advance_arm(
     # The pose stands in y already: x has been measured since it moved.
     pose = Pose(y[4], y[5], y[6], y[7])
     state = State((x[0], x[1]), (x[2], x[3]))
-    step = clock[1]
-    if clock[2] > 1.0:
-        step /= clock[2]
-    now = semi_implicit(state, (u[0], u[1]), pose, p, 0, step, clock[3] != 0.0)
+    step = clock[STEP]
+    if clock[PARTS] > 1.0:
+        step /= clock[PARTS]
+    now = semi_implicit(state, (u[0], u[1]), pose, p, 0, step, clock[IN_SINGLE] != 0.0)
     x[0], x[1] = now.position
     x[2], x[3] = now.velocity
-    for _ in range(1, int(clock[2])):
+    for _ in range(1, int(clock[PARTS])):
         torque = pushed_torques(x, u, p, clock)
-        now = semi_implicit(now, torque, pose_of(now.position), p, 0, step, clock[3] != 0.0)
+        now = semi_implicit(now, torque, pose_of(now.position), p, 0, step, clock[IN_SINGLE] != 0.0)
         x[0], x[1] = now.position
         x[2], x[3] = now.velocity
 
@@ -446,12 +450,14 @@ def advance_arm_finely(
     """Advance by Runge-Kutta steps."""
     state = State((x[0], x[1]), (x[2], x[3]))
     torque = (u[0], u[1])
-    steps = steps_of(clock[1])
-    parts = math.ceil(clock[2] / steps)
+    steps = steps_of(clock[STEP])
+    parts = math.ceil(clock[PARTS] / steps)
     for i in range(steps):
         if i > 0:
             torque = pushed_torques(x, u, p, clock)
-        state = runge_kutta(state, torque, p, 0, clock[1] / steps, parts, clock[3] != 0.0)
+        state = runge_kutta(
+            state, torque, p, 0, clock[STEP] / steps, parts, clock[IN_SINGLE] != 0.0
+        )
         x[0], x[1] = state.position
         x[2], x[3] = state.velocity
 

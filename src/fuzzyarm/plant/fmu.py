@@ -128,7 +128,7 @@ class UnitPlant(Plant):
             unit.enterInitializationMode()
         else:
             unit.enterInitializationMode(startTime=0.0)
-        self._of_inputs.write(unit, [min(max(0.0, p.low), p.high) for p in self.inputs.values()])
+        self._of_inputs.write(unit, [port.idle for port in self.inputs.values()])
         unit.exitInitializationMode()
         if not self.exchanges:
             return self._of_outputs.read(unit)

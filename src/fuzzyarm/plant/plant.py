@@ -87,6 +87,11 @@ class Port:
         if not self.slew > 0:
             raise PlantError(f"a slew of {self.slew:g} is out of range", hint="a positive number")
 
+    @property
+    def idle(self) -> float:
+        """Of an input: its value while nothing drives it, 0 or the limit next to 0."""
+        return min(max(0.0, self.low), self.high)
+
 
 @dataclass(frozen=True)
 class Parameter:
@@ -493,7 +498,7 @@ def measure_outputs(
     x: list[float], y: list[float], u: list[float], p: list[float], clock: list[float]
 ) -> None:
     """Measure what the plant says."""
-    values = measure(clock[0], x[0 : len(x) // 4], u, p)
+    values = measure(clock[TIME], x[0 : len(x) // 4], u, p)
     for i in range(len(y)):
         y[i] = values[i]
 
@@ -503,7 +508,7 @@ def run_plant(
     x: list[float], y: list[float], u: list[float], p: list[float], clock: list[float]
 ) -> None:
     """Do what the clock says with a plant of which there are equations."""
-    if clock[4] == ADVANCE:
+    if clock[TASK] == ADVANCE:
         runge_kutta_4(x, y, u, p, clock)
     else:
         measure_states(x, y, u, p, clock)
@@ -523,9 +528,9 @@ def runge_kutta_4(
     # first of them moves.
     n = len(x) // 4
     states, slope = x[0:n], x[3 * n : 4 * n]  # the equations of a user may count from the end
-    h = clock[1] / clock[2]
-    t = clock[0]
-    for _ in range(int(clock[2])):
+    h = clock[STEP] / clock[PARTS]
+    t = clock[TIME]
+    for _ in range(int(clock[PARTS])):
         find_slopes(t, states, u, p, slope)
         for i in range(n):
             x[n + i] = x[i]
@@ -567,7 +572,7 @@ def measure_by_program(
 ) -> None:
     """Measure what a program says, whose address stands behind that of the rates."""
     behind = len(p) - 2
-    y[0] = clock[0]
+    y[0] = clock[TIME]
     call(int(p[behind + 1]), y[0:1], x[0 : len(x) // 4], u, p[0:behind], y)
 
 

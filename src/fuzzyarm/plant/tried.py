@@ -19,6 +19,9 @@ import numpy as np
 from fuzzyarm.kernels import with_names
 from fuzzyarm.plant.equations import USERS, apart, is_of_package
 from fuzzyarm.plant.plant import (
+    PARTS,
+    STEP,
+    TIME,
     Parameter,
     Plant,
     PlantError,
@@ -183,7 +186,7 @@ def try_equations(plant: Plant) -> None:
         parameter.value if isinstance(parameter, Parameter) else float(parameter)
         for parameter in plant.parameters.values()
     ]
-    drives = [min(max(0.0, port.low), port.high) for port in plant.inputs.values()]
+    drives = [port.idle for port in plant.inputs.values()]
     states = _numbers(plant, "start", lambda: plant.start(np.random.default_rng(0)), plant.states)
     for what, names in (("derivative", plant.states), ("measure", plant.outputs)):
         equations = getattr(plant, what)
@@ -262,9 +265,9 @@ def plain_motion(plant: Plant, states: int) -> Callable[..., None]:
     step = plant.step
 
     def advance(x: Any, _y: Any, u: Any, p: Any, clock: Any) -> None:
-        h = clock[1] / clock[2]
-        for part in range(int(clock[2])):
-            after = step(clock[0] + part * h, x[:states].tolist(), u.tolist(), p.tolist(), h)
+        h = clock[STEP] / clock[PARTS]
+        for part in range(int(clock[PARTS])):
+            after = step(clock[TIME] + part * h, x[:states].tolist(), u.tolist(), p.tolist(), h)
             for i, value in enumerate(_one_for_each(plant, "step", after, plant.states)):
                 x[i] = value
 
@@ -278,7 +281,7 @@ def plain_outputs(plant: Plant, states: int) -> Callable[..., None]:
     ask = plant.measure
 
     def measured(x: Any, y: Any, u: Any, p: Any, clock: Any) -> None:
-        outputs = ask(clock[0], x[:states].tolist(), u.tolist(), p.tolist())
+        outputs = ask(clock[TIME], x[:states].tolist(), u.tolist(), p.tolist())
         for i, value in enumerate(_one_for_each(plant, "measure", outputs, plant.outputs)):
             y[i] = value
 
