@@ -266,6 +266,7 @@ class _Walk:
             power = -1 if factor.divides else 1
             at = combine(word, reach.at, other.at)
             pace = math.inf
+            # A product moves with its only factor that does; of two that move nothing is known.
             if other.pace == 0.0:
                 pace = largest(combine(word, symmetric(reach.pace), other.at))
             elif reach.pace == 0.0 and not factor.divides:
@@ -284,6 +285,7 @@ class _Walk:
         parts = [self._product(product, span) for product in products]
         units = [part.unit for part in parts]
         origins = frozenset[str]().union(*(part.origins for part in parts))
+        # Two parts with an origin in common may cancel.
         alone = len(origins) == sum(len(part.origins) for part in parts)
         return Reach(
             reduce(lambda a, b: combine("add", a, b), [part.at for part in parts]),
@@ -382,6 +384,7 @@ class _Walk:
         port = outputs.get(address)
         if port is None:  # a reference of an acceleration
             return Reach(kept=FED_BACK, origins=origins)
+        # How fast a port moves is the range of the port that is its rate, where there is one.
         rates = [
             largest(Interval(other.low, other.high))
             for (axis, _), other in outputs.items()

@@ -436,6 +436,7 @@ def wiring_of(model: ControllerModel) -> Wiring:
         ports = list(ports_of(model, kind))
         cells.append({port: at + index for index, port in enumerate(ports)})
         at += len(ports)
+    # In one row behind the clock: references, measured values, drives.
     references, measured, drives = cells
     return Wiring(references, measured, drives, (), at)
 

@@ -477,6 +477,7 @@ def _written(samples: Samples, options: Options, way: _Way, error: Error, clock:
         layout = Layout(options.name, options.description, options.outside, digits)
         rulebase = sugeno_rulebase(premises, samples, shrinkage, spread, layout)
         residual = samples.outputs - outputs_of(rulebase, samples)
+        # A fit that is all but exact would ask for more and more digits.
         floor = 1e-4 * float(scaling.range.max())
         limit = (1.0 + WORSE_AS_TEXT) * max(wanted, floor)
         if rms(residual) <= limit or digits >= MOST_FITTED_DIGITS:

@@ -245,6 +245,7 @@ class Scaling:
         weights : ndarray, shape (rules, inputs + 1, outputs)
             Of the scaled regressors.
         """
+        # y = middle + range (Σ aⱼ (xⱼ - centreⱼ)/spreadⱼ + b), multiplied out.
         turned = np.swapaxes(weights, 1, 2) * self.range[:, None]
         slopes = turned[..., :-1] / self.spread
         constants = turned[..., -1] + self.middle - slopes @ self.centre
@@ -299,6 +300,7 @@ def consequents(
     size = shape[0] * shape[1]
     crossed = np.zeros((span.shape[1], size))
     for rows in _turns(len(inputs)):
+        # What the linear part can do is taken out of the design D: D - span (spanᵀ D).
         crossed += span[rows].T @ designed(strengths[rows], regressors[rows])
     # Rows are taken in by turns, and only the triangle of those before is kept.
     triangle = np.sqrt(max(shrinkage, LEAST_SHRINKAGE) * len(inputs)) * np.eye(size)
@@ -362,6 +364,7 @@ class Projection:
         if self._known is None or self._known[0] != key:
             strengths = self.premises.with_numbers(numbers).strengths(self.inputs)
             design = designed(strengths, self.regressors)
+            # Least squares of [D; √(λ n) I] δ = [rest; 0], D without what the linear part can do.
             design -= self.span @ (self.span.T @ design)
             factor, triangle = np.linalg.qr(np.vstack([design, self.penalty]))
             right = np.vstack([self.rest, np.zeros((self.size, self.rest.shape[1]))])
@@ -388,6 +391,8 @@ class Projection:
             slope = premises.jacobian(self.inputs, self.regressors @ weights[:, :, k].T)
             slope -= self.span @ (self.span.T @ slope)
             full = np.vstack([slope, np.zeros((self.size, slope.shape[1]))])
+            # -(I - Q Qᵀ) (∂D/∂p) δ: Q spans what consequents can do, the rows of the penalty
+            # included.
             parts.append(factor @ (factor[:count].T @ slope) - full)
         return np.concatenate(parts)
 

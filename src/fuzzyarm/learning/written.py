@@ -125,6 +125,7 @@ def rounded_consequents(weights: Array, samples: Samples, tolerance: Array) -> A
     centre = samples.inputs.mean(axis=0)
     reach = np.maximum(np.abs(samples.inputs - centre).max(axis=0), 1e-300)
     values = weights.copy()
+    # The roundings are independent: n of them, each within 1/√n of the tolerance.
     parts = math.sqrt(weights.shape[2])
     for k, width in enumerate(tolerance.tolist()):
         for j, far in enumerate(reach.tolist()):
@@ -181,6 +182,7 @@ def sugeno_rulebase(
     names = _names(rounded, samples)
     weights, scaling = consequents(rounded, samples.inputs, samples.outputs, shrinkage)
     floor = 1e-4 * scaling.range
+    # Terms with more than the usual four digits ask for consequents that are finer by as much.
     tolerance = SHARE_OF_ERROR * np.maximum(error, floor) * 10.0 ** (4 - layout.digits)
     values = rounded_consequents(scaling.in_units(weights), samples, tolerance)
     inputs = tuple(

@@ -167,6 +167,8 @@ def trajectory_motion(
             columns[:, column] = orders[order][:, ports.index(of)]
     step = timing.period
     if conventions.single:
+        # In single precision the set point's time is a stored number, and so is what it is divided
+        # into.
         step = float(np.float32(np.float64(np.float32(timing.set_point)) / timing.every))
     return Motion(
         trajectory.name,
@@ -197,6 +199,7 @@ def _met_by_load(plant: Plant, where: Sequence[bool], share: float) -> _Met:
     if any(where) and not carries(plant):
         hint = "loaded_parameters of the plant says what it is with its load"
         raise PlantError(f"the {plant.name} carries no load", name="payload", hint=hint)
+    # A plant with its load and one without, as far as they are met; segments share them.
     kinds = tuple(dict.fromkeys(where))
     plants = tuple(with_load(plant, share) if loaded else plant for loaded in kinds)
     return _Met(plants, tuple(map(kinds.index, where)), kinds)

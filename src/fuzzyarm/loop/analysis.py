@@ -160,6 +160,7 @@ def _of_controller(text: ControllerText) -> Callable[[Vector, Vector], Vector]:
     def answer(error: Vector, rate: Vector) -> Vector:
         values = np.empty(error.shape)
         for place in np.ndindex(error.shape):
+            # The set points are 0: error = 0 - measured.
             measured[first] = -float(error[place])
             for name in rates:
                 measured[name] = -float(rate[place])

@@ -189,6 +189,7 @@ def _step_response(
     """Return rise time, overshoot and settling time, where the reference is one step."""
     output = reference - errors
     jumps = np.flatnonzero(np.diff(reference))
+    # A step at the first sample has no jump: the output there is where it starts from.
     begin = 0 if not len(jumps) else int(jumps[0]) + 1
     if len(jumps) > 1 or reference[-1] != reference[begin]:
         return None, None, None
@@ -196,6 +197,7 @@ def _step_response(
     size = target - start
     if size == 0.0:
         return None, None, None
+    # 0 at the start, 1 at the target, for steps up and down.
     way = (output[begin:] - start) / size
     after = time[begin:] - time[begin]
     low, high = np.flatnonzero(way >= 0.1), np.flatnonzero(way >= 0.9)

@@ -377,6 +377,7 @@ def _asked(part: Controller, arithmetic: Arithmetic, course: Course) -> Asked:
 
 def _asked_for_torques(part: Controller) -> Asked:
     def ask(t: Any) -> Iterable[tuple[int, float]]:
+        # The cells of `tell` in fuzzyarm.controller.law.
         reference = ArmReference((t[3], t[4]), (t[5], t[6]), (t[7], t[8]))
         state = State((t[9], t[10]), (t[11], t[12]))
         clock = Clock(t[0], t[1] != 0.0, t[2] != 0.0)

@@ -247,6 +247,7 @@ def _torque_of_text(
     assert law.at_signals is not None
     law.at_signals(signals, *arrays)
     _tally.functions += _functions_of_partners(law)
+    # Of each joint whether the text drives its voltage, which the motor turns into a torque.
     powered = arrays[0][2:4]
     return [
         float(signals[TOLD + joint])

@@ -257,6 +257,7 @@ def _scaling_gains(model: ControllerModel) -> dict[str, set[str]]:
                 common_gains[line.names[0]] = common_gains.get(line.names[0], common) & common
                 scaled += common
     return {
+        # It stands in no other line than those that it scales.
         signal: {name for name in names if _mentions(model, name) == scaled.count(name)}
         for signal, names in common_gains.items()
     }

@@ -106,6 +106,7 @@ def _number(kind: str, name: str, known: Mapping[str, float], to: Map) -> float:
         return value if name == "direction" or name in RATES else to(value)
     middle = known[CENTRES[name]]
     length = 1.0 / value if rate else value
+    # A length has two ends, which may go different ways: half of the distance between them.
     stretched = 0.5 * (to(middle + length) - to(middle - length))
     return 1.0 / stretched if rate else stretched
 
@@ -297,6 +298,7 @@ class Movement:
         stretches_ = []
         for first, last in pairwise(nails):
             inside = [Knot(knots[edge], edge) for edge in sorted(knots) if first < edge < last]
+            # Shares are counted from the inner nail outwards.
             if inside and first == low and last < high:
                 stretches_.append(Stretch(last, first, tuple(reversed(inside))))
             elif inside:
