@@ -545,6 +545,7 @@ def check_file(path: str | os.PathLike[str], on: PlantOf | None = None) -> Revie
             return Review(text, tuple(parse_lut(text, name).diagnostics))
         if suffix in READABLE:
             return _check_foreign(path, name)
+        # Other tables have no check of their own: to be read is all that is asked of them.
         load(path)
     except RuleBaseError as error:
         return Review("", error.diagnostics)

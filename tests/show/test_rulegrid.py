@@ -85,3 +85,13 @@ def test_differences_name_each_rule():
     ]
     assert not diff.terms
     assert compare_rulebases(before, before).same
+
+
+def test_names_with_words_of_the_language_in_them_are_told_apart():
+    rules = "term y '{0} then M': triangle 0 0.5 1\nrule if a is LO then y is '{0} then M'\n"
+    before, after = (
+        rulebase("term y 'S then M': triangle 0 0.5 1\n" + rules.format(word)) for word in "LX"
+    )
+    assert [(c.kind, c.before, c.after) for c in compare_rulebases(before, after).rules] == [
+        ("changed", "y is 'L then M'", "y is 'X then M'")
+    ]

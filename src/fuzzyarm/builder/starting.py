@@ -307,6 +307,7 @@ def _reach(variable: Input | Output) -> float:
 
 
 def _gain(name: str, value: float, unit: str) -> str:
+    # Two digits: it is a number to begin with, and a person is to change it.
     near = float(f"{value:.2g}")
     low, high = (number_text(float(f"{factor * near:.2g}")) for factor in (0.1, 10.0))
     return f'gain {name} = {number_text(near)} "{unit}", tune {low} .. {high} log'

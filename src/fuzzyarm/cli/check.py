@@ -85,6 +85,7 @@ def _check(arguments: argparse.Namespace) -> int:
     if arguments.json:
         print_json([finding_data(diagnostic) for diagnostic in diagnostics], 2)
     wrong = any(finding.is_error for finding in diagnostics)
+    # Errors that are printed speak for themselves; JSON, and warnings under --strict, do not.
     if failed and diagnostics and (arguments.json or not wrong):
         summary = Review("", tuple(diagnostics)).summary
         print_error(summary if wrong else f"{summary}; --strict lets no warning pass")

@@ -125,6 +125,7 @@ def _compare_trajectories(
 
     trajectories, conventions = compared_along(asked, plant), conventions_of(asked)
     _, options = with_drives(asked, plant)
+    # The figure of the arm draws errors against cost.
     timed = bool(asked.cost or (asked.plot and is_counted(plant)))
     counted = names if timed or asked.operations else ()
     comparisons: list[Compared] = []

@@ -52,6 +52,7 @@ from fuzzyarm.cli.command import (
 from fuzzyarm.requests.fields import Request, option
 from fuzzyarm.requests.making import SOURCE, ExportRequest
 from fuzzyarm.show.compiled import controller_lines, export_lines, report_lines, table_words
+from fuzzyarm.text.folders import CONTROLLER_EXPORTS
 
 if TYPE_CHECKING:
     from fuzzyarm.controller.text import ControllerText
@@ -80,7 +81,6 @@ class ExportWords(ExportRequest, _Output):
     )  # fmt: skip
 
 
-_EXPORTS = (".h", ".c", ".st", ".xml", ".scl", ".py")
 _UNIT = ".fmu"
 _MODULES = (".mjs", ".js")
 
@@ -104,7 +104,7 @@ def _run(asked: ExportWords) -> int:
     _forbid(asked, ("board",), "without --for nothing is made for a board")
     if asked.report is not None:
         _demand_report(asked.out, asked.report)
-    suffix = require_suffix(asked.out, (*tables, *_EXPORTS, _UNIT, *_MODULES))
+    suffix = require_suffix(asked.out, (*tables, *CONTROLLER_EXPORTS, *_MODULES))
     if suffix != ".xml":
         _forbid(asked, ("format",), f"{Path(asked.out).name} is not an .xml")
     if suffix in _MODULES:

@@ -161,6 +161,7 @@ class _Watched:
                     if not asked.json:
                         self.show(snapshot)
         except KeyboardInterrupt:
+            # Nothing has been learned yet that could be kept.
             if self._latest is None:
                 raise
             self.interrupted = True

@@ -118,9 +118,7 @@ def _model_data(model: Model) -> dict[str, Any]:
 
     diagram = asdict(block_diagram(model))
     for block in diagram["blocks"]:
-        block["line"] = (
-            block["span"]["line"] if isinstance(block["span"], dict) else block["span"][0]
-        )
+        block["line"] = block["span"].line
     model_data = _without_spans(asdict(model.model))
     return {"kind": "controller", **model_data, "diagram": _without_spans(diagram)}
 

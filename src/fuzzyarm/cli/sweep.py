@@ -151,6 +151,7 @@ def _extremes(many: Many, metric: str) -> Iterator[tuple[str, str, int, int]]:
     import numpy as np
 
     values = np.abs(many[metric])
+    # What a run measured until it diverged is not comparable.
     values[~np.isnan(many.diverged)] = np.nan
     for at, (output, unit) in enumerate(zip(many.outputs, many.units, strict=True)):
         column = values[:, at]

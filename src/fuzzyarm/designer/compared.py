@@ -137,6 +137,7 @@ def _slice(
     at[x] = xs[None, :]
     if y:
         at[y] = ys[:, None]
+    # A surface that does not depend on an input comes with fewer axes.
     values = [np.broadcast_to(surface.at(at), (ys.size, xs.size)) for surface in surfaces]
     where = _where(np.abs(values[1] - values[0]), {y or "": ys, x: xs})
     return {

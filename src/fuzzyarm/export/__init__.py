@@ -16,8 +16,6 @@ from fuzzyarm.export.numbers import ExportError
 from fuzzyarm.export.rulebase import DirectRoutine
 from fuzzyarm.export.table_numbers import FixedTable, FloatTable
 from fuzzyarm.export.write import (
-    CONTROLLER_EXPORTS,
-    EXPORTS,
     XML_FORMATS,
     Exported,
     ExportedController,
@@ -27,6 +25,7 @@ from fuzzyarm.export.write import (
     write_export,
 )
 from fuzzyarm.lazy import lazily
+from fuzzyarm.text.folders import CONTROLLER_EXPORTS, EXPORTS
 
 __all__ = [
     "CONTROLLER_EXPORTS",

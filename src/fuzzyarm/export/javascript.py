@@ -86,6 +86,7 @@ class Functions:
 
     def expression(self, root: Node, numbers: Sequence[str]) -> int:
         """See :class:`fuzzyarm.inference.row_functions.Addresses`."""
+        # The engine hands the numbers over by their index.
         plain = {name: symbol(f"n{index}") for index, name in enumerate(numbers)}
         return self._number({"formula": _tree(replace(root, plain))})
 

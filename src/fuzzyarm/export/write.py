@@ -28,13 +28,7 @@ from fuzzyarm.export.table_numbers import fixed_table, float_table
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.table import LookupTable
 from fuzzyarm.text.files import write_atomically
-
-EXPORTS = (".h", ".c", ".st", ".xml", ".scl", ".py")
-"""Suffixes of exported files: a header on its own, a pair of .c and .h, Structured Text, the same
-as XML, SCL, a module for MicroPython."""
-
-CONTROLLER_EXPORTS = (".h", ".c", ".st", ".xml", ".scl", ".py", ".fmu")
-"""Suffixes of an exported controller."""
+from fuzzyarm.text.folders import CONTROLLER_EXPORTS, EXPORTS
 
 XML_FORMATS: Mapping[str, Callable[[Project], str]] = MappingProxyType(
     {"plcopen": plcopen_xml, "iec61131-10": iec61131_10_xml}

@@ -151,6 +151,7 @@ class SystemReader:
         """Set the defuzzifier that a word names, and the value without rules."""
         dialect = self.dialect
         at = draft.method or draft.word
+        # Whether it is integrated or weighed: MATLAB gives the middle for both.
         if dialect.silent == "middle" and _is_nan(draft.no_rule) and draft.bounded:
             draft.no_rule = 0.5 * (draft.low + draft.high)
         if name in dialect.weighted:

@@ -279,6 +279,7 @@ def text_of(node: Any) -> str:
 
 def sentence(node: Any) -> str:
     """Return the part after the first word of a node, on one line."""
+    # A long rule goes on below, and a grid has its lines there.
     lines = text_of(node).split("\n")
     return " ".join(line.strip() for line in lines).split(" ", 1)[1]
 

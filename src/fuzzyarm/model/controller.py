@@ -372,6 +372,7 @@ def _gain_through(
             continue
         before = gains[str(inside[0].value)]
         others = tuple(factor for factor in product.factors if factor is not inside[0])
+        # Products of two such signals, and quotients by one, are not linear.
         if before is None or len(inside) > 1 or inside[0].divides:
             return None
         gain_here = _times(before, (Product(others, product.negative),), constants)

@@ -60,6 +60,7 @@ class Journal:
         self.path = Path(path)
         self.work, self.columns, self.piece, self.option = work, tuple(columns), piece, option
         self.first = f"# fuzzyarm {work} 1\n"
+        # Sorted: the same question begins a file with the same bytes.
         request_text = json.dumps(question, sort_keys=True, ensure_ascii=False)
         self.head = f"{self.first}# {request_text}\n{csv_line(self.columns)}"
 

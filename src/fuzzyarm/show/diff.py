@@ -136,7 +136,9 @@ def _rules(rulebase: RuleBase) -> dict[str, str]:
         for rule in block.rules:
             home = f"{block.name}: " if block.name else ""
             key = f"{home}if {expression_words(_sorted(rule.antecedent, rulebase))}"
-            rules.setdefault(key, []).append(rule_sentence(rule).rpartition(" then ")[2])
+            # Not what stands behind the last `then`: a name may have one in it.
+            head = f"if {expression_words(rule.antecedent)} then "
+            rules.setdefault(key, []).append(rule_sentence(rule).removeprefix(head))
     return {key: ", ".join(sorted(results)) for key, results in rules.items()}
 
 

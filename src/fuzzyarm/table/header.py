@@ -374,6 +374,7 @@ _STATEMENTS: dict[str, _Statement] = {
 KEYWORDS = {word: statement.help for word, statement in _STATEMENTS.items()}
 """Keyword → one line for help: the words that start a line of a `.lut` file."""
 
+# Read and printed in `text.py`, with all that follows it.
 KEYWORDS["grid"] = "the values"
 
 

@@ -21,6 +21,13 @@ READABLE = (*SUFFIXES, ".t2fis", ".xml")
 TABLES = (".lut", ".csv", ".npz", ".json")
 """Suffixes of lookup tables; they stand here likewise."""
 
+EXPORTS = (".h", ".c", ".st", ".xml", ".scl", ".py")
+"""Suffixes of source text: a header on its own, a pair of .c and .h, Structured Text, the same as
+XML, SCL, a module for MicroPython. They stand here likewise."""
+
+CONTROLLER_EXPORTS = (*EXPORTS, ".fmu")
+"""Suffixes of an exported controller."""
+
 PACKAGES = ("node_modules", "__pycache__", "site-packages")
 """Folders of packages, whoever made them."""
 

@@ -53,6 +53,7 @@ def _memory(values: Sequence[Any], kind: DType) -> Any:
         return Things(values)
     if kind is BOOL:
         return memoryview(bytearray(map(bool, values))).cast("?")
+    # Whole numbers as they are; a float among them is a TypeError, and then each is converted.
     if kind.kind == "i":
         try:
             return memoryview(row_of(kind.code, values))
